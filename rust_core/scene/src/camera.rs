@@ -1,0 +1,289 @@
+//! The virtual camera: a CameraInfo's projection matrix P at a pose in the fixed frame.
+//!
+//! A projector is a camera run backwards, so this is the projector too. Reproduces what rviz's CameraPub display does
+//! with a CameraInfo, and offers the projection that P actually means.
+
+use nalgebra::{Isometry3, Matrix4, Point3, Translation3, UnitQuaternion, Vector3};
+use thiserror::Error;
+
+/// The far clip distance of a CameraPub camera, in metres.
+pub const FAR_CLIP_M: f64 = 100.0;
+
+/// The longest side of a picture, in pixels.
+pub const MAX_SIDE_PX: u32 = 16384;
+
+/// What is wrong with a CameraInfo; the field is named, the caller names the topic.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CameraError {
+    /// A field is NaN or infinite.
+    #[error("{field} is {value}, not a finite number")]
+    NotFinite {
+        /// `P[2]`, say.
+        field: String,
+        /// NaN or an infinity.
+        value: f64,
+    },
+    /// Width or height is zero.
+    #[error("{field} is 0")]
+    ZeroSize {
+        /// `width` or `height`.
+        field: &'static str,
+    },
+    /// Width or height is past [`MAX_SIDE_PX`].
+    #[error("{field} is {value}, larger than {MAX_SIDE_PX}")]
+    TooLarge {
+        /// `width` or `height`.
+        field: &'static str,
+        /// The size in pixels.
+        value: u32,
+    },
+    /// A focal length is zero.
+    #[error("{field} (a focal length) is 0")]
+    ZeroFocalLength {
+        /// `P[0]` or `P[5]`.
+        field: &'static str,
+    },
+}
+
+/// A pinhole camera, from a CameraInfo's size and its row-major 3×4 matrix
+/// `P = [fx 0 cx Tx; 0 fy cy Ty; 0 0 1 0]` (K, R and D play no part). Pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intrinsics {
+    /// Picture width.
+    pub width_px: u32,
+    /// Picture height.
+    pub height_px: u32,
+    /// Focal length along a row.
+    pub fx_px: f64,
+    /// Focal length along a column.
+    pub fy_px: f64,
+    /// Principal point from the left; may lie outside of the picture.
+    pub cx_px: f64,
+    /// Principal point from the top; projectors throw upwards, so it may lie far below the picture.
+    pub cy_px: f64,
+    /// `P[3]`: −fx times the camera's offset in metres along the optical frame's x.
+    pub tx: f64,
+    /// `P[7]`: −fy times the camera's offset in metres along the optical frame's y.
+    pub ty: f64,
+}
+
+impl Intrinsics {
+    /// Checks and reads a CameraInfo's size and P.
+    ///
+    /// # Errors
+    /// The first field that makes drawing impossible, see [`CameraError`].
+    pub fn from_p(width_px: u32, height_px: u32, p: &[f64; 12]) -> Result<Self, CameraError> {
+        for (field, value) in [("width", width_px), ("height", height_px)] {
+            if value == 0 {
+                return Err(CameraError::ZeroSize { field });
+            }
+            if value > MAX_SIDE_PX {
+                return Err(CameraError::TooLarge { field, value });
+            }
+        }
+        require_finite("P", p)?;
+        for (field, value) in [("P[0]", p[0]), ("P[5]", p[5])] {
+            if value == 0.0 {
+                return Err(CameraError::ZeroFocalLength { field });
+            }
+        }
+        Ok(Self { width_px, height_px, fx_px: p[0], fy_px: p[5], cx_px: p[2], cy_px: p[6], tx: p[3], ty: p[7] })
+    }
+
+    /// Whether rviz's CameraPub and the meaning of P agree on these intrinsics: square pixels (to one part in a
+    /// million) and no vertical offset.
+    pub fn rviz_is_exact(&self) -> bool {
+        (self.fx_px - self.fy_px).abs() <= 1e-6 * self.fx_px.abs() && self.ty == 0.0
+    }
+
+    /// The intrinsics that rviz's CameraPub in effect draws with. It shrinks the longer focal length (and the
+    /// principal point's offset from the centre along that axis) to the shorter one, and moves the camera up where
+    /// `P[7]` means down.
+    pub fn as_rviz_draws(&self) -> Self {
+        let zoom_x = (self.fy_px / self.fx_px).min(1.0);
+        let zoom_y = (self.fx_px / self.fy_px).min(1.0);
+        let (half_width, half_height) = (f64::from(self.width_px) / 2.0, f64::from(self.height_px) / 2.0);
+        Self {
+            fx_px: self.fx_px * zoom_x,
+            fy_px: self.fy_px * zoom_y,
+            cx_px: half_width + (self.cx_px - half_width) * zoom_x,
+            cy_px: half_height + (self.cy_px - half_height) * zoom_y,
+            tx: self.tx * zoom_x,
+            ty: -self.ty * zoom_y,
+            ..*self
+        }
+    }
+}
+
+/// Checks that all numbers of a CameraInfo's field are finite.
+///
+/// # Errors
+/// The first that is not, named `FIELD[INDEX]`.
+pub fn require_finite(field: &str, values: &[f64]) -> Result<(), CameraError> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(i) => Err(CameraError::NotFinite { field: format!("{field}[{i}]"), value: values[i] }),
+        None => Ok(()),
+    }
+}
+
+/// A camera at a pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    intrinsics: Intrinsics,
+    near_m: f64,
+    fixed_from_view: Isometry3<f64>,
+    clip_from_view: Matrix4<f64>,
+}
+
+impl Camera {
+    /// A camera whose optical frame (x right, y down, z forward) stands at a pose in the fixed frame and that draws
+    /// what lies between `near_m` and [`FAR_CLIP_M`] in front of it. Tx and Ty of the intrinsics move it.
+    ///
+    /// A near distance that is not above zero or not below the far one is moved just inside of that range.
+    pub fn new(intrinsics: Intrinsics, fixed_from_optical: &Isometry3<f64>, near_m: f64) -> Self {
+        let near_m = near_m.clamp(1e-6, FAR_CLIP_M * 0.999);
+        let Intrinsics { fx_px, fy_px, cx_px, cy_px, tx, ty, .. } = intrinsics;
+        let optical_from_camera = Translation3::new(-tx / fx_px, -ty / fy_px, 0.0);
+        let optical_from_view = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let (width, height) = (f64::from(intrinsics.width_px), f64::from(intrinsics.height_px));
+        let depth = FAR_CLIP_M - near_m;
+        #[rustfmt::skip]
+        let clip_from_view = Matrix4::new(
+            2.0 * fx_px / width, 0.0, 1.0 - 2.0 * cx_px / width, 0.0,
+            0.0, 2.0 * fy_px / height, 2.0 * cy_px / height - 1.0, 0.0,
+            0.0, 0.0, -(FAR_CLIP_M + near_m) / depth, -2.0 * FAR_CLIP_M * near_m / depth,
+            0.0, 0.0, -1.0, 0.0,
+        );
+        Self {
+            intrinsics,
+            near_m,
+            fixed_from_view: fixed_from_optical * optical_from_camera * optical_from_view,
+            clip_from_view,
+        }
+    }
+
+    /// What it was made from.
+    pub fn intrinsics(&self) -> &Intrinsics {
+        &self.intrinsics
+    }
+
+    /// Picture width in pixels.
+    pub fn width_px(&self) -> u32 {
+        self.intrinsics.width_px
+    }
+
+    /// Picture height in pixels.
+    pub fn height_px(&self) -> u32 {
+        self.intrinsics.height_px
+    }
+
+    /// Near clip distance in metres.
+    pub fn near_m(&self) -> f64 {
+        self.near_m
+    }
+
+    /// The pose of the view frame (x right, y up, looking along −z) in the fixed frame.
+    pub fn fixed_from_view(&self) -> &Isometry3<f64> {
+        &self.fixed_from_view
+    }
+
+    /// OpenGL's projection: clip coordinates with depth −w to w, y up.
+    pub fn clip_from_view(&self) -> &Matrix4<f64> {
+        &self.clip_from_view
+    }
+
+    /// The eye in the fixed frame.
+    pub fn eye(&self) -> Point3<f64> {
+        Point3::from(self.fixed_from_view.translation.vector)
+    }
+
+    /// From an object's frame to the view frame. Computed in `f64`, so that a scene far from the fixed frame's origin
+    /// keeps its precision.
+    pub fn view_from_object(&self, fixed_from_object: &Matrix4<f64>) -> Matrix4<f32> {
+        (self.fixed_from_view.inverse().to_homogeneous() * fixed_from_object).cast()
+    }
+
+    /// From the frame of something that faces the camera (text), to the view frame: the object's position and scale
+    /// without its rotation.
+    pub fn view_from_facing(&self, fixed_from_object: &Matrix4<f64>) -> Matrix4<f32> {
+        let position = Point3::from(fixed_from_object.fixed_view::<3, 1>(0, 3).into_owned());
+        let mut view_from_object = self.fixed_from_view.inverse_transform_point(&position).coords.push(1.0);
+        view_from_object.w = 1.0;
+        let mut matrix = Matrix4::zeros();
+        for i in 0..3 {
+            matrix[(i, i)] = fixed_from_object.fixed_view::<3, 1>(0, i).norm();
+        }
+        matrix.set_column(3, &view_from_object);
+        matrix.cast()
+    }
+
+    /// The eye in an object's frame; the object's origin where its matrix cannot be inverted.
+    pub fn eye_in_object(&self, fixed_from_object: &Matrix4<f64>) -> Point3<f32> {
+        fixed_from_object
+            .try_inverse()
+            .map_or_else(Point3::origin, |object_from_fixed| object_from_fixed.transform_point(&self.eye()))
+            .cast()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pixel(camera: &Camera, optical: Point3<f64>) -> (f64, f64) {
+        let fixed_from_optical =
+            camera.fixed_from_view * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let view = camera.fixed_from_view.inverse_transform_point(&(fixed_from_optical * optical));
+        let clip = camera.clip_from_view * view.to_homogeneous();
+        let (width, height) = (f64::from(camera.width_px()), f64::from(camera.height_px()));
+        ((clip.x / clip.w + 1.0) / 2.0 * width, (1.0 - clip.y / clip.w) / 2.0 * height)
+    }
+
+    const P: [f64; 12] = [1900.0, 0.0, 640.0, 0.0, 0.0, 1900.0, 750.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+
+    #[test]
+    fn a_point_lands_where_p_says() {
+        let intrinsics = Intrinsics::from_p(1280, 800, &P).unwrap();
+        let camera = Camera::new(intrinsics, &Isometry3::identity(), 0.01);
+        let (u, v) = pixel(&camera, Point3::new(0.1, -0.2, 2.0));
+        assert!((u - (640.0 + 1900.0 * 0.05)).abs() < 1e-9, "{u}");
+        assert!((v - (750.0 - 1900.0 * 0.1)).abs() < 1e-9, "{v}");
+    }
+
+    #[test]
+    fn rviz_draws_square_pixels_whatever_p_says() {
+        let mut p = P;
+        p[0] = 1000.0;
+        let intrinsics = Intrinsics::from_p(1280, 800, &p).unwrap();
+        assert!(!intrinsics.rviz_is_exact());
+        let drawn = intrinsics.as_rviz_draws();
+        assert_eq!((drawn.fx_px, drawn.fy_px), (1000.0, 1000.0));
+        assert!((drawn.cy_px - (400.0 + 350.0 * 1000.0 / 1900.0)).abs() < 1e-9);
+        assert_eq!(drawn.cx_px, 640.0);
+    }
+
+    #[test]
+    fn tx_moves_the_camera_to_the_right_and_ty_down() {
+        let mut p = P;
+        (p[3], p[7]) = (-190.0, -380.0);
+        let camera = Camera::new(Intrinsics::from_p(1280, 800, &p).unwrap(), &Isometry3::identity(), 0.01);
+        assert!((camera.eye() - Point3::new(0.1, 0.2, 0.0)).norm() < 1e-12);
+        let rviz = Intrinsics::from_p(1280, 800, &p).unwrap().as_rviz_draws();
+        let camera = Camera::new(rviz, &Isometry3::identity(), 0.01);
+        assert!((camera.eye() - Point3::new(0.1, -0.2, 0.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn bad_camera_infos_are_refused_with_the_field_named() {
+        let with = |i: usize, value: f64| {
+            let mut p = P;
+            p[i] = value;
+            Intrinsics::from_p(1280, 800, &p).unwrap_err().to_string()
+        };
+        assert!(with(6, f64::NAN).starts_with("P[6] is NaN"));
+        assert!(with(11, f64::INFINITY).starts_with("P[11] is inf"));
+        assert!(with(5, 0.0).starts_with("P[5]"));
+        assert_eq!(Intrinsics::from_p(0, 800, &P).unwrap_err().to_string(), "width is 0");
+        assert_eq!(Intrinsics::from_p(1280, 16385, &P).unwrap_err().to_string(), "height is 16385, larger than 16384");
+    }
+}

@@ -1,0 +1,56 @@
+//! A colour as rviz stores it: four channels of 0 to 1, not gamma-corrected.
+
+/// Red, green, blue and alpha of 0 to 1, not premultiplied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rgba {
+    /// Red, 0 to 1.
+    pub r: f32,
+    /// Green, 0 to 1.
+    pub g: f32,
+    /// Blue, 0 to 1.
+    pub b: f32,
+    /// Opacity: 0 is invisible, 1 hides what is behind.
+    pub a: f32,
+}
+
+impl Rgba {
+    /// Opaque white.
+    pub const WHITE: Self = Self::new(1.0, 1.0, 1.0, 1.0);
+    /// Opaque black.
+    pub const BLACK: Self = Self::new(0.0, 0.0, 0.0, 1.0);
+    /// All channels zero.
+    pub const TRANSPARENT: Self = Self::new(0.0, 0.0, 0.0, 0.0);
+
+    /// A colour of four channels, each 0 to 1.
+    pub const fn new(r: f32, g: f32, b: f32, a: f32) -> Self {
+        Self { r, g, b, a }
+    }
+
+    /// An 8-bit colour, such as a `.rviz` file's `115; 210; 22`, with an opacity of 0 to 1.
+    pub fn from_rgb8(rgb: [u8; 3], alpha: f32) -> Self {
+        let [r, g, b] = rgb.map(|c| f32::from(c) / 255.0);
+        Self { r, g, b, a: alpha }
+    }
+
+    /// The same colour with another opacity of 0 to 1.
+    pub const fn with_alpha(self, alpha: f32) -> Self {
+        Self { a: alpha, ..self }
+    }
+
+    /// Four bytes, red first, each channel rounded the way Ogre packs vertex colours: clamped to 0 to 1, times 255,
+    /// cut off. NaN becomes 0.
+    pub fn to_rgba8(self) -> [u8; 4] {
+        self.to_array().map(|c| (c.clamp(0.0, 1.0) * 255.0) as u8)
+    }
+
+    /// Red, green, blue, alpha.
+    pub const fn to_array(self) -> [f32; 4] {
+        [self.r, self.g, self.b, self.a]
+    }
+}
+
+impl From<[f32; 4]> for Rgba {
+    fn from([r, g, b, a]: [f32; 4]) -> Self {
+        Self { r, g, b, a }
+    }
+}

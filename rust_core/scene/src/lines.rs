@@ -1,0 +1,41 @@
+//! Lines of one pixel, as OpenGL draws them (`OT_LINE_LIST`, `OT_LINE_STRIP` in Ogre).
+
+use crate::Blending;
+
+/// How the vertices of [`Lines`] are joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineTopology {
+    /// Vertices 0–1, 2–3, 4–5 …
+    List,
+    /// Vertices 0–1–2–3 …
+    Strip,
+}
+
+/// Lines one pixel wide, unlit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lines {
+    /// Positions in metres in the object's frame.
+    pub positions: Vec<[f32; 3]>,
+    /// One colour a vertex, red first, interpolated along a line; or a single one for all.
+    pub colors: Vec<[u8; 4]>,
+    /// How the vertices are joined.
+    pub topology: LineTopology,
+    /// How the lines meet what is behind them.
+    pub blending: Blending,
+}
+
+impl Lines {
+    /// The colour of a vertex: its own, or the only one; white where there is none.
+    pub fn color(&self, index: usize) -> [u8; 4] {
+        self.colors.get(index).or_else(|| self.colors.first()).copied().unwrap_or([255; 4])
+    }
+
+    /// The pairs of vertex indices that are joined.
+    pub fn segments(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let (count, stride) = match self.topology {
+            LineTopology::List => (self.positions.len() / 2, 2),
+            LineTopology::Strip => (self.positions.len().saturating_sub(1), 1),
+        };
+        (0..count).map(move |i| (i * stride, i * stride + 1))
+    }
+}

@@ -1,0 +1,145 @@
+//! How a surface is coloured: light, textures, blending, culling.
+//!
+//! This is the part of Ogre's fixed-function material that rviz uses. Light is computed for each vertex and
+//! interpolated (Gouraud), and rviz's scene has no ambient light, so a material's ambient colour never shows.
+
+use std::sync::Arc;
+
+use crate::Rgba;
+
+/// How a fragment meets what is drawn already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Blending {
+    /// It replaces it (Ogre's `SBT_REPLACE`), whatever its alpha.
+    #[default]
+    Replace,
+    /// `colour · alpha + behind · (1 − alpha)` (`SBT_TRANSPARENT_ALPHA`).
+    Alpha,
+}
+
+/// Which side of a triangle is not drawn. The front is the side from which the vertices run counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum CullMode {
+    /// Both sides are drawn.
+    None,
+    /// The back is not drawn: Ogre's default, `CULL_CLOCKWISE`.
+    #[default]
+    Back,
+    /// The front is not drawn: `CULL_ANTICLOCKWISE`.
+    Front,
+}
+
+/// How a surface gets its colour before its texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lighting {
+    /// The vertex colour where the mesh has one, else white.
+    Unlit,
+    /// `emissive + diffuse · max(0, n·l) + specular · max(0, n·h)^shininess` at each vertex, clamped to 1; the
+    /// diffuse alpha is the surface's alpha. Without a light, emissive alone.
+    Lit {
+        /// Diffuse colour and opacity. Replaced by the vertex colour where [`Material::vertex_colors`] is set.
+        diffuse: Rgba,
+        /// Specular colour; rviz uses black nearly everywhere.
+        specular: Rgba,
+        /// Specular exponent; specular is left out at 0.
+        shininess: f32,
+        /// Colour given off in the dark.
+        emissive: Rgba,
+    },
+}
+
+/// How a texture is read between its texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filtering {
+    /// The nearest texel.
+    Nearest,
+    /// Between the four nearest texels of the full-size image.
+    Bilinear,
+    /// Between the four nearest texels of the nearest mipmap level (Ogre's default `TFO_BILINEAR`: linear within a
+    /// level, the nearest level).
+    BilinearMipmap,
+}
+
+/// How a texture is read outside of 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrapping {
+    /// It repeats (Ogre's default).
+    Repeat,
+    /// The edge texel goes on.
+    Clamp,
+}
+
+/// An image on a surface. Row 0 is at v = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Width in texels, at least 1.
+    pub width: u32,
+    /// Height in texels, at least 1.
+    pub height: u32,
+    /// `width · height` texels, row by row, red first.
+    pub rgba: Vec<[u8; 4]>,
+    /// How it is read between texels.
+    pub filtering: Filtering,
+    /// How it is read outside of 0 to 1.
+    pub wrapping: Wrapping,
+}
+
+/// How a mesh is drawn.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// Where the colour comes from.
+    pub lighting: Lighting,
+    /// The mesh's vertex colours are used: as the colour when unlit, as the diffuse colour when lit.
+    pub vertex_colors: bool,
+    /// Multiplied with the colour, alpha included (fixed-function modulate).
+    pub texture: Option<Arc<Texture>>,
+    /// How it meets what is behind.
+    pub blending: Blending,
+    /// Whether it hides what is drawn after it and farther away.
+    pub depth_write: bool,
+    /// Whether nearer things that are drawn already hide it.
+    pub depth_test: bool,
+    /// Draw in front of a surface of the same depth by this many smallest depth steps and slopes
+    /// (`glPolygonOffset(-bias, -bias)`); 0 for most.
+    pub depth_bias: f32,
+    /// Which side is not drawn.
+    pub cull: CullMode,
+}
+
+impl Material {
+    /// A lit surface of one colour, as `rviz::Shape::setColor` makes it: blended and without depth writes when its
+    /// opacity is below 0.9998.
+    pub fn lit(color: Rgba) -> Self {
+        let translucent = color.a < Self::OPAQUE_FROM_ALPHA;
+        Self {
+            lighting: Lighting::Lit {
+                diffuse: color,
+                specular: Rgba::TRANSPARENT,
+                shininess: 0.0,
+                emissive: Rgba::TRANSPARENT,
+            },
+            vertex_colors: false,
+            texture: None,
+            blending: if translucent { Blending::Alpha } else { Blending::Replace },
+            depth_write: !translucent,
+            depth_test: true,
+            depth_bias: 0.0,
+            cull: CullMode::Back,
+        }
+    }
+
+    /// An unlit surface in its vertex colours; blended and without depth writes when `translucent`.
+    pub fn unlit(translucent: bool) -> Self {
+        Self { lighting: Lighting::Unlit, vertex_colors: true, ..Self::lit(Rgba::WHITE) }.translucent(translucent)
+    }
+
+    /// The same, blended and without depth writes, or opaque.
+    pub fn translucent(mut self, translucent: bool) -> Self {
+        self.blending = if translucent { Blending::Alpha } else { Blending::Replace };
+        self.depth_write = !translucent;
+        self
+    }
+
+    /// rviz takes a colour for opaque from this alpha on.
+    pub const OPAQUE_FROM_ALPHA: f32 = 0.9998;
+}

@@ -1,0 +1,110 @@
+//! A finished picture in one of the encodings of a `sensor_msgs/Image`.
+
+/// The encodings that a CameraPub display offers, by their names in `sensor_msgs/image_encodings`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Encoding {
+    /// Red, green, blue, 8 bits each.
+    #[default]
+    Rgb8,
+    /// Red, green, blue, alpha (always 255), 8 bits each.
+    Rgba8,
+    /// Blue, green, red, 8 bits each.
+    Bgr8,
+    /// Blue, green, red, alpha (always 255), 8 bits each.
+    Bgra8,
+    /// The red channel, 8 bits (Ogre takes red for luminance).
+    Mono8,
+    /// The red channel, 16 bits, little endian.
+    Mono16,
+}
+
+impl Encoding {
+    /// All of them, in the order of rviz's menu.
+    pub const ALL: [Self; 6] = [Self::Rgb8, Self::Rgba8, Self::Bgr8, Self::Bgra8, Self::Mono8, Self::Mono16];
+
+    /// The name in `sensor_msgs/image_encodings`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rgb8 => "rgb8",
+            Self::Rgba8 => "rgba8",
+            Self::Bgr8 => "bgr8",
+            Self::Bgra8 => "bgra8",
+            Self::Mono8 => "mono8",
+            Self::Mono16 => "mono16",
+        }
+    }
+
+    /// The encoding of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|encoding| encoding.name() == name)
+    }
+
+    /// Bytes of one pixel.
+    pub const fn bytes_per_pixel(self) -> usize {
+        match self {
+            Self::Mono8 => 1,
+            Self::Mono16 => 2,
+            Self::Rgb8 | Self::Bgr8 => 3,
+            Self::Rgba8 | Self::Bgra8 => 4,
+        }
+    }
+
+    /// Writes one row of RGBA pixels in this encoding. `row` holds [`Self::bytes_per_pixel`] bytes for each pixel;
+    /// what is past the shorter of the two is left alone.
+    pub fn write_row(self, pixels: &[[u8; 4]], row: &mut [u8]) {
+        let cells = row.chunks_exact_mut(self.bytes_per_pixel()).zip(pixels);
+        match self {
+            Self::Rgb8 => cells.for_each(|(cell, p)| cell.copy_from_slice(&p[..3])),
+            Self::Rgba8 => cells.for_each(|(cell, p)| cell.copy_from_slice(&[p[0], p[1], p[2], 255])),
+            Self::Bgr8 => cells.for_each(|(cell, p)| cell.copy_from_slice(&[p[2], p[1], p[0]])),
+            Self::Bgra8 => cells.for_each(|(cell, p)| cell.copy_from_slice(&[p[2], p[1], p[0], 255])),
+            Self::Mono8 => cells.for_each(|(cell, p)| cell[0] = p[0]),
+            Self::Mono16 => {
+                cells.for_each(|(cell, p)| cell.copy_from_slice(&(u16::from(p[0]) * 257).to_le_bytes()));
+            }
+        }
+    }
+}
+
+/// A picture whose bytes are laid out as in a `sensor_msgs/Image`: rows from the top, no padding, little endian.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub width_px: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// What the bytes mean.
+    pub encoding: Encoding,
+    /// `height · step` bytes.
+    pub data: Vec<u8>,
+}
+
+impl Picture {
+    /// Makes it a picture of this size and encoding; the bytes may hold anything. Keeps its memory.
+    pub fn reset(&mut self, width_px: u32, height_px: u32, encoding: Encoding) {
+        *self = Self { width_px, height_px, encoding, data: std::mem::take(&mut self.data) };
+        self.data.resize(self.step() * height_px as usize, 0);
+    }
+
+    /// Bytes of a row.
+    pub fn step(&self) -> usize {
+        self.width_px as usize * self.encoding.bytes_per_pixel()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_encoding_is_found_by_its_name_and_writes_its_bytes() {
+        let expected: [&[u8]; 6] = [&[1, 2, 3], &[1, 2, 3, 255], &[3, 2, 1], &[3, 2, 1, 255], &[1], &[1, 1]];
+        for (encoding, bytes) in Encoding::ALL.into_iter().zip(expected) {
+            assert_eq!(Encoding::from_name(encoding.name()), Some(encoding));
+            let mut row = vec![0; encoding.bytes_per_pixel()];
+            encoding.write_row(&[[1, 2, 3, 4]], &mut row);
+            assert_eq!(row, bytes, "{encoding:?}");
+        }
+        assert_eq!(Encoding::from_name("yuv422"), None);
+    }
+}

@@ -1,0 +1,91 @@
+//! Point clouds: many equal splats, drawn in one of rviz's styles.
+//!
+//! Reproduces `rviz::PointCloud` and its shaders. All splats of a cloud have one size and one style; the geometry
+//! ([`PointBuffer`]) is apart from style, size and opacity, so that changing those does not touch the points.
+
+use std::sync::Arc;
+
+/// How one point is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PointStyle {
+    /// A round spot of a fixed size on the picture, `Style: Points`. It has the depth of its centre.
+    Points {
+        /// Diameter in pixels.
+        diameter_px: f32,
+    },
+    /// A square facing the picture plane with a contrasting edge, `Style: Squares`.
+    Squares {
+        /// Side length in metres.
+        side_m: f32,
+    },
+    /// A square facing the picture plane in one colour, `Style: Flat Squares`.
+    FlatSquares {
+        /// Side length in metres.
+        side_m: f32,
+    },
+    /// A disc facing the picture plane, darker to its edge, `Style: Spheres`.
+    Spheres {
+        /// Diameter in metres.
+        diameter_m: f32,
+    },
+    /// A box along the axes of the cloud's own frame, each side with a shade and a darker edge, `Style: Boxes`.
+    Boxes {
+        /// Edge lengths in metres along the object's x, y and z.
+        size_m: [f32; 3],
+    },
+    /// A square of a fixed orientation in the object's frame with a contrasting edge (`rviz::PointCloud::RM_TILES`,
+    /// used by GridCells).
+    Tiles {
+        /// Side lengths in metres along `up` × `normal` and along `up`.
+        size_m: [f32; 2],
+        /// Unit normal in the object's frame.
+        normal: [f32; 3],
+        /// Unit up direction in the object's frame.
+        up: [f32; 3],
+    },
+}
+
+/// The colours of a cloud's points.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PointColors {
+    /// One colour, red first, for all points.
+    Uniform([u8; 4]),
+    /// One colour a point, red first, in the order of the positions.
+    PerPoint(Vec<[u8; 4]>),
+}
+
+impl PointColors {
+    /// The colour of the point with this index, red first; white past the end.
+    #[inline]
+    pub fn get(&self, index: usize) -> [u8; 4] {
+        match self {
+            Self::Uniform(color) => *color,
+            Self::PerPoint(colors) => colors.get(index).copied().unwrap_or([255; 4]),
+        }
+    }
+}
+
+/// The points of a cloud; every position is finite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointBuffer {
+    /// Positions in metres in the object's frame.
+    pub positions: Vec<[f32; 3]>,
+    /// Colours; as many as positions, or one for all.
+    pub colors: PointColors,
+}
+
+/// A cloud with the way it is drawn.
+#[derive(Clone, Debug)]
+pub struct Points {
+    /// What is drawn.
+    pub buffer: Arc<PointBuffer>,
+    /// How each point is drawn.
+    pub style: PointStyle,
+    /// Opacity of 0 to 1, multiplied with each colour's own.
+    pub alpha: f32,
+    /// Whether points blend with what is behind them and do not write depth. rviz does so below an opacity of 0.9998
+    /// and where each point has an opacity of its own; otherwise points replace what is behind, whatever their alpha.
+    pub blended: bool,
+    /// Sizes are multiplied by each point's z in the object's frame (DepthCloud's "Auto Size").
+    pub auto_size: bool,
+}

@@ -1,0 +1,57 @@
+//! Wide lines: flat ribbons that turn towards the eye, with a width in metres.
+//!
+//! Reproduces `rviz::BillboardLine` on Ogre's `BillboardChain`: at each element the ribbon spreads by half its width
+//! to both sides, perpendicular to the line's tangent there (towards the next element at the first, from the previous
+//! at the last, from previous to next between) and to the direction to the eye.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::{Blending, Mesh, Vertex};
+
+/// A corner of a wide line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RibbonElement {
+    /// Metres in the object's frame.
+    pub position: [f32; 3],
+    /// Red first, interpolated along the line.
+    pub color: [u8; 4],
+}
+
+/// Wide lines of one width.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ribbons {
+    /// Each a line through its elements; those of fewer than two elements are not drawn.
+    pub chains: Vec<Vec<RibbonElement>>,
+    /// Width in metres.
+    pub width_m: f32,
+    /// How they meet what is behind them.
+    pub blending: Blending,
+}
+
+impl Ribbons {
+    /// The ribbons as triangles in the object's frame, turned to an eye given in the object's frame.
+    pub fn to_mesh(&self, eye: Point3<f32>) -> Mesh {
+        let elements: usize = self.chains.iter().map(Vec::len).sum();
+        let mut mesh = Mesh { vertices: Vec::with_capacity(elements * 2), indices: Vec::with_capacity(elements * 6) };
+        for chain in self.chains.iter().filter(|chain| chain.len() > 1) {
+            let base = mesh.vertices.len() as u32;
+            for (i, element) in chain.iter().enumerate() {
+                let at = |i: usize| Vector3::from(chain[i].position);
+                let here = at(i);
+                let tangent = at((i + 1).min(chain.len() - 1)) - at(i.saturating_sub(1));
+                let side = tangent
+                    .cross(&(eye.coords - here))
+                    .try_normalize(1e-12)
+                    .map_or_else(Vector3::zeros, |side| side * (self.width_m * 0.5));
+                for position in [here - side, here + side] {
+                    mesh.vertices.push(Vertex { color: element.color, ..Vertex::new(position.into(), [0.0; 3]) });
+                }
+            }
+            for i in 0..chain.len() as u32 - 1 {
+                let a = base + 2 * i;
+                mesh.indices.extend([a, a + 1, a + 2, a + 1, a + 3, a + 2]);
+            }
+        }
+        mesh
+    }
+}

@@ -1,0 +1,138 @@
+//! A scene: what is drawn, in the fixed frame, and the light on it.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix4, Point3, Vector3};
+
+use crate::{Blending, Lines, Material, Mesh, Points, Ribbons, Text};
+
+/// Which display a drawable came from: its index in the config's tree order.
+pub type DisplayId = u32;
+
+/// Which displays a camera shows (its "Visibility" property).
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct DisplayMask {
+    hidden: Vec<bool>,
+}
+
+impl DisplayMask {
+    /// All displays are shown.
+    pub fn all() -> Self {
+        Self::default()
+    }
+
+    /// Hides or shows a display.
+    pub fn set(&mut self, display: DisplayId, shown: bool) {
+        let index = display as usize;
+        if index >= self.hidden.len() {
+            self.hidden.resize(index + 1, false);
+        }
+        self.hidden[index] = !shown;
+    }
+
+    /// Whether a display is shown; one that was never set is.
+    pub fn shows(&self, display: DisplayId) -> bool {
+        !self.hidden.get(display as usize).copied().unwrap_or(false)
+    }
+}
+
+/// What is drawn first: groups are drawn one after another, whatever the depth of what is in them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum RenderGroup {
+    /// Before everything else (a Map's "Draw Behind").
+    Behind,
+    /// Nearly everything.
+    #[default]
+    Main,
+    /// After everything else (overlays of interactive markers).
+    Above,
+}
+
+/// The geometry of a drawable with its material.
+#[derive(Clone, Debug)]
+pub enum Geometry {
+    /// A point cloud.
+    Points(Points),
+    /// Lines of one pixel.
+    Lines(Arc<Lines>),
+    /// Wide lines that turn to the eye.
+    Ribbons(Arc<Ribbons>),
+    /// Triangles.
+    Mesh {
+        /// The triangles.
+        mesh: Arc<Mesh>,
+        /// How they look.
+        material: Arc<Material>,
+    },
+    /// Text that turns to the eye.
+    Text(Arc<Text>),
+}
+
+impl Geometry {
+    /// Whether it goes with the translucent drawables: those come after the opaque ones of their group, sorted from
+    /// far to near. Ogre's rule: it blends, and does not write depth or does not test it.
+    pub fn is_translucent(&self) -> bool {
+        match self {
+            Self::Points(points) => points.blended,
+            Self::Lines(lines) => lines.blending == Blending::Alpha,
+            Self::Ribbons(ribbons) => ribbons.blending == Blending::Alpha,
+            Self::Mesh { material, .. } => {
+                material.blending == Blending::Alpha && (!material.depth_write || !material.depth_test)
+            }
+            Self::Text(_) => true,
+        }
+    }
+}
+
+/// One thing to draw.
+#[derive(Clone, Debug)]
+pub struct Drawable {
+    /// Whose it is.
+    pub display: DisplayId,
+    /// From the geometry's own frame to the fixed frame; affine, and may scale.
+    pub fixed_from_object: Matrix4<f64>,
+    /// By whose distance to the eye translucent drawables are sorted, in the fixed frame. Mostly the object's origin;
+    /// Ogre takes other points for clouds and chains.
+    pub sort_point: Point3<f64>,
+    /// When it is drawn.
+    pub group: RenderGroup,
+    /// What is drawn.
+    pub geometry: Geometry,
+}
+
+/// Light from one direction, white.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionalLight {
+    /// Unit vector along which the light travels, in the fixed frame.
+    pub direction: Vector3<f64>,
+}
+
+/// What is drawn and the light on it. Drawables of equal depth are drawn in this order, the later one wins.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// In the order of the displays, and within one in the order in which it made them.
+    pub drawables: Vec<Drawable>,
+    /// rviz's default light, which follows the camera of its main window; `None` when it is switched off.
+    pub light: Option<DirectionalLight>,
+}
+
+impl Scene {
+    /// The drawables that a camera shows, in the order in which Ogre draws them: by group; in a group the opaque ones
+    /// in the scene's order, then the translucent ones from far to near (equally far ones in the scene's order).
+    ///
+    /// `eye` is the camera's position in the fixed frame.
+    pub fn draw_order(&self, visible: &DisplayMask, eye: &Point3<f64>) -> Vec<&Drawable> {
+        let mut order: Vec<(RenderGroup, bool, f64, &Drawable)> = self
+            .drawables
+            .iter()
+            .filter(|drawable| visible.shows(drawable.display))
+            .map(|drawable| {
+                let translucent = drawable.geometry.is_translucent();
+                let nearness = if translucent { -(drawable.sort_point - eye).norm_squared() } else { 0.0 };
+                (drawable.group, translucent, nearness, drawable)
+            })
+            .collect();
+        order.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
+        order.into_iter().map(|(.., drawable)| drawable).collect()
+    }
+}
