@@ -1,0 +1,310 @@
+//! A received picture turned into what a screen wants.
+//!
+//! [`ScreenPicture`] holds one `u32` a pixel, `0x00RRGGBB`, which is what the window's surface takes. It is made from
+//! the fields of a `sensor_msgs/Image`, in any of the six encodings that a camera stream can have (`rgb8`, `rgba8`,
+//! `bgr8`, `bgra8`, `mono8`, `mono16`). Alpha is dropped, as `image_view` drops it. Sixteen bits of grey become
+//! eight by the rule 65535 → 255 with rounding, so that an eight-bit picture widened to sixteen bits comes back exactly.
+//!
+//! [`ScreenPicture::draw_unscaled`] lays it on a surface of any size: picture pixel (u, v) is surface pixel (u, v),
+//! what does not fit is cut off, what is not covered is black.
+
+/// A picture of one `0x00RRGGBB` value a pixel, rows from the top, no padding.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ScreenPicture {
+    width_px: u32,
+    height_px: u32,
+    pixels: Vec<u32>,
+}
+
+/// The fields of a `sensor_msgs/Image`, borrowed from wherever they were received.
+#[derive(Debug, Clone, Copy)]
+pub struct RawPicture<'a> {
+    /// Columns.
+    pub width_px: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// Bytes from the start of one row to the start of the next.
+    pub step_bytes: u32,
+    /// Name of the pixel format, as in `sensor_msgs/image_encodings.h`.
+    pub encoding: &'a str,
+    /// Whether pixels of more than eight bits a channel have their high byte first.
+    pub is_bigendian: bool,
+    /// The pixels.
+    pub data: &'a [u8],
+}
+
+/// Why a received picture cannot be shown.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PictureError {
+    /// The encoding is none of the six.
+    #[error("encoding '{encoding}' cannot be shown (rgb8, rgba8, bgr8, bgra8, mono8 and mono16 can)")]
+    UnknownEncoding {
+        /// The encoding that the message names.
+        encoding: String,
+    },
+    /// Width or height is zero.
+    #[error("the picture is {width_px}x{height_px} pixels")]
+    Empty {
+        /// Columns.
+        width_px: u32,
+        /// Rows.
+        height_px: u32,
+    },
+    /// A row of pixels is longer than the step from row to row.
+    #[error("a row of {width_px} pixels in {encoding} takes {needed_bytes} bytes, but step is {step_bytes}")]
+    StepTooSmall {
+        /// Columns.
+        width_px: u32,
+        /// The encoding that the message names.
+        encoding: String,
+        /// Bytes of one row of pixels.
+        needed_bytes: u64,
+        /// The step that the message claims.
+        step_bytes: u32,
+    },
+    /// There is less data than rows and step claim.
+    #[error("{height_px} rows of {step_bytes} bytes need {needed_bytes} bytes of data, but there are {got_bytes}")]
+    DataTooShort {
+        /// Rows.
+        height_px: u32,
+        /// The step that the message claims.
+        step_bytes: u32,
+        /// Bytes that the claimed rows need (the last one without its padding).
+        needed_bytes: u64,
+        /// Bytes that came.
+        got_bytes: usize,
+    },
+}
+
+/// How one pixel of an encoding is read.
+#[derive(Clone, Copy)]
+struct PixelFormat {
+    bytes_per_pixel: usize,
+    to_rgb: fn(&[u8]) -> u32,
+}
+
+/// Packs three channels into `0x00RRGGBB`.
+fn pack([r, g, b]: [u8; 3]) -> u32 {
+    u32::from_be_bytes([0, r, g, b])
+}
+
+/// Sixteen bits of grey as eight, rounded: the inverse of `v8 * 257`.
+fn narrow(grey16: u16) -> u8 {
+    let rounded = (u32::from(grey16) + 128) / 257;
+    u8::try_from(rounded).unwrap_or(u8::MAX)
+}
+
+impl PixelFormat {
+    fn of(encoding: &str, is_bigendian: bool) -> Option<Self> {
+        fn rgb(p: &[u8]) -> u32 {
+            match *p {
+                [r, g, b, ..] => pack([r, g, b]),
+                _ => 0,
+            }
+        }
+        fn bgr(p: &[u8]) -> u32 {
+            match *p {
+                [b, g, r, ..] => pack([r, g, b]),
+                _ => 0,
+            }
+        }
+        fn grey(p: &[u8]) -> u32 {
+            match *p {
+                [v, ..] => pack([v; 3]),
+                _ => 0,
+            }
+        }
+        fn grey16_le(p: &[u8]) -> u32 {
+            match *p {
+                [low, high, ..] => pack([narrow(u16::from_le_bytes([low, high])); 3]),
+                _ => 0,
+            }
+        }
+        fn grey16_be(p: &[u8]) -> u32 {
+            match *p {
+                [high, low, ..] => pack([narrow(u16::from_be_bytes([high, low])); 3]),
+                _ => 0,
+            }
+        }
+        let (bytes_per_pixel, to_rgb): (usize, fn(&[u8]) -> u32) = match encoding {
+            "rgb8" => (3, rgb),
+            "rgba8" => (4, rgb),
+            "bgr8" => (3, bgr),
+            "bgra8" => (4, bgr),
+            "mono8" => (1, grey),
+            "mono16" if is_bigendian => (2, grey16_be),
+            "mono16" => (2, grey16_le),
+            _ => return None,
+        };
+        Some(Self { bytes_per_pixel, to_rgb })
+    }
+}
+
+impl ScreenPicture {
+    /// Reads a received picture.
+    ///
+    /// # Errors
+    /// [`PictureError`] when the encoding is unknown, the picture is empty, or the data are shorter than the header
+    /// claims. Data beyond the last row are ignored, as image_transport's viewers ignore them.
+    pub fn from_raw(raw: &RawPicture<'_>) -> Result<Self, PictureError> {
+        let RawPicture { width_px, height_px, step_bytes, encoding, is_bigendian, data } = *raw;
+        let format = PixelFormat::of(encoding, is_bigendian)
+            .ok_or_else(|| PictureError::UnknownEncoding { encoding: encoding.to_owned() })?;
+        if width_px == 0 || height_px == 0 {
+            return Err(PictureError::Empty { width_px, height_px });
+        }
+        let row_bytes = u64::from(width_px) * format.bytes_per_pixel as u64;
+        if u64::from(step_bytes) < row_bytes {
+            return Err(PictureError::StepTooSmall {
+                width_px,
+                encoding: encoding.to_owned(),
+                needed_bytes: row_bytes,
+                step_bytes,
+            });
+        }
+        let needed_bytes = u64::from(height_px - 1) * u64::from(step_bytes) + row_bytes;
+        if (data.len() as u64) < needed_bytes {
+            return Err(PictureError::DataTooShort { height_px, step_bytes, needed_bytes, got_bytes: data.len() });
+        }
+        // The data hold `needed_bytes`, so all sizes below fit memory.
+        let row_bytes = width_px as usize * format.bytes_per_pixel;
+        let mut pixels = Vec::with_capacity(width_px as usize * height_px as usize);
+        for row in data.chunks(step_bytes as usize).take(height_px as usize) {
+            let row = row.get(..row_bytes).unwrap_or(row);
+            pixels.extend(row.chunks_exact(format.bytes_per_pixel).map(format.to_rgb));
+        }
+        Ok(Self { width_px, height_px, pixels })
+    }
+
+    /// A picture whose pixel (u, v) is `color(u, v)`, each `[red, green, blue]`.
+    pub fn from_fn(width_px: u32, height_px: u32, mut color: impl FnMut(u32, u32) -> [u8; 3]) -> Self {
+        let mut pixels = Vec::with_capacity(width_px as usize * height_px as usize);
+        for v in 0..height_px {
+            pixels.extend((0..width_px).map(|u| pack(color(u, v))));
+        }
+        Self { width_px, height_px, pixels }
+    }
+
+    /// Columns and rows, in pixels.
+    pub fn size_px(&self) -> (u32, u32) {
+        (self.width_px, self.height_px)
+    }
+
+    /// Lays the picture on a surface `surface_width_px` wide, both top left corners together, without scaling.
+    /// The rest of the surface becomes black.
+    pub fn draw_unscaled(&self, surface: &mut [u32], surface_width_px: u32) {
+        if surface_width_px == 0 {
+            return;
+        }
+        let shown = self.width_px.min(surface_width_px) as usize;
+        let mut rows = self.pixels.chunks(self.width_px.max(1) as usize);
+        for out in surface.chunks_mut(surface_width_px as usize) {
+            let row = rows.next().and_then(|row| row.get(..shown)).unwrap_or(&[]);
+            let (covered, rest) = out.split_at_mut(row.len().min(out.len()));
+            covered.copy_from_slice(row.get(..covered.len()).unwrap_or(&[]));
+            rest.fill(0);
+        }
+    }
+}
+
+/// Three bytes a pixel, red first, of surface pixels (`0x00RRGGBB`).
+pub(crate) fn rgb_bytes(pixels: &[u32]) -> Vec<u8> {
+    pixels
+        .iter()
+        .flat_map(|pixel| {
+            let [_, r, g, b] = pixel.to_be_bytes();
+            [r, g, b]
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn raw<'a>(encoding: &'a str, width_px: u32, step_bytes: u32, data: &'a [u8]) -> RawPicture<'a> {
+        RawPicture { width_px, height_px: 2, step_bytes, encoding, is_bigendian: false, data }
+    }
+
+    #[test]
+    fn every_encoding_is_read_in_its_channel_order() {
+        let cases: [(&str, &[u8], u32); 6] = [
+            ("rgb8", &[1, 2, 3], 0x010203),
+            ("rgba8", &[1, 2, 3, 200], 0x010203),
+            ("bgr8", &[1, 2, 3], 0x030201),
+            ("bgra8", &[1, 2, 3, 200], 0x030201),
+            ("mono8", &[7], 0x070707),
+            ("mono16", &[0x12, 0x34], 0x343434),
+        ];
+        for (encoding, pixel, expected) in cases {
+            let data = pixel.repeat(4);
+            let step = u32::try_from(pixel.len() * 2).unwrap();
+            let picture = ScreenPicture::from_raw(&raw(encoding, 2, step, &data)).unwrap();
+            assert_eq!(picture.pixels, vec![expected; 4], "{encoding}");
+            assert_eq!(picture.size_px(), (2, 2));
+        }
+    }
+
+    #[test]
+    fn mono16_honours_the_byte_order_and_inverts_widening_exactly() {
+        let mut picture = raw("mono16", 1, 2, &[0x12, 0x34, 0x12, 0x34]);
+        picture.is_bigendian = true;
+        assert_eq!(ScreenPicture::from_raw(&picture).unwrap().pixels, vec![0x121212; 2]);
+        for grey in 0..=u8::MAX {
+            assert_eq!(narrow(u16::from(grey) * 257), grey);
+        }
+        assert_eq!(narrow(u16::MAX), 255);
+    }
+
+    #[test]
+    fn padding_between_rows_is_skipped_and_missing_after_the_last() {
+        let data = [1, 2, 3, 99, 99, 4, 5, 6];
+        let picture = ScreenPicture::from_raw(&raw("rgb8", 1, 5, &data)).unwrap();
+        assert_eq!(picture.pixels, vec![0x010203, 0x040506]);
+    }
+
+    #[test]
+    fn data_shorter_than_claimed_is_refused_not_read_past() {
+        assert!(matches!(
+            ScreenPicture::from_raw(&raw("rgb8", 1, 3, &[0; 5])),
+            Err(PictureError::DataTooShort { needed_bytes: 6, got_bytes: 5, .. })
+        ));
+        assert!(matches!(
+            ScreenPicture::from_raw(&raw("bgra8", 2, 7, &[0; 64])),
+            Err(PictureError::StepTooSmall { needed_bytes: 8, .. })
+        ));
+        let huge = RawPicture {
+            width_px: u32::MAX,
+            height_px: u32::MAX,
+            step_bytes: u32::MAX,
+            encoding: "mono8",
+            is_bigendian: false,
+            data: &[0; 8],
+        };
+        assert!(matches!(ScreenPicture::from_raw(&huge), Err(PictureError::DataTooShort { .. })));
+    }
+
+    #[test]
+    fn unknown_encodings_and_empty_pictures_are_named() {
+        let error = ScreenPicture::from_raw(&raw("bayer_rggb8", 1, 1, &[0; 2])).unwrap_err();
+        assert!(error.to_string().contains("bayer_rggb8"));
+        assert!(matches!(ScreenPicture::from_raw(&raw("mono8", 0, 0, &[])), Err(PictureError::Empty { .. })));
+    }
+
+    #[test]
+    fn a_smaller_picture_lies_at_the_top_left_and_the_rest_is_black() {
+        let picture = ScreenPicture::from_fn(2, 2, |u, v| [u as u8 + 1, v as u8 + 1, 9]);
+        let mut surface = vec![0x00ff_ffff; 12];
+        picture.draw_unscaled(&mut surface, 4);
+        assert_eq!(surface, [0x010109, 0x020109, 0, 0, 0x010209, 0x020209, 0, 0, 0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn a_larger_picture_is_cut_off_at_the_right_and_bottom() {
+        let picture = ScreenPicture::from_fn(4, 3, |u, v| [u as u8, v as u8, 0]);
+        let mut surface = vec![0x00ff_ffff; 4];
+        picture.draw_unscaled(&mut surface, 2);
+        assert_eq!(surface, [0x000000, 0x010000, 0x000100, 0x010100]);
+        assert_eq!(rgb_bytes(&surface), [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]);
+    }
+}

@@ -1,0 +1,75 @@
+//! What winit does not tell about an X server.
+//!
+//! winit makes a window full screen by asking the window manager (EWMH's `_NET_WM_STATE_FULLSCREEN`). A projector's X
+//! server often has none: [`X11Session::has_fullscreen_manager`] tells, so that the window can then be placed over the
+//! monitor by itself. Without a manager nobody gives the window the keyboard either ([`X11Session::focus`]), and a
+//! picture that stands still must not be blanked by the screen saver ([`X11Session::keep_screen_awake`]).
+
+use x11rb::connection::{Connection, RequestConnection};
+use x11rb::protocol::screensaver::{self, ConnectionExt as _};
+use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _, InputFocus, MapState, Window};
+use x11rb::rust_connection::RustConnection;
+
+/// A second connection to the X server that `DISPLAY` names, beside winit's own.
+pub(crate) struct X11Session {
+    connection: RustConnection,
+    root: Window,
+}
+
+impl X11Session {
+    /// Connects; `None` where that fails, since everything here is an aid only.
+    pub(crate) fn open() -> Option<Self> {
+        let (connection, screen) = x11rb::connect(None).ok()?;
+        let root = connection.setup().roots.get(screen)?.root;
+        Some(Self { connection, root })
+    }
+
+    /// Whether a window manager runs that makes windows full screen.
+    ///
+    /// By EWMH a manager is alive when the root window's `_NET_SUPPORTING_WM_CHECK` names a window that carries the
+    /// same property with its own id (a dead manager leaves the first behind, not the second).
+    pub(crate) fn has_fullscreen_manager(&self) -> bool {
+        let check = || {
+            let check_atom = self.atom("_NET_SUPPORTING_WM_CHECK")?;
+            let manager = *self.property(self.root, check_atom, AtomEnum::WINDOW)?.first()?;
+            let own_id = *self.property(manager, check_atom, AtomEnum::WINDOW)?.first()?;
+            let fullscreen = self.atom("_NET_WM_STATE_FULLSCREEN")?;
+            let supported = self.property(self.root, self.atom("_NET_SUPPORTED")?, AtomEnum::ATOM)?;
+            Some(own_id == manager && supported.contains(&fullscreen))
+        };
+        check().unwrap_or(false)
+    }
+
+    /// Gives a window the keyboard; false while it is not on the screen yet.
+    pub(crate) fn focus(&self, window: Window) -> bool {
+        let focus = || {
+            let attributes = self.connection.get_window_attributes(window).ok()?.reply().ok()?;
+            if attributes.map_state != MapState::VIEWABLE {
+                return None;
+            }
+            let request = self.connection.set_input_focus(InputFocus::POINTER_ROOT, window, x11rb::CURRENT_TIME);
+            request.ok()?.check().ok()
+        };
+        focus().is_some()
+    }
+
+    /// Keeps the screen saver and the monitor's power saving off for as long as this session lives.
+    pub(crate) fn keep_screen_awake(&self) -> bool {
+        let suspend = || {
+            self.connection.extension_information(screensaver::X11_EXTENSION_NAME).ok()??;
+            self.connection.screensaver_query_version(1, 1).ok()?.reply().ok()?;
+            self.connection.screensaver_suspend(1).ok()?.check().ok()
+        };
+        suspend().is_some()
+    }
+
+    fn atom(&self, name: &str) -> Option<u32> {
+        let cookie = self.connection.intern_atom(false, name.as_bytes()).ok()?;
+        Some(cookie.reply().ok()?.atom)
+    }
+
+    fn property(&self, window: Window, property: u32, kind: AtomEnum) -> Option<Vec<u32>> {
+        let cookie = self.connection.get_property(false, window, property, kind, 0, 4096).ok()?;
+        Some(cookie.reply().ok()?.value32()?.collect())
+    }
+}

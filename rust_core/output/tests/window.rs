@@ -1,0 +1,242 @@
+//! The window on a real X server: what stands on the screen is the picture, pixel by pixel, over the whole screen.
+//!
+//! Each test starts its own Xvfb on a free display (and openbox where a window manager is asked for), runs the example
+//! `window_pattern` there, reads the root window's pixels and presses keys through the XTEST extension. Debian's
+//! packages `xvfb` and `openbox` must be installed.
+
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat, KEY_PRESS_EVENT, KEY_RELEASE_EVENT};
+use x11rb::protocol::xtest::ConnectionExt as _;
+use x11rb::rust_connection::RustConnection;
+
+const WIDTH_PX: u32 = 1280;
+const HEIGHT_PX: u32 = 800;
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A process that ends with the test.
+struct Process(Child);
+
+impl Process {
+    fn start(command: &mut Command) -> Self {
+        let name = format!("{command:?}");
+        let child = command.spawn().unwrap_or_else(|error| panic!("{name}: {error}"));
+        Self(child)
+    }
+
+    fn wait(&mut self) -> ExitStatus {
+        wait_for("the process to end", || self.0.try_wait().unwrap())
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Polls until there is an answer; fails the test when there is none in time.
+fn wait_for<T>(what: &str, mut poll: impl FnMut() -> Option<T>) -> T {
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        if let Some(answer) = poll() {
+            return answer;
+        }
+        assert!(Instant::now() < deadline, "waited {PATIENCE:?} for {what}");
+        sleep(Duration::from_millis(50));
+    }
+}
+
+/// A virtual screen; `_server` lives as long as it.
+struct Screen {
+    display: String,
+    connection: RustConnection,
+    root: u32,
+    _manager: Option<Process>,
+    _server: Process,
+}
+
+impl Screen {
+    fn start(with_manager: bool) -> Self {
+        let size = format!("{WIDTH_PX}x{HEIGHT_PX}x24");
+        let mut server = Process::start(
+            Command::new("Xvfb")
+                .args(["-displayfd", "1", "-screen", "0", &size, "-nolisten", "tcp"])
+                .stdout(Stdio::piped())
+                .stderr(Stdio::null()),
+        );
+        let mut number = String::new();
+        BufReader::new(server.0.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        let display = format!(":{}", number.trim());
+        let (connection, screen) = x11rb::connect(Some(&display)).unwrap();
+        let root = connection.setup().roots[screen].root;
+        let manager = with_manager.then(|| {
+            Process::start(Command::new("openbox").env("DISPLAY", &display).stdout(Stdio::null()).stderr(Stdio::null()))
+        });
+        let started = Self { display, connection, root, _manager: manager, _server: server };
+        if with_manager {
+            wait_for("openbox to manage the screen", || started.is_managed().then_some(()));
+        }
+        started
+    }
+
+    fn is_managed(&self) -> bool {
+        let atom = self.connection.intern_atom(false, b"_NET_SUPPORTING_WM_CHECK").unwrap();
+        let atom = atom.reply().unwrap().atom;
+        let any = x11rb::protocol::xproto::AtomEnum::ANY;
+        let property = self.connection.get_property(false, self.root, atom, any, 0, 1).unwrap();
+        property.reply().unwrap().value_len > 0
+    }
+
+    fn show(&self, arguments: &[&str]) -> Process {
+        Process::start(
+            Command::new(example())
+                .args(arguments)
+                .env("DISPLAY", &self.display)
+                .env_remove("WAYLAND_DISPLAY")
+                .env_remove("WAYLAND_SOCKET")
+                .stderr(Stdio::piped()),
+        )
+    }
+
+    /// The pixels of the root window, `0x00RRGGBB`.
+    fn pixels(&self) -> Vec<u32> {
+        let (width, height) = (WIDTH_PX as u16, HEIGHT_PX as u16);
+        let image = self.connection.get_image(ImageFormat::Z_PIXMAP, self.root, 0, 0, width, height, !0).unwrap();
+        let data = image.reply().unwrap().data;
+        data.chunks_exact(4).map(|bgrx| u32::from_be_bytes([0, bgrx[2], bgrx[1], bgrx[0]])).collect()
+    }
+
+    /// Presses and releases the key that types `keysym`.
+    fn press(&self, keysym: u32) {
+        let (first, last) = (self.connection.setup().min_keycode, self.connection.setup().max_keycode);
+        let mapping = self.connection.get_keyboard_mapping(first, last - first + 1).unwrap();
+        let mapping = mapping.reply().unwrap();
+        let per_key = usize::from(mapping.keysyms_per_keycode);
+        let place = mapping.keysyms.chunks(per_key).position(|keysyms| keysyms.contains(&keysym));
+        let keycode = first + u8::try_from(place.unwrap()).unwrap();
+        for event in [KEY_PRESS_EVENT, KEY_RELEASE_EVENT] {
+            let request = self.connection.xtest_fake_input(event, keycode, 0, self.root, 0, 0, 0);
+            request.unwrap().check().unwrap();
+        }
+    }
+
+    fn wait_for_pixels(&self, expected: &[u32]) {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            let pixels = self.pixels();
+            if pixels == expected {
+                return;
+            }
+            if Instant::now() > deadline {
+                let wrong = pixels.iter().zip(expected).filter(|(got, want)| got != want).count();
+                panic!("{wrong} of {} pixels on the screen are not the picture's", expected.len());
+            }
+            sleep(Duration::from_millis(100));
+        }
+    }
+}
+
+/// The example that cargo built beside this test.
+fn example() -> PathBuf {
+    let test = std::env::current_exe().unwrap();
+    let profile = test.parent().and_then(|deps| deps.parent()).unwrap();
+    let example = profile.join("examples").join("window_pattern");
+    assert!(example.exists(), "{} is built with the tests", example.display());
+    example
+}
+
+/// The screen with a pattern of this size at its top left, the rest black.
+fn expected(width_px: u32, height_px: u32) -> Vec<u32> {
+    let mut pixels = Vec::new();
+    for v in 0..HEIGHT_PX {
+        for u in 0..WIDTH_PX {
+            let blue = (16 * (u / 256) + v / 256) % 256;
+            let color = (u % 256) << 16 | (v % 256) << 8 | blue;
+            pixels.push(if u < width_px && v < height_px { color } else { 0 });
+        }
+    }
+    pixels
+}
+
+const ESCAPE: u32 = 0xff1b;
+const LETTER_Q: u32 = 0x0071;
+
+fn covers_the_screen_and_quits(with_manager: bool, key: u32) {
+    let screen = Screen::start(with_manager);
+    let folder = tempfile::tempdir().unwrap();
+    let screenshot = folder.path().join("shown.png");
+    let mut window = screen.show(&["1280x800", "--screenshot", screenshot.to_str().unwrap()]);
+    let picture = expected(1280, 800);
+    screen.wait_for_pixels(&picture);
+
+    let saved = wait_for("the screenshot", || image::open(&screenshot).ok()).into_rgb8();
+    assert_eq!(saved.dimensions(), (WIDTH_PX, HEIGHT_PX));
+    let saved: Vec<u32> = saved.pixels().map(|p| u32::from_be_bytes([0, p[0], p[1], p[2]])).collect();
+    assert!(saved == picture, "the screenshot is the picture");
+
+    // The window asks for the keyboard within its settling time.
+    sleep(Duration::from_secs(1));
+    screen.press(key);
+    assert!(window.wait().success());
+}
+
+#[test]
+fn under_a_window_manager_the_screen_is_the_picture_and_escape_quits() {
+    covers_the_screen_and_quits(true, ESCAPE);
+}
+
+#[test]
+fn without_a_window_manager_the_screen_is_the_picture_and_q_quits() {
+    covers_the_screen_and_quits(false, LETTER_Q);
+}
+
+#[test]
+fn a_picture_of_another_size_is_unscaled_at_the_top_left_and_warned_about_once() {
+    for (size, width, height) in [("640x480", 640, 480), ("1300x810", 1300, 810)] {
+        let screen = Screen::start(true);
+        let mut window = screen.show(&[size]);
+        screen.wait_for_pixels(&expected(width, height));
+        // The same size comes a second time half a second after the first.
+        sleep(Duration::from_secs(2));
+        let stderr = window.0.stderr.take().unwrap();
+        screen.press(ESCAPE);
+        assert!(window.wait().success());
+        let lines: Vec<String> = BufReader::new(stderr).lines().map(Result::unwrap).collect();
+        let warnings: Vec<_> = lines.iter().filter(|line| line.starts_with("WARN")).collect();
+        assert_eq!(warnings.len(), 1, "{lines:?}");
+        assert!(warnings[0].contains(&format!("IS {size} PIXELS")), "{warnings:?}");
+        assert!(warnings[0].contains("1280x800"), "{warnings:?}");
+    }
+}
+
+#[test]
+fn an_unknown_monitor_and_a_missing_display_are_errors_that_name_them() {
+    let screen = Screen::start(false);
+    let output = Command::new(example())
+        .args(["64x64", "--monitor", "VGA-9"])
+        .env("DISPLAY", &screen.display)
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap();
+    assert!(!output.status.success());
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("VGA-9") && message.contains("1280x800+0+0"), "{message}");
+
+    let output = Command::new(example())
+        .arg("64x64")
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .output()
+        .unwrap();
+    assert!(!output.status.success());
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("DISPLAY"), "{message}");
+}
