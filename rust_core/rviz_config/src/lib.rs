@@ -1,1 +1,74 @@
-//! See the crate description.
+//! `.rviz` files as typed settings.
+//!
+//! A `.rviz` file is YAML: a tree of displays, each with a class and properties, and beside it the window's
+//! layout, which says nothing about the picture. [`load`] reads the part that decides what is drawn:
+//!
+//! ```text
+//! text --(node: YAML tree with lines)--> sections --(section: rviz's conversions)--> Config
+//!                                           |
+//!                                           +--> Finding: line, path, what was not understood
+//! ```
+//!
+//! Nothing inside a readable file is fatal. A key that rviz 1.14 would not read, a class that is not known and a
+//! value that cannot be taken as it stands each become a [`Finding`] with its line, and reading goes on with the
+//! value that rviz would have used. Only a file that is no such YAML at all is a [`ConfigError`].
+//!
+//! Defaults, ranges and conversions are those of rviz 1.14.19: a missing key leaves the display's default, a number
+//! out of range is clamped, text that is no number counts as 0, an unknown choice is the first of the list.
+
+mod config;
+mod displays;
+mod error;
+mod finding;
+mod global_options;
+mod node;
+mod qt_value;
+mod section;
+mod view;
+mod view_direction;
+
+pub use config::{Config, PlacedDisplay};
+pub use displays::axes::AxesSettings;
+pub use displays::camera_pub::{CameraPubSettings, ImageEncoding};
+pub use displays::grid::{GridPlane, GridSettings};
+pub use displays::marker::MarkerSettings;
+pub use displays::path::{PathSettings, PoseStyle};
+pub use displays::point_cloud2::{
+    Axis, AxisColorSettings, ColorTransformer, IntensitySettings, PointCloud2Settings, PointStyle,
+};
+pub use displays::visibility::Visibility;
+pub use displays::{DisplayConfig, DisplaySettings, LineStyle};
+pub use error::ConfigError;
+pub use finding::{Finding, FindingKind};
+pub use global_options::GlobalOptions;
+pub use view::{FrameAxis, OrbitView, ViewConfig, ViewController};
+pub use view_direction::FollowedRotation;
+
+use std::path::Path;
+
+/// Reads the `.rviz` file at `path`.
+///
+/// # Errors
+///
+/// [`ConfigError::Unreadable`], [`ConfigError::NotUtf8`], and those of [`parse`]; each names the file.
+pub fn load(path: &Path) -> Result<Config, ConfigError> {
+    let source = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|error| ConfigError::Unreadable { file: source.clone(), error })?;
+    match std::str::from_utf8(&bytes) {
+        Ok(text) => parse(text, &source),
+        Err(error) => {
+            let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
+            let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
+            Err(ConfigError::NotUtf8 { file: source, line })
+        }
+    }
+}
+
+/// Reads the text of a `.rviz` file; `source_name` is what errors and [`Config::source`] call it.
+///
+/// # Errors
+///
+/// [`ConfigError::NotYaml`] and [`ConfigError::NoVisualizationManager`].
+pub fn parse(text: &str, source_name: &str) -> Result<Config, ConfigError> {
+    config::read(text, source_name)
+}

@@ -1,0 +1,94 @@
+//! `rviz_camera_stream/CameraPub`: a virtual camera that takes its optics from a CameraInfo topic and publishes what
+//! it sees.
+
+use crate::displays::visibility::Visibility;
+use crate::section::{at_least, Section};
+
+/// The pixel layout of published images, named as in `sensor_msgs/Image`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ImageEncoding {
+    /// `rgb8`
+    Rgb8,
+    /// `rgba8`
+    Rgba8,
+    /// `bgr8`
+    Bgr8,
+    /// `bgra8`
+    Bgra8,
+    /// `mono8`
+    Mono8,
+    /// `mono16`
+    Mono16,
+}
+
+const ENCODINGS: [(&str, ImageEncoding); 6] = [
+    ("rgb8", ImageEncoding::Rgb8),
+    ("rgba8", ImageEncoding::Rgba8),
+    ("bgr8", ImageEncoding::Bgr8),
+    ("bgra8", ImageEncoding::Bgra8),
+    ("mono8", ImageEncoding::Mono8),
+    ("mono16", ImageEncoding::Mono16),
+];
+
+impl ImageEncoding {
+    /// The name in `sensor_msgs/Image`.
+    pub fn name(self) -> &'static str {
+        let named = ENCODINGS.iter().find(|(_, encoding)| *encoding == self);
+        named.map_or("rgb8", |(name, _)| name)
+    }
+}
+
+/// The properties of a CameraPub display.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraPubSettings {
+    /// Topic on which images are published; empty when none is chosen, and then nothing is.
+    pub image_topic: String,
+    /// Topic of `sensor_msgs/CameraInfo` that gives the camera its optics and frame; empty when none is chosen.
+    pub camera_info_topic: String,
+    /// Namespace of the display's topics and its trigger service.
+    pub display_namespace: String,
+    /// How many CameraInfos may wait for their transform; at least 1.
+    pub queue_size: i32,
+    /// Images a second; below 0 as fast as the scene changes, 0 only on trigger; at least -1.
+    pub frame_rate_hz: f32,
+    /// What is seen where there is nothing, as red, green and blue.
+    pub background_color: [u8; 3],
+    /// Pixel layout of the images.
+    pub image_encoding: ImageEncoding,
+    /// Nearer than this nothing is drawn, in metres; at least 0.01.
+    pub near_clip_m: f32,
+    /// Which displays this camera sees.
+    pub visibility: Visibility,
+}
+
+impl Default for CameraPubSettings {
+    fn default() -> Self {
+        CameraPubSettings {
+            image_topic: String::new(),
+            camera_info_topic: String::new(),
+            display_namespace: String::new(),
+            queue_size: 2,
+            frame_rate_hz: -1.0,
+            background_color: [0, 0, 0],
+            image_encoding: ImageEncoding::Rgb8,
+            near_clip_m: 0.01,
+            visibility: Visibility::default(),
+        }
+    }
+}
+
+impl CameraPubSettings {
+    pub(crate) fn read(section: &mut Section<'_>) -> Self {
+        let mut settings = CameraPubSettings::default();
+        section.text("Image Topic", &mut settings.image_topic);
+        section.text("Camera Info Topic", &mut settings.camera_info_topic);
+        section.text("Display namespace", &mut settings.display_namespace);
+        section.int("Queue Size", 1, &mut settings.queue_size);
+        section.float("Frame Rate", at_least(-1.0), &mut settings.frame_rate_hz);
+        section.color("Background Color", &mut settings.background_color);
+        section.choice("Image Encoding", &ENCODINGS, &mut settings.image_encoding);
+        section.float("Near Clip Distance", at_least(0.01), &mut settings.near_clip_m);
+        settings.visibility = Visibility::read(section.child("Visibility"));
+        settings
+    }
+}

@@ -1,0 +1,103 @@
+//! Which displays a camera sees: a tick box for every display, with groups as branches.
+//!
+//! rviz makes the boxes from the displays that exist and looks up each one's value by the display's name. So a name
+//! that no display has is without effect, displays of the same name share their value, a display that is not listed
+//! is seen, and a branch that is not ticked hides everything below it.
+
+use std::collections::BTreeMap;
+
+use crate::section::Section;
+
+/// A tick box of a camera's Visibility, with those below it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Visibility {
+    /// Whether this box is ticked.
+    pub value: bool,
+    /// The boxes below it by the names of their displays.
+    pub children: BTreeMap<String, Visibility>,
+}
+
+impl Default for Visibility {
+    /// Everything is seen.
+    fn default() -> Self {
+        Visibility { value: true, children: BTreeMap::new() }
+    }
+}
+
+/// The key of a branch's own value.
+const OWN_VALUE: &str = "Value";
+
+impl Visibility {
+    /// Whether the display `path` is seen: the names of the groups around it from the outermost in, then its own.
+    ///
+    /// Only this camera's choice; whether the display is enabled is another question.
+    pub fn shows(&self, path: &[&str]) -> bool {
+        if !self.value {
+            return false;
+        }
+        let Some((name, rest)) = path.split_first() else {
+            return true;
+        };
+        match self.children.get(*name) {
+            Some(child) => child.shows(rest),
+            None => true,
+        }
+    }
+
+    pub(crate) fn read(mut section: Section<'_>) -> Self {
+        let mut visibility = Visibility::default();
+        section.bool(OWN_VALUE, &mut visibility.value);
+        for (name, _, _) in section.all() {
+            // A display may be called "Value" too. Its box is the branch's own then, which `shows` asks first.
+            if name != OWN_VALUE {
+                let child = Visibility::read(section.child(name));
+                visibility.children.insert(name.to_owned(), child);
+            }
+        }
+        visibility
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::node;
+    use crate::section::Report;
+
+    fn read(text: &str) -> Visibility {
+        let tree = node::parse(text).unwrap();
+        let report = Report::default();
+        let visibility = Visibility::read(Section::new(&tree, String::new(), &report));
+        assert_eq!(report.into_findings(), []);
+        visibility
+    }
+
+    #[test]
+    fn a_display_not_listed_is_seen() {
+        assert!(Visibility::default().shows(&["a"]));
+        let some = read("{Value: true, a: false, g: {Value: true, b: false}}");
+        assert!(some.shows(&["other"]));
+        assert!(some.shows(&["g", "other"]));
+        assert!(!some.shows(&["a"]));
+        assert!(!some.shows(&["g", "b"]));
+        assert!(some.shows(&["b"]), "only inside the group");
+    }
+
+    #[test]
+    fn an_unticked_branch_hides_all_below() {
+        let none = read("{Value: false, a: true}");
+        assert!(!none.shows(&["a"]) && !none.shows(&["other"]));
+        let group = read("{g: {Value: false, a: true}, h: false}");
+        assert!(!group.shows(&["g", "a"]) && !group.shows(&["g", "other"]) && !group.shows(&["g"]));
+        assert!(!group.shows(&["h", "in it"]), "a group may be a plain value");
+        assert!(group.shows(&["a"]));
+        assert!(!read("false").shows(&["a"]));
+    }
+
+    #[test]
+    fn a_display_called_value_shares_the_branchs_box() {
+        assert!(!read("{Value: false}").shows(&["Value"]));
+        let all = read("{Value: true}");
+        assert!(all.shows(&["Value"]) && all.children.is_empty());
+    }
+}

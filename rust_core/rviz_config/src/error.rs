@@ -1,0 +1,42 @@
+//! Why a file could not be read as a `.rviz` file at all.
+
+/// A file that is no readable `.rviz` file. Whatever is merely not understood inside one is a
+/// [`Finding`](crate::Finding) instead.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The file is missing, a directory, or not permitted to be read.
+    #[error("{file}: cannot be read: {error}")]
+    Unreadable {
+        /// The file's path as it was given.
+        file: String,
+        /// The operating system's reason.
+        #[source]
+        error: std::io::Error,
+    },
+    /// The file's bytes are not UTF-8 text.
+    #[error("{file}:{line}: not UTF-8 text")]
+    NotUtf8 {
+        /// The file's path as it was given.
+        file: String,
+        /// The line of the first offending byte, from 1.
+        line: usize,
+    },
+    /// The text is not YAML, or YAML that nests or repeats itself beyond any use.
+    #[error("{file}:{line}:{column}: not YAML: {reason}")]
+    NotYaml {
+        /// The file's name.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What the parser expected.
+        reason: String,
+    },
+    /// The YAML has no map `Visualization Manager`, so it is not a `.rviz` file.
+    #[error("{file}: no \"Visualization Manager\" section, so this is not a .rviz file")]
+    NoVisualizationManager {
+        /// The file's name.
+        file: String,
+    },
+}

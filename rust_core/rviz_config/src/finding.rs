@@ -1,0 +1,110 @@
+//! What was not understood in a `.rviz` file, and where.
+
+use std::fmt;
+
+/// One thing in the file that does not do what its author may expect.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finding {
+    /// Line in the file, from 1.
+    pub line: usize,
+    /// Where it is: names of sections and displays, then the key, as in `Displays / cloud / Style`.
+    pub path: String,
+    /// What it is.
+    pub kind: FindingKind,
+}
+
+/// The kinds of [`Finding`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FindingKind {
+    /// A key that rviz 1.14 does not read at this place. It has no effect.
+    UnknownKey,
+    /// A display or view class that is not known. It is not drawn and its keys are not looked at.
+    UnknownClass {
+        /// The class as the file names it; empty when there is none.
+        class: String,
+    },
+    /// A display class that rviz has and that is not drawn yet. Its keys are not looked at.
+    NotDrawnYet {
+        /// The class as the file names it.
+        class: String,
+    },
+    /// A value that cannot be taken as it stands.
+    InvalidValue {
+        /// The value in the file.
+        value: String,
+        /// What is used in its place, as rviz would.
+        used: String,
+    },
+}
+
+impl Finding {
+    /// Whether the file asks for something that is not understood. A class that is known and merely not drawn yet is
+    /// understood.
+    pub fn is_not_understood(&self) -> bool {
+        !matches!(self.kind, FindingKind::NotDrawnYet { .. })
+    }
+}
+
+impl fmt::Display for Finding {
+    /// One line, whatever the file holds: control characters are escaped and long values cut.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: {}: ", self.line, one_line(&self.path))?;
+        match &self.kind {
+            FindingKind::UnknownKey => write!(f, "unknown key"),
+            FindingKind::UnknownClass { class } if class.is_empty() => write!(f, "no class named"),
+            FindingKind::UnknownClass { class } => write!(f, "unknown class {}", one_line(class)),
+            FindingKind::NotDrawnYet { class } => {
+                write!(f, "class {} is not drawn yet", one_line(class))
+            }
+            FindingKind::InvalidValue { value, used } => {
+                write!(f, "invalid value \"{}\", using {}", one_line(value), one_line(used))
+            }
+        }
+    }
+}
+
+/// Longest part of a path or value that a message repeats, in characters.
+const MAX_QUOTED_CHARS: usize = 120;
+
+fn one_line(text: &str) -> String {
+    let mut line = String::new();
+    for (index, c) in text.chars().enumerate() {
+        if index == MAX_QUOTED_CHARS {
+            line.push('…');
+            break;
+        }
+        if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') {
+            line.extend(c.escape_default());
+        } else {
+            line.push(c);
+        }
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_one_line_whatever_the_file_holds() {
+        let finding = Finding {
+            line: 7,
+            path: "Displays / a\nb / Style".to_owned(),
+            kind: FindingKind::InvalidValue { value: "x\r\n".repeat(500), used: "Points".to_owned() },
+        };
+        let text = finding.to_string();
+        assert_eq!(text.lines().count(), 1);
+        assert!(text.starts_with("line 7: Displays / a\\nb / Style: invalid value \"x\\r\\n"));
+        assert!(text.ends_with("…\", using Points"));
+    }
+
+    #[test]
+    fn only_a_class_not_drawn_yet_is_understood() {
+        let with = |kind| Finding { line: 1, path: String::new(), kind };
+        let class = || "rviz/TF".to_owned();
+        assert!(!with(FindingKind::NotDrawnYet { class: class() }).is_not_understood());
+        assert!(with(FindingKind::UnknownClass { class: class() }).is_not_understood());
+        assert!(with(FindingKind::UnknownKey).is_not_understood());
+    }
+}

@@ -1,0 +1,325 @@
+//! A map of the file being read into settings, key by key.
+//!
+//! The readers of a [`Section`] do what rviz's properties do when they load: a missing key or a null leaves the
+//! setting as it is, a property may be written as `key: value` or as `key: {Value: value}`, text is converted by Qt's
+//! rules and numbers are clamped. Each reader marks its key as read; [`Section::finish`] reports all the others.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::ops::RangeInclusive;
+
+use crate::finding::{Finding, FindingKind};
+use crate::node::{Content, Node};
+use crate::qt_value;
+
+/// The findings of one file, in the order of reading.
+#[derive(Debug, Default)]
+pub(crate) struct Report(RefCell<Vec<Finding>>);
+
+impl Report {
+    pub(crate) fn add(&self, line: usize, path: &str, kind: FindingKind) {
+        self.0.borrow_mut().push(Finding { line, path: path.to_owned(), kind });
+    }
+
+    /// All findings in the order of their lines.
+    pub(crate) fn into_findings(self) -> Vec<Finding> {
+        let mut findings = self.0.into_inner();
+        findings.sort_by_key(|finding| finding.line);
+        findings
+    }
+}
+
+/// The smallest and largest value of a property without bounds of its own.
+pub(crate) const ANY: RangeInclusive<f32> = f32::MIN..=f32::MAX;
+
+/// The smallest value of an integer property without bounds of its own.
+pub(crate) const ANY_INT: i32 = i32::MIN;
+
+/// The range of a property that has only a smallest value.
+pub(crate) fn at_least(min: f32) -> RangeInclusive<f32> {
+    min..=f32::MAX
+}
+
+/// The key that holds a property's own value where the property is written as a map.
+const OWN_VALUE: &str = "Value";
+
+struct Item<'a> {
+    key: &'a str,
+    line: usize,
+    value: &'a Node,
+    read: bool,
+}
+
+/// The keys of a map and which of them have been read.
+pub(crate) struct Section<'a> {
+    items: Vec<Item<'a>>,
+    /// Of repeated keys, the index of the last, which is the one that counts.
+    index_of: HashMap<&'a str, usize>,
+    path: String,
+    report: &'a Report,
+}
+
+/// The path of `key` inside `path`; the file's top has the empty path.
+pub(crate) fn join(path: &str, key: &str) -> String {
+    if path.is_empty() {
+        key.to_owned()
+    } else {
+        format!("{path} / {key}")
+    }
+}
+
+impl<'a> Section<'a> {
+    /// The section `path`, whose keys are those of `node`. A scalar is a map with only its own value; null has no
+    /// keys; a list is reported and has none.
+    pub(crate) fn new(node: &'a Node, path: String, report: &'a Report) -> Section<'a> {
+        let mut section = Section::empty(path, report);
+        match &node.content {
+            Content::Null => {}
+            Content::Scalar(_) => section.push(OWN_VALUE, node.line, node),
+            Content::List(_) => section.invalid(node.line, &section.path, "a list", "the defaults"),
+            Content::Map(entries) => {
+                for entry in entries {
+                    section.push(&entry.key, entry.line, &entry.value);
+                }
+            }
+        }
+        section
+    }
+
+    /// A section without keys.
+    pub(crate) fn empty(path: String, report: &'a Report) -> Section<'a> {
+        Section { items: Vec::new(), index_of: HashMap::new(), path, report }
+    }
+
+    fn push(&mut self, key: &'a str, line: usize, value: &'a Node) {
+        let index = self.items.len();
+        if let Some(earlier) = self.index_of.insert(key, index) {
+            if let Some(item) = self.items.get_mut(earlier) {
+                item.read = true;
+                let (line, path) = (item.line, join(&self.path, key));
+                self.invalid(line, &path, "repeated key", "the last one");
+            }
+        }
+        self.items.push(Item { key, line, value, read: false });
+    }
+
+    pub(crate) fn path(&self) -> &str {
+        &self.path
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+
+    /// The line of the first key; 0 without keys.
+    pub(crate) fn line(&self) -> usize {
+        self.items.first().map_or(0, |item| item.line)
+    }
+
+    pub(crate) fn report(&self) -> &'a Report {
+        self.report
+    }
+
+    fn invalid(&self, line: usize, path: &str, value: &str, used: &str) {
+        let kind = FindingKind::InvalidValue { value: value.to_owned(), used: used.to_owned() };
+        self.report.add(line, path, kind);
+    }
+
+    /// The value under `key`, marked as read.
+    pub(crate) fn node(&mut self, key: &str) -> Option<&'a Node> {
+        let item = self.items.get_mut(*self.index_of.get(key)?)?;
+        item.read = true;
+        Some(item.value)
+    }
+
+    /// Marks keys as read that have no bearing on the picture.
+    pub(crate) fn skip(&mut self, keys: &[&str]) {
+        for key in keys {
+            self.node(key);
+        }
+    }
+
+    /// Marks all keys as read.
+    pub(crate) fn skip_rest(&mut self) {
+        for item in &mut self.items {
+            item.read = true;
+        }
+    }
+
+    /// The section under `key`; without keys when there is none.
+    pub(crate) fn child(&mut self, key: &str) -> Section<'a> {
+        let path = join(&self.path, key);
+        match self.node(key) {
+            Some(node) => Section::new(node, path, self.report),
+            None => Section::empty(path, self.report),
+        }
+    }
+
+    /// All keys with their values and lines, each marked as read.
+    pub(crate) fn all(&mut self) -> Vec<(&'a str, &'a Node, usize)> {
+        self.skip_rest();
+        let last = |(index, item): (usize, &Item<'a>)| {
+            (self.index_of.get(item.key) == Some(&index)).then_some((item.key, item.value, item.line))
+        };
+        self.items.iter().enumerate().filter_map(last).collect()
+    }
+
+    /// Reports every key that has not been read.
+    pub(crate) fn finish(self) {
+        for item in self.items.iter().filter(|item| !item.read) {
+            let path = join(&self.path, item.key);
+            self.report.add(item.line, &path, FindingKind::UnknownKey);
+        }
+    }
+
+    /// The text of a property and its line.
+    fn scalar(&mut self, key: &str) -> Option<(&'a str, usize)> {
+        let node = self.node(key)?;
+        match &node.content {
+            Content::Scalar(text) => Some((text, node.line)),
+            Content::Null => None,
+            Content::List(_) => {
+                let path = join(&self.path, key);
+                self.invalid(node.line, &path, "a list", "the default");
+                None
+            }
+            Content::Map(_) => {
+                let mut inside = Section::new(node, join(&self.path, key), self.report);
+                let own = inside.node(OWN_VALUE);
+                inside.finish();
+                match own.map(|node| (&node.content, node.line)) {
+                    Some((Content::Scalar(text), line)) => Some((text, line)),
+                    _ => None,
+                }
+            }
+        }
+    }
+
+    /// Reads a text.
+    pub(crate) fn text(&mut self, key: &str, setting: &mut String) {
+        if let Some((text, _)) = self.scalar(key) {
+            text.clone_into(setting);
+        }
+    }
+
+    /// Reads a bool.
+    pub(crate) fn bool(&mut self, key: &str, setting: &mut bool) {
+        if let Some((text, line)) = self.scalar(key) {
+            let (value, meant) = qt_value::to_bool(text);
+            *setting = value;
+            if !meant {
+                self.invalid(line, &join(&self.path, key), text, &value.to_string());
+            }
+        }
+    }
+
+    /// Reads an integer, clamped to at least `min`; what is no integer counts as 0.
+    pub(crate) fn int(&mut self, key: &str, min: i32, setting: &mut i32) {
+        if let Some((text, line)) = self.scalar(key) {
+            let read = qt_value::to_int(text);
+            *setting = read.unwrap_or(0).max(min);
+            if read != Some(*setting) {
+                self.invalid(line, &join(&self.path, key), text, &setting.to_string());
+            }
+        }
+    }
+
+    /// Reads a number, clamped to `range`; what is no number counts as 0. Whatever the text, the setting is finite.
+    pub(crate) fn float(&mut self, key: &str, range: RangeInclusive<f32>, setting: &mut f32) {
+        if let Some((text, line)) = self.scalar(key) {
+            let read = qt_value::to_f64(text).map(|value| value as f32);
+            match read.unwrap_or(0.0) {
+                value if !value.is_nan() => *setting = value.clamp(*range.start(), *range.end()),
+                _ if range != ANY => *setting = *range.start(),
+                _ => {}
+            }
+            if read != Some(*setting) {
+                self.invalid(line, &join(&self.path, key), text, &setting.to_string());
+            }
+        }
+    }
+
+    /// Reads a colour; what is none leaves the setting.
+    pub(crate) fn color(&mut self, key: &str, setting: &mut [u8; 3]) {
+        if let Some((text, line)) = self.scalar(key) {
+            let read = qt_value::to_color(text);
+            if let Some((color, _)) = read {
+                *setting = color;
+            }
+            if !matches!(read, Some((_, true))) {
+                let [r, g, b] = *setting;
+                let path = join(&self.path, key);
+                self.invalid(line, &path, text, &format!("{r}; {g}; {b}"));
+            }
+        }
+    }
+
+    /// Reads one of `choices` by its name in the file; an unknown name counts as the first.
+    pub(crate) fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)], setting: &mut T) {
+        if let Some((text, line)) = self.scalar(key) {
+            if let Some((_, value)) = choices.iter().find(|(name, _)| *name == text) {
+                *setting = *value;
+            } else if let Some((name, value)) = choices.first() {
+                *setting = *value;
+                self.invalid(line, &join(&self.path, key), text, name);
+            }
+        }
+    }
+
+    /// Reads one of `choices` where rviz finds a value of its own for a name that is unknown or empty: `None`.
+    pub(crate) fn choice_or_automatic<T: Copy>(&mut self, key: &str, choices: &[(&str, T)], setting: &mut Option<T>) {
+        if let Some((text, line)) = self.scalar(key) {
+            let found = choices.iter().find(|(name, _)| *name == text);
+            *setting = found.map(|(_, value)| *value);
+            if found.is_none() && !text.is_empty() {
+                let path = join(&self.path, key);
+                self.invalid(line, &path, text, "what fits the message");
+            }
+        }
+    }
+
+    /// Reads a frame name without its leading `/`.
+    pub(crate) fn frame(&mut self, key: &str, setting: &mut String) {
+        if let Some((text, _)) = self.scalar(key) {
+            text.strip_prefix('/').unwrap_or(text).clone_into(setting);
+        }
+    }
+
+    /// Reads a frame name where `<Fixed Frame>` stands for the config's fixed frame: `None`.
+    pub(crate) fn frame_or_fixed(&mut self, key: &str, setting: &mut Option<String>) {
+        let mut name = String::new();
+        if self.index_of.contains_key(key) {
+            setting.as_deref().unwrap_or(FIXED_FRAME).clone_into(&mut name);
+            self.frame(key, &mut name);
+            *setting = (name != FIXED_FRAME).then_some(name);
+        }
+    }
+
+    /// Reads a vector from the keys X, Y and Z inside `key`; unless all three are numbers the setting is left.
+    pub(crate) fn vector(&mut self, key: &str, setting: &mut [f32; 3]) {
+        let Some(node) = self.node(key) else {
+            return;
+        };
+        if matches!(node.content, Content::Null) {
+            return;
+        }
+        let mut inside = Section::new(node, join(&self.path, key), self.report);
+        let [x, y, z] = ["X", "Y", "Z"].map(|axis| {
+            let (text, _) = inside.scalar(axis)?;
+            let value = qt_value::to_f64_or_german(text)? as f32;
+            value.is_finite().then_some(value)
+        });
+        if let (Some(x), Some(y), Some(z)) = (x, y, z) {
+            *setting = [x, y, z];
+        } else {
+            inside.skip(&[OWN_VALUE]);
+            let [x, y, z] = *setting;
+            let used = format!("{x}; {y}; {z}");
+            self.invalid(node.line, &inside.path, "not three numbers X, Y, Z", &used);
+        }
+        inside.finish();
+    }
+}
+
+/// How a config names its own fixed frame.
+pub(crate) const FIXED_FRAME: &str = "<Fixed Frame>";

@@ -1,0 +1,173 @@
+//! Where rviz's main camera looks.
+//!
+//! An Ogre camera looks along its own -Z, and rviz hangs it on a node at the target frame. What that node takes over
+//! of the frame differs: its position always, its rotation only in some views ([`FollowedRotation`]).
+//!
+//! ```text
+//! orbits:  camera at  focal + d·(cos yaw·cos pitch, sin yaw·cos pitch, sin pitch), looking back at the focal point
+//! free:    camera turned by  Rz(yaw)·Ry(pitch)·Rx(roll)  from looking along +X
+//! ortho:   camera above, turned around Z, looking along -Z
+//! ```
+
+use crate::view::{OrbitView, ViewConfig, ViewController};
+
+/// How much of the target frame's rotation a view takes over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FollowedRotation {
+    /// None: the view's axes are those of the fixed frame.
+    None,
+    /// Its heading around Z.
+    Heading,
+    /// All of it.
+    Full,
+}
+
+impl ViewConfig {
+    /// The unit vector along which the camera looks, in the axes of the view: those of the fixed frame, turned as far
+    /// as [`Self::followed_rotation`] says. [`Self::direction_in_fixed_frame`] does that turning.
+    pub fn direction_in_target_frame(&self) -> [f64; 3] {
+        match &self.controller {
+            ViewController::Orbit(orbit)
+            | ViewController::XyOrbit(orbit)
+            | ViewController::ThirdPersonFollower(orbit) => self.orbit_direction(orbit),
+            // rviz turns the camera only when an angle changes, so that one left at all zeros keeps Ogre's rest pose.
+            ViewController::Fps { yaw_rad, pitch_rad, roll_rad, .. } if [yaw_rad, pitch_rad, roll_rad] == [&0.0; 3] => {
+                [0.0, 0.0, -1.0]
+            }
+            ViewController::Fps { yaw_rad, pitch_rad, .. }
+            | ViewController::FrameAligned { yaw_rad, pitch_rad, .. } => {
+                let (yaw, pitch) = (f64::from(*yaw_rad), f64::from(*pitch_rad));
+                [yaw.cos() * pitch.cos(), yaw.sin() * pitch.cos(), -pitch.sin()]
+            }
+            ViewController::TopDownOrtho { .. } => [0.0, 0.0, -1.0],
+        }
+    }
+
+    fn orbit_direction(&self, orbit: &OrbitView) -> [f64; 3] {
+        let sign = if self.invert_z { -1.0 } else { 1.0 };
+        let yaw = sign * f64::from(orbit.yaw_rad);
+        let pitch = sign * f64::from(orbit.pitch_rad);
+        [-yaw.cos() * pitch.cos(), -yaw.sin() * pitch.cos(), -pitch.sin()]
+    }
+
+    /// How much of the target frame's rotation the view takes over.
+    pub fn followed_rotation(&self) -> FollowedRotation {
+        match &self.controller {
+            ViewController::ThirdPersonFollower(_) => FollowedRotation::Heading,
+            ViewController::FrameAligned { .. } => FollowedRotation::Full,
+            ViewController::Orbit(_)
+            | ViewController::XyOrbit(_)
+            | ViewController::Fps { .. }
+            | ViewController::TopDownOrtho { .. } => FollowedRotation::None,
+        }
+    }
+
+    /// The unit vector along which the camera looks, in the fixed frame. `fixed_from_target` is the rotation of the
+    /// target frame as a unit quaternion x, y, z, w; the identity when the target frame is the fixed frame or is not
+    /// known.
+    pub fn direction_in_fixed_frame(&self, fixed_from_target: [f64; 4]) -> [f64; 3] {
+        let direction = self.direction_in_target_frame();
+        let [x, y, z, w] = fixed_from_target;
+        match self.followed_rotation() {
+            FollowedRotation::None => direction,
+            FollowedRotation::Heading => {
+                let heading = f64::atan2(2.0 * (x * y + w * z), w * w + x * x - y * y - z * z) / 2.0;
+                rotate([0.0, 0.0, heading.sin(), heading.cos()], direction)
+            }
+            FollowedRotation::Full => rotate(fixed_from_target, direction),
+        }
+    }
+}
+
+/// `v` rotated by the unit quaternion x, y, z, w: v + 2w(q×v) + 2q×(q×v).
+fn rotate([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+    let cross = |b: [f64; 3]| [y * b[2] - z * b[1], z * b[0] - x * b[2], x * b[1] - y * b[0]];
+    let once = cross(v);
+    let twice = cross(once);
+    [0, 1, 2].map(|i| v[i] + 2.0 * (w * once[i] + twice[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::FrameAxis;
+
+    const IDENTITY: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
+    fn assert_close(actual: [f64; 3], expected: [f64; 3]) {
+        let distance: f64 = (0..3).map(|i| (actual[i] - expected[i]).abs()).sum();
+        assert!(distance < 1e-6, "{actual:?} is not {expected:?}");
+    }
+
+    fn orbit(yaw_rad: f32, pitch_rad: f32) -> OrbitView {
+        OrbitView { distance_m: 4.0, yaw_rad, pitch_rad, ..OrbitView::default() }
+    }
+
+    fn view(controller: ViewController) -> ViewConfig {
+        ViewConfig { controller, ..ViewConfig::default() }
+    }
+
+    fn fps(yaw_rad: f32, pitch_rad: f32, roll_rad: f32) -> ViewConfig {
+        view(ViewController::Fps { position_m: [0.0; 3], yaw_rad, pitch_rad, roll_rad })
+    }
+
+    #[test]
+    fn an_orbit_looks_back_from_where_it_stands() {
+        let (yaw, pitch, distance) = (5.8_f64, 0.6_f64, 4.0_f64);
+        let camera = [distance * yaw.cos() * pitch.cos(), distance * yaw.sin() * pitch.cos(), distance * pitch.sin()];
+        let direction = view(ViewController::Orbit(orbit(5.8, 0.6))).direction_in_target_frame();
+        assert_close(direction, camera.map(|x| -x / distance));
+        assert!(direction[0] < 0.0 && direction[1] > 0.0 && direction[2] < 0.0);
+    }
+
+    #[test]
+    fn an_orbit_from_ahead_and_above_looks_back_and_down() {
+        let at = view(ViewController::Orbit(orbit(0.0, std::f32::consts::FRAC_PI_4)));
+        let half = 0.5_f64.sqrt();
+        assert_close(at.direction_in_target_frame(), [-half, 0.0, -half]);
+        let inverted = ViewConfig { invert_z: true, ..at };
+        assert_close(inverted.direction_in_target_frame(), [-half, 0.0, half]);
+    }
+
+    #[test]
+    fn a_free_camera_looks_along_x_and_down_with_pitch() {
+        let down = std::f32::consts::FRAC_PI_2;
+        assert_close(fps(down, 0.0, 0.0).direction_in_target_frame(), [0.0, 1.0, 0.0]);
+        assert_close(fps(0.3, down, 1.0).direction_in_target_frame(), [0.0, 0.0, -1.0]);
+        assert_close(fps(0.0, 0.0, 0.1).direction_in_target_frame(), [1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_free_camera_with_all_angles_zero_was_never_turned() {
+        assert_close(fps(0.0, 0.0, 0.0).direction_in_target_frame(), [0.0, 0.0, -1.0]);
+    }
+
+    #[test]
+    fn views_turn_with_the_frame_each_in_its_way() {
+        // A frame turned left by a quarter and then rolled onto its side around its own X.
+        let half = 0.5_f64.sqrt();
+        let left = [0.0, 0.0, half, half];
+        let left_on_its_side = [0.5, 0.5, 0.5, 0.5];
+        let still = view(ViewController::Orbit(orbit(0.0, 0.0)));
+        assert_close(still.direction_in_fixed_frame(left), [-1.0, 0.0, 0.0]);
+        let follower = view(ViewController::ThirdPersonFollower(orbit(0.0, 0.0)));
+        assert_close(follower.direction_in_fixed_frame(IDENTITY), [-1.0, 0.0, 0.0]);
+        assert_close(follower.direction_in_fixed_frame(left), [0.0, -1.0, 0.0]);
+        assert_close(follower.direction_in_fixed_frame(left_on_its_side), [0.0, -1.0, 0.0]);
+        let aligned = view(ViewController::FrameAligned {
+            position_m: [0.0; 3],
+            yaw_rad: std::f32::consts::FRAC_PI_2,
+            pitch_rad: 0.0,
+            roll_rad: 0.0,
+            axis: FrameAxis::PlusY,
+        });
+        assert_close(aligned.direction_in_fixed_frame(left), [-1.0, 0.0, 0.0]);
+        assert_close(aligned.direction_in_fixed_frame(left_on_its_side), [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn from_above_is_downwards() {
+        let above = view(ViewController::TopDownOrtho { angle_rad: 1.0, scale_px_per_m: 10.0, x_m: 1.0, y_m: 2.0 });
+        assert_close(above.direction_in_fixed_frame([0.0, 0.0, 1.0, 0.0]), [0.0, 0.0, -1.0]);
+    }
+}
