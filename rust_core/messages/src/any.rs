@@ -1,0 +1,174 @@
+//! One message of any of the types that a display draws.
+//!
+//! The list at the end of this file is the only place that names them: one line adds a type.
+
+use crate::std_msgs::Header;
+use crate::{DecodeError, Message, PointCloud2, Wire};
+use std::sync::Arc;
+
+/// Reads the message from bytes that may become its own.
+fn decode_owned<T: Wire>(bytes: Vec<u8>) -> Result<T, DecodeError> {
+    crate::decode(&bytes)
+}
+
+fn decode_cloud(bytes: Vec<u8>) -> Result<PointCloud2, DecodeError> {
+    PointCloud2::from_bytes(Arc::new(bytes))
+}
+
+fn decode_image(bytes: Vec<u8>) -> Result<crate::Image, DecodeError> {
+    crate::Image::from_bytes(Arc::new(bytes))
+}
+
+macro_rules! any_message {
+    ($($variant:ident($type:ty) $decode:path, $header:expr;)*) => {
+        /// A type of message that displays subscribe to.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum MessageKind {
+            $(#[doc = concat!("[`", stringify!($type), "`]")] $variant,)*
+        }
+
+        /// A message of one of the types of [`MessageKind`].
+        #[derive(Clone, Debug)]
+        pub enum AnyMessage {
+            $(#[doc = concat!("[`", stringify!($type), "`]")] $variant(Arc<$type>),)*
+        }
+
+        impl MessageKind {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
+
+            /// `package/Name`.
+            pub fn ros_type(self) -> &'static str {
+                match self {
+                    $(Self::$variant => <$type as Message>::TYPE,)*
+                }
+            }
+
+            /// The checksum of the definition.
+            pub fn md5sum(self) -> &'static str {
+                match self {
+                    $(Self::$variant => <$type as Message>::MD5SUM,)*
+                }
+            }
+
+            /// The whole text of the definition.
+            pub fn definition(self) -> String {
+                match self {
+                    $(Self::$variant => <$type as Message>::definition(),)*
+                }
+            }
+
+            /// Reads a message; big ones are copied once.
+            pub fn decode(self, bytes: &[u8]) -> Result<AnyMessage, DecodeError> {
+                match self {
+                    $(Self::$variant => crate::decode::<$type>(bytes).map(|m| AnyMessage::$variant(Arc::new(m))),)*
+                }
+            }
+
+            /// Reads a message; big ones keep the bytes and copy nothing.
+            pub fn decode_owned(self, bytes: Vec<u8>) -> Result<AnyMessage, DecodeError> {
+                match self {
+                    $(Self::$variant => $decode(bytes).map(|m: $type| AnyMessage::$variant(Arc::new(m))),)*
+                }
+            }
+        }
+
+        impl AnyMessage {
+            /// Which type it is.
+            pub fn kind(&self) -> MessageKind {
+                match self {
+                    $(Self::$variant(_) => MessageKind::$variant,)*
+                }
+            }
+
+            /// The message's bytes, as on the wire.
+            pub fn encode(&self) -> Vec<u8> {
+                match self {
+                    $(Self::$variant(message) => crate::encode(&**message),)*
+                }
+            }
+        }
+
+        /// The header of a message; of an array, its first element's. None when it has none.
+        pub fn header(message: &AnyMessage) -> Option<&Header> {
+            match message {
+                $(AnyMessage::$variant(message) => {
+                    let header: fn(&$type) -> Option<&Header> = $header;
+                    header(message)
+                })*
+            }
+        }
+    };
+}
+
+impl MessageKind {
+    /// The kind of the type `package/Name`, if it is one of them.
+    pub fn from_ros_type(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|kind| kind.ros_type() == name)
+    }
+}
+
+any_message! {
+    PointCloud2(crate::PointCloud2) decode_cloud, |m| Some(&m.header);
+    Image(crate::Image) decode_image, |m| Some(&m.header);
+    CameraInfo(crate::sensor_msgs::CameraInfo) decode_owned, |m| Some(&m.header);
+    Marker(crate::visualization_msgs::Marker) decode_owned, |m| Some(&m.header);
+    MarkerArray(crate::visualization_msgs::MarkerArray) decode_owned, |m| m.markers.first().map(|m| &m.header);
+    Path(crate::nav_msgs::Path) decode_owned, |m| Some(&m.header);
+    PoseStamped(crate::geometry_msgs::PoseStamped) decode_owned, |m| Some(&m.header);
+    PoseArray(crate::geometry_msgs::PoseArray) decode_owned, |m| Some(&m.header);
+    PointStamped(crate::geometry_msgs::PointStamped) decode_owned, |m| Some(&m.header);
+    PolygonStamped(crate::geometry_msgs::PolygonStamped) decode_owned, |m| Some(&m.header);
+    TFMessage(crate::tf2_msgs::TFMessage) decode_owned, |m| m.transforms.first().map(|t| &t.header);
+    Clock(crate::rosgraph_msgs::Clock) decode_owned, |_| None;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::visualization_msgs::{Marker, MarkerArray};
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_type_is_found_by_its_name() {
+        for kind in MessageKind::ALL {
+            assert_eq!(MessageKind::from_ros_type(kind.ros_type()), Some(*kind));
+        }
+        assert_eq!(MessageKind::from_ros_type("sensor_msgs/Joy"), None);
+    }
+
+    #[test]
+    fn an_array_speaks_by_its_first_marker() {
+        let marker = Marker { header: Header { frame_id: "map".to_owned(), ..Header::default() }, ..Marker::default() };
+        let bytes = crate::encode(&MarkerArray { markers: vec![marker] });
+        let message = MessageKind::MarkerArray.decode(&bytes).unwrap();
+        assert_eq!(header(&message).map(|h| h.frame_id.as_str()), Some("map"));
+        assert_eq!(message.encode(), bytes);
+    }
+
+    proptest! {
+        #[test]
+        fn arbitrary_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+            for kind in MessageKind::ALL {
+                let borrowed = kind.decode(&bytes).is_ok();
+                prop_assert_eq!(borrowed, kind.decode_owned(bytes.clone()).is_ok());
+            }
+        }
+
+        // Bytes that are mostly zero get much further into a message than random ones.
+        #[test]
+        fn sparse_bytes_never_panic(changes in proptest::collection::vec((0..600usize, any::<u8>()), 0..12), len in 0..600usize) {
+            let mut bytes = vec![0; len];
+            for (at, value) in changes {
+                if let Some(byte) = bytes.get_mut(at) {
+                    *byte = value;
+                }
+            }
+            for kind in MessageKind::ALL {
+                if let Ok(message) = kind.decode(&bytes) {
+                    prop_assert_eq!(message.encode().len(), bytes.len());
+                }
+            }
+        }
+    }
+}
