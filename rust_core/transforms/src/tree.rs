@@ -1,0 +1,305 @@
+//! The buffer of all frames: names, histories and what is known of them. tf2 calls it `BufferCore`.
+//!
+//! Frame names are interned, so that a lookup hashes its two names once and then walks from frame to
+//! parent by index. A name becomes known when a transform first mentions it, as child or as parent, and
+//! stays known, also through [`TransformTree::clear`]. How lookups walk is in the `lookup` module.
+
+use std::collections::HashMap;
+use std::time::Duration;
+
+use crate::history::{History, Sample, Stored};
+use crate::transform::strip_slash;
+use crate::{InsertError, RawTransform, StampedTransform, Time};
+
+/// How long tf2 and rviz remember moving frames.
+pub const DEFAULT_CACHE_LENGTH: Duration = Duration::from_secs(10);
+
+/// A frame's place among the tree's frames.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct FrameId(pub(crate) u32);
+
+#[derive(Clone, Debug)]
+struct Frame {
+    name: String,
+    /// `None` until a transform places the frame in a parent: roots have none.
+    history: Option<History>,
+}
+
+/// What an accepted transform changed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Inserted {
+    /// The tree knows something that it did not know before.
+    Stored,
+    /// Nothing: the frame already has a sample with that stamp (the first one holds), or is static and
+    /// was placed exactly there. Nodes that publish in a loop do this all the time.
+    Repeated,
+}
+
+/// The frame tree over time.
+#[derive(Clone, Debug)]
+pub struct TransformTree {
+    cache_length: Duration,
+    frames: Vec<Frame>,
+    ids: HashMap<String, FrameId>,
+    generation: u64,
+}
+
+impl Default for TransformTree {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl TransformTree {
+    /// An empty tree that remembers [`DEFAULT_CACHE_LENGTH`] of each moving frame.
+    pub fn new() -> Self {
+        Self::with_cache_length(DEFAULT_CACHE_LENGTH)
+    }
+
+    /// An empty tree that remembers `cache_length` of each moving frame, back from the frame's newest sample.
+    pub fn with_cache_length(cache_length: Duration) -> Self {
+        TransformTree { cache_length, frames: Vec::new(), ids: HashMap::new(), generation: 0 }
+    }
+
+    /// How long moving frames are remembered.
+    pub fn cache_length(&self) -> Duration {
+        self.cache_length
+    }
+
+    /// Adds what `authority` (a node's name) published, on `/tf_static` if `is_static`.
+    ///
+    /// Whether a frame is static is decided by the first transform said of it and stays so, as in tf2: a
+    /// later one from the other topic is a sample like any other, or replaces the static one.
+    ///
+    /// # Errors
+    ///
+    /// [`InsertError`] for what tf2 refuses; the tree's transforms are then as before.
+    pub fn insert(
+        &mut self,
+        transform: &RawTransform<'_>,
+        is_static: bool,
+        authority: &str,
+    ) -> Result<Inserted, InsertError> {
+        let parent_from_child = transform.check(authority)?;
+        let (parent, child) = (strip_slash(transform.parent), strip_slash(transform.child));
+        let child_id = self.intern(child);
+        let sample = Sample { stamp: transform.stamp, parent: self.intern(parent), parent_from_child };
+        let stored = match self.frames.get_mut(child_id.0 as usize) {
+            Some(Frame { history: Some(history), .. }) => history.insert(sample, self.cache_length),
+            Some(frame) => {
+                frame.history = Some(History::new(sample, is_static));
+                Stored::Yes
+            }
+            None => Stored::Repeated,
+        };
+        match stored {
+            Stored::Yes => {
+                self.generation += 1;
+                Ok(Inserted::Stored)
+            }
+            Stored::Repeated => Ok(Inserted::Repeated),
+            Stored::TooOld { latest } => Err(InsertError::OldData {
+                authority: authority.to_owned(),
+                parent: parent.to_owned(),
+                child: child.to_owned(),
+                stamp: transform.stamp,
+                latest,
+            }),
+        }
+    }
+
+    /// Forgets all samples of moving frames. Static frames and all names stay known, as in tf2: static
+    /// transforms are published once and would never come back after a jump in time.
+    pub fn clear(&mut self) {
+        for frame in &mut self.frames {
+            if let Some(history) = &mut frame.history {
+                history.clear();
+            }
+        }
+        self.generation += 1;
+    }
+
+    /// A number that grows whenever what the tree knows has changed, so that callers know when a lookup
+    /// that failed is worth trying again. Repeated transforms do not count.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// All frames that were ever mentioned, in the order of their first mention.
+    pub fn frames(&self) -> impl Iterator<Item = &str> {
+        self.frames.iter().map(|frame| frame.name.as_str())
+    }
+
+    /// Whether `frame` was ever mentioned, as child or as parent.
+    pub fn frame_exists(&self, frame: &str) -> bool {
+        self.id(strip_slash(frame)).is_some()
+    }
+
+    /// The parent of `frame` at `time` (at zero: in its newest sample). `None` for roots, for unknown
+    /// frames and for times that the frame's history does not cover.
+    pub fn parent_of(&self, frame: &str, time: Time) -> Option<&str> {
+        let (parent, _) = self.history(self.id(strip_slash(frame))?)?.at(time)?;
+        Some(self.name(parent))
+    }
+
+    /// The stamp of the newest sample of `frame`; zero for static frames, which are valid at all times.
+    /// `None` for roots, for unknown frames and for moving frames without samples.
+    pub fn latest_stamp(&self, frame: &str) -> Option<Time> {
+        let newest = self.history(self.id(strip_slash(frame))?)?.newest()?;
+        Some(newest.stamp)
+    }
+
+    /// The newest sample of `frame`, with its parent; its stamp is zero where the frame is static. `None`
+    /// as for [`TransformTree::latest_stamp`].
+    pub fn latest(&self, frame: &str) -> Option<StampedTransform> {
+        let id = self.id(strip_slash(frame))?;
+        let newest = self.history(id)?.newest()?;
+        Some(StampedTransform {
+            parent: self.name(newest.parent).to_owned(),
+            child: self.name(id).to_owned(),
+            stamp: newest.stamp,
+            parent_from_child: newest.parent_from_child,
+        })
+    }
+
+    fn intern(&mut self, name: &str) -> FrameId {
+        if let Some(id) = self.id(name) {
+            return id;
+        }
+        // Four thousand million names do not fit into memory.
+        let id = FrameId(self.frames.len() as u32);
+        self.frames.push(Frame { name: name.to_owned(), history: None });
+        self.ids.insert(name.to_owned(), id);
+        id
+    }
+
+    /// The frame of that name, which is given without a leading slash.
+    pub(crate) fn id(&self, name: &str) -> Option<FrameId> {
+        self.ids.get(name).copied()
+    }
+
+    pub(crate) fn name(&self, id: FrameId) -> &str {
+        self.frames.get(id.0 as usize).map_or("", |frame| &frame.name)
+    }
+
+    pub(crate) fn history(&self, id: FrameId) -> Option<&History> {
+        self.frames.get(id.0 as usize)?.history.as_ref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said<'a>(parent: &'a str, child: &'a str, secs: u32, x: f64) -> RawTransform<'a> {
+        RawTransform {
+            parent,
+            child,
+            stamp: Time::from_secs_nanos(secs, 0),
+            translation: [x, 0.0, 0.0],
+            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+        }
+    }
+
+    fn x_of(tree: &TransformTree, target: &str, source: &str, secs: u32) -> Option<f64> {
+        let found = tree.lookup(target, source, Time::from_secs_nanos(secs, 0));
+        Some(found.ok()?.translation.x)
+    }
+
+    #[test]
+    fn frames_are_known_by_their_first_mention_with_or_without_a_slash() {
+        let mut tree = TransformTree::new();
+        tree.insert(&said("/map", "odom", 5, 1.0), false, "/a").unwrap();
+        tree.insert(&said("odom", "/base", 5, 1.0), false, "/a").unwrap();
+        assert_eq!(tree.frames().collect::<Vec<_>>(), ["odom", "map", "base"]);
+        assert!(tree.frame_exists("map") && tree.frame_exists("/map"));
+        assert!(!tree.frame_exists("") && !tree.frame_exists("//map"));
+        assert_eq!(tree.parent_of("/odom", Time::ZERO), Some("map"));
+        assert_eq!(tree.parent_of("odom", Time::from_secs_nanos(6, 0)), None);
+        assert_eq!(tree.parent_of("map", Time::ZERO), None);
+        assert_eq!(tree.latest_stamp("base"), Some(Time::from_secs_nanos(5, 0)));
+        assert_eq!(tree.latest_stamp("map"), None);
+    }
+
+    #[test]
+    fn the_generation_grows_with_what_is_new_and_with_nothing_else() {
+        let mut tree = TransformTree::new();
+        let mut last = tree.generation();
+        let mut grew = |tree: &TransformTree| {
+            let grew = tree.generation() > last;
+            last = tree.generation();
+            grew
+        };
+        let moving = said("map", "odom", 50, 1.0);
+        assert_eq!(tree.insert(&moving, false, "/a"), Ok(Inserted::Stored));
+        assert!(grew(&tree));
+        assert_eq!(tree.insert(&moving, false, "/a"), Ok(Inserted::Repeated));
+        assert!(!grew(&tree));
+        let fixed = said("odom", "laser", 50, 1.0);
+        assert_eq!(tree.insert(&fixed, true, "/a"), Ok(Inserted::Stored));
+        assert!(grew(&tree));
+        assert_eq!(tree.insert(&fixed, true, "/a"), Ok(Inserted::Repeated));
+        assert!(tree.insert(&said("map", "odom", 39, 1.0), false, "/a").is_err());
+        assert!(!grew(&tree));
+        tree.clear();
+        assert!(grew(&tree));
+    }
+
+    #[test]
+    fn data_older_than_the_cache_is_refused_and_the_error_names_all() {
+        let mut tree = TransformTree::with_cache_length(Duration::from_secs(2));
+        tree.insert(&said("map", "odom", 50, 1.0), false, "/a").unwrap();
+        assert!(tree.insert(&said("map", "odom", 48, 1.0), false, "/a").is_ok());
+        let error = tree.insert(&said("map", "odom", 47, 1.0), false, "/slam").unwrap_err();
+        let text = error.to_string();
+        for part in ["/slam", "[map]", "[odom]", "47.000000000", "50.000000000"] {
+            assert!(text.contains(part), "{text}");
+        }
+    }
+
+    #[test]
+    fn clearing_forgets_moving_frames_and_keeps_static_ones_and_names() {
+        let mut tree = TransformTree::new();
+        tree.insert(&said("map", "odom", 50, 1.0), false, "/a").unwrap();
+        tree.insert(&said("odom", "laser", 50, 2.0), true, "/a").unwrap();
+        tree.clear();
+        assert_eq!(x_of(&tree, "map", "odom", 0), None);
+        assert_eq!(x_of(&tree, "odom", "laser", 3), Some(2.0));
+        assert!(tree.frame_exists("map"));
+        // Time may now run from the start again.
+        tree.insert(&said("map", "odom", 1, 5.0), false, "/a").unwrap();
+        assert_eq!(x_of(&tree, "map", "laser", 1), Some(7.0));
+    }
+
+    #[test]
+    fn the_first_transform_decides_whether_a_frame_is_static() {
+        let mut tree = TransformTree::new();
+        tree.insert(&said("map", "post", 5, 1.0), true, "/a").unwrap();
+        tree.insert(&said("map", "post", 6, 2.0), false, "/a").unwrap();
+        assert_eq!(x_of(&tree, "map", "post", 100), Some(2.0));
+        tree.insert(&said("map", "cart", 5, 1.0), false, "/a").unwrap();
+        tree.insert(&said("map", "cart", 6, 3.0), true, "/a").unwrap();
+        assert_eq!(x_of(&tree, "map", "cart", 0), Some(3.0));
+        assert_eq!(x_of(&tree, "map", "cart", 100), None);
+    }
+
+    #[test]
+    fn the_newest_sample_is_told_with_its_parent() {
+        let mut tree = TransformTree::new();
+        tree.insert(&said("map", "odom", 5, 1.0), false, "/a").unwrap();
+        tree.insert(&said("odom", "laser", 5, 2.0), true, "/a").unwrap();
+        let odom = tree.latest("/odom").unwrap();
+        assert_eq!((odom.parent.as_str(), odom.child.as_str()), ("map", "odom"));
+        assert_eq!(odom.stamp, Time::from_secs_nanos(5, 0));
+        assert_eq!(tree.latest("laser").unwrap().stamp, Time::ZERO);
+        assert_eq!(tree.latest("map"), None);
+    }
+
+    #[test]
+    fn a_refused_transform_leaves_no_frame_behind() {
+        let mut tree = TransformTree::new();
+        assert!(tree.insert(&said("map", "odom", 5, f64::NAN), false, "/a").is_err());
+        assert_eq!(tree.frames().count(), 0);
+        assert_eq!(tree.generation(), 0);
+    }
+}

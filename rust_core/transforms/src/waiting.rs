@@ -1,0 +1,381 @@
+//! Messages that wait for their frame: what tf2_ros' message filter does for rviz's displays.
+//!
+//! A display can draw a message only where its frame is known at the message's stamp, and transforms
+//! often arrive a little after the data that needs them. So a message that cannot be placed yet waits; it
+//! is handed out as soon as it can be, or dropped when newer ones need its place or when it has become
+//! older than all that the tree remembers. The owner calls [`WaitingQueue::take_ready`] after each message
+//! and whenever [`TransformTree::generation`] has grown.
+//!
+//! Two things differ from tf2_ros. Messages come out in the order of their arrival, where the filter's
+//! order after a transform is arbitrary. And a message with stamp zero, which asks for the latest transform,
+//! is never too old: the filter compares even that stamp with the newest transforms and so loses a message
+//! that came before the first of them.
+
+use std::collections::VecDeque;
+
+use thiserror::Error;
+
+use crate::transform::strip_slash;
+use crate::{LookupError, Time, TransformTree};
+
+/// Messages of type `T`, each with a frame and a stamp, until they can be placed.
+#[derive(Clone, Debug)]
+pub struct WaitingQueue<T> {
+    queue_size: usize,
+    /// In the order of arrival.
+    messages: VecDeque<Message<T>>,
+    /// How many of the last ones arrived since they were last looked at.
+    new: usize,
+    counts: DropCounts,
+    last_dropped: Option<Dropped>,
+}
+
+#[derive(Clone, Debug)]
+struct Message<T> {
+    frame: String,
+    stamp: Time,
+    content: T,
+}
+
+/// How many messages were dropped, by reason.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct DropCounts {
+    /// Newer messages needed the place.
+    pub queue_full: u64,
+    /// The stamp lay before all that the tree remembers.
+    pub too_old: u64,
+    /// The message named no frame.
+    pub empty_frame: u64,
+}
+
+impl DropCounts {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.queue_full + self.too_old + self.empty_frame
+    }
+}
+
+/// Why a message was dropped.
+#[derive(Clone, PartialEq, Debug, Error)]
+pub enum Dropped {
+    /// More messages waited than the queue holds, and this one was the oldest.
+    #[error("a message in frame [{frame}] at {stamp} was dropped because the queue was full{}", waited_for(.reason.as_ref()))]
+    QueueFull {
+        /// The message's frame.
+        frame: String,
+        /// The message's stamp.
+        stamp: Time,
+        /// What it waited for; `None` if nobody had asked for it yet.
+        reason: Option<LookupError>,
+    },
+    /// The transforms of that time are forgotten, so that the message can never be placed.
+    #[error("a message in frame [{frame}] at {stamp} was dropped because it is too old to be placed in frame [{target}], whose transforms have reached {latest}")]
+    TooOld {
+        /// The message's frame.
+        frame: String,
+        /// The frame that it was to be placed in.
+        target: String,
+        /// The message's stamp.
+        stamp: Time,
+        /// The latest common time of the two frames.
+        latest: Time,
+    },
+    /// The message does not say which frame it is in.
+    #[error("a message at {stamp} was dropped because its frame name is empty")]
+    EmptyFrame {
+        /// The message's stamp.
+        stamp: Time,
+    },
+}
+
+fn waited_for(reason: Option<&LookupError>) -> String {
+    reason.map_or_else(String::new, |reason| format!("; it waited: {reason}"))
+}
+
+impl<T> WaitingQueue<T> {
+    /// A queue in which at most `queue_size` messages wait; 0 sets no limit.
+    pub fn new(queue_size: usize) -> Self {
+        WaitingQueue {
+            queue_size,
+            messages: VecDeque::new(),
+            new: 0,
+            counts: DropCounts::default(),
+            last_dropped: None,
+        }
+    }
+
+    /// Changes how many messages may wait; 0 sets no limit. Where too many wait already, the next
+    /// [`WaitingQueue::take_ready`] drops the oldest.
+    pub fn set_queue_size(&mut self, queue_size: usize) {
+        self.queue_size = queue_size;
+    }
+
+    /// Adds a message in `frame_id` (one leading `/` is ignored) at `stamp`.
+    ///
+    /// A message without a frame is dropped at once. Messages that have not been looked at yet do not push
+    /// out those that wait, because they may be ready; but as in a subscriber's queue there are at most
+    /// queue size of them, then the oldest of them is dropped.
+    pub fn push(&mut self, frame_id: &str, stamp: Time, message: T) {
+        let frame = strip_slash(frame_id);
+        if frame.is_empty() {
+            self.counts.empty_frame += 1;
+            self.last_dropped = Some(Dropped::EmptyFrame { stamp });
+            return;
+        }
+        if self.queue_size != 0 && self.new >= self.queue_size {
+            let oldest_new = self.messages.len().saturating_sub(self.new);
+            self.new -= 1;
+            if let Some(oldest) = self.messages.remove(oldest_new) {
+                self.counts.queue_full += 1;
+                self.last_dropped = Some(Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason: None });
+            }
+        }
+        self.messages.push_back(Message { frame: frame.to_owned(), stamp, content: message });
+        self.new += 1;
+    }
+
+    /// The messages that `tree` can now place in `target`, in the order of their arrival. Of the rest it
+    /// drops those that can never be placed, and the oldest beyond the queue size.
+    pub fn take_ready(&mut self, tree: &TransformTree, target: &str) -> Vec<T> {
+        let mut ready = Vec::new();
+        for _ in 0..self.messages.len() {
+            let Some(message) = self.messages.pop_front() else {
+                break;
+            };
+            if tree.can_transform(target, &message.frame, message.stamp) {
+                ready.push(message.content);
+            } else if let Some(latest) = forgotten_since(tree, target, &message) {
+                self.counts.too_old += 1;
+                self.last_dropped = Some(Dropped::TooOld {
+                    frame: message.frame,
+                    target: strip_slash(target).to_owned(),
+                    stamp: message.stamp,
+                    latest,
+                });
+            } else {
+                self.messages.push_back(message);
+            }
+        }
+        self.new = 0;
+        while self.queue_size != 0 && self.messages.len() > self.queue_size {
+            let Some(oldest) = self.messages.pop_front() else {
+                break;
+            };
+            let reason = tree.lookup(target, &oldest.frame, oldest.stamp).err();
+            self.counts.queue_full += 1;
+            self.last_dropped = Some(Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason });
+        }
+        ready
+    }
+
+    /// Why the newest message waits; `None` when none does.
+    pub fn waiting_reason(&self, tree: &TransformTree, target: &str) -> Option<LookupError> {
+        let newest = self.messages.back()?;
+        tree.lookup(target, &newest.frame, newest.stamp).err()
+    }
+
+    /// How many messages wait.
+    pub fn len(&self) -> usize {
+        self.messages.len()
+    }
+
+    /// Whether no message waits.
+    pub fn is_empty(&self) -> bool {
+        self.messages.is_empty()
+    }
+
+    /// How many messages were dropped so far.
+    pub fn dropped(&self) -> DropCounts {
+        self.counts
+    }
+
+    /// The last drop and its reason, since the queue was made or cleared.
+    pub fn last_dropped(&self) -> Option<&Dropped> {
+        self.last_dropped.as_ref()
+    }
+
+    /// Forgets all that waits, for a jump in time or another target frame. The counts go on.
+    pub fn clear(&mut self) {
+        self.messages.clear();
+        self.new = 0;
+        self.last_dropped = None;
+    }
+}
+
+/// The latest common time of the message's frame and `target`, if it is so far ahead of the message that
+/// the tree no longer remembers the message's stamp.
+fn forgotten_since<T>(tree: &TransformTree, target: &str, message: &Message<T>) -> Option<Time> {
+    if message.stamp.is_zero() {
+        return None;
+    }
+    let latest = tree.latest_common_time(target, &message.frame).ok()?;
+    let is_forgotten = message.stamp.saturating_add(tree.cache_length()) < latest;
+    (is_forgotten && !latest.is_zero()).then_some(latest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::RawTransform;
+
+    fn at(secs: u32) -> Time {
+        Time::from_secs_nanos(secs, 0)
+    }
+
+    fn place(tree: &mut TransformTree, child: &str, secs: u32) {
+        let said = RawTransform {
+            parent: "map",
+            child,
+            stamp: at(secs),
+            translation: [1.0, 0.0, 0.0],
+            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+        };
+        tree.insert(&said, false, "/a").unwrap();
+    }
+
+    #[test]
+    fn messages_wait_for_their_stamp_and_come_in_the_order_of_arrival() {
+        let mut tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(5);
+        for (secs, name) in [(12, "late"), (11, "early"), (14, "future")] {
+            queue.push("laser", at(secs), name);
+        }
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        let reason = queue.waiting_reason(&tree, "map").unwrap().to_string();
+        assert!(reason.contains("[map]") && reason.contains("[laser]"), "{reason}");
+
+        place(&mut tree, "laser", 10);
+        place(&mut tree, "laser", 13);
+        assert_eq!(queue.take_ready(&tree, "map"), ["late", "early"]);
+        assert_eq!(queue.len(), 1);
+        let reason = queue.waiting_reason(&tree, "map");
+        assert!(matches!(reason, Some(LookupError::Extrapolation { .. })));
+
+        place(&mut tree, "laser", 14);
+        assert_eq!(queue.take_ready(&tree, "map"), ["future"]);
+        assert!(queue.is_empty());
+        assert_eq!(queue.waiting_reason(&tree, "map"), None);
+        assert_eq!(queue.dropped().total(), 0);
+    }
+
+    #[test]
+    fn a_message_in_the_target_frame_needs_no_transform() {
+        let mut queue = WaitingQueue::new(1);
+        queue.push("/map", at(12), ());
+        assert_eq!(queue.take_ready(&TransformTree::new(), "map").len(), 1);
+    }
+
+    #[test]
+    fn when_too_many_wait_the_oldest_is_dropped() {
+        let mut tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(2);
+        for secs in 11..=14 {
+            queue.push("laser", at(secs), secs);
+            assert!(queue.take_ready(&tree, "map").is_empty());
+        }
+        assert_eq!(queue.len(), 2);
+        assert_eq!(queue.dropped().queue_full, 2);
+        let text = queue.last_dropped().unwrap().to_string();
+        for part in ["[laser]", "12.000000000", "queue was full", "[map]", "does not exist"] {
+            assert!(text.contains(part), "{text}");
+        }
+        place(&mut tree, "laser", 10);
+        place(&mut tree, "laser", 20);
+        assert_eq!(queue.take_ready(&tree, "map"), [13, 14]);
+    }
+
+    #[test]
+    fn a_message_that_is_ready_on_arrival_pushes_none_out() {
+        let mut tree = TransformTree::new();
+        place(&mut tree, "laser", 10);
+        let mut queue = WaitingQueue::new(1);
+        queue.push("laser", at(11), "waits");
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        queue.push("laser", at(10), "ready");
+        assert_eq!(queue.take_ready(&tree, "map"), ["ready"]);
+        assert_eq!((queue.len(), queue.dropped().total()), (1, 0));
+    }
+
+    #[test]
+    fn messages_that_nobody_asks_for_do_not_pile_up() {
+        let mut tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(2);
+        queue.push("laser", at(10), 10);
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        for secs in 11..100 {
+            queue.push("laser", at(secs), secs);
+        }
+        assert_eq!(queue.len(), 3, "one that waited and two new ones");
+        assert_eq!(queue.dropped().queue_full, 87);
+        place(&mut tree, "laser", 99);
+        assert_eq!(queue.take_ready(&tree, "map"), [99]);
+    }
+
+    #[test]
+    fn queue_size_zero_sets_no_limit_and_a_smaller_size_takes_effect() {
+        let tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(0);
+        for secs in 0..1000 {
+            queue.push("laser", at(secs), secs);
+        }
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        assert_eq!(queue.len(), 1000);
+        queue.set_queue_size(3);
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        assert_eq!((queue.len(), queue.dropped().queue_full), (3, 997));
+    }
+
+    #[test]
+    fn a_message_older_than_the_cache_is_dropped() {
+        let mut tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(5);
+        place(&mut tree, "laser", 20);
+        queue.push("laser", at(9), "too old");
+        queue.push("laser", at(10), "may still come");
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        assert_eq!((queue.len(), queue.dropped().too_old), (1, 1));
+        let text = queue.last_dropped().unwrap().to_string();
+        for part in ["[laser]", "[map]", "9.000000000", "20.000000000", "too old"] {
+            assert!(text.contains(part), "{text}");
+        }
+        // And one that waited grows too old as time goes by.
+        place(&mut tree, "laser", 21);
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        assert_eq!((queue.len(), queue.dropped().too_old), (0, 2));
+    }
+
+    #[test]
+    fn stamp_zero_means_latest_and_is_never_too_old() {
+        let mut tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(5);
+        queue.push("laser", Time::ZERO, "latched");
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        place(&mut tree, "laser", 1_700_000_000);
+        assert_eq!(queue.take_ready(&tree, "map"), ["latched"]);
+    }
+
+    #[test]
+    fn a_message_without_a_frame_is_dropped_with_that_reason() {
+        let mut queue = WaitingQueue::new(5);
+        for frame in ["", "/"] {
+            queue.push(frame, at(3), ());
+        }
+        assert!(queue.is_empty());
+        assert_eq!(queue.dropped().empty_frame, 2);
+        let text = queue.last_dropped().unwrap().to_string();
+        assert!(text.contains("frame name is empty"), "{text}");
+    }
+
+    #[test]
+    fn clearing_forgets_the_messages() {
+        let mut tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(1);
+        queue.push("", at(9), "nowhere");
+        queue.push("laser", at(9), "before the jump");
+        queue.clear();
+        assert!(queue.last_dropped().is_none());
+        place(&mut tree, "laser", 9);
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        assert_eq!(queue.dropped().total(), 1);
+    }
+}

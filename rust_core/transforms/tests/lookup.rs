@@ -1,0 +1,287 @@
+//! Lookups in small trees by hand: what is found, at which time, and what the errors say.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use rcs_transforms::{LookupError, LookupProblem, StampedTransform, Time, TransformTree};
+
+fn at(secs: f64) -> Time {
+    Time::from_secs_f64(secs)
+}
+
+/// Inserts `child` in `parent`, a quarter turn about z and `x` along x; at no time if it is static.
+fn turn(tree: &mut TransformTree, parent: &str, child: &str, secs: Option<f64>, x: f64) {
+    let said = StampedTransform {
+        parent: parent.to_owned(),
+        child: child.to_owned(),
+        stamp: at(secs.unwrap_or(0.0)),
+        parent_from_child: Isometry3::from_parts(
+            Translation3::new(x, 0.0, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2),
+        ),
+    };
+    tree.insert(&said.as_raw(), secs.is_none(), "/test").unwrap();
+}
+
+/// map <- odom (5 s, 7 s) <- base (6 s, 8 s) <- camera (static); map <- table (4 s, 9 s); other <- island.
+fn scene() -> TransformTree {
+    let mut tree = TransformTree::new();
+    for (parent, child, times) in [
+        ("map", "odom", [5.0, 7.0]),
+        ("odom", "base", [6.0, 8.0]),
+        ("map", "table", [4.0, 9.0]),
+        ("other", "island", [5.0, 8.0]),
+    ] {
+        for secs in times {
+            turn(&mut tree, parent, child, Some(secs), secs);
+        }
+    }
+    turn(&mut tree, "base", "camera", None, 1.0);
+    tree
+}
+
+fn text_of(tree: &TransformTree, target: &str, source: &str, time: Time) -> String {
+    let text = tree.lookup(target, source, time).unwrap_err().to_string();
+    assert!(!tree.can_transform(target, source, time), "{text}");
+    text
+}
+
+#[track_caller]
+fn assert_contains(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "{part:?} is not in {text:?}");
+    }
+}
+
+#[test]
+fn the_transform_takes_source_coordinates_to_the_target() {
+    let tree = scene();
+    // A quarter turn for each link: x of base is y of odom is -x of map.
+    let map_from_base = tree.lookup("map", "base", at(7.0)).unwrap();
+    let in_map = map_from_base * Point3::new(1.0, 0.0, 0.0);
+    assert!((in_map - Point3::new(6.0, 7.0, 0.0)).norm() < 1e-12, "{in_map}");
+    let base_from_map = tree.lookup("base", "map", at(7.0)).unwrap();
+    let back = base_from_map * in_map;
+    assert!((back - Point3::new(1.0, 0.0, 0.0)).norm() < 1e-12, "{back}");
+}
+
+#[test]
+fn siblings_meet_in_their_common_parent() {
+    let tree = scene();
+    let table_from_camera = tree.lookup("table", "camera", at(6.5)).unwrap();
+    let map_from_table = tree.lookup("map", "table", at(6.5)).unwrap();
+    let map_from_camera = tree.lookup("map", "camera", at(6.5)).unwrap();
+    let difference = (map_from_table * table_from_camera).inverse() * map_from_camera;
+    assert!(difference.translation.vector.norm() < 1e-12);
+    assert!(difference.rotation.angle() < 1e-7);
+}
+
+#[test]
+fn time_zero_is_the_oldest_of_the_newest_stamps_on_the_way() {
+    let tree = scene();
+    for (target, source, secs) in [
+        ("map", "odom", 7.0),
+        ("odom", "map", 7.0),
+        ("odom", "base", 8.0),
+        ("table", "camera", 7.0),
+        ("map", "table", 9.0),
+        ("base", "camera", 0.0),
+        ("base", "base", 8.0),
+        ("camera", "camera", 0.0),
+        ("map", "map", 0.0),
+    ] {
+        let common = tree.latest_common_time(target, source).unwrap();
+        assert_eq!(common, at(secs), "{target} {source}");
+        let (found, stamp) = tree.lookup_stamped(target, source, Time::ZERO).unwrap();
+        assert_eq!(stamp, at(secs), "{target} {source}");
+        assert_eq!(found, tree.lookup(target, source, stamp).unwrap());
+        assert!(tree.can_transform(target, source, Time::ZERO));
+    }
+}
+
+#[test]
+fn a_time_that_is_given_is_the_stamp_of_the_answer() {
+    let tree = scene();
+    for (target, source) in [("map", "base"), ("base", "camera"), ("map", "map")] {
+        let (_, stamp) = tree.lookup_stamped(target, source, at(6.5)).unwrap();
+        assert_eq!(stamp, at(6.5));
+    }
+}
+
+#[test]
+fn a_frame_in_itself_is_the_identity_even_if_unknown() {
+    let tree = TransformTree::new();
+    for time in [Time::ZERO, at(3.0)] {
+        let (found, stamp) = tree.lookup_stamped("/map", "map", time).unwrap();
+        assert_eq!((found, stamp), (Isometry3::identity(), time));
+        assert!(tree.can_transform("map", "/map", time));
+    }
+    let error = tree.latest_common_time("map", "map").unwrap_err();
+    assert!(matches!(error, LookupError::Lookup { .. }));
+}
+
+#[test]
+fn one_leading_slash_is_ignored() {
+    let tree = scene();
+    assert_eq!(tree.lookup("/map", "/camera", at(6.5)), tree.lookup("map", "camera", at(6.5)));
+    assert_contains(&text_of(&tree, "map", "//camera", at(6.5)), &["[/camera] does not exist"]);
+}
+
+#[test]
+fn an_empty_frame_name_is_an_invalid_argument() {
+    let tree = scene();
+    for (target, source) in [("", "map"), ("map", ""), ("/", "map"), ("", "")] {
+        let error = tree.lookup(target, source, Time::ZERO).unwrap_err();
+        assert!(matches!(error, LookupError::InvalidArgument { .. }), "{error}");
+        assert!(!tree.can_transform(target, source, Time::ZERO));
+    }
+    assert_contains(&text_of(&tree, "", "map", Time::ZERO), &["[]", "[map]", "empty"]);
+}
+
+#[test]
+fn a_frame_that_does_not_exist_is_named_beside_both_frames() {
+    let tree = scene();
+    let error = tree.lookup("map", "laser", at(6.5)).unwrap_err();
+    let LookupError::Lookup { target, source, problem } = &error else {
+        panic!("{error:?}");
+    };
+    assert_eq!((target.as_str(), source.as_str()), ("map", "laser"));
+    assert_eq!(*problem, LookupProblem::MissingFrame("laser".to_owned()));
+    let text = text_of(&tree, "nowhere", "map", at(6.5));
+    assert_contains(&text, &["[map]", "frame [nowhere] does not exist"]);
+}
+
+#[test]
+fn unconnected_frames_are_named_with_their_roots() {
+    let tree = scene();
+    for time in [Time::ZERO, at(6.5)] {
+        let error = tree.lookup("base", "island", time).unwrap_err();
+        let LookupError::Connectivity { target_root, source_root, .. } = &error else {
+            panic!("{error:?}");
+        };
+        assert_eq!((target_root.as_str(), source_root.as_str()), ("map", "other"));
+        let text = text_of(&tree, "base", "island", time);
+        assert_contains(&text, &["[base]", "[island]", "[map]", "[other]"]);
+    }
+}
+
+#[test]
+fn a_time_after_the_newest_sample_is_not_extrapolated() {
+    let tree = scene();
+    let error = tree.lookup("map", "camera", at(7.5)).unwrap_err();
+    let LookupError::Extrapolation { frame, requested, known, .. } = &error else {
+        panic!("{error:?}");
+    };
+    assert_eq!((frame.as_str(), *requested), ("odom", at(7.5)));
+    assert_eq!(*known, Some((at(5.0), at(7.0))));
+    let text = text_of(&tree, "map", "camera", at(7.5));
+    assert_contains(&text, &["[map]", "[camera]", "7.500000000", "until 7.000000000", "0.500000000 s earlier"]);
+}
+
+#[test]
+fn a_time_before_the_oldest_sample_is_not_extrapolated() {
+    let tree = scene();
+    for (target, source) in [("map", "camera"), ("camera", "map")] {
+        let text = text_of(&tree, target, source, at(5.5));
+        assert_contains(
+            &text,
+            &["[map]", "[camera]", "frame [base]", "5.500000000", "from 6.000000000", "0.500000000 s later"],
+        );
+    }
+}
+
+#[test]
+fn a_lone_sample_is_told_as_the_only_one() {
+    let mut tree = TransformTree::new();
+    turn(&mut tree, "map", "odom", Some(5.0), 1.0);
+    assert!(tree.can_transform("map", "odom", at(5.0)));
+    let text = text_of(&tree, "map", "odom", at(5.1));
+    assert_contains(&text, &["[map]", "[odom]", "known at 5.000000000 only"]);
+}
+
+#[test]
+fn after_clearing_nothing_is_known_of_moving_frames() {
+    let mut tree = scene();
+    tree.clear();
+    assert_contains(&text_of(&tree, "map", "base", at(6.5)), &["[map]", "[base]", "nothing is known"]);
+    let error = tree.lookup("map", "base", Time::ZERO).unwrap_err();
+    assert!(matches!(error, LookupError::Connectivity { .. }), "{error}");
+    assert!(tree.can_transform("camera", "base", at(6.5)));
+}
+
+#[test]
+fn a_link_above_the_meeting_point_does_not_matter() {
+    let tree = scene();
+    // odom is unknown in map at 7.5 s, and nobody asked.
+    for (target, source) in [("odom", "camera"), ("camera", "odom")] {
+        assert!(tree.lookup(target, source, at(7.5)).is_ok());
+        assert!(tree.can_transform(target, source, at(7.5)));
+    }
+    let mut tree = tree;
+    turn(&mut tree, "odom", "arm", None, 1.0);
+    assert!(tree.lookup("arm", "camera", at(7.5)).is_ok());
+}
+
+#[test]
+fn frames_may_change_their_parent() {
+    let mut tree = TransformTree::new();
+    turn(&mut tree, "map", "hand", None, 10.0);
+    turn(&mut tree, "map", "cup", Some(5.0), 1.0);
+    turn(&mut tree, "map", "cup", Some(6.0), 2.0);
+    turn(&mut tree, "hand", "cup", Some(7.0), 3.0);
+    let x = |secs| tree.lookup("map", "cup", at(secs)).unwrap().translation.x;
+    assert!((x(5.5) - 1.5).abs() < 1e-12);
+    assert!((x(6.9) - 2.0).abs() < 1e-12, "on the table until it is in the hand");
+    let map_from_cup = tree.lookup("map", "cup", at(7.0)).unwrap();
+    assert!((map_from_cup.translation.vector - Vector3::new(10.0, 3.0, 0.0)).norm() < 1e-12);
+    assert_eq!(tree.parent_of("cup", at(6.9)), Some("map"));
+    assert_eq!(tree.parent_of("cup", Time::ZERO), Some("hand"));
+}
+
+#[test]
+fn a_loop_of_parents_is_an_error_and_not_a_hang() {
+    let mut tree = TransformTree::new();
+    turn(&mut tree, "a", "b", Some(5.0), 1.0);
+    turn(&mut tree, "b", "a", Some(5.0), 1.0);
+    turn(&mut tree, "a", "leaf", Some(5.0), 1.0);
+    turn(&mut tree, "map", "odom", Some(5.0), 1.0);
+    for time in [Time::ZERO, at(5.0)] {
+        // Within the circle the other frame is met before it closes.
+        assert!(tree.can_transform("a", "b", time) && tree.can_transform("b", "leaf", time));
+        for (target, source) in [("map", "leaf"), ("leaf", "map"), ("odom", "a")] {
+            let text = text_of(&tree, target, source, time);
+            assert_contains(&text, &["loop", &format!("[{target}]"), &format!("[{source}]")]);
+        }
+    }
+}
+
+#[test]
+fn a_chain_may_be_a_thousand_frames_deep() {
+    let mut tree = TransformTree::new();
+    for depth in 0..=1000 {
+        let (parent, child) = (format!("f{depth}"), format!("f{}", depth + 1));
+        turn(&mut tree, &parent, &child, None, 1.0);
+    }
+    assert!(tree.can_transform("f0", "f1000", Time::ZERO));
+    assert!(tree.can_transform("f1000", "f0", Time::ZERO));
+    assert_contains(&text_of(&tree, "f0", "f1001", Time::ZERO), &["loop"]);
+}
+
+#[test]
+fn a_fixed_frame_connects_two_times() {
+    let tree = scene();
+    // Where the base of 6 s is, seen from the base of 7 s, if the map stood still.
+    let now_from_then = tree.lookup_fixed("base", at(7.0), "base", at(6.0), "map").unwrap();
+    let map_from_then = tree.lookup("map", "base", at(6.0)).unwrap();
+    let map_from_now = tree.lookup("map", "base", at(7.0)).unwrap();
+    let expected = map_from_now.inverse() * map_from_then;
+    assert!((now_from_then.translation.vector - expected.translation.vector).norm() < 1e-12);
+    assert!(now_from_then.translation.vector.norm() > 0.5, "it moved");
+
+    let error = tree.lookup_fixed("base", at(7.0), "base", at(6.0), "nowhere").unwrap_err();
+    assert!(matches!(error, LookupError::Lookup { .. }));
+    let error = tree.lookup_fixed("base", at(7.0), "table", at(20.0), "map").unwrap_err();
+    assert_contains(&error.to_string(), &["[table]", "[map]", "20.000000000"]);
+    let error = tree.lookup_fixed("ghost", at(7.0), "ghost", at(7.0), "ghost").unwrap_err();
+    assert!(matches!(error, LookupError::Lookup { .. }));
+}
