@@ -66,8 +66,8 @@ fn place<'a>(
     }
 }
 
-/// The sections that are about rviz's windows.
-const WINDOW_SECTIONS: [&str; 4] = ["Panels", "Preferences", "Toolbars", "Window Geometry"];
+/// The sections that are about rviz's windows, of the present and of old versions.
+const WINDOW_SECTIONS: [&str; 5] = ["Panels", "Custom Panels", "Preferences", "Toolbars", "Window Geometry"];
 
 const MANAGER: &str = "Visualization Manager";
 

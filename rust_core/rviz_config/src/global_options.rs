@@ -1,6 +1,6 @@
 //! The section `Global Options`: what holds for the whole scene.
 
-use crate::section::{Section, ANY_INT};
+use crate::section::Section;
 
 /// The section `Global Options` of a config.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,7 +30,7 @@ impl GlobalOptions {
     pub(crate) fn read(mut section: Section<'_>) -> Self {
         let mut options = GlobalOptions::default();
         section.frame("Fixed Frame", &mut options.fixed_frame);
-        section.int("Frame Rate", ANY_INT, &mut options.frame_rate_hz);
+        section.int("Frame Rate", &mut options.frame_rate_hz);
         section.color("Background Color", &mut options.background_color);
         section.bool("Default Light", &mut options.default_light);
         section.finish();

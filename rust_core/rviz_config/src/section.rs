@@ -32,9 +32,6 @@ impl Report {
 /// The smallest and largest value of a property without bounds of its own.
 pub(crate) const ANY: RangeInclusive<f32> = f32::MIN..=f32::MAX;
 
-/// The smallest value of an integer property without bounds of its own.
-pub(crate) const ANY_INT: i32 = i32::MIN;
-
 /// The range of a property that has only a smallest value.
 pub(crate) fn at_least(min: f32) -> RangeInclusive<f32> {
     min..=f32::MAX
@@ -213,8 +210,19 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reads an integer, clamped to at least `min`; what is no integer counts as 0.
-    pub(crate) fn int(&mut self, key: &str, min: i32, setting: &mut i32) {
+    /// Reads an integer; what is none counts as 0.
+    pub(crate) fn int(&mut self, key: &str, setting: &mut i32) {
+        self.int_at_least(key, i32::MIN, setting);
+    }
+
+    /// Reads a count, clamped to at least `min`; what is no integer counts as 0.
+    pub(crate) fn count(&mut self, key: &str, min: u32, setting: &mut u32) {
+        let mut value = i32::try_from(*setting).unwrap_or(i32::MAX);
+        self.int_at_least(key, i32::try_from(min).unwrap_or(i32::MAX), &mut value);
+        *setting = value.unsigned_abs();
+    }
+
+    fn int_at_least(&mut self, key: &str, min: i32, setting: &mut i32) {
         if let Some((text, line)) = self.scalar(key) {
             let read = qt_value::to_int(text);
             *setting = read.unwrap_or(0).max(min);

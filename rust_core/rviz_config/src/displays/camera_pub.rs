@@ -48,7 +48,7 @@ pub struct CameraPubSettings {
     /// Namespace of the display's topics and its trigger service.
     pub display_namespace: String,
     /// How many CameraInfos may wait for their transform; at least 1.
-    pub queue_size: i32,
+    pub queue_size: u32,
     /// Images a second; below 0 as fast as the scene changes, 0 only on trigger; at least -1.
     pub frame_rate_hz: f32,
     /// What is seen where there is nothing, as red, green and blue.
@@ -83,7 +83,7 @@ impl CameraPubSettings {
         section.text("Image Topic", &mut settings.image_topic);
         section.text("Camera Info Topic", &mut settings.camera_info_topic);
         section.text("Display namespace", &mut settings.display_namespace);
-        section.int("Queue Size", 1, &mut settings.queue_size);
+        section.count("Queue Size", 1, &mut settings.queue_size);
         section.float("Frame Rate", at_least(-1.0), &mut settings.frame_rate_hz);
         section.color("Background Color", &mut settings.background_color);
         section.choice("Image Encoding", &ENCODINGS, &mut settings.image_encoding);

@@ -22,9 +22,9 @@ pub struct GridSettings {
     /// The frame whose origin is the grid's centre; `None` is the fixed frame.
     pub reference_frame: Option<String>,
     /// Cells along each side; at least 1.
-    pub plane_cell_count: i32,
-    /// Cells along the normal; at least 0, which draws one plane.
-    pub normal_cell_count: i32,
+    pub plane_cell_count: u32,
+    /// Cells along the normal; 0 draws one plane.
+    pub normal_cell_count: u32,
     /// Side of a cell in metres; at least 0.0001.
     pub cell_size_m: f32,
     /// How lines are drawn.
@@ -62,8 +62,8 @@ impl GridSettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = GridSettings::default();
         section.frame_or_fixed("Reference Frame", &mut settings.reference_frame);
-        section.int("Plane Cell Count", 1, &mut settings.plane_cell_count);
-        section.int("Normal Cell Count", 0, &mut settings.normal_cell_count);
+        section.count("Plane Cell Count", 1, &mut settings.plane_cell_count);
+        section.count("Normal Cell Count", 0, &mut settings.normal_cell_count);
         section.float("Cell Size", at_least(0.0001), &mut settings.cell_size_m);
         let mut style = section.child("Line Style");
         style.choice("Value", &LINE_STYLES, &mut settings.line_style);

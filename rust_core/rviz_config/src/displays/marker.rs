@@ -14,8 +14,8 @@ use crate::section::Section;
 pub struct MarkerSettings {
     /// Topic of `visualization_msgs/Marker` or `visualization_msgs/MarkerArray`.
     pub topic: String,
-    /// How many messages may wait for their transform; at least 0.
-    pub queue_size: i32,
+    /// How many messages may wait for their transform.
+    pub queue_size: u32,
     /// The namespaces that the config names, and whether each is shown.
     pub namespaces: BTreeMap<String, bool>,
 }
@@ -41,7 +41,7 @@ impl MarkerSettings {
     pub(crate) fn read(section: &mut Section<'_>, defaults: MarkerSettings) -> Self {
         let mut settings = defaults;
         section.text("Marker Topic", &mut settings.topic);
-        section.int("Queue Size", 0, &mut settings.queue_size);
+        section.count("Queue Size", 0, &mut settings.queue_size);
         for (namespace, node, _) in section.child("Namespaces").all() {
             // What is no scalar has no value, and rviz takes no value for false.
             let shown = match &node.content {

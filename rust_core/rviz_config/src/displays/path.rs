@@ -24,8 +24,8 @@ pub struct PathSettings {
     pub topic: String,
     /// Whether UDP is preferred.
     pub unreliable: bool,
-    /// How many messages may wait for their transform; at least 0.
-    pub queue_size: i32,
+    /// How many messages may wait for their transform.
+    pub queue_size: u32,
     /// How the line is drawn.
     pub line_style: LineStyle,
     /// Width of a line of style [`LineStyle::Billboards`] in metres; at least 0.001.
@@ -35,7 +35,7 @@ pub struct PathSettings {
     /// Opacity of the line; 1 is opaque.
     pub alpha: f32,
     /// How many of the latest paths are shown; at least 1.
-    pub buffer_length: i32,
+    pub buffer_length: u32,
     /// Shift of the whole path in the fixed frame, in metres.
     pub offset_m: [f32; 3],
     /// What is drawn at each pose.
@@ -85,12 +85,12 @@ impl PathSettings {
         let mut settings = PathSettings::default();
         section.text("Topic", &mut settings.topic);
         section.bool("Unreliable", &mut settings.unreliable);
-        section.int("Queue Size", 0, &mut settings.queue_size);
+        section.count("Queue Size", 0, &mut settings.queue_size);
         section.choice("Line Style", &LINE_STYLES, &mut settings.line_style);
         section.float("Line Width", at_least(0.001), &mut settings.line_width_m);
         section.color("Color", &mut settings.color);
         section.float("Alpha", ANY, &mut settings.alpha);
-        section.int("Buffer Length", 1, &mut settings.buffer_length);
+        section.count("Buffer Length", 1, &mut settings.buffer_length);
         section.vector("Offset", &mut settings.offset_m);
         section.choice("Pose Style", &POSE_STYLES, &mut settings.pose_style);
         section.float("Length", ANY, &mut settings.axes_length_m);

@@ -163,8 +163,8 @@ pub struct PointCloud2Settings {
     pub topic: String,
     /// Whether UDP is preferred.
     pub unreliable: bool,
-    /// How many messages may wait for their transform; at least 0.
-    pub queue_size: i32,
+    /// How many messages may wait for their transform.
+    pub queue_size: u32,
     /// Whether points can be picked with the mouse; no effect on the picture.
     pub selectable: bool,
     /// How a point is drawn.
@@ -217,7 +217,7 @@ impl PointCloud2Settings {
         };
         section.text("Topic", &mut settings.topic);
         section.bool("Unreliable", &mut settings.unreliable);
-        section.int("Queue Size", 0, &mut settings.queue_size);
+        section.count("Queue Size", 0, &mut settings.queue_size);
         section.bool("Selectable", &mut settings.selectable);
         section.choice("Style", &STYLES, &mut settings.style);
         section.float("Size (Pixels)", at_least(1.0), &mut settings.size_px);
