@@ -1,1 +1,25 @@
-//! See the crate description.
+//! Files that messages and configs name: `package://` addresses, meshes and their textures.
+//!
+//! [`PackageIndex`] finds files as rospack and resource_retriever do. [`MeshStore`] loads a mesh once and keeps it, in
+//! the form in which rviz shows it: rviz reads meshes through the Assimp library, whose choices (which normals, which
+//! material, how polygons are cut) decide the picture, so the readers here follow Assimp 5.2's rules rather than the
+//! letter of the formats. That is why they are not existing STL, OBJ and COLLADA crates: those read the formats well,
+//! but another way, and refuse files that robots come with.
+//!
+//! The way of a mesh: [`MeshStore`] → `import/stl|obj|collada` (the file into corners, polygons and materials) →
+//! `import/process` (triangles, normals, invalid data) → `assemble` (rviz's placing of the parts and its materials).
+#![forbid(unsafe_code)]
+
+mod assemble;
+mod error;
+mod import;
+mod loaded;
+mod packages;
+mod store;
+mod texture;
+
+pub use error::{MeshFault, ResourceError};
+pub use loaded::{LoadedMesh, MeshMaterial, MeshPart};
+pub use packages::PackageIndex;
+pub use store::MeshStore;
+pub use texture::{load_texture, warning_texture};

@@ -1,0 +1,70 @@
+//! Helpers over the XML tree.
+
+pub(super) use roxmltree::Node;
+use roxmltree::{Document, Error};
+
+use crate::{import::number::leading_f32, MeshFault};
+
+/// The most prefixes without a namespace that are put up with.
+const MOST_PREFIXES: usize = 16;
+
+/// Parses a document and hands its root to `read`. Prefixes that are used but not declared, which some exporters
+/// write and lenient parsers pass over, are declared.
+pub(super) fn parse<T>(text: &str, read: impl FnOnce(Node<'_, '_>) -> Result<T, MeshFault>) -> Result<T, MeshFault> {
+    let mut text = std::borrow::Cow::Borrowed(text);
+    for _ in 0..MOST_PREFIXES {
+        match Document::parse(&text) {
+            Ok(document) => return read(document.root_element()),
+            Err(Error::UnknownNamespace(prefix, _)) => {
+                let Some(at) = text.find("<COLLADA").map(|at| at + "<COLLADA".len()) else { break };
+                let mut declared = text.into_owned();
+                declared.insert_str(at, &format!(" xmlns:{prefix}=\"undeclared:{prefix}\""));
+                text = declared.into();
+            }
+            Err(error) => return Err(MeshFault::Xml(error.to_string())),
+        }
+    }
+    Err(MeshFault::Xml("prefixes without a namespace".to_owned()))
+}
+
+/// A fault at an element.
+pub(super) fn fault(node: Node<'_, '_>, what: impl Into<String>) -> MeshFault {
+    let line = node.document().text_pos_at(node.range().start).row;
+    MeshFault::Collada { line, what: what.into() }
+}
+
+/// The child elements of a name.
+pub(super) fn children<'a, 'i: 'a>(node: Node<'a, 'i>, name: &'a str) -> impl Iterator<Item = Node<'a, 'i>> + 'a {
+    node.children().filter(move |child| child.tag_name().name() == name)
+}
+
+/// The first child element of a name.
+pub(super) fn child<'a, 'i: 'a>(node: Node<'a, 'i>, name: &'a str) -> Option<Node<'a, 'i>> {
+    children(node, name).next()
+}
+
+/// An element's text, trimmed.
+pub(super) fn text<'a>(node: Node<'a, '_>) -> &'a str {
+    node.text().unwrap_or_default().trim()
+}
+
+/// An attribute, or the empty string.
+pub(super) fn attribute<'a>(node: Node<'a, '_>, name: &str) -> &'a str {
+    node.attribute(name).unwrap_or_default()
+}
+
+/// A whole number in an attribute.
+pub(super) fn number(node: Node<'_, '_>, name: &str) -> Option<usize> {
+    attribute(node, name).trim().parse().ok()
+}
+
+/// What a reference such as `#part` names.
+pub(super) fn reference<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, MeshFault> {
+    let value = attribute(node, name);
+    value.strip_prefix('#').ok_or_else(|| fault(node, format!("{name}={value:?} is not a reference within the file")))
+}
+
+/// The numbers of an element's text, up to the first word that is none.
+pub(super) fn floats<'a>(node: Node<'a, '_>) -> impl Iterator<Item = f32> + 'a {
+    node.text().unwrap_or_default().split_ascii_whitespace().map_while(leading_f32)
+}

@@ -1,0 +1,197 @@
+//! Materials and their effects.
+//!
+//! Opacity follows Assimp: `transparency` times the alpha of `transparent` (or its luminance in the RGB modes), one
+//! minus that in the ZERO modes, and opaque when `transparency` is not within 0 to 1.
+
+use std::collections::{BTreeMap, HashMap};
+
+use percent_encoding::percent_decode_str;
+
+use super::dom::{attribute, child, children, floats, text, Node};
+use crate::import::MaterialSpec;
+
+/// Materials in the order of their ids, which is the order in which Assimp numbers them.
+#[derive(Debug, Default)]
+pub(super) struct Materials {
+    pub(super) specs: Vec<MaterialSpec>,
+    /// Index into `specs` of a material's id.
+    pub(super) by_id: HashMap<String, usize>,
+}
+
+/// An effect's colour and texture of one kind.
+#[derive(Clone, Debug)]
+struct Channel {
+    color: [f32; 4],
+    /// The name of a sampler or image; empty for none.
+    texture: String,
+}
+
+/// Reads `library_materials` and what it refers to.
+pub(super) fn read_materials(root: Node<'_, '_>) -> Materials {
+    let mut images = HashMap::new();
+    let mut effects: HashMap<&str, Node<'_, '_>> = HashMap::new();
+    let mut effect_of: BTreeMap<&str, &str> = BTreeMap::new();
+    for library in root.children() {
+        match library.tag_name().name() {
+            "library_images" => read_images(library, &mut images),
+            "library_effects" => {
+                for effect in children(library, "effect") {
+                    effects.insert(attribute(effect, "id"), effect);
+                }
+            }
+            "library_materials" => {
+                for material in children(library, "material") {
+                    let effect = children(material, "instance_effect").last();
+                    let url = effect.map(|effect| attribute(effect, "url")).unwrap_or_default();
+                    effect_of.insert(attribute(material, "id"), url.trim_start_matches('#'));
+                }
+            }
+            _ => {}
+        }
+    }
+    for effect in effects.values() {
+        for profile in children(*effect, "profile_COMMON") {
+            read_images(profile, &mut images);
+        }
+    }
+    let mut materials = Materials::default();
+    for (id, effect) in effect_of {
+        if let Some(effect) = effects.get(effect) {
+            materials.by_id.insert(id.to_owned(), materials.specs.len());
+            materials.specs.push(read_effect(*effect, &images));
+        }
+    }
+    materials
+}
+
+/// File names by image id: the text of `init_from`, or in COLLADA 1.5 of the `ref` in it.
+fn read_images<'a>(parent: Node<'a, '_>, images: &mut HashMap<&'a str, String>) {
+    for image in children(parent, "image") {
+        let from = child(image, "init_from");
+        let name = from.map(|from| text(child(from, "ref").unwrap_or(from))).unwrap_or_default();
+        let name = name.strip_prefix("file://").unwrap_or(name);
+        images.insert(attribute(image, "id"), percent_decode_str(name).decode_utf8_lossy().into_owned());
+    }
+}
+
+fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> MaterialSpec {
+    let channel = |r, g, b| Channel { color: [r, g, b, 1.0], texture: String::new() };
+    let mut emission = channel(0.0, 0.0, 0.0);
+    let mut ambient = channel(0.1, 0.1, 0.1);
+    let mut diffuse = channel(0.6, 0.6, 0.6);
+    let mut specular = channel(0.4, 0.4, 0.4);
+    let mut transparent = channel(0.0, 0.0, 0.0);
+    let mut reflective = channel(0.0, 0.0, 0.0);
+    let mut bump = channel(0.0, 0.0, 0.0);
+    let (mut shininess, mut transparency) = (10.0, 1.0);
+    let mut opaque_mode = "";
+    let mut flat = false;
+    // What each parameter refers to: a sampler to a surface, a surface to an image.
+    let mut parameters: HashMap<&str, &str> = HashMap::new();
+
+    for node in children(effect, "profile_COMMON").flat_map(|profile| profile.descendants()) {
+        match node.tag_name().name() {
+            "newparam" => {
+                if let Some(target) = parameter_target(node) {
+                    parameters.insert(attribute(node, "sid"), target);
+                }
+            }
+            "emission" => emission.read(node),
+            "ambient" => ambient.read(node),
+            "diffuse" => diffuse.read(node),
+            "specular" => specular.read(node),
+            "reflective" => reflective.read(node),
+            "bump" => bump.read(node),
+            "transparent" => {
+                opaque_mode = attribute(node, "opaque");
+                transparent.read(node);
+            }
+            "shininess" => shininess = scalar(node),
+            "transparency" => transparency = scalar(node),
+            "faceted" => flat = matches!(text(node), "1" | "true"),
+            _ => {}
+        }
+    }
+
+    let channels = [&ambient, &emission, &specular, &diffuse, &bump, &transparent, &reflective];
+    let texture_count = channels.iter().filter(|channel| !channel.texture.is_empty()).count();
+    let rgb = |channel: &Channel| {
+        let [r, g, b, _] = channel.color;
+        [r, g, b]
+    };
+    MaterialSpec {
+        diffuse: rgb(&diffuse),
+        ambient: rgb(&ambient),
+        specular: rgb(&specular),
+        emissive: rgb(&emission),
+        shininess,
+        opacity: opacity(transparency, transparent.color, opaque_mode),
+        flat,
+        diffuse_texture: image_file(&diffuse.texture, &parameters, images),
+        texture_count,
+    }
+}
+
+impl Channel {
+    /// Reads the `color` or `texture` in an element; a texture's colour is white.
+    fn read(&mut self, node: Node<'_, '_>) {
+        for child in node.descendants().skip(1) {
+            match child.tag_name().name() {
+                "color" => self.color.iter_mut().zip(floats(child)).for_each(|(channel, value)| *channel = value),
+                "texture" => {
+                    attribute(child, "texture").clone_into(&mut self.texture);
+                    self.color = [1.0; 4];
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// The number in an element's `float`, 0 when it has none.
+fn scalar(node: Node<'_, '_>) -> f32 {
+    child(node, "float").and_then(|float| floats(float).next()).unwrap_or(0.0)
+}
+
+fn opacity(transparency: f32, [r, g, b, a]: [f32; 4], mode: &str) -> f32 {
+    if !(0.0..=1.0).contains(&transparency) {
+        return 1.0;
+    }
+    let factor = match mode {
+        // Luminance of ITU-R BT.709.
+        "RGB_ZERO" | "RGB_ONE" => 0.212671 * r + 0.715160 * g + 0.072169 * b,
+        _ => a,
+    };
+    match mode {
+        "RGB_ZERO" | "A_ZERO" => 1.0 - transparency * factor,
+        _ => transparency * factor,
+    }
+}
+
+/// What a `newparam` refers to: a surface's `init_from`, a sampler's `source` or (1.5) `instance_image`.
+fn parameter_target<'a>(parameter: Node<'a, '_>) -> Option<&'a str> {
+    parameter
+        .descendants()
+        .filter_map(|node| match node.tag_name().name() {
+            "init_from" | "source" => Some(text(node)),
+            "instance_image" => Some(attribute(node, "url").trim_start_matches('#')),
+            _ => None,
+        })
+        .last()
+}
+
+/// The file of a texture's image, followed through samplers and surfaces; `name.jpg` when there is no such image.
+fn image_file(texture: &str, parameters: &HashMap<&str, &str>, images: &HashMap<&str, String>) -> String {
+    if texture.is_empty() {
+        return String::new();
+    }
+    let mut name = texture;
+    // No chain is longer than there are parameters, unless it is a ring.
+    for _ in 0..=parameters.len() {
+        match parameters.get(name) {
+            Some(target) => name = target,
+            None => break,
+        }
+    }
+    images.get(name).cloned().unwrap_or_else(|| format!("{name}.jpg"))
+}

@@ -1,0 +1,247 @@
+//! The visual scene: which geometry stands where, in which material.
+
+use std::collections::{BTreeMap, HashMap};
+
+use nalgebra::{Matrix4, Vector3};
+
+use super::{
+    dom::{attribute, child, children, fault, floats, reference, Node},
+    effect::Materials,
+    geometry::Geometries,
+    unit_metres,
+};
+use crate::{
+    import::{Imported, MaterialSpec, Placed, MAX_CORNERS},
+    MeshFault,
+};
+
+/// Nodes nest no deeper than this, instances included, or they contain themselves.
+const MAX_DEPTH: usize = 200;
+/// The most nodes after instancing.
+const MAX_NODES: usize = 200_000;
+
+/// A node with what it draws.
+struct Placing {
+    parent_from_node: Matrix4<f32>,
+    meshes: Vec<usize>,
+    children: Vec<Placing>,
+}
+
+struct Builder<'a, 'i> {
+    geometries: &'a Geometries,
+    /// Geometry ids by the id of the controller that skins them.
+    skinned: HashMap<&'a str, &'a str>,
+    materials: &'a Materials,
+    /// `library_nodes` and visual scenes by id.
+    library: HashMap<&'a str, Node<'a, 'i>>,
+    root: Node<'a, 'i>,
+    /// Meshes made so far, by geometry, group and material id: those are made once.
+    made: HashMap<(&'a str, usize, &'a str), usize>,
+    imported: Imported,
+    corners: usize,
+    nodes: usize,
+}
+
+/// Walks the scene that the file instances.
+pub(super) fn build(
+    root: Node<'_, '_>,
+    geometries: &Geometries,
+    materials: Materials,
+) -> Result<Imported, MeshFault> {
+    let mut library = HashMap::new();
+    for group in root.children() {
+        let name = match group.tag_name().name() {
+            "library_nodes" => "node",
+            "library_visual_scenes" => "visual_scene",
+            _ => continue,
+        };
+        library.extend(children(group, name).map(|node| (attribute(node, "id"), node)));
+    }
+    let instance = child(root, "scene")
+        .and_then(|scene| child(scene, "instance_visual_scene"))
+        .ok_or_else(|| fault(root, "it has no <scene> with an <instance_visual_scene>"))?;
+    let url = reference(instance, "url")?;
+    let scene = *library.get(url).ok_or_else(|| fault(instance, format!("there is no visual scene {url:?}")))?;
+
+    let mut builder = Builder {
+        geometries,
+        skinned: skinned(root),
+        materials: &materials,
+        library,
+        root: scene,
+        made: HashMap::new(),
+        imported: Imported::default(),
+        corners: 0,
+        nodes: 0,
+    };
+    let mut placing = builder.node(scene, 0)?;
+    // Assimp turns the root by the up axis too, but rviz takes only its scale and place.
+    placing.parent_from_node = Matrix4::new_scaling(unit_metres(root));
+    let mut imported = builder.imported;
+    flatten(&placing, &Matrix4::identity(), &mut imported.placed);
+    imported.materials = materials.specs;
+    if imported.materials.is_empty() {
+        imported.materials.push(MaterialSpec::DEFAULT);
+    }
+    Ok(imported)
+}
+
+/// What a controller deforms; rviz shows the geometry as it is.
+fn skinned<'a>(root: Node<'a, '_>) -> HashMap<&'a str, &'a str> {
+    let controllers = children(root, "library_controllers").flat_map(|library| {
+        library.children().filter(|controller| controller.tag_name().name() == "controller")
+    });
+    let skin = |controller: Node<'a, '_>| {
+        let skin = controller.children().find(|node| node.tag_name().name() == "skin")?;
+        let source = skin.attribute("source")?.trim_start_matches('#');
+        Some((controller.attribute("id")?, source))
+    };
+    controllers.filter_map(skin).collect()
+}
+
+/// Lists a node's meshes, then its children's.
+fn flatten(placing: &Placing, root_from_parent: &Matrix4<f32>, placed: &mut Vec<Placed>) {
+    let object_from_mesh = root_from_parent * placing.parent_from_node;
+    placed.extend(placing.meshes.iter().map(|&mesh| Placed { mesh, object_from_mesh }));
+    for child in &placing.children {
+        flatten(child, &object_from_mesh, placed);
+    }
+}
+
+impl<'a, 'i> Builder<'a, 'i> {
+    fn node(&mut self, node: Node<'a, 'i>, depth: usize) -> Result<Placing, MeshFault> {
+        self.nodes += 1;
+        if self.nodes > MAX_NODES {
+            return Err(MeshFault::TooLarge { limit: MAX_NODES, what: "nodes" });
+        }
+        if depth > MAX_DEPTH {
+            return Err(fault(node, "nodes nest too deeply, or contain themselves"));
+        }
+        let mut placing =
+            Placing { parent_from_node: Matrix4::identity(), meshes: Vec::new(), children: Vec::new() };
+        for element in node.children() {
+            if let Some(step) = transform_step(element) {
+                placing.parent_from_node *= step;
+            }
+        }
+        // Children before instanced nodes before own meshes: the order in which Assimp makes meshes.
+        for element in children(node, "node") {
+            placing.children.push(self.node(element, depth + 1)?);
+        }
+        for element in children(node, "instance_node") {
+            let url = reference(element, "url")?;
+            match self.library.get(url).copied().or_else(|| find_node(self.root, url)) {
+                Some(target) => placing.children.push(self.node(target, depth + 1)?),
+                None => log::debug!("COLLADA node {url:?} does not exist, its instance is skipped"),
+            }
+        }
+        for element in node.children() {
+            if matches!(element.tag_name().name(), "instance_geometry" | "instance_controller") {
+                self.instance(element, &mut placing.meshes)?;
+            }
+        }
+        Ok(placing)
+    }
+
+    /// Makes the meshes of an instanced geometry, one for each of its groups.
+    fn instance(&mut self, element: Node<'a, 'i>, meshes: &mut Vec<usize>) -> Result<(), MeshFault> {
+        let url = reference(element, "url")?;
+        let mut id = url;
+        let mut hops = 0;
+        while !self.geometries.contains_key(id) && hops <= self.skinned.len() {
+            match self.skinned.get(id) {
+                Some(source) => id = source,
+                None => break,
+            }
+            hops += 1;
+        }
+        let Some(geometry) = self.geometries.get(id) else {
+            log::debug!("COLLADA geometry {url:?} does not exist, its instance is skipped");
+            return Ok(());
+        };
+        let bound = bound_materials(element);
+        let (mut first_face, mut first_corner) = (0, 0);
+        for (number, group) in geometry.groups.iter().enumerate().filter(|(_, group)| group.faces > 0) {
+            // A symbol that is not bound takes the material of the first that is.
+            let material_id =
+                bound.get(group.symbol.as_str()).or_else(|| bound.values().next()).copied().unwrap_or_default();
+            let key = (url, number, material_id);
+            if let Some(&made) = self.made.get(&key) {
+                // Assimp steps on only past groups that it makes, so that after this the next new group of this
+                // instance is cut from the wrong place, in rviz too.
+                meshes.push(made);
+                continue;
+            }
+            let by_id = |id: &str| self.materials.by_id.get(id).copied();
+            let Some(mut polygons) = geometry.slice(first_face, first_corner, group.faces) else { continue };
+            // A symbol that is itself a material's id means that material.
+            polygons.material = by_id(&group.symbol).or_else(|| by_id(material_id)).unwrap_or(0);
+            first_face += group.faces;
+            first_corner += polygons.positions.len();
+            self.corners += polygons.positions.len();
+            if self.corners > MAX_CORNERS {
+                return Err(MeshFault::TooLarge { limit: MAX_CORNERS, what: "corners" });
+            }
+            self.made.insert(key, self.imported.meshes.len());
+            meshes.push(self.imported.meshes.len());
+            self.imported.meshes.push(polygons);
+        }
+        Ok(())
+    }
+}
+
+/// Material ids by symbol, in the order of the symbols.
+fn bound_materials<'a>(instance: Node<'a, '_>) -> BTreeMap<&'a str, &'a str> {
+    children(instance, "bind_material")
+        .filter_map(|bind| bind.children().find(|node| node.tag_name().name() == "technique_common"))
+        .flat_map(|technique| technique.children().filter(|node| node.tag_name().name() == "instance_material"))
+        .map(|material| (attribute(material, "symbol"), attribute(material, "target").trim_start_matches('#')))
+        .collect()
+}
+
+/// The node of that id or name in the scene.
+fn find_node<'a, 'i>(scene: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    scene.descendants().find(|node| {
+        matches!(node.tag_name().name(), "node" | "visual_scene")
+            && (attribute(*node, "id") == name || attribute(*node, "name") == name)
+    })
+}
+
+/// A transform element's matrix; `None` for other elements, and for `skew`, which Assimp ignores.
+fn transform_step(element: Node<'_, '_>) -> Option<Matrix4<f32>> {
+    let mut numbers = floats(element);
+    let mut vector = || Some(Vector3::new(numbers.next()?, numbers.next()?, numbers.next()?));
+    match element.tag_name().name() {
+        "translate" => Some(Matrix4::new_translation(&vector()?)),
+        "scale" => Some(Matrix4::new_nonuniform_scaling(&vector()?)),
+        "rotate" => {
+            let axis = vector()?;
+            Some(rotation(axis, numbers.next()?.to_radians()))
+        }
+        "matrix" => {
+            let values: Vec<f32> = numbers.take(16).collect();
+            (values.len() == 16).then(|| Matrix4::from_row_slice(&values))
+        }
+        "lookat" => {
+            let (eye, target, up) = (vector()?, vector()?, vector()?);
+            let unit = |v: Vector3<f32>| v.try_normalize(0.0).unwrap_or(v);
+            let (up, forward) = (unit(up), unit(target - eye));
+            let right = unit(forward.cross(&up));
+            Some(Matrix4::from_columns(&[
+                right.push(0.0),
+                up.push(0.0),
+                (-forward).push(0.0),
+                eye.push(1.0),
+            ]))
+        }
+        _ => None,
+    }
+}
+
+/// Rodrigues' formula. An axis that is not of unit length is not made one, so the matrix then scales too, as in Assimp.
+fn rotation(axis: Vector3<f32>, angle: f32) -> Matrix4<f32> {
+    let (sin, cos) = angle.sin_cos();
+    let cross = axis.cross_matrix();
+    let outer = axis * axis.transpose();
+    (nalgebra::Matrix3::identity() * cos + cross * sin + outer * (1.0 - cos)).to_homogeneous()
+}

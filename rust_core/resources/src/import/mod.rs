@@ -1,0 +1,128 @@
+//! Mesh files into polygons, materials and placings, one reader for each format.
+
+use std::path::Path;
+
+use nalgebra::Matrix4;
+
+use crate::{MeshFault, ResourceError};
+
+mod collada;
+mod mtl;
+mod number;
+mod obj;
+mod process;
+mod stl;
+mod triangulate;
+
+pub(crate) use process::{normalized, process, Triangles};
+
+/// The most corners that a file may make, counted after instancing; a damaged file must not ask for all memory.
+const MAX_CORNERS: usize = 60_000_000;
+
+/// Which reader a file goes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Format {
+    Stl,
+    Collada,
+    Obj,
+}
+
+impl Format {
+    /// Told by the file's name, in upper or lower case.
+    pub(crate) fn from_path(path: &Path) -> Result<Self, ResourceError> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        match extension.as_str() {
+            "stl" | "stlb" => Ok(Self::Stl),
+            "dae" => Ok(Self::Collada),
+            "obj" => Ok(Self::Obj),
+            "mesh" => Err(ResourceError::UnsupportedFormat { path: path.to_owned(), format: "Ogre .mesh".to_owned() }),
+            "" => Err(ResourceError::UnsupportedFormat { path: path.to_owned(), format: "(no extension)".to_owned() }),
+            other => Err(ResourceError::UnsupportedFormat { path: path.to_owned(), format: format!(".{other}") }),
+        }
+    }
+}
+
+/// What a reader makes of a file.
+#[derive(Debug, Default)]
+pub(crate) struct Imported {
+    pub(crate) meshes: Vec<Polygons>,
+    /// Empty where the format has none (STL).
+    pub(crate) materials: Vec<MaterialSpec>,
+    /// Which mesh is drawn where, in drawing order.
+    pub(crate) placed: Vec<Placed>,
+}
+
+/// A mesh at a place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    /// Index into [`Imported::meshes`].
+    pub(crate) mesh: usize,
+    pub(crate) object_from_mesh: Matrix4<f32>,
+}
+
+/// Faces of any number of corners, which share none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Polygons {
+    /// The corners of the first face, then of the second, and so on.
+    pub(crate) positions: Vec<[f32; 3]>,
+    /// One for each corner, or none at all.
+    pub(crate) normals: Vec<[f32; 3]>,
+    /// One for each corner, or none at all; v up, as in the files.
+    pub(crate) uvs: Vec<[f32; 2]>,
+    /// Corners of each face: 1 a point, 2 a line.
+    pub(crate) face_sizes: Vec<u32>,
+    /// Index into [`Imported::materials`].
+    pub(crate) material: usize,
+}
+
+/// A material as Assimp would report it, before rviz makes its own of it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct MaterialSpec {
+    pub(crate) diffuse: [f32; 3],
+    pub(crate) ambient: [f32; 3],
+    pub(crate) specular: [f32; 3],
+    pub(crate) emissive: [f32; 3],
+    pub(crate) shininess: f32,
+    pub(crate) opacity: f32,
+    /// One normal for each face (COLLADA's `faceted`).
+    pub(crate) flat: bool,
+    /// The diffuse texture's file, beside the mesh; empty for none.
+    pub(crate) diffuse_texture: String,
+    /// How many textures of any kind are named.
+    pub(crate) texture_count: usize,
+}
+
+impl MaterialSpec {
+    /// What Assimp gives to meshes of a file without materials: grey 0.6.
+    pub(crate) const DEFAULT: Self = Self {
+        diffuse: [0.6; 3],
+        ambient: [0.0; 3],
+        specular: [1.0; 3],
+        emissive: [0.0; 3],
+        shininess: 0.0,
+        opacity: 1.0,
+        flat: false,
+        diffuse_texture: String::new(),
+        texture_count: 0,
+    };
+}
+
+/// Reads the contents of a mesh file; `path` is where files that it names are looked for.
+pub(crate) fn import(format: Format, bytes: &[u8], path: &Path) -> Result<Imported, MeshFault> {
+    let imported = match format {
+        Format::Stl => stl::read(bytes),
+        Format::Collada => collada::read(bytes),
+        Format::Obj => obj::read(bytes, path),
+    }?;
+    let mut corners = 0_usize;
+    for placed in &imported.placed {
+        corners += imported.meshes.get(placed.mesh).map_or(0, |mesh| mesh.positions.len());
+        if corners > MAX_CORNERS {
+            return Err(MeshFault::TooLarge { limit: MAX_CORNERS, what: "corners" });
+        }
+    }
+    if corners == 0 {
+        return Err(MeshFault::Empty);
+    }
+    Ok(imported)
+}

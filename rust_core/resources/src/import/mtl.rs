@@ -1,0 +1,137 @@
+//! OBJ's material files, with the values that Assimp takes where one says nothing.
+
+use super::{
+    number::{leading_f32, three},
+    MaterialSpec,
+};
+
+/// The statements that name a texture. A later one in the list must not begin like an earlier one.
+const TEXTURES: [&str; 19] = [
+    "map_kd", "map_ka", "map_ks", "map_disp", "map_d", "map_emissive", "map_ke", "map_bump", "map_kn", "map_ns",
+    "map_pr", "map_pm", "map_ps", "bump", "norm", "refl", "disp", "map_refl", "map_norm",
+];
+
+/// A material with its name.
+#[derive(Clone, Debug)]
+pub(super) struct Named {
+    pub(super) name: String,
+    pub(super) spec: MaterialSpec,
+    /// The kinds of texture that were named, so that each counts once.
+    textures: Vec<&'static str>,
+}
+
+impl Named {
+    /// What a material is before its file says more.
+    pub(super) fn new(name: &str) -> Self {
+        let spec = MaterialSpec { specular: [0.0; 3], ..MaterialSpec::DEFAULT };
+        Self { name: name.to_owned(), spec, textures: Vec::new() }
+    }
+}
+
+/// Adds a file's materials to `materials`, those whose name is there already change it; `defined` is called with the
+/// index of each and whether it is new.
+pub(super) fn read(text: &str, materials: &mut Vec<Named>, mut defined: impl FnMut(usize, bool)) {
+    let mut current: Option<usize> = None;
+    for line in text.lines() {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
+        let keyword = keyword.to_ascii_lowercase();
+        if keyword == "newmtl" {
+            let name = if rest.trim().is_empty() { super::obj::DEFAULT_MATERIAL } else { rest.trim() };
+            let known = materials.iter().position(|material| material.name == name);
+            let index = known.unwrap_or_else(|| {
+                materials.push(Named::new(name));
+                materials.len() - 1
+            });
+            defined(index, known.is_none());
+            current = Some(index);
+            continue;
+        }
+        let Some(material) = current.and_then(|index| materials.get_mut(index)) else { continue };
+        let spec = &mut material.spec;
+        let mut words = rest.split_ascii_whitespace();
+        match keyword.as_str() {
+            "ka" => spec.ambient = color(rest),
+            "kd" => spec.diffuse = color(rest),
+            "ks" => spec.specular = color(rest),
+            "ke" => spec.emissive = color(rest),
+            "ns" => spec.shininess = words.next().and_then(leading_f32).unwrap_or(0.0),
+            "d" => spec.opacity = words.next().and_then(leading_f32).unwrap_or(0.0),
+            "tr" => spec.opacity = 1.0 - words.next().and_then(leading_f32).unwrap_or(0.0),
+            _ => {
+                let Some(&kind) = TEXTURES.iter().find(|kind| keyword.starts_with(*kind)) else { continue };
+                let file = after_options(rest);
+                if file.is_empty() {
+                    continue;
+                }
+                if !material.textures.contains(&kind) {
+                    material.textures.push(kind);
+                    spec.texture_count += 1;
+                }
+                if kind == "map_kd" {
+                    file.clone_into(&mut spec.diffuse_texture);
+                }
+            }
+        }
+    }
+}
+
+/// Three channels; one alone is red, as Assimp reads it.
+fn color(rest: &str) -> [f32; 3] {
+    let mut words = rest.split_ascii_whitespace();
+    if let Some(color) = three(&mut words.clone()) {
+        return color;
+    }
+    [words.next().and_then(leading_f32).unwrap_or(0.0), 0.0, 0.0]
+}
+
+/// A texture statement's file name, which may hold blanks, past options such as `-s 1 1 1`.
+fn after_options(mut rest: &str) -> &str {
+    loop {
+        rest = rest.trim_start();
+        if !rest.starts_with('-') {
+            return rest.trim_end();
+        }
+        let option = rest.split_ascii_whitespace().next().unwrap_or_default().to_ascii_lowercase();
+        let values = match option.as_str() {
+            "-clamp" | "-type" | "-bm" | "-blendu" | "-blendv" | "-boost" | "-texres" | "-imfchan" => 1,
+            "-mm" => 2,
+            "-o" | "-s" | "-t" => 3,
+            _ => 0,
+        };
+        for _ in 0..=values {
+            rest = rest.trim_start();
+            rest = rest.find(char::is_whitespace).and_then(|end| rest.get(end..)).unwrap_or_default();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_before_a_texture_are_skipped() {
+        for (statement, file) in [
+            ("crate.png", "crate.png"),
+            ("  my crate.png \r", "my crate.png"),
+            ("-clamp on -s 1 1 1 a.png", "a.png"),
+            ("-mm 0 1 -bm 0.3 a.png", "a.png"),
+            ("-s 1", ""),
+            ("-", ""),
+        ] {
+            assert_eq!(after_options(statement), file, "{statement:?}");
+        }
+    }
+
+    #[test]
+    fn materials_are_read_with_assimps_defaults() {
+        let mut materials = Vec::new();
+        let text = "newmtl a\nKd 1 0.5 0\nTr 0.25\nmap_Kd a.png\nmap_Bump b.png\nbump b.png\nnewmtl b\n  Kd 0.5\nd 0.3";
+        read(text, &mut materials, |_, _| {});
+        let [a, b] = materials.as_slice() else { panic!("two materials are expected: {materials:?}") };
+        assert_eq!((a.spec.diffuse, a.spec.opacity), ([1.0, 0.5, 0.0], 0.75));
+        assert_eq!((a.spec.diffuse_texture.as_str(), a.spec.specular), ("a.png", [0.0; 3]));
+        assert_eq!((b.spec.diffuse, b.spec.opacity, b.spec.texture_count), ([0.5, 0.0, 0.0], 0.3, 0));
+    }
+}

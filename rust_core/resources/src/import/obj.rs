@@ -1,0 +1,286 @@
+//! Wavefront OBJ.
+//!
+//! As Assimp reads it: each object, group and change of material begins a mesh; faces before the first `usemtl` have
+//! the material that was defined last; a material that no library defines is grey 0.6; a mesh whose faces lack some
+//! normals gets its faces' own; an index of a vertex that does not exist refuses the file, one of a normal or texture
+//! coordinate takes them from the whole mesh. Vertex colours are not used. `l` and `p` statements make lines and points.
+
+use std::{fs, path::Path};
+
+use nalgebra::Matrix4;
+
+use super::{
+    mtl::{self, Named},
+    number::{leading_f32, three},
+    Imported, Placed, Polygons,
+};
+use crate::MeshFault;
+
+/// Assimp's name for the material of faces that have none.
+pub(super) const DEFAULT_MATERIAL: &str = "DefaultMaterial";
+
+/// An OBJ file while it is read.
+struct Reader {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    materials: Vec<Named>,
+    current_material: Option<usize>,
+    meshes: Vec<Mesh>,
+    group: String,
+    objects: Vec<String>,
+    has_object: bool,
+}
+
+/// A mesh while it is read.
+#[derive(Default)]
+struct Mesh {
+    polygons: Polygons,
+    material: Option<usize>,
+    has_normals: bool,
+    has_uvs: bool,
+    bad_normals: bool,
+    bad_uvs: bool,
+}
+
+/// What a statement of corners makes.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Polygon,
+    Line,
+    Point,
+}
+
+/// A corner: indices from 0 of the position, texture coordinate and normal. Those past the end are kept.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    position: usize,
+    uv: Option<usize>,
+    normal: Option<usize>,
+}
+
+/// Reads an OBJ file and the material libraries beside `path` that it names.
+pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Imported, MeshFault> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut reader = Reader {
+        positions: Vec::new(),
+        normals: Vec::new(),
+        uvs: Vec::new(),
+        materials: vec![Named::new(DEFAULT_MATERIAL)],
+        current_material: None,
+        meshes: Vec::new(),
+        group: String::new(),
+        objects: Vec::new(),
+        has_object: false,
+    };
+    let mut joined = String::new();
+    for (number, line) in text.lines().enumerate() {
+        // A backslash at its end continues a line.
+        if let Some(start) = line.trim_end().strip_suffix('\\') {
+            joined.push_str(start);
+            joined.push(' ');
+            continue;
+        }
+        let result = if joined.is_empty() {
+            reader.line(line, path)
+        } else {
+            joined.push_str(line);
+            let result = reader.line(&joined, path);
+            joined.clear();
+            result
+        };
+        result.map_err(|what| MeshFault::Line { line: number + 1, what })?;
+    }
+    Ok(reader.finish())
+}
+
+impl Reader {
+    fn line(&mut self, line: &str, path: &Path) -> Result<(), String> {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
+        match keyword {
+            "v" => self.position(rest)?,
+            "vn" => {
+                let normal = three(&mut rest.split_ascii_whitespace());
+                self.normals.push(normal.ok_or("a normal of three numbers is expected")?);
+            }
+            "vt" => {
+                let mut words = rest.split_ascii_whitespace();
+                let u = words.next().and_then(leading_f32).ok_or("a texture coordinate is expected")?;
+                let v = words.next().and_then(leading_f32).unwrap_or(0.0);
+                self.uvs.push([u, v].map(|value| if value.is_finite() { value } else { 0.0 }));
+            }
+            "f" => self.corners(Kind::Polygon, rest)?,
+            "l" => self.corners(Kind::Line, rest)?,
+            "p" => self.corners(Kind::Point, rest)?,
+            "o" => self.object(rest.split_ascii_whitespace().next().unwrap_or_default()),
+            "g" => {
+                if self.group != rest.trim() {
+                    rest.trim().clone_into(&mut self.group);
+                    self.begin_object(rest.trim());
+                }
+            }
+            "usemtl" => self.use_material(rest.trim()),
+            "mtllib" => self.library(rest.trim(), path),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn position(&mut self, rest: &str) -> Result<(), String> {
+        let numbers: Vec<f32> = rest.split_ascii_whitespace().map_while(leading_f32).take(7).collect();
+        let position = match numbers.as_slice() {
+            // The last three of six are a colour.
+            &[x, y, z] | &[x, y, z, _, _, _] => [x, y, z],
+            &[_, _, _, 0.0] => return Err("a homogeneous vertex has a last number of 0".to_owned()),
+            &[x, y, z, w] => [x / w, y / w, z / w],
+            _ => return Err("a vertex of three numbers is expected".to_owned()),
+        };
+        self.positions.push(position);
+        Ok(())
+    }
+
+    fn corners(&mut self, kind: Kind, rest: &str) -> Result<(), String> {
+        let words = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#'));
+        let corners = words.map(|word| self.corner(word)).collect::<Result<Vec<_>, _>>()?;
+        if corners.is_empty() {
+            return Ok(());
+        }
+        if !self.has_object {
+            self.begin_object("defaultobject");
+        }
+        let Some(mesh) = self.meshes.last_mut() else { return Ok(()) };
+        let mut push = |corner: &Corner| -> Result<(), String> {
+            let position = self.positions.get(corner.position).ok_or("a vertex index is out of range")?;
+            mesh.polygons.positions.push(*position);
+            mesh.has_normals |= corner.normal.is_some();
+            mesh.has_uvs |= corner.uv.is_some();
+            let normal = corner.normal.map(|index| self.normals.get(index));
+            mesh.bad_normals |= normal == Some(None);
+            mesh.polygons.normals.push(normal.flatten().copied().unwrap_or_default());
+            let uv = corner.uv.map(|index| self.uvs.get(index));
+            mesh.bad_uvs |= uv == Some(None);
+            mesh.polygons.uvs.push(uv.flatten().copied().unwrap_or_default());
+            Ok(())
+        };
+        match kind {
+            Kind::Polygon => {
+                corners.iter().try_for_each(&mut push)?;
+                mesh.polygons.face_sizes.push(corners.len() as u32);
+            }
+            Kind::Line => {
+                for pair in corners.windows(2) {
+                    pair.iter().try_for_each(&mut push)?;
+                    mesh.polygons.face_sizes.push(2);
+                }
+            }
+            Kind::Point => {
+                corners.iter().try_for_each(&mut push)?;
+                mesh.polygons.face_sizes.extend(corners.iter().map(|_| 1));
+            }
+        }
+        Ok(())
+    }
+
+    /// `7`, `7/1`, `7//2`, `7/1/2`; negative numbers count back from the last.
+    fn corner(&self, word: &str) -> Result<Corner, String> {
+        let mut parts = word.split('/');
+        let index = |part: Option<&str>, count: usize| -> Result<Option<usize>, String> {
+            match part {
+                None | Some("") => Ok(None),
+                Some(part) => match part.parse::<i64>() {
+                    Ok(0) | Err(_) => Err(format!("{word:?} is not a face corner")),
+                    Ok(number) if number > 0 => Ok(Some(usize::try_from(number - 1).unwrap_or(usize::MAX))),
+                    // Further back than the first wraps to an index that does not exist.
+                    Ok(number) => Ok(Some((count as i64 + number).try_into().unwrap_or(usize::MAX))),
+                },
+            }
+        };
+        let position = index(parts.next(), self.positions.len())?.ok_or("a face corner has no vertex")?;
+        let mut uv = index(parts.next(), self.uvs.len())?;
+        let mut normal = index(parts.next(), self.normals.len())?;
+        if self.uvs.is_empty() && !self.normals.is_empty() && uv.is_some() && normal.is_none() {
+            // Without texture coordinates in the file the second number is the normal's.
+            normal = uv.take();
+        }
+        Ok(Corner { position, uv, normal })
+    }
+
+    fn object(&mut self, name: &str) {
+        // An object that comes again goes on with the mesh at hand.
+        if !name.is_empty() && !self.objects.iter().any(|object| object == name) {
+            self.begin_object(name);
+        }
+    }
+
+    fn begin_object(&mut self, name: &str) {
+        self.objects.push(name.to_owned());
+        self.has_object = true;
+        self.meshes.push(Mesh { material: self.current_material, ..Mesh::default() });
+    }
+
+    fn use_material(&mut self, name: &str) {
+        let current = self.current_material.and_then(|index| self.materials.get(index));
+        if name.is_empty() || current.is_some_and(|current| current.name == name) {
+            return;
+        }
+        let index = self.materials.iter().position(|material| material.name == name).unwrap_or_else(|| {
+            log::debug!("OBJ material {name:?} is not defined, it is grey");
+            self.materials.push(Named::new(name));
+            self.materials.len() - 1
+        });
+        self.current_material = Some(index);
+        match self.meshes.last_mut() {
+            // Faces of another material are there: a mesh has only one.
+            Some(mesh)
+                if mesh.material.is_some_and(|material| material != index) && !mesh.polygons.face_sizes.is_empty() =>
+            {
+                self.meshes.push(Mesh { material: Some(index), ..Mesh::default() });
+            }
+            Some(mesh) => mesh.material = Some(index),
+            None => {}
+        }
+    }
+
+    /// Reads a material library: the file of that name beside the mesh, else the mesh's own name with `.mtl`.
+    fn library(&mut self, name: &str, path: &Path) {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let bytes = fs::read(folder.join(name.trim_start_matches('/'))).or_else(|error| {
+            fs::read(path.with_extension("mtl")).map_err(|_| error) // the first failure is the one of interest
+        });
+        let text = match &bytes {
+            Ok(bytes) => String::from_utf8_lossy(bytes),
+            Err(error) => {
+                log::warn!("{}: material library {name:?}: {error}", path.display());
+                return;
+            }
+        };
+        let (current, meshes) = (&mut self.current_material, &mut self.meshes);
+        mtl::read(&text, &mut self.materials, |index, is_new| {
+            *current = Some(index);
+            if is_new {
+                if let Some(mesh) = meshes.last_mut() {
+                    mesh.material = Some(index);
+                }
+            }
+        });
+    }
+
+    fn finish(self) -> Imported {
+        let mut meshes = Vec::new();
+        for mut mesh in self.meshes {
+            if mesh.polygons.face_sizes.is_empty() {
+                continue;
+            }
+            if !mesh.has_normals || mesh.bad_normals {
+                mesh.polygons.normals.clear();
+            }
+            if !mesh.has_uvs || mesh.bad_uvs {
+                mesh.polygons.uvs.clear();
+            }
+            meshes.push(Polygons { material: mesh.material.unwrap_or(0), ..mesh.polygons });
+        }
+        let placed = (0..meshes.len()).map(|mesh| Placed { mesh, object_from_mesh: Matrix4::identity() }).collect();
+        Imported { meshes, materials: self.materials.into_iter().map(|material| material.spec).collect(), placed }
+    }
+}

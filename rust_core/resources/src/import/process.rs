@@ -1,0 +1,176 @@
+//! What Assimp does to a mesh after reading it, for the flags that rviz sets.
+//!
+//! In this order: v of the texture coordinates is turned to point down; polygons are cut into triangles; points, lines
+//! and triangles of one mesh become meshes of their own; coordinates that are not numbers, or all the same, are thrown
+//! away, and so are a mesh's normals when a single one of them is zero or not a number; and triangles that then have
+//! no normals get those of their faces (`aiProcess_GenNormals` does not smooth). Corners are never merged.
+
+use super::{triangulate::triangulate, Polygons};
+
+/// A mesh of one kind of primitive.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Triangles {
+    pub(crate) positions: Vec<[f32; 3]>,
+    /// One for each position.
+    pub(crate) normals: Vec<[f32; 3]>,
+    /// One for each position, or none at all; v down.
+    pub(crate) uvs: Vec<[f32; 2]>,
+    /// Three for each triangle. For points and lines too: rviz hands Ogre the indices of their faces one after the
+    /// other, and Ogre draws triangles.
+    pub(crate) indices: Vec<u32>,
+}
+
+/// A mesh as rviz gets it from Assimp: up to three of them, points, lines and triangles.
+pub(crate) fn process(polygons: &Polygons) -> Vec<Triangles> {
+    let mut by_kind: [Vec<u32>; 3] = Default::default();
+    let [points, lines, triangles] = &mut by_kind;
+    let mut start = 0_usize;
+    for &size in &polygons.face_sizes {
+        let end = start + size as usize;
+        let Some(corners) = polygons.positions.get(start..end) else { break };
+        let first = start as u32;
+        match size {
+            0 => {}
+            1 => points.push(first),
+            2 => lines.extend([first, first + 1]),
+            3 => triangles.extend([first, first + 1, first + 2]),
+            _ => triangulate(corners, |[a, b, c]| triangles.extend([first + a, first + b, first + c])),
+        }
+        start = end;
+    }
+    let kinds = by_kind.iter().filter(|indices| !indices.is_empty()).count();
+    by_kind
+        .into_iter()
+        .enumerate()
+        .filter(|(_, indices)| !indices.is_empty())
+        .filter_map(|(kind, indices)| {
+            let corners = if kinds > 1 { unshared(polygons, &indices) } else { whole(polygons, indices) };
+            finish(corners, kind == 2)
+        })
+        .collect()
+}
+
+/// All corners, shared as the triangulation shares them.
+fn whole(polygons: &Polygons, indices: Vec<u32>) -> Triangles {
+    Triangles {
+        positions: polygons.positions.clone(),
+        normals: polygons.normals.clone(),
+        uvs: polygons.uvs.iter().map(|&uv| flipped(uv)).collect(),
+        indices,
+    }
+}
+
+/// The corners of some faces, each index with its own.
+fn unshared(polygons: &Polygons, indices: &[u32]) -> Triangles {
+    fn pick<T: Copy>(values: &[T], indices: &[u32]) -> Vec<T> {
+        indices.iter().filter_map(|&i| values.get(i as usize).copied()).collect()
+    }
+    Triangles {
+        positions: pick(&polygons.positions, indices),
+        normals: pick(&polygons.normals, indices),
+        uvs: pick(&polygons.uvs, indices).into_iter().map(flipped).collect(),
+        indices: (0..indices.len() as u32).collect(),
+    }
+}
+
+fn flipped([u, v]: [f32; 2]) -> [f32; 2] {
+    [u, 1.0 - v]
+}
+
+/// Throws invalid data away and makes normals; `None` when nothing is left.
+fn finish(mut mesh: Triangles, is_triangles: bool) -> Option<Triangles> {
+    let count = mesh.positions.len();
+    let mut used = vec![false; count];
+    for &index in &mesh.indices {
+        *used.get_mut(index as usize)? = true;
+    }
+    if !is_valid(&mesh.positions, &used, Demand::Different) {
+        return None;
+    }
+    if mesh.uvs.len() != count || !is_valid(&mesh.uvs, &used, Demand::Different) {
+        mesh.uvs.clear();
+    }
+    if mesh.normals.len() != count || (is_triangles && !is_valid(&mesh.normals, &used, Demand::NonZero)) {
+        mesh.normals.clear();
+    }
+    if mesh.normals.is_empty() {
+        mesh.normals = if is_triangles {
+            face_normals(&mesh)
+        } else {
+            // Ogre sends none, and OpenGL's current normal holds, which nobody ever set.
+            vec![[0.0, 0.0, 1.0]; count]
+        };
+    }
+    // Of points and lines the last few may not make a triangle.
+    mesh.indices.truncate(mesh.indices.len() / 3 * 3);
+    (!mesh.indices.is_empty()).then_some(mesh)
+}
+
+/// What is asked of vectors besides being finite.
+#[derive(Clone, Copy, PartialEq)]
+enum Demand {
+    /// They are not all the same.
+    Different,
+    /// None is zero.
+    NonZero,
+}
+
+fn is_valid<const N: usize>(vectors: &[[f32; N]], used: &[bool], demand: Demand) -> bool {
+    let mut previous: Option<&[f32; N]> = None;
+    let mut all_same = true;
+    let mut count = 0_usize;
+    for (vector, used) in vectors.iter().zip(used) {
+        if *used {
+            count += 1;
+            if vector.iter().any(|component| !component.is_finite()) {
+                return false;
+            }
+            if demand == Demand::NonZero && vector.iter().all(|&component| component == 0.0) {
+                return false;
+            }
+            all_same &= previous.is_none_or(|previous| previous == vector);
+        }
+        previous = Some(vector);
+    }
+    demand != Demand::Different || count < 2 || !all_same
+}
+
+/// The normal of each face at its corners; where faces share a corner the last one's.
+fn face_normals(mesh: &Triangles) -> Vec<[f32; 3]> {
+    let mut normals = vec![[0.0; 3]; mesh.positions.len()];
+    for face in mesh.indices.chunks_exact(3) {
+        let corner = |i: usize| face.get(i).and_then(|&index| mesh.positions.get(index as usize));
+        let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else { continue };
+        let normal = normalized(cross(minus(b, a), minus(c, a)));
+        for &index in face {
+            if let Some(slot) = normals.get_mut(index as usize) {
+                *slot = normal;
+            }
+        }
+    }
+    normals
+}
+
+/// `a − b`.
+pub(super) fn minus(a: &[f32; 3], b: &[f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// `a · b`.
+pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Of length one; a zero vector stays.
+pub(crate) fn normalized(v: [f32; 3]) -> [f32; 3] {
+    let length = dot(v, v).sqrt();
+    if length > 0.0 {
+        v.map(|component| component / length)
+    } else {
+        v
+    }
+}

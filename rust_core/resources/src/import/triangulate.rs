@@ -1,0 +1,170 @@
+//! Polygons into triangles, by the rules of Assimp's `aiProcess_Triangulate`.
+//!
+//! Which diagonal cuts a quad shows in the picture when the quad is not flat, so the same one is taken: from the
+//! corner whose inner angle is above 180 degrees, else from the first. Larger polygons are projected along the largest
+//! component of their normal and lose one ear (a convex corner whose triangle holds no other corner) after another.
+//! Where a polygon crosses itself so that no ear is left, the rest of it is not drawn.
+
+use std::f32::consts::PI;
+
+use super::process::{dot, minus, normalized};
+
+/// How many corner-in-triangle tests one polygon is worth; past that it is damaged, and its rest is not drawn.
+const MOST_TESTS: usize = 20_000_000;
+
+/// Calls `emit` with the corner numbers of each triangle of a polygon of four or more corners.
+pub(super) fn triangulate(corners: &[[f32; 3]], mut emit: impl FnMut([u32; 3])) {
+    match corners {
+        [a, b, c, d] => {
+            let first = reflex_corner([a, b, c, d]);
+            let corner = |i: u32| (first + i) % 4;
+            emit([corner(0), corner(1), corner(2)]);
+            emit([corner(0), corner(2), corner(3)]);
+        }
+        _ if corners.len() > 4 => cut_ears(&projected(corners), emit),
+        _ => {}
+    }
+}
+
+/// The corner of a quad with an inner angle above 180 degrees; 0 when there is none.
+fn reflex_corner(quad: [&[f32; 3]; 4]) -> u32 {
+    let [a, b, c, d] = quad;
+    let around = [[d, a, b, c], [a, b, c, d], [b, c, d, a], [c, d, a, b]];
+    let is_reflex = |[before, corner, after, opposite]: &[&[f32; 3]; 4]| {
+        let towards = |other: &[f32; 3]| normalized(minus(other, corner));
+        let diagonal = towards(opposite);
+        dot(towards(before), diagonal).acos() + dot(towards(after), diagonal).acos() > PI
+    };
+    around.iter().position(is_reflex).map_or(0, |i| i as u32)
+}
+
+/// The polygon in the plane in which it is largest, counter-clockwise.
+fn projected(corners: &[[f32; 3]]) -> Vec<[f32; 2]> {
+    // Newell's normal: each component is the area that the polygon has when seen along that axis.
+    let mut normal = [0.0_f32; 3];
+    let next = corners.iter().cycle().skip(1);
+    for (p, q) in corners.iter().zip(next) {
+        normal[0] += (p[1] - q[1]) * (p[2] + q[2]);
+        normal[1] += (p[2] - q[2]) * (p[0] + q[0]);
+        normal[2] += (p[0] - q[0]) * (p[1] + q[1]);
+    }
+    let [x, y, z] = normal.map(f32::abs);
+    let (towards, [mut u, mut v]) = if x > y && x > z {
+        (normal[0], [1, 2])
+    } else if x <= y && y > z {
+        (normal[1], [2, 0])
+    } else {
+        (normal[2], [0, 1])
+    };
+    if towards < 0.0 {
+        std::mem::swap(&mut u, &mut v);
+    }
+    corners.iter().map(|corner| [corner[u], corner[v]]).collect()
+}
+
+fn cut_ears(corners: &[[f32; 2]], mut emit: impl FnMut([u32; 3])) {
+    let count = corners.len();
+    let mut cut = vec![false; count];
+    let following = |corner: usize, cut: &[bool]| {
+        let rest = (corner + 1..count).chain(0..corner);
+        rest.into_iter().find(|&i| !cut.get(i).copied().unwrap_or(true)).unwrap_or(corner)
+    };
+    let mut tests = 0_usize;
+    let mut is_ear = |before: usize, ear: usize, after: usize| {
+        let (Some(a), Some(b), Some(c)) = (corners.get(before), corners.get(ear), corners.get(after)) else {
+            return false;
+        };
+        if twice_area(a, b, c) < 0.0 {
+            return false;
+        }
+        tests += count;
+        !corners.iter().any(|p| p != a && p != b && p != c && is_inside(p, a, b, c)) && tests < MOST_TESTS
+    };
+    let (mut before, mut after) = (count - 1, 0);
+    for _ in 3..count {
+        let mut rounds = 0;
+        let mut ear = after;
+        loop {
+            after = following(ear, &cut);
+            if after <= ear {
+                rounds += 1;
+                if rounds == 2 {
+                    return;
+                }
+            }
+            if is_ear(before, ear, after) {
+                break;
+            }
+            before = ear;
+            ear = after;
+        }
+        emit([before as u32, ear as u32, after as u32]);
+        if let Some(cut) = cut.get_mut(ear) {
+            *cut = true;
+        }
+    }
+    let mut rest = (0..count as u32).zip(&cut).filter(|(_, cut)| !**cut).map(|(corner, _)| corner);
+    if let (Some(a), Some(b), Some(c)) = (rest.next(), rest.next(), rest.next()) {
+        emit([a, b, c]);
+    }
+}
+
+/// Above zero when the corners run counter-clockwise.
+fn twice_area(a: &[f32; 2], b: &[f32; 2], c: &[f32; 2]) -> f32 {
+    a[0] * (b[1] - c[1]) + b[0] * (c[1] - a[1]) + c[0] * (a[1] - b[1])
+}
+
+/// Whether `p` lies inside of a triangle, its edges excluded.
+fn is_inside(p: &[f32; 2], a: &[f32; 2], b: &[f32; 2], c: &[f32; 2]) -> bool {
+    let sides = [twice_area(a, b, p), twice_area(b, c, p), twice_area(c, a, p)];
+    sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangles(corners: &[[f32; 3]]) -> Vec<[u32; 3]> {
+        let mut out = Vec::new();
+        triangulate(corners, |triangle| out.push(triangle));
+        out
+    }
+
+    fn area(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> f32 {
+        let at = |i: u32| [corners[i as usize][0], corners[i as usize][1]];
+        triangles.iter().map(|t| twice_area(&at(t[0]), &at(t[1]), &at(t[2])) / 2.0).sum()
+    }
+
+    #[test]
+    fn a_quad_is_cut_from_its_first_corner() {
+        let quad = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        assert_eq!(triangles(&quad), [[0, 1, 2], [0, 2, 3]]);
+    }
+
+    #[test]
+    fn a_quad_with_a_dent_is_cut_from_the_dent() {
+        let dart = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 2.0, 0.0]];
+        assert_eq!(triangles(&dart), [[2, 3, 0], [2, 0, 1]]);
+    }
+
+    #[test]
+    fn a_concave_polygon_is_covered_once_and_nothing_else_is() {
+        // A letter L, seen from either side.
+        let letter = [[0., 0., 0.], [2., 0., 0.], [2., 1., 0.], [1., 1., 0.], [1., 3., 0.], [0., 3., 0.]];
+        let cut = triangles(&letter);
+        assert_eq!(cut.len(), 4);
+        assert!((area(&letter, &cut) - 4.0).abs() < 1e-5);
+        let reversed: Vec<_> = letter.iter().rev().copied().collect();
+        let cut = triangles(&reversed);
+        assert_eq!(cut.len(), 4);
+        assert!((area(&reversed, &cut) + 4.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn polygons_that_make_no_sense_end() {
+        triangles(&[[0.0; 3]; 9]);
+        triangles(&[[f32::NAN; 3]; 9]);
+        let star: Vec<_> = (0..7).map(|i| (i as f32 * 2.7).sin_cos()).map(|(x, y)| [x, y, 0.0]).collect();
+        assert!(triangles(&star).len() <= 5);
+    }
+}

@@ -1,0 +1,85 @@
+//! A mesh as rviz shows it: parts in drawing order, each with the material that rviz makes for it.
+
+use std::sync::Arc;
+
+use rcs_scene::{Blending, CullMode, Lighting, Material, Mesh, Rgba, Texture};
+
+use crate::ResourceError;
+
+/// A mesh file's contents, ready to draw.
+#[derive(Clone, Debug, Default)]
+pub struct LoadedMesh {
+    /// The parts (Ogre's sub-meshes) in the order in which rviz draws them, all in the file's own frame: the file's
+    /// units are converted to metres and its node transforms applied, its up axis is not (rviz drops that rotation).
+    pub parts: Vec<MeshPart>,
+    /// What is wrong but not fatal, such as a missing texture.
+    pub warnings: Vec<ResourceError>,
+}
+
+/// A part with one material.
+#[derive(Clone, Debug)]
+pub struct MeshPart {
+    /// The triangles. Corners are not shared between faces, as Assimp hands them to rviz; vertex colours are white,
+    /// because rviz does not read those of a file.
+    pub mesh: Arc<Mesh>,
+    /// The material that the file gives this part.
+    pub material: MeshMaterial,
+}
+
+/// A material as rviz's mesh loader makes it from the file's.
+#[derive(Clone, Debug)]
+pub struct MeshMaterial {
+    /// False for STL files, which have none: rviz then takes the marker's colour even when the marker asks for
+    /// embedded materials, and the URDF's material for a robot's link.
+    pub embedded: bool,
+    /// Diffuse colour; its alpha is the surface's opacity.
+    pub diffuse: Rgba,
+    /// Ambient colour, halved by rviz. rviz's scene has no ambient light, so it does not show.
+    pub ambient: Rgba,
+    /// Specular colour. The specular part of rviz's light is black, so it does not show.
+    pub specular: Rgba,
+    /// Specular exponent.
+    pub shininess: f32,
+    /// Colour given off without light.
+    pub emissive: Rgba,
+    /// Multiplied with the lit colour, alpha included. Yellow and black stripes, Ogre's warning texture, where the
+    /// file names a texture that cannot be loaded.
+    pub texture: Option<Arc<Texture>>,
+    /// Blended when the opacity is below 0.99.
+    pub blending: Blending,
+}
+
+impl MeshMaterial {
+    /// The material of a file that has none: lit white, not embedded.
+    pub const fn none() -> Self {
+        Self {
+            embedded: false,
+            diffuse: Rgba::WHITE,
+            ambient: Rgba::BLACK,
+            specular: Rgba::BLACK,
+            shininess: 0.0,
+            emissive: Rgba::BLACK,
+            texture: None,
+            blending: Blending::Replace,
+        }
+    }
+
+    /// How Ogre draws it before a marker or a robot's link changes anything: lit, only the front sides (a file's
+    /// `double_sided` is not heeded), depth written even when blended. Specular is left out, see
+    /// [`MeshMaterial::specular`].
+    pub fn to_scene(&self) -> Material {
+        Material {
+            lighting: Lighting::Lit {
+                diffuse: self.diffuse,
+                specular: Rgba::TRANSPARENT,
+                shininess: 0.0,
+                emissive: self.emissive,
+            },
+            texture: self.texture.clone(),
+            blending: self.blending,
+            depth_write: true,
+            cull: CullMode::Back,
+            ..Material::lit(Rgba::WHITE)
+        }
+    }
+}

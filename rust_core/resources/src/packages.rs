@@ -1,0 +1,231 @@
+//! `package://NAME/path` and `file://` addresses into file paths.
+//!
+//! Packages are found by rospack's rules. The folders of `ROS_PACKAGE_PATH` are searched one after the other, an
+//! earlier one wins; a folder with a `package.xml` or a `manifest.xml` is a package and is not searched further; one
+//! with a file `CATKIN_IGNORE` is skipped with all in it, one with `rospack_nosubdirs` is not searched further;
+//! folders that begin with a dot are skipped; links are followed. A package's name is what its `package.xml` says in
+//! `<name>`; with a `manifest.xml` (rosbuild) it is the folder's. Among siblings of the same name rospack takes
+//! whichever the file system lists first; here it is the alphabetically first. A folder that links back into its own
+//! path, at which rospack gives up after a thousand levels, is searched once.
+//!
+//! Crawling is put off until it is needed: a package that lies directly in a search folder under its own name, as in
+//! an installed `share` folder, is found without one.
+
+use std::{
+    collections::{HashMap, HashSet},
+    env, fs,
+    path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
+};
+
+use percent_encoding::percent_decode_str;
+
+use crate::ResourceError;
+
+/// rospack's `MAX_CRAWL_DEPTH` is 1000; no real tree is as deep as this.
+const MAX_DEPTH: usize = 100;
+
+/// Where packages are.
+#[derive(Debug)]
+pub struct PackageIndex {
+    roots: Vec<Root>,
+}
+
+/// A folder of the search path.
+#[derive(Debug)]
+struct Root {
+    path: PathBuf,
+    /// What is known of it so far.
+    known: Mutex<Known>,
+}
+
+#[derive(Debug, Default)]
+struct Known {
+    /// Packages found, by name.
+    packages: HashMap<String, PathBuf>,
+    /// The whole folder was searched.
+    crawled: bool,
+}
+
+impl PackageIndex {
+    /// The folders of `extra`, then those of the environment's `ROS_PACKAGE_PATH`. Reads no files.
+    pub fn from_env(extra: &[PathBuf]) -> Self {
+        let from_env = env::var_os("ROS_PACKAGE_PATH").unwrap_or_default();
+        Self::new(extra.iter().cloned().chain(env::split_paths(&from_env)))
+    }
+
+    /// The given folders, the first one first. Reads no files.
+    pub fn new(roots: impl IntoIterator<Item = PathBuf>) -> Self {
+        let roots = roots
+            .into_iter()
+            .filter(|path| !path.as_os_str().is_empty())
+            .map(|path| Root { path, known: Mutex::default() })
+            .collect();
+        Self { roots }
+    }
+
+    /// The folder of a package, or `None` when there is none of that name.
+    pub fn package(&self, name: &str) -> Option<PathBuf> {
+        self.roots.iter().find_map(|root| root.find(name))
+    }
+
+    /// The file that an address names: `package://NAME/path`, `file:///path`, or a bare absolute path. `%20` and the
+    /// like are decoded in addresses, as resource_retriever's curl does. The file need not exist.
+    ///
+    /// # Errors
+    /// [`ResourceError::NoSuchPackage`]; [`ResourceError::UnsupportedScheme`] for `http://` and others;
+    /// [`ResourceError::BadUrl`] for what is no address.
+    pub fn resolve(&self, url: &str) -> Result<PathBuf, ResourceError> {
+        let bad = || ResourceError::BadUrl { url: url.to_owned() };
+        if url.starts_with('/') {
+            return Ok(PathBuf::from(url));
+        }
+        let (scheme, rest) = url.split_once(':').ok_or_else(bad)?;
+        match scheme.to_ascii_lowercase().as_str() {
+            "package" => {
+                let rest = rest.strip_prefix("//").ok_or_else(bad)?;
+                let (package, path) = rest.split_once('/').ok_or_else(bad)?;
+                if package.is_empty() {
+                    return Err(bad());
+                }
+                let package = decode(package);
+                let folder = self.package(&package).ok_or_else(|| ResourceError::NoSuchPackage {
+                    url: url.to_owned(),
+                    package,
+                    searched: self.roots.iter().map(|root| root.path.clone()).collect(),
+                })?;
+                Ok(folder.join(decode(path).trim_start_matches('/')))
+            }
+            "file" => {
+                // file:///path, file://localhost/path and file:/path
+                let path = match rest.strip_prefix("//") {
+                    Some(rest) => rest.strip_prefix("localhost").unwrap_or(rest),
+                    None => rest,
+                };
+                if path.starts_with('/') {
+                    Ok(PathBuf::from(decode(path)))
+                } else {
+                    Err(bad())
+                }
+            }
+            scheme if rest.starts_with("//") => {
+                Err(ResourceError::UnsupportedScheme { url: url.to_owned(), scheme: scheme.to_owned() })
+            }
+            _ => Err(bad()),
+        }
+    }
+}
+
+impl Root {
+    fn find(&self, name: &str) -> Option<PathBuf> {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if !known.crawled {
+            if let Some(found) = known.packages.get(name) {
+                return Some(found.clone());
+            }
+            if let Some(found) = self.find_directly(name) {
+                known.packages.insert(name.to_owned(), found.clone());
+                return Some(found);
+            }
+            known.packages = crawl(&self.path);
+            known.crawled = true;
+        }
+        known.packages.get(name).cloned()
+    }
+
+    /// The package in the folder of its own name directly below, when rospack's rules lead there.
+    fn find_directly(&self, name: &str) -> Option<PathBuf> {
+        if name.starts_with('.') || name.contains('/') {
+            return None;
+        }
+        let stops = ["CATKIN_IGNORE", "rospack_nosubdirs", "package.xml", "manifest.xml"];
+        if stops.iter().any(|file| self.path.join(file).is_file()) {
+            return None;
+        }
+        let folder = self.path.join(name);
+        if folder.join("CATKIN_IGNORE").is_file() {
+            return None;
+        }
+        (package_name(&folder)? == name).then_some(folder)
+    }
+}
+
+/// The name of the package in a folder, or `None` when the folder is no package.
+fn package_name(folder: &Path) -> Option<String> {
+    let folder_name = || folder.file_name().map(|name| name.to_string_lossy().into_owned());
+    if folder.join("manifest.xml").is_file() {
+        return folder_name();
+    }
+    let manifest = folder.join("package.xml");
+    if !manifest.is_file() {
+        return None;
+    }
+    let named = fs::read_to_string(&manifest).ok().and_then(|text| {
+        let document = roxmltree::Document::parse(&text).ok()?;
+        let name = document.root_element().children().find(|node| node.has_tag_name("name"))?;
+        Some(name.text()?.trim().to_owned())
+    });
+    if named.is_none() {
+        log::warn!("{}: no package name in it, the folder's is taken", manifest.display());
+    }
+    named.or_else(folder_name)
+}
+
+/// All packages in a folder.
+fn crawl(root: &Path) -> HashMap<String, PathBuf> {
+    let mut packages = HashMap::new();
+    let mut seen = HashSet::new();
+    // Depth first, each folder's children in alphabetical order.
+    let mut waiting = vec![(root.to_owned(), 0)];
+    while let Some((folder, depth)) = waiting.pop() {
+        let Ok(entries) = fs::read_dir(&folder) else { continue };
+        let mut is_package = false;
+        let mut is_leaf = false;
+        let mut ignored = false;
+        let mut children = Vec::new();
+        for entry in entries.flatten() {
+            let name = entry.file_name();
+            let Ok(kind) = entry.file_type() else { continue };
+            let path = entry.path();
+            let is_dir = kind.is_dir() || (kind.is_symlink() && path.is_dir());
+            if is_dir {
+                if !name.to_string_lossy().starts_with('.') {
+                    children.push((path, kind.is_symlink()));
+                }
+            } else if kind.is_file() || path.is_file() {
+                match name.to_str() {
+                    Some("CATKIN_IGNORE") => ignored = true,
+                    Some("rospack_nosubdirs") => is_leaf = true,
+                    Some("package.xml" | "manifest.xml") => is_package = true,
+                    _ => {}
+                }
+            }
+        }
+        if ignored {
+            continue;
+        }
+        if is_package {
+            if let Some(name) = package_name(&folder) {
+                packages.entry(name).or_insert(folder);
+            }
+            continue;
+        }
+        if is_leaf || depth == MAX_DEPTH {
+            continue;
+        }
+        children.sort_unstable_by(|a, b| b.0.cmp(&a.0));
+        for (path, is_link) in children {
+            // Only a link can lead to a folder a second time.
+            let first_time =
+                !is_link || path.canonicalize().is_ok_and(|real| !folder.starts_with(&real) && seen.insert(real));
+            if first_time {
+                waiting.push((path, depth + 1));
+            }
+        }
+    }
+    packages
+}
+
+fn decode(text: &str) -> String {
+    percent_decode_str(text).decode_utf8_lossy().into_owned()
+}

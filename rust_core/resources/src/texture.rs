@@ -1,0 +1,75 @@
+//! Textures of meshes, as Ogre loads them: rows from the top, repeated, filtered within the nearest mipmap level.
+
+use std::{
+    fs::File,
+    io::BufReader,
+    path::Path,
+    sync::{Arc, OnceLock},
+};
+
+use image::{ImageFormat, ImageReader, Limits};
+use rcs_scene::{Filtering, Texture, Wrapping};
+
+use crate::ResourceError;
+
+/// Larger sides are refused, as every graphics card of the day does.
+const MAX_SIDE: u32 = 16384;
+/// The most memory that an image may take while it is decoded, so that a damaged header cannot ask for all.
+const MAX_DECODED_BYTES: u64 = 1 << 30;
+
+/// Reads an image file: PNG, JPEG, BMP, TGA, TIFF or GIF, told by its contents, else by its name.
+///
+/// # Errors
+/// [`ResourceError::Io`] and [`ResourceError::BadImage`].
+pub fn load_texture(path: &Path) -> Result<Arc<Texture>, ResourceError> {
+    let file = File::open(path).map_err(|source| ResourceError::io(path, source))?;
+    let bad = |reason: String| ResourceError::BadImage { path: path.to_owned(), reason };
+    let mut reader =
+        ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(|source| ResourceError::io(path, source))?;
+    if reader.format().is_none() {
+        // TGA has no signature.
+        let format = ImageFormat::from_path(path).map_err(|error| bad(error.to_string()))?;
+        reader.set_format(format);
+    }
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    reader.limits(limits);
+    let image = reader.decode().map_err(|error| bad(error.to_string()))?.into_rgba8();
+    let (width, height) = image.dimensions();
+    if width == 0 || height == 0 {
+        return Err(bad("it has no pixels".to_owned()));
+    }
+    let rgba = image.pixels().map(|pixel| pixel.0).collect();
+    Ok(Arc::new(Texture { width, height, rgba, filtering: Filtering::BilinearMipmap, wrapping: Wrapping::Repeat }))
+}
+
+/// What Ogre puts where a texture cannot be loaded: 8 × 8 texels of yellow and black diagonal stripes.
+pub fn warning_texture() -> Arc<Texture> {
+    static TEXTURE: OnceLock<Arc<Texture>> = OnceLock::new();
+    let make = || {
+        let texel = |i: u32| if (i % 8 + i / 8) % 8 < 4 { [0, 0, 0, 255] } else { [255, 255, 0, 255] };
+        Arc::new(Texture {
+            width: 8,
+            height: 8,
+            rgba: (0..64).map(texel).collect(),
+            filtering: Filtering::BilinearMipmap,
+            wrapping: Wrapping::Repeat,
+        })
+    };
+    Arc::clone(TEXTURE.get_or_init(make))
+}
+
+/// The texture multiplied with itself until it counts `times` times. rviz adds the diffuse texture once for every
+/// texture of whatever kind (bump, specular …) that a material names, each layer multiplying the ones before.
+pub(crate) fn layered(texture: &Arc<Texture>, times: usize) -> Arc<Texture> {
+    if times < 2 {
+        return Arc::clone(texture);
+    }
+    let exponent = i32::try_from(times).unwrap_or(i32::MAX);
+    let table: Vec<u8> =
+        (0..=255_u8).map(|value| ((f32::from(value) / 255.0).powi(exponent) * 255.0).round() as u8).collect();
+    let power = |value: u8| table.get(usize::from(value)).copied().unwrap_or(value);
+    Arc::new(Texture { rgba: texture.rgba.iter().map(|texel| texel.map(power)).collect(), ..Texture::clone(texture) })
+}
