@@ -111,6 +111,12 @@ fn is_null(text: &str) -> bool {
     matches!(text, "" | "~" | "null" | "Null" | "NULL")
 }
 
+/// Number of lines, that after a last line break included. A break is `\n`, `\r` or both.
+fn count_lines(text: &str) -> usize {
+    let breaks = text.matches(['\n', '\r']).count() - text.matches("\r\n").count();
+    breaks + 1
+}
+
 fn error_at(at: Marker, reason: impl Into<String>) -> SyntaxError {
     SyntaxError { line: at.line(), column: at.col() + 1, reason: reason.into() }
 }
@@ -118,22 +124,25 @@ fn error_at(at: Marker, reason: impl Into<String>) -> SyntaxError {
 /// The first document of `text`; an empty text is null.
 pub(crate) fn parse(text: &str) -> Result<Rc<Node>, SyntaxError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // The parser ends a last line that has no break, and may place what follows from its end on the line after.
+    let last_line = count_lines(text);
     let mut parser = Parser::new_from_str(text);
     let mut open: Vec<Open> = Vec::new();
     let mut anchors: HashMap<usize, Rc<Node>> = HashMap::new();
     while let Some(event) = parser.next_event() {
         let (event, span) = event.map_err(|error| error_at(*error.marker(), error.info()))?;
         let at = span.start;
+        let line = at.line().min(last_line);
         let (node, anchor) = match event {
             Event::Nothing | Event::StreamStart | Event::DocumentStart(_) => continue,
             Event::StreamEnd | Event::DocumentEnd => break,
             Event::SequenceStart(anchor, _) => {
-                open.push(Open::new(anchor, at.line(), Content::List(Vec::new())));
+                open.push(Open::new(anchor, line, Content::List(Vec::new())));
                 check_depth(open.len(), at)?;
                 continue;
             }
             Event::MappingStart(anchor, _) => {
-                open.push(Open::new(anchor, at.line(), Content::Map(Vec::new())));
+                open.push(Open::new(anchor, line, Content::Map(Vec::new())));
                 check_depth(open.len(), at)?;
                 continue;
             }
@@ -148,7 +157,7 @@ pub(crate) fn parse(text: &str) -> Result<Rc<Node>, SyntaxError> {
             Event::Scalar(text, style, anchor, tag) => {
                 let null = style == ScalarStyle::Plain && tag.is_none() && is_null(&text);
                 let content = if null { Content::Null } else { Content::Scalar(text.into_owned()) };
-                (Rc::new(Node::leaf(at.line(), content)), anchor)
+                (Rc::new(Node::leaf(line, content)), anchor)
             }
         };
         if anchor != 0 {
@@ -158,7 +167,7 @@ pub(crate) fn parse(text: &str) -> Result<Rc<Node>, SyntaxError> {
         let Some(parent) = open.last_mut() else {
             return Ok(node);
         };
-        parent.add(node, at.line());
+        parent.add(node, line);
         if parent.node.size > MAX_VALUES {
             return Err(error_at(at, format!("more than {MAX_VALUES} values")));
         }
