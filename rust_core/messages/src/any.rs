@@ -6,7 +6,8 @@ use crate::std_msgs::Header;
 use crate::{DecodeError, Message, PointCloud2, Wire};
 use std::sync::Arc;
 
-/// Reads the message from bytes that may become its own.
+/// Reads a small message; it keeps none of the bytes.
+#[expect(clippy::needless_pass_by_value, reason = "one signature for those that keep the bytes and those that do not")]
 fn decode_owned<T: Wire>(bytes: Vec<u8>) -> Result<T, DecodeError> {
     crate::decode(&bytes)
 }
