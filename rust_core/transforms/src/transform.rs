@@ -78,7 +78,7 @@ pub enum InsertError {
         child: String,
     },
     /// The translation or rotation holds a NaN.
-    #[error("{authority} published a transform of frame [{child}] in [{parent}] with NaN in it (translation {translation:?}, rotation xyzw {rotation_xyzw:?}); it is ignored")]
+    #[error("{authority} published a transform of frame [{child}] in [{parent}] with NaN in it (x y z, then rotation x y z w: {values:?}); it is ignored")]
     NaN {
         /// Who published it.
         authority: String,
@@ -86,10 +86,8 @@ pub enum InsertError {
         parent: String,
         /// The child frame.
         child: String,
-        /// The translation as published, metres.
-        translation: [f64; 3],
-        /// The rotation as published.
-        rotation_xyzw: [f64; 4],
+        /// The translation (metres), then the rotation (x, y, z, w), as published.
+        values: Box<[f64; 7]>,
     },
     /// The translation holds an infinity.
     #[error("{authority} published a transform of frame [{child}] in [{parent}] with an infinite translation {translation:?}; it is ignored")]
@@ -150,21 +148,22 @@ impl RawTransform<'_> {
             return Err(InsertError::SelfTransform { authority, frame });
         }
         let (translation, rotation_xyzw) = (self.translation, self.rotation_xyzw);
-        if translation.iter().chain(&rotation_xyzw).any(|v| v.is_nan()) {
+        let [x, y, z, w] = rotation_xyzw;
+        let [tx, ty, tz] = translation;
+        let values = [tx, ty, tz, x, y, z, w];
+        if values.iter().any(|v| v.is_nan()) {
             let (authority, parent, child) = named();
-            return Err(InsertError::NaN { authority, parent, child, translation, rotation_xyzw });
+            return Err(InsertError::NaN { authority, parent, child, values: Box::new(values) });
         }
         if translation.iter().any(|v| v.is_infinite()) {
             let (authority, parent, child) = named();
             return Err(InsertError::Infinite { authority, parent, child, translation });
         }
         let norm_squared: f64 = rotation_xyzw.iter().map(|v| v * v).sum();
-        // Not `>=`: an infinite component leaves no number to compare.
-        if !((norm_squared - 1.0).abs() < NORM_TOLERANCE) {
+        if (norm_squared - 1.0).abs() >= NORM_TOLERANCE {
             let (authority, parent, child) = named();
             return Err(InsertError::NotNormalised { authority, parent, child, rotation_xyzw });
         }
-        let [x, y, z, w] = rotation_xyzw;
         Ok(Isometry3::from_parts(
             Translation3::from(translation),
             UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),

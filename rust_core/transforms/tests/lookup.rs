@@ -1,4 +1,5 @@
 //! Lookups in small trees by hand: what is found, at which time, and what the errors say.
+#![expect(clippy::unwrap_used, reason = "a helper of tests may fail as they do")]
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -1,4 +1,5 @@
 //! What holds for every tree, over random trees, times and malformed transforms.
+#![expect(clippy::unwrap_used, reason = "a helper of tests may fail as they do")]
 
 use std::time::Duration;
 
