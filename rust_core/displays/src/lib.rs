@@ -1,1 +1,27 @@
-//! See the crate description.
+//! rviz's displays: settings, messages and transforms into scene primitives.
+//!
+//! One file for each display class. [`DisplaySet`] holds all displays of a config; it is told of messages, asks the
+//! displays what changed, and hands out the [`rcs_scene::Scene`] that every camera looks at. Nothing here connects to
+//! ROS, reads a clock or draws: the picture is a function of the config, the messages and a time.
+#![forbid(unsafe_code)]
+
+mod axes;
+mod display;
+mod frame;
+mod grid;
+mod marker;
+mod path;
+mod placed;
+mod point_cloud2;
+mod set;
+mod shapes;
+mod solids;
+mod status;
+mod trail;
+mod world;
+
+pub use display::TopicRequest;
+pub use set::{CameraView, DisplaySet, ListedDisplay};
+pub use shapes::Shape;
+pub use status::{Level, Status, Statuses};
+pub use world::World;

@@ -1,0 +1,55 @@
+//! What every display does.
+
+use rcs_messages::{AnyMessage, MessageKind};
+use rcs_scene::Drawable;
+use rcs_transforms::Time;
+
+use crate::{Statuses, World};
+
+/// A topic that a display wants to hear.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct TopicRequest {
+    /// The name as the config has it, not resolved or remapped.
+    pub topic: String,
+    /// The type of its messages.
+    pub kind: MessageKind,
+    /// How many messages may wait to be taken; at least 1.
+    pub queue_size: usize,
+}
+
+impl TopicRequest {
+    /// A request; a queue size of 0 (no limit in ROS) becomes a large one. `None` without a topic.
+    pub(crate) fn new(topic: &str, kind: MessageKind, queue_size: u32) -> Option<Self> {
+        let queue_size = if queue_size == 0 { 1000 } else { queue_size as usize };
+        (!topic.is_empty()).then(|| Self { topic: topic.to_owned(), kind, queue_size })
+    }
+}
+
+/// One display of a config.
+pub(crate) trait Display: Send {
+    /// What it listens to.
+    fn topics(&self) -> Vec<TopicRequest> {
+        Vec::new()
+    }
+
+    /// Takes a message of one of its topics.
+    fn take(&mut self, _message: &AnyMessage, _world: &World<'_>) {}
+
+    /// Brings what it shows up to date: places messages whose frames are known now, lets old things go, follows
+    /// moved frames. Returns whether its drawables changed.
+    fn update(&mut self, world: &World<'_>) -> bool;
+
+    /// What it shows.
+    fn drawables(&self) -> &[Drawable];
+
+    /// The next time at which it changes by itself (something grows too old).
+    fn next_change(&self) -> Option<Time> {
+        None
+    }
+
+    /// Forgets all messages: the time jumped back, or the fixed frame changed.
+    fn reset(&mut self) {}
+
+    /// How it does.
+    fn statuses(&self) -> &Statuses;
+}

@@ -1,0 +1,166 @@
+//! Where in a cloud's bytes its channels are, checked once against the bytes that are there.
+
+use rcs_messages::sensor_msgs::PointField;
+use rcs_messages::PointCloud2;
+use rcs_rviz_config::ColorTransformer;
+use thiserror::Error;
+
+/// Why a cloud cannot be shown.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub(crate) enum LayoutError {
+    /// The data is not as long as the header says.
+    #[error("Data size ({actual} bytes) does not match width ({width}) times height ({height}) times point_step ({point_step})")]
+    Size { actual: usize, width: u32, height: u32, point_step: u32 },
+    /// There is no x, y or z.
+    #[error("The cloud has no channel {0}")]
+    NoPosition(&'static str),
+    /// Positions are not 32-bit floats: rviz has no transformer for those.
+    #[error("No position transformer available for cloud: channel {name} has datatype {datatype}, not FLOAT32")]
+    PositionType { name: &'static str, datatype: u8 },
+    /// A channel reaches past its point.
+    #[error("Channel {name} at offset {offset} reaches past point_step ({point_step})")]
+    FieldOutside { name: String, offset: u32, point_step: u32 },
+}
+
+/// A channel whose bytes lie inside of every point.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Channel {
+    pub(crate) name: String,
+    pub(crate) offset: usize,
+    pub(crate) datatype: u8,
+}
+
+impl Channel {
+    /// The value in one point's bytes as a float; 0 for a datatype that does not exist.
+    #[inline]
+    pub(crate) fn value(&self, point: &[u8], big_endian: bool) -> f32 {
+        macro_rules! read {
+            ($type:ty) => {{
+                let bytes = take(point, self.offset);
+                (if big_endian { <$type>::from_be_bytes(bytes) } else { <$type>::from_le_bytes(bytes) }) as f32
+            }};
+        }
+        match self.datatype {
+            PointField::INT8 => read!(i8),
+            PointField::UINT8 => read!(u8),
+            PointField::INT16 => read!(i16),
+            PointField::UINT16 => read!(u16),
+            PointField::INT32 => read!(i32),
+            PointField::UINT32 => read!(u32),
+            PointField::FLOAT32 => read!(f32),
+            PointField::FLOAT64 => read!(f64),
+            _ => 0.0,
+        }
+    }
+
+    /// The four bytes of a packed colour.
+    #[inline]
+    pub(crate) fn bits(&self, point: &[u8], big_endian: bool) -> u32 {
+        let bytes = take(point, self.offset);
+        if big_endian {
+            u32::from_be_bytes(bytes)
+        } else {
+            u32::from_le_bytes(bytes)
+        }
+    }
+}
+
+/// `N` bytes at an offset; zeros past the end.
+#[inline]
+fn take<const N: usize>(point: &[u8], offset: usize) -> [u8; N] {
+    point.get(offset..offset + N).and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; N])
+}
+
+fn size_of(datatype: u8) -> usize {
+    match datatype {
+        PointField::INT8 | PointField::UINT8 => 1,
+        PointField::INT16 | PointField::UINT16 => 2,
+        PointField::FLOAT64 => 8,
+        _ => 4,
+    }
+}
+
+/// A cloud's channels.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout {
+    /// x, y and z.
+    pub(crate) position: [Channel; 3],
+    pub(crate) point_step: usize,
+    pub(crate) point_count: usize,
+    channels: Vec<Channel>,
+}
+
+impl Layout {
+    /// Checks a cloud.
+    ///
+    /// # Errors
+    /// See [`LayoutError`]; the cloud cannot be shown then.
+    pub(crate) fn of(cloud: &PointCloud2) -> Result<Self, LayoutError> {
+        let (width, height, point_step) = (cloud.width, cloud.height, cloud.point_step);
+        let channels: Vec<Channel> = cloud
+            .fields
+            .iter()
+            .map(|field| Channel { name: field.name.clone(), offset: field.offset as usize, datatype: field.datatype })
+            .collect();
+        let find = |name: &str| channels.iter().find(|channel| channel.name == name);
+        let position = |name: &'static str| find(name).cloned().ok_or(LayoutError::NoPosition(name));
+        let position = [position("x")?, position("y")?, position("z")?];
+        let claimed = u128::from(width) * u128::from(height) * u128::from(point_step);
+        let actual = cloud.data().len();
+        if claimed != actual as u128 {
+            return Err(LayoutError::Size { actual, width, height, point_step });
+        }
+        if position[0].datatype != PointField::FLOAT32 {
+            return Err(LayoutError::PositionType { name: "x", datatype: position[0].datatype });
+        }
+        let outside = |channel: &&Channel| channel.offset + size_of(channel.datatype) > point_step as usize;
+        if let Some(channel) = channels.iter().find(outside).filter(|_| actual > 0) {
+            return Err(LayoutError::FieldOutside {
+                name: channel.name.clone(),
+                offset: channel.offset as u32,
+                point_step,
+            });
+        }
+        // A point step of 0 has no data, and no points either.
+        let point_count = actual.checked_div(point_step as usize).unwrap_or(0);
+        Ok(Self { position, point_step: point_step as usize, point_count, channels })
+    }
+
+    /// A channel by its name; the first of several.
+    pub(crate) fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// Whether each point has an opacity of its own.
+    pub(crate) fn has_point_alpha(&self) -> bool {
+        self.channel("rgba").is_some()
+    }
+
+    /// The channel of packed colours, and whether its alpha counts: `rgb` or `rgba`; where a cloud has both, rviz
+    /// reads the later one, and without alpha.
+    pub(crate) fn packed_color(&self) -> Option<(&Channel, bool)> {
+        let index = self.channels.iter().position(|channel| channel.name == "rgb");
+        let index_alpha = self.channels.iter().position(|channel| channel.name == "rgba");
+        let channel = self.channels.get(index.max(index_alpha)?)?;
+        Some((channel, index.is_none()))
+    }
+
+    /// The colour transformer that rviz uses on this cloud: the chosen one if it fits, else RGB8 if that fits, else
+    /// Intensity.
+    pub(crate) fn fitting_transformer(&self, chosen: Option<ColorTransformer>) -> ColorTransformer {
+        let packed = self.packed_color().is_some_and(|(channel, _)| {
+            matches!(channel.datatype, PointField::INT32 | PointField::UINT32 | PointField::FLOAT32)
+        });
+        let fits = |transformer: &ColorTransformer| match transformer {
+            ColorTransformer::Rgb8 | ColorTransformer::Mono8 => packed,
+            ColorTransformer::Rgbf32 => {
+                self.channel("r").is_some_and(|red| red.datatype == PointField::FLOAT32)
+                    && self.channel("g").is_some()
+                    && self.channel("b").is_some()
+            }
+            ColorTransformer::Intensity | ColorTransformer::FlatColor | ColorTransformer::AxisColor => true,
+        };
+        let automatic = if packed { ColorTransformer::Rgb8 } else { ColorTransformer::Intensity };
+        chosen.filter(fits).unwrap_or(automatic)
+    }
+}

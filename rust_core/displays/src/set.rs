@@ -1,0 +1,167 @@
+//! All displays of a config, and the scene that they make together.
+
+use nalgebra::Vector3;
+use rcs_messages::AnyMessage;
+use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings, PlacedDisplay, ViewConfig};
+use rcs_scene::{DirectionalLight, DisplayId, DisplayMask, Scene};
+use rcs_transforms::Time;
+
+use crate::axes::AxesDisplay;
+use crate::display::Display;
+use crate::grid::GridDisplay;
+use crate::marker::MarkerDisplay;
+use crate::path::PathDisplay;
+use crate::point_cloud2::PointCloud2Display;
+use crate::{Statuses, TopicRequest, World};
+
+/// A camera of a config: an enabled CameraPub display.
+#[derive(Clone, Debug)]
+pub struct CameraView {
+    /// The display's name.
+    pub name: String,
+    /// Its properties.
+    pub settings: CameraPubSettings,
+    /// Which displays it shows.
+    pub visible: DisplayMask,
+}
+
+/// A display of a config, drawn or not.
+#[derive(Clone, Debug)]
+pub struct ListedDisplay {
+    /// The names of the groups around it and its own.
+    pub path: Vec<String>,
+    /// Such as `rviz/Grid`.
+    pub class: String,
+}
+
+/// The one place where a display class becomes a display. `None` for what draws nothing in the scene: groups, cameras,
+/// classes that are not drawn.
+fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>> {
+    Some(match settings {
+        DisplaySettings::PointCloud2(settings) => Box::new(PointCloud2Display::new(id, settings.clone())),
+        DisplaySettings::Grid(settings) => Box::new(GridDisplay::new(id, settings.clone())),
+        DisplaySettings::Axes(settings) => Box::new(AxesDisplay::new(id, settings.clone())),
+        DisplaySettings::Marker(settings) => Box::new(MarkerDisplay::single(id, settings.clone())),
+        DisplaySettings::MarkerArray(settings) => Box::new(MarkerDisplay::array(id, settings.clone())),
+        DisplaySettings::Path(settings) => Box::new(PathDisplay::new(id, settings.clone())),
+        DisplaySettings::Group(_) | DisplaySettings::CameraPub(_) | DisplaySettings::NotDrawn { .. } => return None,
+    })
+}
+
+struct Entry {
+    listed: ListedDisplay,
+    display: Box<dyn Display>,
+}
+
+/// The enabled displays of a config, in its order.
+pub struct DisplaySet {
+    entries: Vec<Entry>,
+    cameras: Vec<CameraView>,
+    light: Option<ViewConfig>,
+}
+
+impl std::fmt::Debug for DisplaySet {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let listed: Vec<&ListedDisplay> = self.entries.iter().map(|entry| &entry.listed).collect();
+        f.debug_struct("DisplaySet").field("displays", &listed).field("cameras", &self.cameras).finish_non_exhaustive()
+    }
+}
+
+impl DisplaySet {
+    /// Makes the displays and the cameras of a config that are enabled, all groups around them included.
+    pub fn new(config: &Config) -> Self {
+        let placed = config.placed_displays();
+        let mut entries = Vec::new();
+        for (id, placed) in placed.iter().enumerate().filter(|(_, placed)| placed.enabled) {
+            let listed = ListedDisplay {
+                path: placed.path.iter().map(|name| (*name).to_owned()).collect(),
+                class: placed.display.class.clone(),
+            };
+            let display = create(id as DisplayId, &placed.display.settings);
+            entries.extend(display.map(|display| Entry { listed, display }));
+        }
+        Self { entries, cameras: cameras(&placed), light: config.global.default_light.then(|| config.view.clone()) }
+    }
+
+    /// The cameras, in the config's order.
+    pub fn cameras(&self) -> &[CameraView] {
+        &self.cameras
+    }
+
+    /// What the displays listen to; a topic that several want stands here once, with the longest of their queues.
+    pub fn topics(&self) -> Vec<TopicRequest> {
+        let mut topics: Vec<TopicRequest> = Vec::new();
+        for request in self.entries.iter().flat_map(|entry| entry.display.topics()) {
+            match topics.iter_mut().find(|known| (&known.topic, known.kind) == (&request.topic, request.kind)) {
+                Some(known) => known.queue_size = known.queue_size.max(request.queue_size),
+                None => topics.push(request),
+            }
+        }
+        topics
+    }
+
+    /// Hands a message of a topic (by the name in the config) to the displays that want it.
+    pub fn take(&mut self, topic: &str, message: &AnyMessage, world: &World<'_>) {
+        for entry in &mut self.entries {
+            let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
+            if entry.display.topics().iter().any(wants) {
+                entry.display.take(message, world);
+            }
+        }
+    }
+
+    /// Brings all displays up to date. Returns whether the scene changed.
+    pub fn update(&mut self, world: &World<'_>) -> bool {
+        let mut changed = false;
+        for entry in &mut self.entries {
+            changed |= entry.display.update(world);
+        }
+        changed
+    }
+
+    /// The next time at which the scene changes by itself.
+    pub fn next_change(&self) -> Option<Time> {
+        self.entries.iter().filter_map(|entry| entry.display.next_change()).min()
+    }
+
+    /// The scene as it is since the last update.
+    pub fn scene(&self, world: &World<'_>) -> Scene {
+        Scene {
+            drawables: self.entries.iter().flat_map(|entry| entry.display.drawables()).cloned().collect(),
+            light: self.light.as_ref().map(|view| light(view, world)),
+        }
+    }
+
+    /// Forgets all messages.
+    pub fn reset(&mut self) {
+        for entry in &mut self.entries {
+            entry.display.reset();
+        }
+    }
+
+    /// How each display does.
+    pub fn statuses(&self) -> impl Iterator<Item = (&ListedDisplay, &Statuses)> {
+        self.entries.iter().map(|entry| (&entry.listed, entry.display.statuses()))
+    }
+}
+
+fn cameras(placed: &[PlacedDisplay<'_>]) -> Vec<CameraView> {
+    let enabled = placed.iter().filter(|placed| placed.enabled);
+    let camera = |camera: &PlacedDisplay<'_>| {
+        let DisplaySettings::CameraPub(settings) = &camera.display.settings else { return None };
+        let mut visible = DisplayMask::all();
+        for (id, other) in placed.iter().enumerate() {
+            visible.set(id as DisplayId, settings.visibility.shows(&other.path));
+        }
+        Some(CameraView { name: camera.display.name.clone(), settings: settings.clone(), visible })
+    };
+    enabled.filter_map(camera).collect()
+}
+
+/// rviz's default light shines along the main window's view.
+fn light(view: &ViewConfig, world: &World<'_>) -> DirectionalLight {
+    let fixed_from_target =
+        view.target_frame.as_deref().and_then(|frame| world.fixed_from(frame, Time::ZERO).ok()).unwrap_or_default();
+    let rotation = fixed_from_target.rotation.into_inner().coords.into();
+    DirectionalLight { direction: Vector3::from(view.direction_in_fixed_frame(rotation)) }
+}

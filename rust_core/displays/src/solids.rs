@@ -1,0 +1,129 @@
+//! Symbols that rviz puts together from its solids: axes and arrows.
+//!
+//! Reproduces `rviz::Axes` and `rviz::Arrow`: how cylinder and cone are turned and scaled, and where the origin lies by
+//! which translucent ones are sorted (each solid's own middle).
+
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Matrix4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use rcs_scene::{DisplayId, Drawable, Geometry, Material, RenderGroup, Rgba};
+
+use crate::Shape;
+
+/// A drawable that is sorted by its origin.
+pub(crate) fn drawable(display: DisplayId, fixed_from_object: Matrix4<f64>, geometry: Geometry) -> Drawable {
+    let origin = fixed_from_object.fixed_view::<3, 1>(0, 3).into_owned();
+    Drawable { display, fixed_from_object, sort_point: Point3::from(origin), group: RenderGroup::Main, geometry }
+}
+
+/// A solid of one colour.
+pub(crate) fn solid(
+    display: DisplayId,
+    shape: Shape,
+    fixed_from_object: Matrix4<f64>,
+    material: &Arc<Material>,
+) -> Drawable {
+    drawable(display, fixed_from_object, Geometry::Mesh { mesh: shape.mesh(), material: material.clone() })
+}
+
+/// The materials of axes: red, green, blue.
+pub(crate) fn axes_materials(alpha: f32) -> [Arc<Material>; 3] {
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        .map(|[r, g, b]| Arc::new(Material::lit(Rgba::new(r, g, b, alpha))))
+}
+
+/// Three cylinders along the axes of a frame, of a length and a diameter in metres (rviz calls the latter "Radius").
+pub(crate) fn axes(
+    display: DisplayId,
+    fixed_from_axes: &Matrix4<f64>,
+    length_m: f64,
+    diameter_m: f64,
+    materials: &[Arc<Material>; 3],
+) -> [Drawable; 3] {
+    let turns = [
+        Rotation3::from_axis_angle(&Vector3::z_axis(), -FRAC_PI_2),
+        Rotation3::identity(),
+        Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2),
+    ];
+    let mut axis = 0;
+    turns.map(|turn| {
+        let mut middle = Vector3::zeros();
+        middle[axis] = length_m / 2.0;
+        let axes_from_cylinder = Translation3::from(middle).to_homogeneous()
+            * turn.to_homogeneous()
+            * Matrix4::new_nonuniform_scaling(&Vector3::new(diameter_m, length_m, diameter_m));
+        axis += 1;
+        solid(display, Shape::Cylinder, fixed_from_axes * axes_from_cylinder, &materials[axis - 1])
+    })
+}
+
+/// The sizes of an arrow in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ArrowSize {
+    pub(crate) shaft_length_m: f64,
+    pub(crate) shaft_diameter_m: f64,
+    pub(crate) head_length_m: f64,
+    pub(crate) head_diameter_m: f64,
+}
+
+/// An arrow from the origin of its own frame along −z, as rviz's arrows point unturned.
+pub(crate) fn arrow(
+    display: DisplayId,
+    fixed_from_arrow: &Matrix4<f64>,
+    size: &ArrowSize,
+    shaft: &Arc<Material>,
+    head: &Arc<Material>,
+) -> [Drawable; 2] {
+    let fixed_from_upright =
+        fixed_from_arrow * Rotation3::from_axis_angle(&Vector3::x_axis(), -FRAC_PI_2).to_homogeneous();
+    let part = |shape, bottom_m: f64, length_m: f64, diameter_m: f64, material| {
+        let upright_from_part = Matrix4::new_translation(&Vector3::new(0.0, bottom_m + length_m / 2.0, 0.0))
+            * Matrix4::new_nonuniform_scaling(&Vector3::new(diameter_m, length_m, diameter_m));
+        solid(display, shape, fixed_from_upright * upright_from_part, material)
+    };
+    [
+        part(Shape::Cylinder, 0.0, size.shaft_length_m, size.shaft_diameter_m, shaft),
+        part(Shape::Cone, size.shaft_length_m, size.head_length_m, size.head_diameter_m, head),
+    ]
+}
+
+/// The shortest turn of an arrow's −z into a direction of any length above zero; no turn for zero.
+pub(crate) fn arrow_turn(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let backwards = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::PI);
+    if direction.norm_squared() == 0.0 {
+        return UnitQuaternion::identity();
+    }
+    UnitQuaternion::rotation_between(&-Vector3::z(), direction).unwrap_or(backwards)
+}
+
+/// An arrow's pose: at a point in the fixed frame, pointing in a direction.
+pub(crate) fn arrow_pose(position: Vector3<f64>, direction: &Vector3<f64>) -> Matrix4<f64> {
+    Isometry3::from_parts(Translation3::from(position), arrow_turn(direction)).to_homogeneous()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arrow_reaches_from_its_position_along_its_direction() {
+        let material = Arc::new(Material::lit(Rgba::WHITE));
+        let size = ArrowSize { shaft_length_m: 1.0, shaft_diameter_m: 0.1, head_length_m: 0.5, head_diameter_m: 0.2 };
+        for direction in [Vector3::x(), -Vector3::z(), Vector3::z(), Vector3::new(1.0, 2.0, -3.0).normalize()] {
+            let pose = arrow_pose(Vector3::new(1.0, 0.0, 0.0), &direction);
+            let [_, head] = arrow(0, &pose, &size, &material, &material);
+            let tip = head.fixed_from_object.transform_point(&Point3::new(0.0, 0.5, 0.0));
+            assert!((tip - Point3::from(Vector3::x() + direction * 1.5)).norm() < 1e-12, "{direction}");
+        }
+    }
+
+    #[test]
+    fn axes_point_along_their_axes() {
+        let parts = axes(0, &Matrix4::identity(), 2.0, 0.1, &axes_materials(1.0));
+        for (i, part) in parts.iter().enumerate() {
+            let [a, b] = [0.5, -0.5].map(|y| part.fixed_from_object.transform_point(&Point3::new(0.0, y, 0.0)));
+            assert!((a[i].max(b[i]) - 2.0).abs() < 1e-12 && a[i].min(b[i]).abs() < 1e-12, "{i}: {a} {b}");
+        }
+    }
+}

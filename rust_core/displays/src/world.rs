@@ -1,0 +1,60 @@
+//! What displays need to know of the world to place what they show.
+
+use nalgebra::{Isometry3, Matrix4};
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{stamp_nanos, PlainTransform};
+use rcs_resources::MeshStore;
+use rcs_transforms::{LookupError, Time, TransformTree};
+
+/// The frames, the time and the files that displays draw with.
+#[derive(Clone, Copy, Debug)]
+pub struct World<'a> {
+    /// Where frames are.
+    pub transforms: &'a TransformTree,
+    /// The frame in which the scene is built.
+    pub fixed_frame: &'a str,
+    /// ROS time now.
+    pub now: Time,
+    /// Meshes by their addresses.
+    pub meshes: &'a MeshStore,
+}
+
+impl World<'_> {
+    /// Where a frame is in the fixed frame; time zero asks for the latest known place.
+    ///
+    /// # Errors
+    /// See [`LookupError`].
+    pub fn fixed_from(&self, frame: &str, time: Time) -> Result<Isometry3<f64>, LookupError> {
+        self.transforms.lookup(self.fixed_frame, frame, time)
+    }
+
+    /// Where a message's frame is in the fixed frame, at the message's stamp.
+    ///
+    /// # Errors
+    /// See [`LookupError`].
+    pub fn fixed_from_header(&self, header: &Header) -> Result<Isometry3<f64>, LookupError> {
+        self.fixed_from(&header.frame_id, stamp(header))
+    }
+}
+
+/// A header's time.
+pub(crate) fn stamp(header: &Header) -> Time {
+    Time::from_nanos(stamp_nanos(header.stamp))
+}
+
+/// A pose as rviz reads it: the quaternion is normalised; one of zero length is no rotation.
+///
+/// `None` when a number is NaN or infinite.
+pub(crate) fn isometry(pose: &PlainTransform) -> Option<Isometry3<f64>> {
+    let [x, y, z, w] = pose.rotation_xyzw;
+    if pose.translation.iter().chain(&pose.rotation_xyzw).any(|value| !value.is_finite()) {
+        return None;
+    }
+    let rotation = nalgebra::UnitQuaternion::try_new(nalgebra::Quaternion::new(w, x, y, z), 1e-9).unwrap_or_default();
+    Some(Isometry3::from_parts(pose.translation.into(), rotation))
+}
+
+/// The pose with a scale along its own axes.
+pub(crate) fn scaled(pose: &Isometry3<f64>, scale: [f64; 3]) -> Matrix4<f64> {
+    pose.to_homogeneous() * Matrix4::new_nonuniform_scaling(&scale.into())
+}
