@@ -13,7 +13,7 @@ fn with_display(class: &str, keys: &str) -> Config {
     for line in keys.lines() {
         text += &format!("      {line}\n");
     }
-    parse(&text, "test.rviz").unwrap()
+    parse(&text, "test.rviz").unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The line of the first of `with_display`'s keys.
