@@ -2,13 +2,12 @@
 //!
 //! Each mesh of each node becomes a part, placed by the nodes' transforms; normals are turned by the same matrix and
 //! made unit length (not by the inverse transpose, so they lean under uneven scales); materials get half the ambient
-//! colour, are blended from an opacity of 0.99 down, and have the diffuse texture once for every texture that the file
-//! names, of whatever kind.
+//! colour and the diffuse texture once for every texture that the file names, of whatever kind; they are opaque.
 
 use std::{collections::HashMap, fs, path::Path, sync::Arc};
 
 use nalgebra::{Matrix4, Point3, Vector3};
-use rcs_scene::{Blending, Mesh, Rgba, Texture, Vertex};
+use rcs_scene::{Mesh, Rgba, Texture, Vertex};
 
 use crate::{
     import::{normalized, process, Imported, MaterialSpec, Triangles},
@@ -17,8 +16,8 @@ use crate::{
     warning_texture, LoadedMesh, MeshMaterial, MeshPart, ResourceError,
 };
 
-/// rviz takes a material for opaque from this opacity on.
-const OPAQUE_FROM: f32 = 0.99;
+/// OpenGL's normal where a mesh (of lines or points) sends none: the initial one, which nobody ever sets.
+const UNSET_NORMAL: [f32; 3] = [0.0, 0.0, 1.0];
 
 /// Makes the parts of a mesh; textures are looked for beside `path`.
 pub(crate) fn assemble(imported: &Imported, path: &Path) -> LoadedMesh {
@@ -47,13 +46,17 @@ fn place(triangles: &Triangles, object_from_mesh: &Matrix4<f32>, flat: bool) -> 
     let rotation = object_from_mesh.fixed_view::<3, 3>(0, 0).into_owned();
     let moved = *object_from_mesh != Matrix4::identity();
     let mut vertices = Vec::with_capacity(triangles.positions.len());
-    for (i, (&position, &normal)) in triangles.positions.iter().zip(&triangles.normals).enumerate() {
+    for (i, &position) in triangles.positions.iter().enumerate() {
         let position = if moved {
             (rotation * Vector3::from(position) + object_from_mesh.fixed_view::<3, 1>(0, 3)).into()
         } else {
             position
         };
-        let normal = normalized(if moved { (rotation * Vector3::from(normal)).into() } else { normal });
+        let normal = match triangles.normals.get(i) {
+            Some(&normal) if moved => normalized((rotation * Vector3::from(normal)).into()),
+            Some(&normal) => normalized(normal),
+            None => UNSET_NORMAL,
+        };
         let normal = if normal.iter().all(|component| component.is_finite()) { normal } else { [0.0; 3] };
         let uv = triangles.uvs.get(i).copied().unwrap_or_default();
         vertices.push(Vertex { uv, ..Vertex::new(position, normal) });
@@ -73,19 +76,16 @@ fn flat_shaded(mesh: &Mesh) -> Mesh {
 }
 
 fn material(spec: &MaterialSpec, textures: &mut Textures<'_>) -> MeshMaterial {
-    let [r, g, b] = spec.diffuse;
-    let color = |[r, g, b]: [f32; 3], a| Rgba::new(r, g, b, a);
-    let texture = (spec.texture_count > 0)
-        .then(|| layered(&textures.get(&spec.diffuse_texture), spec.texture_count));
+    let color = |[r, g, b]: [f32; 3]| Rgba::new(r, g, b, 1.0);
+    let texture = (spec.texture_count > 0).then(|| layered(&textures.get(&spec.diffuse_texture), spec.texture_count));
     MeshMaterial {
         embedded: true,
-        diffuse: Rgba::new(r, g, b, spec.opacity),
-        ambient: color(spec.ambient.map(|channel| channel * 0.5), 0.5),
-        specular: color(spec.specular, spec.opacity),
+        diffuse: color(spec.diffuse),
+        ambient: color(spec.ambient.map(|channel| channel * 0.5)),
+        specular: color(spec.specular),
         shininess: spec.shininess,
-        emissive: color(spec.emissive, 1.0),
+        emissive: color(spec.emissive),
         texture,
-        blending: if spec.opacity < OPAQUE_FROM { Blending::Alpha } else { Blending::Replace },
     }
 }
 

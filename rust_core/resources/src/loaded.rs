@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rcs_scene::{Blending, CullMode, Lighting, Material, Mesh, Rgba, Texture};
+use rcs_scene::{Lighting, Material, Mesh, Rgba, Texture};
 
 use crate::ResourceError;
 
@@ -32,7 +32,8 @@ pub struct MeshMaterial {
     /// False for STL files, which have none: rviz then takes the marker's colour even when the marker asks for
     /// embedded materials, and the URDF's material for a robot's link.
     pub embedded: bool,
-    /// Diffuse colour; its alpha is the surface's opacity.
+    /// Diffuse colour. Always opaque: rviz asks Assimp for a material's opacity by a wrong name, so that a file's
+    /// transparency never shows.
     pub diffuse: Rgba,
     /// Ambient colour, halved by rviz. rviz's scene has no ambient light, so it does not show.
     pub ambient: Rgba,
@@ -45,8 +46,6 @@ pub struct MeshMaterial {
     /// Multiplied with the lit colour, alpha included. Yellow and black stripes, Ogre's warning texture, where the
     /// file names a texture that cannot be loaded.
     pub texture: Option<Arc<Texture>>,
-    /// Blended when the opacity is below 0.99.
-    pub blending: Blending,
 }
 
 impl MeshMaterial {
@@ -60,13 +59,11 @@ impl MeshMaterial {
             shininess: 0.0,
             emissive: Rgba::BLACK,
             texture: None,
-            blending: Blending::Replace,
         }
     }
 
     /// How Ogre draws it before a marker or a robot's link changes anything: lit, only the front sides (a file's
-    /// `double_sided` is not heeded), depth written even when blended. Specular is left out, see
-    /// [`MeshMaterial::specular`].
+    /// `double_sided` is not heeded), opaque. Specular is left out, see [`MeshMaterial::specular`].
     pub fn to_scene(&self) -> Material {
         Material {
             lighting: Lighting::Lit {
@@ -76,9 +73,6 @@ impl MeshMaterial {
                 emissive: self.emissive,
             },
             texture: self.texture.clone(),
-            blending: self.blending,
-            depth_write: true,
-            cull: CullMode::Back,
             ..Material::lit(Rgba::WHITE)
         }
     }

@@ -24,8 +24,9 @@ const MAX_DECODED_BYTES: u64 = 1 << 30;
 pub fn load_texture(path: &Path) -> Result<Arc<Texture>, ResourceError> {
     let file = File::open(path).map_err(|source| ResourceError::io(path, source))?;
     let bad = |reason: String| ResourceError::BadImage { path: path.to_owned(), reason };
-    let mut reader =
-        ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(|source| ResourceError::io(path, source))?;
+    let mut reader = ImageReader::new(BufReader::new(file))
+        .with_guessed_format()
+        .map_err(|source| ResourceError::io(path, source))?;
     if reader.format().is_none() {
         // TGA has no signature.
         let format = ImageFormat::from_path(path).map_err(|error| bad(error.to_string()))?;

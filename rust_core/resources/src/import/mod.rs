@@ -75,7 +75,8 @@ pub(crate) struct Polygons {
     pub(crate) material: usize,
 }
 
-/// A material as Assimp would report it, before rviz makes its own of it.
+/// A material as Assimp would report it, before rviz makes its own of it. Opacity is left out: rviz asks for it by a
+/// key (`$clr.opacity`) that Assimp never had (`$mat.opacity`), so that all materials of files are opaque in rviz.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MaterialSpec {
     pub(crate) diffuse: [f32; 3],
@@ -83,7 +84,6 @@ pub(crate) struct MaterialSpec {
     pub(crate) specular: [f32; 3],
     pub(crate) emissive: [f32; 3],
     pub(crate) shininess: f32,
-    pub(crate) opacity: f32,
     /// One normal for each face (COLLADA's `faceted`).
     pub(crate) flat: bool,
     /// The diffuse texture's file, beside the mesh; empty for none.
@@ -100,7 +100,6 @@ impl MaterialSpec {
         specular: [1.0; 3],
         emissive: [0.0; 3],
         shininess: 0.0,
-        opacity: 1.0,
         flat: false,
         diffuse_texture: String::new(),
         texture_count: 0,

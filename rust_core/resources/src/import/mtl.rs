@@ -5,10 +5,25 @@ use super::{
     MaterialSpec,
 };
 
-/// The statements that name a texture. A later one in the list must not begin like an earlier one.
-const TEXTURES: [&str; 19] = [
-    "map_kd", "map_ka", "map_ks", "map_disp", "map_d", "map_emissive", "map_ke", "map_bump", "map_kn", "map_ns",
-    "map_pr", "map_pm", "map_ps", "bump", "norm", "refl", "disp", "map_refl", "map_norm",
+/// How statements that name a texture begin, each with the kind of texture that it is; the first that fits counts.
+const TEXTURES: [(&str, &str); 17] = [
+    ("map_kd", "diffuse"),
+    ("map_ka", "ambient"),
+    ("map_ks", "specular"),
+    ("map_disp", "displacement"),
+    ("disp", "displacement"),
+    ("map_d", "opacity"),
+    ("map_emissive", "emissive"),
+    ("map_ke", "emissive"),
+    ("map_bump", "bump"),
+    ("bump", "bump"),
+    ("map_kn", "normal"),
+    ("norm", "normal"),
+    ("refl", "reflection"),
+    ("map_ns", "shininess"),
+    ("map_pr", "roughness"),
+    ("map_pm", "metallic"),
+    ("map_ps", "sheen"),
 ];
 
 /// A material with its name.
@@ -56,10 +71,8 @@ pub(super) fn read(text: &str, materials: &mut Vec<Named>, mut defined: impl FnM
             "ks" => spec.specular = color(rest),
             "ke" => spec.emissive = color(rest),
             "ns" => spec.shininess = words.next().and_then(leading_f32).unwrap_or(0.0),
-            "d" => spec.opacity = words.next().and_then(leading_f32).unwrap_or(0.0),
-            "tr" => spec.opacity = 1.0 - words.next().and_then(leading_f32).unwrap_or(0.0),
             _ => {
-                let Some(&kind) = TEXTURES.iter().find(|kind| keyword.starts_with(*kind)) else { continue };
+                let Some(&(_, kind)) = TEXTURES.iter().find(|(start, _)| keyword.starts_with(start)) else { continue };
                 let file = after_options(rest);
                 if file.is_empty() {
                     continue;
@@ -68,7 +81,7 @@ pub(super) fn read(text: &str, materials: &mut Vec<Named>, mut defined: impl FnM
                     material.textures.push(kind);
                     spec.texture_count += 1;
                 }
-                if kind == "map_kd" {
+                if kind == "diffuse" {
                     file.clone_into(&mut spec.diffuse_texture);
                 }
             }
@@ -127,11 +140,11 @@ mod tests {
     #[test]
     fn materials_are_read_with_assimps_defaults() {
         let mut materials = Vec::new();
-        let text = "newmtl a\nKd 1 0.5 0\nTr 0.25\nmap_Kd a.png\nmap_Bump b.png\nbump b.png\nnewmtl b\n  Kd 0.5\nd 0.3";
+        let text = "newmtl a\nKd 1 0.5 0\nmap_Kd a.png\nmap_Bump b.png\nbump b.png\nnewmtl b\n  Kd 0.5";
         read(text, &mut materials, |_, _| {});
         let [a, b] = materials.as_slice() else { panic!("two materials are expected: {materials:?}") };
-        assert_eq!((a.spec.diffuse, a.spec.opacity), ([1.0, 0.5, 0.0], 0.75));
+        assert_eq!((a.spec.diffuse, a.spec.texture_count), ([1.0, 0.5, 0.0], 2));
         assert_eq!((a.spec.diffuse_texture.as_str(), a.spec.specular), ("a.png", [0.0; 3]));
-        assert_eq!((b.spec.diffuse, b.spec.opacity, b.spec.texture_count), ([0.5, 0.0, 0.0], 0.3, 0));
+        assert_eq!((b.spec.diffuse, b.spec.texture_count), ([0.5, 0.0, 0.0], 0));
     }
 }

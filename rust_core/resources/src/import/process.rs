@@ -11,7 +11,7 @@ use super::{triangulate::triangulate, Polygons};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Triangles {
     pub(crate) positions: Vec<[f32; 3]>,
-    /// One for each position.
+    /// One for each position; points and lines may have none at all.
     pub(crate) normals: Vec<[f32; 3]>,
     /// One for each position, or none at all; v down.
     pub(crate) uvs: Vec<[f32; 2]>,
@@ -93,13 +93,8 @@ fn finish(mut mesh: Triangles, is_triangles: bool) -> Option<Triangles> {
     if mesh.normals.len() != count || (is_triangles && !is_valid(&mesh.normals, &used, Demand::NonZero)) {
         mesh.normals.clear();
     }
-    if mesh.normals.is_empty() {
-        mesh.normals = if is_triangles {
-            face_normals(&mesh)
-        } else {
-            // Ogre sends none, and OpenGL's current normal holds, which nobody ever set.
-            vec![[0.0, 0.0, 1.0]; count]
-        };
+    if mesh.normals.is_empty() && is_triangles {
+        mesh.normals = face_normals(&mesh);
     }
     // Of points and lines the last few may not make a triangle.
     mesh.indices.truncate(mesh.indices.len() / 3 * 3);

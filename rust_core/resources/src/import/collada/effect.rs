@@ -1,7 +1,5 @@
-//! Materials and their effects.
-//!
-//! Opacity follows Assimp: `transparency` times the alpha of `transparent` (or its luminance in the RGB modes), one
-//! minus that in the ZERO modes, and opaque when `transparency` is not within 0 to 1.
+//! Materials and their effects: the colours and the diffuse texture. Transparency never shows in rviz, see
+//! [`MaterialSpec`].
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -83,8 +81,7 @@ fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> Material
     let mut transparent = channel(0.0, 0.0, 0.0);
     let mut reflective = channel(0.0, 0.0, 0.0);
     let mut bump = channel(0.0, 0.0, 0.0);
-    let (mut shininess, mut transparency) = (10.0, 1.0);
-    let mut opaque_mode = "";
+    let mut shininess = 10.0;
     let mut flat = false;
     // What each parameter refers to: a sampler to a surface, a surface to an image.
     let mut parameters: HashMap<&str, &str> = HashMap::new();
@@ -102,12 +99,8 @@ fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> Material
             "specular" => specular.read(node),
             "reflective" => reflective.read(node),
             "bump" => bump.read(node),
-            "transparent" => {
-                opaque_mode = attribute(node, "opaque");
-                transparent.read(node);
-            }
+            "transparent" => transparent.read(node),
             "shininess" => shininess = scalar(node),
-            "transparency" => transparency = scalar(node),
             "faceted" => flat = matches!(text(node), "1" | "true"),
             _ => {}
         }
@@ -125,7 +118,6 @@ fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> Material
         specular: rgb(&specular),
         emissive: rgb(&emission),
         shininess,
-        opacity: opacity(transparency, transparent.color, opaque_mode),
         flat,
         diffuse_texture: image_file(&diffuse.texture, &parameters, images),
         texture_count,
@@ -151,21 +143,6 @@ impl Channel {
 /// The number in an element's `float`, 0 when it has none.
 fn scalar(node: Node<'_, '_>) -> f32 {
     child(node, "float").and_then(|float| floats(float).next()).unwrap_or(0.0)
-}
-
-fn opacity(transparency: f32, [r, g, b, a]: [f32; 4], mode: &str) -> f32 {
-    if !(0.0..=1.0).contains(&transparency) {
-        return 1.0;
-    }
-    let factor = match mode {
-        // Luminance of ITU-R BT.709.
-        "RGB_ZERO" | "RGB_ONE" => 0.212671 * r + 0.715160 * g + 0.072169 * b,
-        _ => a,
-    };
-    match mode {
-        "RGB_ZERO" | "A_ZERO" => 1.0 - transparency * factor,
-        _ => transparency * factor,
-    }
 }
 
 /// What a `newparam` refers to: a surface's `init_from`, a sampler's `source` or (1.5) `instance_image`.

@@ -120,7 +120,8 @@ impl Geometry {
         sources: &Sources<'_>,
     ) -> Result<(), MeshFault> {
         let inputs = read_inputs(element)?;
-        let per_corner = inputs.iter().map(|input| input.offset + 1).max().unwrap_or(1);
+        // Inputs of other kinds, such as colours, have indices too.
+        let per_corner = children(element, "input").map(|input| offset(input) + 1).max().unwrap_or(1);
         let vertex_input = inputs.iter().rfind(|input| input.semantic == Semantic::Vertex);
         let vertex_offset = vertex_input.map(|input| input.offset);
         if vertex_input.is_some_and(|input| input.source != vertices_id) {
@@ -228,7 +229,9 @@ fn faces(primitive: &str, corners: usize, announced: usize, counts: &[usize]) ->
         "lines" => Some(of_size(2)),
         "linestrips" => Some((1..corners).map(|end| vec![end - 1, end]).collect()),
         "tristrips" => Some(
-            (2..corners).map(|end| if end % 2 == 0 { vec![end - 2, end - 1, end] } else { vec![end - 1, end - 2, end] }).collect(),
+            (2..corners)
+                .map(|end| if end % 2 == 0 { vec![end - 2, end - 1, end] } else { vec![end - 1, end - 2, end] })
+                .collect(),
         ),
         "polylist" => {
             let mut start = 0_usize;
@@ -280,7 +283,8 @@ impl<'a> Sources<'a> {
     }
 
     fn value(&self, source: &Source<'_>, index: usize) -> Result<[f32; 4], String> {
-        let array = self.arrays.get(source.array).ok_or_else(|| format!("there is no float array {:?}", source.array))?;
+        let array =
+            self.arrays.get(source.array).ok_or_else(|| format!("there is no float array {:?}", source.array))?;
         let start = index.checked_mul(source.stride).and_then(|start| start.checked_add(source.offset));
         let values = (index < source.count)
             .then(|| array.get(start?..))
@@ -307,9 +311,12 @@ fn read_inputs<'a>(element: Node<'a, '_>) -> Result<Vec<Input<'a>>, MeshFault> {
             "VERTEX" => Semantic::Vertex,
             _ => continue,
         };
-        // A corner with more indices than this is none.
-        let offset = number(input, "offset").unwrap_or(0).min(64);
-        inputs.push(Input { semantic, source: reference(input, "source")?, offset });
+        inputs.push(Input { semantic, source: reference(input, "source")?, offset: offset(input) });
     }
     Ok(inputs)
+}
+
+/// Which of a corner's indices is an input's; a corner with more indices than this is damaged.
+fn offset(input: Node<'_, '_>) -> usize {
+    number(input, "offset").unwrap_or(0).min(64)
 }

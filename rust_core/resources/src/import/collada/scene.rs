@@ -43,11 +43,7 @@ struct Builder<'a, 'i> {
 }
 
 /// Walks the scene that the file instances.
-pub(super) fn build(
-    root: Node<'_, '_>,
-    geometries: &Geometries,
-    materials: Materials,
-) -> Result<Imported, MeshFault> {
+pub(super) fn build(root: Node<'_, '_>, geometries: &Geometries, materials: Materials) -> Result<Imported, MeshFault> {
     let mut library = HashMap::new();
     for group in root.children() {
         let name = match group.tag_name().name() {
@@ -88,9 +84,8 @@ pub(super) fn build(
 
 /// What a controller deforms; rviz shows the geometry as it is.
 fn skinned<'a>(root: Node<'a, '_>) -> HashMap<&'a str, &'a str> {
-    let controllers = children(root, "library_controllers").flat_map(|library| {
-        library.children().filter(|controller| controller.tag_name().name() == "controller")
-    });
+    let controllers = children(root, "library_controllers")
+        .flat_map(|library| library.children().filter(|controller| controller.tag_name().name() == "controller"));
     let skin = |controller: Node<'a, '_>| {
         let skin = controller.children().find(|node| node.tag_name().name() == "skin")?;
         let source = skin.attribute("source")?.trim_start_matches('#');
@@ -117,8 +112,7 @@ impl<'a, 'i> Builder<'a, 'i> {
         if depth > MAX_DEPTH {
             return Err(fault(node, "nodes nest too deeply, or contain themselves"));
         }
-        let mut placing =
-            Placing { parent_from_node: Matrix4::identity(), meshes: Vec::new(), children: Vec::new() };
+        let mut placing = Placing { parent_from_node: Matrix4::identity(), meshes: Vec::new(), children: Vec::new() };
         for element in node.children() {
             if let Some(step) = transform_step(element) {
                 placing.parent_from_node *= step;
@@ -227,12 +221,7 @@ fn transform_step(element: Node<'_, '_>) -> Option<Matrix4<f32>> {
             let unit = |v: Vector3<f32>| v.try_normalize(0.0).unwrap_or(v);
             let (up, forward) = (unit(up), unit(target - eye));
             let right = unit(forward.cross(&up));
-            Some(Matrix4::from_columns(&[
-                right.push(0.0),
-                up.push(0.0),
-                (-forward).push(0.0),
-                eye.push(1.0),
-            ]))
+            Some(Matrix4::from_columns(&[right.push(0.0), up.push(0.0), (-forward).push(0.0), eye.push(1.0)]))
         }
         _ => None,
     }

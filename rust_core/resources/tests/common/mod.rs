@@ -1,0 +1,121 @@
+//! Small mesh files and what they are loaded as.
+
+use std::{fs, path::Path, sync::Arc};
+
+use rcs_resources::{LoadedMesh, MeshStore, PackageIndex, ResourceError};
+
+/// Loads a file by its path.
+pub(crate) fn load(path: &Path) -> Result<Arc<LoadedMesh>, ResourceError> {
+    MeshStore::new(PackageIndex::new([])).get(path.to_str().unwrap())
+}
+
+/// Loads a file of that name and contents, alone in a folder.
+pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Arc<LoadedMesh>, ResourceError> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join(name);
+    fs::write(&path, bytes).unwrap();
+    load(&path)
+}
+
+/// A binary STL file: each triangle's normal and corners.
+pub(crate) fn binary_stl(header: &[u8], triangles: &[[[f32; 3]; 4]]) -> Vec<u8> {
+    let mut bytes = header.to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend((triangles.len() as u32).to_le_bytes());
+    for triangle in triangles {
+        bytes.extend(triangle.iter().flatten().flat_map(|value| value.to_le_bytes()));
+        bytes.extend([0, 0]);
+    }
+    bytes
+}
+
+/// Two triangles: in the plane z = 0 facing up, and in the plane x = 0, with normals that do not fit them.
+pub(crate) const TRIANGLES: [[[f32; 3]; 4]; 2] = [
+    [[0.0, 0.6, 0.8], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+    [[0.0, 2.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+];
+
+/// A text STL file of two solids.
+pub(crate) const TEXT_STL: &str = "solid first name with words
+  facet normal 0 0 1
+    outer loop
+      vertex 0 0 0
+      vertex 1 0 0
+      vertex 0 1e0 0
+    endloop
+  endfacet
+endsolid first
+solid
+  facet normal 1 0 0 outer loop vertex 0 0 0 vertex 0 1 0 vertex 0 0 1 endloop endfacet
+endsolid
+";
+
+/// An OBJ file with two materials, a quad and a line.
+pub(crate) const OBJ: &str = "# two faces
+mtllib things.mtl
+o thing
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+vn 0 0 1
+usemtl red
+f 1/1/1 2/2/1 3/3/1 4/4/1
+usemtl blue
+f -4//-1 -3//-1 \\
+  -2//-1
+";
+
+/// The materials of [`OBJ`].
+pub(crate) const MTL: &str =
+    "newmtl red\nKd 1 0 0\nKa 0.4 0 0\nd 0.5\nmap_Kd red.png\nnewmtl blue\nKd 0 0 1\nKe 0.1 0.1 0.1\n";
+
+/// A COLLADA file: a quad and a triangle in one geometry, bound to two materials, under a node that turns and moves
+/// it, in centimetres with y up.
+pub(crate) const DAE: &str = r##"<?xml version="1.0" encoding="utf-8"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+  <asset><unit name="centimeter" meter="0.01"/><up_axis>Y_UP</up_axis></asset>
+  <library_images><image id="img"><init_from>file://tex%20ture.png</init_from></image></library_images>
+  <library_effects>
+    <effect id="plain-fx"><profile_COMMON><technique sid="common"><lambert>
+      <emission><color>0.1 0 0 1</color></emission><diffuse><color>0.2 0.4 0.6 1</color></diffuse>
+      <transparent opaque="A_ONE"><color>1 1 1 1</color></transparent><transparency><float>0.25</float></transparency>
+    </lambert></technique></profile_COMMON></effect>
+    <effect id="textured-fx"><profile_COMMON>
+      <newparam sid="surface"><surface type="2D"><init_from>img</init_from></surface></newparam>
+      <newparam sid="sampler"><sampler2D><source>surface</source></sampler2D></newparam>
+      <technique sid="common"><phong><diffuse><texture texture="sampler" texcoord="UV"/></diffuse></phong></technique>
+    </profile_COMMON></effect>
+  </library_effects>
+  <library_materials>
+    <material id="a-textured"><instance_effect url="#textured-fx"/></material>
+    <material id="b-plain"><instance_effect url="#plain-fx"/></material>
+  </library_materials>
+  <library_geometries><geometry id="geo"><mesh>
+    <source id="pos"><float_array id="pos-array" count="12">0 0 0  100 0 0  100 100 0  0 100 0</float_array>
+      <technique_common><accessor source="#pos-array" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+    <source id="uv"><float_array id="uv-array" count="8">0 0  1 0  1 1  0 0.75</float_array>
+      <technique_common><accessor source="#uv-array" count="4" stride="2"><param name="S" type="float"/><param name="T" type="float"/></accessor></technique_common></source>
+    <source id="nor"><float_array id="nor-array" count="3">0 0 1</float_array>
+      <technique_common><accessor source="#nor-array" count="1" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+    <vertices id="verts"><input semantic="POSITION" source="#pos"/></vertices>
+    <polylist material="one" count="1">
+      <input semantic="VERTEX" source="#verts" offset="0"/><input semantic="NORMAL" source="#nor" offset="1"/>
+      <input semantic="TEXCOORD" source="#uv" offset="2" set="0"/>
+      <vcount>4</vcount><p>0 0 0 1 0 1 2 0 2 3 0 3</p></polylist>
+    <triangles material="two" count="1"><input semantic="VERTEX" source="#verts" offset="0"/><p>0 1 2</p></triangles>
+  </mesh></geometry></library_geometries>
+  <library_nodes><node id="lib"><translate>0 0 50</translate>
+    <instance_geometry url="#geo"/></node></library_nodes>
+  <library_visual_scenes><visual_scene id="scene">
+    <node id="n"><translate>10 0 0</translate><rotate>0 0 1 90</rotate>
+      <instance_geometry url="#geo"><bind_material><technique_common>
+        <instance_material symbol="one" target="#a-textured"/><instance_material symbol="two" target="#b-plain"/>
+      </technique_common></bind_material></instance_geometry></node>
+  </visual_scene></library_visual_scenes>
+  <scene><instance_visual_scene url="#scene"/></scene>
+</COLLADA>"##;

@@ -1,0 +1,329 @@
+//! Meshes as rviz shows them, by way of Assimp.
+
+mod common;
+
+use std::{fs, path::Path, sync::Arc, time::Instant};
+
+use common::{binary_stl, load, load_bytes, DAE, MTL, OBJ, TEXT_STL, TRIANGLES};
+use rcs_resources::{warning_texture, LoadedMesh, MeshFault, MeshPart, MeshStore, PackageIndex, ResourceError};
+use rcs_scene::{Blending, CullMode, Filtering, Lighting, Rgba, Wrapping};
+
+fn positions(part: &MeshPart) -> Vec<[f32; 3]> {
+    part.mesh.triangles().flatten().map(|vertex| vertex.position.map(|x| (x * 1e5).round() / 1e5)).collect()
+}
+
+fn normals(part: &MeshPart) -> Vec<[f32; 3]> {
+    part.mesh.triangles().flatten().map(|vertex| vertex.normal.map(|x| (x * 1e5).round() / 1e5)).collect()
+}
+
+fn uvs(part: &MeshPart) -> Vec<[f32; 2]> {
+    part.mesh.triangles().flatten().map(|vertex| vertex.uv).collect()
+}
+
+fn fault(result: Result<Arc<LoadedMesh>, ResourceError>) -> MeshFault {
+    match result {
+        Err(ResourceError::BadMesh { fault, .. }) => fault,
+        other => panic!("a fault in the mesh is expected, not {other:?}"),
+    }
+}
+
+fn write_png(path: &Path, texel: [u8; 4]) {
+    image::RgbaImage::from_pixel(2, 3, image::Rgba(texel)).save(path).unwrap();
+}
+
+#[test]
+fn stl_faces_have_the_files_normals_at_all_corners() {
+    let mesh = load_bytes("a.stl", &binary_stl(b"", &TRIANGLES)).unwrap();
+    let [part] = mesh.parts.as_slice() else { panic!("one part is expected") };
+    assert_eq!(positions(part)[..3], TRIANGLES[0][1..]);
+    // Not (0, 0, 1), which the corners would give, and made unit length.
+    assert_eq!(normals(part)[..3], [[0.0, 0.6, 0.8]; 3]);
+    assert_eq!(normals(part)[3..], [[0.0, 1.0, 0.0]; 3]);
+    assert!(!part.material.embedded);
+}
+
+#[test]
+fn one_zero_normal_makes_all_of_an_stl_files_normals_computed() {
+    for zero in [[0.0; 3], [f32::NAN, 0.0, 1.0]] {
+        let mut triangles = TRIANGLES;
+        triangles[1][0] = zero;
+        let mesh = load_bytes("a.stl", &binary_stl(b"", &triangles)).unwrap();
+        assert_eq!(normals(&mesh.parts[0])[..3], [[0.0, 0.0, 1.0]; 3]);
+        assert_eq!(normals(&mesh.parts[0])[3..], [[1.0, 0.0, 0.0]; 3]);
+    }
+}
+
+#[test]
+fn a_binary_stl_file_that_begins_like_a_text_file_is_binary() {
+    let mesh = load_bytes("a.STL", &binary_stl(b"solid made by a CAD program", &TRIANGLES)).unwrap();
+    assert_eq!(mesh.parts[0].mesh.indices.len(), 6);
+}
+
+#[test]
+fn bytes_after_the_last_stl_triangle_are_ignored() {
+    for header in [b"".as_slice(), b"solid\0"] {
+        let mut bytes = binary_stl(header, &TRIANGLES);
+        bytes.extend(b"some more");
+        assert_eq!(load_bytes("a.stl", &bytes).unwrap().parts[0].mesh.indices.len(), 6);
+    }
+}
+
+#[test]
+fn a_cut_off_stl_file_is_refused() {
+    let bytes = binary_stl(b"", &TRIANGLES);
+    let fault = fault(load_bytes("a.stl", &bytes[..bytes.len() - 1]));
+    assert_eq!(fault, MeshFault::TruncatedStl { announced: 2, present: 1 });
+}
+
+#[test]
+fn each_solid_of_a_text_stl_file_is_a_part() {
+    let mesh = load_bytes("a.stl", TEXT_STL.as_bytes()).unwrap();
+    let [first, second] = mesh.parts.as_slice() else { panic!("two parts are expected") };
+    assert_eq!(positions(first), [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    assert_eq!(normals(second), [[1.0, 0.0, 0.0]; 3]);
+}
+
+#[test]
+fn faults_in_text_stl_files_are_told_with_their_line() {
+    let text = "solid x\nfacet normal 0 0 1\nvertex 1 2\n";
+    assert!(matches!(fault(load_bytes("a.stl", text.as_bytes())), MeshFault::Line { line: 3, .. }));
+    assert_eq!(fault(load_bytes("a.stl", b"solid empty\nendsolid empty\n")), MeshFault::Empty);
+    assert_eq!(fault(load_bytes("a.stl", b"not a mesh")), MeshFault::NotStl);
+}
+
+#[test]
+fn twenty_megabytes_of_stl_load_well_under_a_second() {
+    let triangles: Vec<_> = TRIANGLES.iter().copied().cycle().take(400_000).collect();
+    let bytes = binary_stl(b"", &triangles);
+    let start = Instant::now();
+    let mesh = load_bytes("big.stl", &bytes).unwrap();
+    let seconds = start.elapsed().as_secs_f64();
+    assert_eq!(mesh.parts[0].mesh.indices.len(), 1_200_000);
+    assert!(seconds < 0.8, "{seconds} s");
+}
+
+fn obj_folder() -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("thing.obj"), OBJ).unwrap();
+    fs::write(dir.path().join("things.mtl"), MTL).unwrap();
+    write_png(&dir.path().join("red.png"), [255, 128, 0, 255]);
+    dir
+}
+
+#[test]
+fn obj_faces_become_a_part_for_each_material() {
+    let dir = obj_folder();
+    let mesh = load(&dir.path().join("thing.obj")).unwrap();
+    let [red, blue] = mesh.parts.as_slice() else { panic!("two parts are expected") };
+    assert!(mesh.warnings.is_empty());
+    assert_eq!(red.mesh.indices, [0, 1, 2, 0, 2, 3]);
+    // v points down once loaded.
+    assert_eq!(uvs(red)[..3], [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]);
+    assert_eq!(red.material.ambient, Rgba::new(0.2, 0.0, 0.0, 1.0));
+    let texture = red.material.texture.as_ref().unwrap();
+    assert_eq!((texture.width, texture.height, texture.rgba[0]), (2, 3, [255, 128, 0, 255]));
+    assert_eq!((texture.filtering, texture.wrapping), (Filtering::BilinearMipmap, Wrapping::Repeat));
+    assert_eq!(positions(blue), [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
+    assert_eq!(blue.material.emissive, Rgba::new(0.1, 0.1, 0.1, 1.0));
+    assert!(blue.material.texture.is_none());
+}
+
+#[test]
+fn a_files_transparency_does_not_show_in_rviz() {
+    let dir = obj_folder();
+    let mesh = load(&dir.path().join("thing.obj")).unwrap();
+    assert_eq!(mesh.parts[0].material.diffuse, Rgba::new(1.0, 0.0, 0.0, 1.0));
+    let material = mesh.parts[0].material.to_scene();
+    assert_eq!((material.blending, material.depth_write, material.cull), (Blending::Replace, true, CullMode::Back));
+    let Lighting::Lit { diffuse, .. } = material.lighting else { panic!("it is lit") };
+    assert_eq!(diffuse.a, 1.0);
+}
+
+#[test]
+fn a_missing_texture_is_reported_and_shows_ogres_stripes() {
+    let dir = obj_folder();
+    fs::remove_file(dir.path().join("red.png")).unwrap();
+    let mesh = load(&dir.path().join("thing.obj")).unwrap();
+    let texture = mesh.parts[0].material.texture.as_ref().unwrap();
+    assert_eq!(**texture, *warning_texture());
+    assert_eq!(texture.rgba[3..5], [[0, 0, 0, 255], [255, 255, 0, 255]]);
+    let [warning] = mesh.warnings.as_slice() else { panic!("one warning is expected: {:?}", mesh.warnings) };
+    assert!(warning.to_string().contains("red.png"), "{warning}");
+    assert_eq!(mesh.parts.len(), 2);
+
+    fs::write(dir.path().join("red.png"), b"\x89PNG\r\n\x1a\n damaged").unwrap();
+    let mesh = load(&dir.path().join("thing.obj")).unwrap();
+    assert!(matches!(mesh.warnings.as_slice(), [ResourceError::BadImage { .. }]), "{:?}", mesh.warnings);
+}
+
+#[test]
+fn every_texture_of_a_material_lays_its_diffuse_texture_on_once_more() {
+    let dir = obj_folder();
+    fs::write(dir.path().join("things.mtl"), format!("{MTL}newmtl red\nmap_Bump -bm 0.2 bumps.png\n")).unwrap();
+    let mesh = load(&dir.path().join("thing.obj")).unwrap();
+    assert_eq!(mesh.parts[0].material.texture.as_ref().unwrap().rgba[0], [255, 64, 0, 255]);
+}
+
+#[test]
+fn an_obj_file_without_its_materials_is_grey() {
+    let mesh = load_bytes("thing.obj", OBJ.as_bytes()).unwrap();
+    assert_eq!(mesh.parts.len(), 2);
+    for part in &mesh.parts {
+        assert_eq!((part.material.diffuse, part.material.embedded), (Rgba::new(0.6, 0.6, 0.6, 1.0), true));
+    }
+}
+
+#[test]
+fn a_material_library_of_another_name_is_found_by_the_meshs() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("thing.obj"), OBJ).unwrap();
+    fs::write(dir.path().join("thing.mtl"), MTL).unwrap();
+    let mesh = load(&dir.path().join("thing.obj")).unwrap();
+    assert_eq!(mesh.parts[1].material.diffuse, Rgba::new(0.0, 0.0, 1.0, 1.0));
+}
+
+#[test]
+fn obj_faces_without_normals_are_flat_and_lines_make_a_part() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nl 1 2 3\nf 1 2 3\nf 1 3 4\nl 3 4\n";
+    let mesh = load_bytes("a.obj", text.as_bytes()).unwrap();
+    let [lines, faces] = mesh.parts.as_slice() else { panic!("two parts are expected") };
+    // rviz draws the corners of three lines as two triangles.
+    assert_eq!(lines.mesh.indices.len(), 6);
+    assert_eq!(positions(lines)[2..5], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+    assert_eq!(normals(faces), [[[0.0, 0.0, 1.0]; 3], [[1.0, 0.0, 0.0]; 3]].concat());
+}
+
+#[test]
+fn faults_in_obj_files_are_told_with_their_line() {
+    for text in ["v 0 0 0\nf 1 2 3\n", "v 0 0 0\nf 1 1 0\n", "v 0 0 0\nv 1\n", "v 0 0 0\nf 1 1 -2\n", "\nf a b c\n"] {
+        assert!(matches!(fault(load_bytes("a.obj", text.as_bytes())), MeshFault::Line { line: 2, .. }), "{text:?}");
+    }
+    assert_eq!(fault(load_bytes("a.obj", b"v 0 0 0\n")), MeshFault::Empty);
+}
+
+fn dae_folder() -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("a.dae"), DAE).unwrap();
+    write_png(&dir.path().join("tex ture.png"), [1, 2, 3, 255]);
+    dir
+}
+
+#[test]
+fn collada_parts_are_placed_in_metres_and_not_turned_to_the_up_axis() {
+    let dir = dae_folder();
+    let mesh = load(&dir.path().join("a.dae")).unwrap();
+    let [quad, triangle] = mesh.parts.as_slice() else { panic!("two parts are expected") };
+    assert!(mesh.warnings.is_empty(), "{:?}", mesh.warnings);
+    let corners = [[0.1, 0.0, 0.0], [0.1, 1.0, 0.0], [-0.9, 1.0, 0.0]];
+    assert_eq!(positions(quad)[..3], corners);
+    assert_eq!(positions(triangle), corners);
+    assert_eq!(normals(quad), [[0.0, 0.0, 1.0]; 6]);
+    assert_eq!(uvs(quad), [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0], [1.0, 0.0], [0.0, 0.25]]);
+    // The triangle has no normals in the file.
+    assert_eq!(normals(triangle), [[0.0, 0.0, 1.0]; 3]);
+}
+
+#[test]
+fn collada_materials_are_those_that_the_instance_binds() {
+    let dir = dae_folder();
+    let mesh = load(&dir.path().join("a.dae")).unwrap();
+    let [quad, triangle] = mesh.parts.as_slice() else { panic!("two parts are expected") };
+    assert_eq!(quad.material.texture.as_ref().unwrap().rgba[0], [1, 2, 3, 255]);
+    assert_eq!(quad.material.diffuse, Rgba::WHITE);
+    assert_eq!(triangle.material.diffuse, Rgba::new(0.2, 0.4, 0.6, 1.0));
+    assert_eq!(triangle.material.emissive, Rgba::new(0.1, 0.0, 0.0, 1.0));
+    assert_eq!(triangle.material.ambient, Rgba::new(0.05, 0.05, 0.05, 1.0));
+}
+
+#[test]
+fn a_library_node_is_instanced_in_its_place() {
+    let text = DAE.replace("<node id=\"n\">", "<node id=\"m\"><instance_node url=\"#lib\"/></node><node id=\"n\">");
+    let mesh = load_bytes("a.dae", text.as_bytes()).unwrap();
+    assert_eq!(mesh.parts.len(), 4);
+    assert_eq!(positions(&mesh.parts[0])[1], [1.0, 0.0, 0.5]);
+}
+
+#[test]
+fn prefixes_that_are_not_declared_are_put_up_with() {
+    let text = DAE.replace("<node id=\"n\">", "<node id=\"n\" xsi:type=\"x\"><x:extra/>");
+    assert_eq!(load_bytes("a.dae", text.as_bytes()).unwrap().parts.len(), 2);
+}
+
+#[test]
+fn a_node_that_contains_itself_is_refused() {
+    let text = DAE.replace("<node id=\"lib\">", "<node id=\"lib\"><instance_node url=\"#lib\"/>");
+    let text = text.replace("<node id=\"n\">", "<node id=\"n\"><instance_node url=\"#lib\"/>");
+    assert!(matches!(fault(load_bytes("a.dae", text.as_bytes())), MeshFault::Collada { .. }));
+}
+
+#[test]
+fn nodes_that_double_again_and_again_are_refused() {
+    let mut nodes = String::new();
+    for i in 0..60 {
+        let next = format!("<instance_node url=\"#d{}\"/>", i + 1);
+        nodes += &format!("<node id=\"d{i}\">{next}{next}</node>");
+    }
+    let text = DAE.replace("<library_nodes>", &format!("<library_nodes>{nodes}"));
+    let text = text.replace("<node id=\"n\">", "<node id=\"n\"><instance_node url=\"#d0\"/>");
+    assert!(matches!(fault(load_bytes("a.dae", text.as_bytes())), MeshFault::TooLarge { .. }));
+}
+
+#[test]
+fn faults_in_collada_files_are_told_with_their_line() {
+    let scene_line = 1 + DAE.lines().position(|line| line.contains("<scene>")).unwrap() as u32;
+    let text = DAE.replace("url=\"#scene\"", "url=\"#other\"");
+    assert!(matches!(fault(load_bytes("a.dae", text.as_bytes())),
+        MeshFault::Collada { line, what } if line == scene_line && what.contains("other")));
+    for (right, wrong) in [
+        ("<p>0 1 2</p>", "<p>0 1 7</p>"),
+        ("<p>0 1 2</p>", "<p>0 1</p>"),
+        ("source=\"#pos-array\"", "source=\"#none\""),
+        ("source=\"#verts\"", "source=\"#none\""),
+        ("<vcount>4</vcount>", "<vcount>400000000000</vcount>"),
+        ("<COLLADA ", "<Other "),
+    ] {
+        let text =
+            DAE.replace(right, wrong).replace("</COLLADA>", if wrong == "<Other " { "</Other>" } else { "</COLLADA>" });
+        assert_ne!(text, DAE);
+        assert!(matches!(fault(load_bytes("a.dae", text.as_bytes())), MeshFault::Collada { .. }), "{wrong}");
+    }
+    assert!(matches!(fault(load_bytes("a.dae", b"<COLLADA><a></b></COLLADA>")), MeshFault::Xml(_)));
+}
+
+#[test]
+fn other_formats_are_named_in_their_error() {
+    for (name, format) in [("a.mesh", "Ogre .mesh"), ("a.glb", ".glb"), ("a", "(no extension)")] {
+        let error = load_bytes(name, b"").unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains(format), "{error}");
+    }
+}
+
+#[test]
+fn a_mesh_is_loaded_once_and_so_is_its_failure() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::create_dir(dir.path().join("robot")).unwrap();
+    fs::write(dir.path().join("robot/package.xml"), "<package><name>robot</name></package>").unwrap();
+    let store = MeshStore::new(PackageIndex::new([dir.path().to_owned()]));
+    let url = "package://robot/a.stl";
+    assert!(matches!(store.get(url), Err(ResourceError::Io { .. })));
+    fs::write(dir.path().join("robot/a.stl"), TEXT_STL).unwrap();
+    assert!(matches!(store.get(url), Err(ResourceError::Io { .. })));
+    store.forget_failures();
+    let mesh = store.get(url).unwrap();
+    fs::remove_file(dir.path().join("robot/a.stl")).unwrap();
+    assert!(Arc::ptr_eq(&mesh, &store.get(url).unwrap()));
+}
+
+#[test]
+fn threads_that_ask_for_one_mesh_get_the_same() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.stl");
+    fs::write(&path, TEXT_STL).unwrap();
+    let store = MeshStore::new(PackageIndex::new([]));
+    let url = format!("file://{}", path.display());
+    let meshes: Vec<_> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..8).map(|_| scope.spawn(|| store.get(&url).unwrap())).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    assert!(meshes.iter().all(|mesh| Arc::ptr_eq(mesh, &meshes[0])));
+}
