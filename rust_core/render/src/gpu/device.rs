@@ -1,0 +1,175 @@
+//! An adapter, opened: which one is taken, and how its complaints become errors.
+//!
+//! wgpu panics where it finds an error that nobody catches. Here every error is noted, and [`Device::check`] hands the
+//! first one out once a picture's work is done.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use wgpu::{Adapter, Backend, Backends, DeviceType};
+
+use crate::RenderError;
+
+/// A GPU that can be drawn on.
+#[derive(Debug)]
+pub(super) struct Device {
+    wgpu: wgpu::Device,
+    queue: wgpu::Queue,
+    limits: wgpu::Limits,
+    name: String,
+    faults: Faults,
+}
+
+/// The first thing that went wrong since somebody asked.
+#[derive(Clone, Debug, Default)]
+struct Faults(Arc<Mutex<Option<String>>>);
+
+impl Faults {
+    fn note(&self, reason: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
+    }
+
+    fn take(&self) -> Option<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+impl Device {
+    /// Opens the best adapter that works: hardware before software, a card before what sits in the processor, Vulkan
+    /// before GL. GL is not even looked at where Vulkan has hardware.
+    pub(super) fn open(hardware_only: bool) -> Result<Self, RenderError> {
+        let allowed = Backends::from_env().unwrap_or(Backends::all());
+        let wanted = std::env::var("WGPU_ADAPTER_NAME").unwrap_or_default().to_lowercase();
+        let mut failure = None;
+        let mut software = Vec::new();
+        for backends in [Backends::VULKAN, Backends::GL] {
+            let mut adapters = adapters(backends & allowed);
+            adapters.retain(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted));
+            adapters.sort_by_key(rank);
+            let (hardware, others): (Vec<_>, Vec<_>) = adapters.into_iter().partition(is_hardware);
+            if let Some(device) = open_first(hardware, &mut failure) {
+                return Ok(device);
+            }
+            software.extend(others);
+        }
+        if !hardware_only {
+            if let Some(device) = open_first(software, &mut failure) {
+                return Ok(device);
+            }
+        }
+        Err(failure.unwrap_or_else(|| RenderError::NoAdapter {
+            reason: match (hardware_only, wanted.is_empty()) {
+                (true, true) => "there is no hardware with a Vulkan or GL driver".into(),
+                (false, true) => "there is no Vulkan or GL driver".into(),
+                (_, false) => format!("none is named {wanted}"),
+            },
+        }))
+    }
+
+    fn request(adapter: &Adapter) -> Result<Self, RenderError> {
+        let info = adapter.get_info();
+        let name = format!("{}, {}", info.name, info.backend);
+        let limits = wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits());
+        let descriptor = wgpu::DeviceDescriptor { required_limits: limits.clone(), ..Default::default() };
+        let (wgpu, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| RenderError::Gpu { adapter: name.clone(), reason: error.to_string() })?;
+        let faults = Faults::default();
+        let (errors, losses) = (faults.clone(), faults.clone());
+        wgpu.on_uncaptured_error(Arc::new(move |error: wgpu::Error| errors.note(error.to_string())));
+        wgpu.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                losses.note(format!("the device was lost: {message}"));
+            }
+        });
+        Ok(Self { wgpu, queue, limits, name, faults })
+    }
+
+    /// wgpu's device.
+    pub(super) fn wgpu(&self) -> &wgpu::Device {
+        &self.wgpu
+    }
+
+    /// Its queue.
+    pub(super) fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// What it was asked to support.
+    pub(super) fn limits(&self) -> &wgpu::Limits {
+        &self.limits
+    }
+
+    /// The adapter's name and the backend.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// An error with this reason.
+    pub(super) fn error(&self, reason: impl Into<String>) -> RenderError {
+        RenderError::Gpu { adapter: self.name.clone(), reason: reason.into() }
+    }
+
+    /// The first error since the last call.
+    pub(super) fn check(&self) -> Result<(), RenderError> {
+        self.faults.take().map_or(Ok(()), |reason| Err(self.error(reason)))
+    }
+
+    /// A buffer with this content.
+    pub(super) fn buffer(&self, label: &str, usage: wgpu::BufferUsages, content: &[u8]) -> wgpu::Buffer {
+        let buffer = self.wgpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: content.len() as u64,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, content);
+        buffer
+    }
+}
+
+fn adapters(backends: Backends) -> Vec<Adapter> {
+    if backends.is_empty() {
+        return Vec::new();
+    }
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        flags: wgpu::InstanceFlags::empty(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    pollster::block_on(instance.enumerate_adapters(backends))
+}
+
+fn open_first(adapters: Vec<Adapter>, failure: &mut Option<RenderError>) -> Option<Device> {
+    adapters.into_iter().find_map(|adapter| match Device::request(&adapter) {
+        Ok(device) => Some(device),
+        Err(error) => {
+            log::debug!("{error}");
+            failure.get_or_insert(error);
+            None
+        }
+    })
+}
+
+/// Whether it is no software driver. GL does not tell what it runs on, and wgpu then knows llvmpipe and its like by
+/// their names.
+fn is_hardware(adapter: &Adapter) -> bool {
+    let info = adapter.get_info();
+    match info.device_type {
+        DeviceType::DiscreteGpu | DeviceType::IntegratedGpu | DeviceType::VirtualGpu => true,
+        DeviceType::Cpu => false,
+        DeviceType::Other => {
+            let name = info.name.to_lowercase();
+            info.backend == Backend::Gl
+                && !["pipe", "software", "swrast", "swr"].iter().any(|software| name.contains(software))
+        }
+    }
+}
+
+fn rank(adapter: &Adapter) -> u8 {
+    match adapter.get_info().device_type {
+        DeviceType::DiscreteGpu => 0,
+        DeviceType::IntegratedGpu => 1,
+        DeviceType::VirtualGpu => 2,
+        DeviceType::Other => 3,
+        DeviceType::Cpu => 4,
+    }
+}

@@ -1,0 +1,169 @@
+//! Lines of one pixel, as OpenGL draws them: one pixel in every column of a flat line, in every row of a steep one.
+//!
+//! Each segment is an instance of a parallelogram that is one pixel high (or wide, when steep) and so covers exactly
+//! those pixels. Line primitives would leave the choice to the driver, and drivers choose differently.
+
+use bytemuck::{Pod, Zeroable};
+use nalgebra::Matrix4;
+use rcs_scene::{Blending, Lines};
+use std::sync::Arc;
+
+use super::device::Device;
+use super::geometry::{is_finite, Derived, Instances, MAX_CHUNK_BYTES};
+use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
+use super::uniforms::{Slot, Uniforms};
+use super::Viewpoint;
+
+/// The pipelines, and the lines that are on the GPU.
+#[derive(Debug)]
+pub(super) struct LinePipelines {
+    opaque: wgpu::RenderPipeline,
+    blended: wgpu::RenderPipeline,
+    lines: Derived<Lines, Vec<Instances>>,
+}
+
+/// Some lines in one picture.
+pub(super) struct LinesDraw {
+    pipeline: wgpu::RenderPipeline,
+    chunks: Vec<Instances>,
+    slot: Slot,
+}
+
+/// A segment as the shader takes it.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Segment {
+    start: [f32; 3],
+    start_color: [u8; 4],
+    end: [f32; 3],
+    end_color: [u8; 4],
+}
+
+/// The shader's `Chain`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Chain {
+    clip_from_object: [[f32; 4]; 4],
+    size_px: [f32; 2],
+    padding: [f32; 2],
+}
+
+impl LinePipelines {
+    pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
+        let shader = device.wgpu().create_shader_module(wgpu::include_wgsl!("lines.wgsl"));
+        let layout = device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("lines"),
+            bind_group_layouts: &[Some(uniforms)],
+            immediate_size: 0,
+        });
+        Self {
+            opaque: pipeline(device, &shader, &layout, false),
+            blended: pipeline(device, &shader, &layout, true),
+            lines: Derived::new(),
+        }
+    }
+
+    pub(super) fn forget_dead(&mut self) {
+        self.lines.forget_dead();
+    }
+
+    pub(super) fn prepare(
+        &mut self,
+        device: &Device,
+        uniforms: &mut Uniforms,
+        viewpoint: &Viewpoint<'_>,
+        fixed_from_object: &Matrix4<f64>,
+        lines: &Arc<Lines>,
+    ) -> Option<LinesDraw> {
+        let chunks = self.lines.get(lines, |lines| upload(device, lines)).clone();
+        if chunks.is_empty() {
+            return None;
+        }
+        let slot = uniforms.push(&Chain {
+            clip_from_object: viewpoint.clip_from_object(fixed_from_object),
+            size_px: viewpoint.size_px(),
+            padding: [0.0; 2],
+        })?;
+        let pipeline = match lines.blending {
+            Blending::Replace => &self.opaque,
+            Blending::Alpha => &self.blended,
+        };
+        Some(LinesDraw { pipeline: pipeline.clone(), chunks, slot })
+    }
+}
+
+impl LinesDraw {
+    pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
+        for chunk in &self.chunks {
+            pass.set_vertex_buffer(0, chunk.buffer.slice(..));
+            pass.draw(0..4, 0..chunk.count);
+        }
+    }
+}
+
+fn upload(device: &Device, lines: &Lines) -> Vec<Instances> {
+    let segments: Vec<Segment> = lines
+        .segments()
+        .filter_map(|(start, end)| {
+            let [a, b] = [lines.positions.get(start)?, lines.positions.get(end)?];
+            (is_finite(a) && is_finite(b)).then(|| Segment {
+                start: *a,
+                start_color: lines.color(start),
+                end: *b,
+                end_color: lines.color(end),
+            })
+        })
+        .collect();
+    segments
+        .chunks(MAX_CHUNK_BYTES / size_of::<Segment>())
+        .map(|chunk| Instances {
+            buffer: device.buffer("lines", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(chunk)),
+            count: chunk.len() as u32,
+        })
+        .collect()
+}
+
+fn pipeline(
+    device: &Device,
+    shader: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    blended: bool,
+) -> wgpu::RenderPipeline {
+    device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("lines"),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some("vertex_line"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<Segment>() as u64,
+                step_mode: wgpu::VertexStepMode::Instance,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4, 2 => Float32x3, 3 => Unorm8x4],
+            })],
+        },
+        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(!blended),
+            depth_compare: Some(wgpu::CompareFunction::LessEqual),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some("fragment_line"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: COLOR_FORMAT,
+                blend: blended.then_some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,184 @@
+//! Images on surfaces: textures with the mipmaps that OpenGL drivers make.
+
+use rcs_scene::{Filtering, Texture, Wrapping};
+
+use super::device::Device;
+
+/// A level of an image.
+struct Level {
+    width: u32,
+    height: u32,
+    rgba: Vec<[u8; 4]>,
+}
+
+/// A bind group with an image and the way it is read.
+pub(super) fn upload(device: &Device, layout: &wgpu::BindGroupLayout, texture: &Texture) -> wgpu::BindGroup {
+    let levels = levels(texture, device.limits().max_texture_dimension_2d);
+    let gpu_texture = device.wgpu().create_texture(&wgpu::TextureDescriptor {
+        label: Some("image"),
+        size: extent(&levels[0]),
+        mip_level_count: levels.len() as u32,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    for (mip_level, level) in levels.iter().enumerate() {
+        device.queue().write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture: &gpu_texture,
+                mip_level: mip_level as u32,
+                origin: wgpu::Origin3d::ZERO,
+                aspect: wgpu::TextureAspect::All,
+            },
+            bytemuck::cast_slice(&level.rgba),
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(level.width * 4), rows_per_image: None },
+            extent(level),
+        );
+    }
+    let filter = match texture.filtering {
+        Filtering::Nearest => wgpu::FilterMode::Nearest,
+        Filtering::Bilinear | Filtering::BilinearMipmap => wgpu::FilterMode::Linear,
+    };
+    let wrap = match texture.wrapping {
+        Wrapping::Repeat => wgpu::AddressMode::Repeat,
+        Wrapping::Clamp => wgpu::AddressMode::ClampToEdge,
+    };
+    let sampler = device.wgpu().create_sampler(&wgpu::SamplerDescriptor {
+        address_mode_u: wrap,
+        address_mode_v: wrap,
+        mag_filter: filter,
+        min_filter: filter,
+        ..Default::default()
+    });
+    device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("image"),
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(
+                    &gpu_texture.create_view(&wgpu::TextureViewDescriptor::default()),
+                ),
+            },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
+        ],
+    })
+}
+
+/// The layout of [`upload`]'s bind groups.
+pub(super) fn layout(device: &Device) -> wgpu::BindGroupLayout {
+    device.wgpu().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("image"),
+        entries: &[
+            wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: true },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                },
+                count: None,
+            },
+            wgpu::BindGroupLayoutEntry {
+                binding: 1,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+                count: None,
+            },
+        ],
+    })
+}
+
+fn extent(level: &Level) -> wgpu::Extent3d {
+    wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 }
+}
+
+/// The image, halved until it fits, and its mipmaps where it is read with them. Texels that are missing are white.
+fn levels(texture: &Texture, max_side: u32) -> Vec<Level> {
+    let (width, height) = (texture.width.max(1), texture.height.max(1));
+    let mut rgba = texture.rgba.clone();
+    rgba.resize(width as usize * height as usize, [255; 4]);
+    let mut level = Level { width, height, rgba };
+    while level.width.max(level.height) > max_side.max(1) {
+        level = half(&level);
+    }
+    let mut levels = vec![level];
+    if texture.filtering == Filtering::BilinearMipmap {
+        while let Some(last) = levels.last().filter(|last| last.width.max(last.height) > 1) {
+            let next = half(last);
+            levels.push(next);
+        }
+    }
+    levels
+}
+
+/// The next mipmap level: each texel is read bilinearly at its centre, which is the mean of four where the side is
+/// even.
+fn half(level: &Level) -> Level {
+    let (width, height) = ((level.width / 2).max(1), (level.height / 2).max(1));
+    let columns = taps(level.width, width);
+    let rgba = taps(level.height, height)
+        .iter()
+        .flat_map(|&(top, bottom, down)| {
+            columns.iter().map(move |&(left, right, across)| {
+                let texel = |x: u32, y: u32| level.rgba[(y as usize) * level.width as usize + x as usize];
+                let (tl, tr) = (texel(left, top), texel(right, top));
+                let (bl, br) = (texel(left, bottom), texel(right, bottom));
+                let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+                std::array::from_fn(|c| {
+                    let upper = mix(f32::from(tl[c]), f32::from(tr[c]), across);
+                    let lower = mix(f32::from(bl[c]), f32::from(br[c]), across);
+                    mix(upper, lower, down).round() as u8
+                })
+            })
+        })
+        .collect();
+    Level { width, height, rgba }
+}
+
+/// For each texel of a side of `to` texels: the two texels of the `from` that it lies between, and how far it is from
+/// the first.
+fn taps(from: u32, to: u32) -> Vec<(u32, u32, f32)> {
+    (0..to)
+        .map(|i| {
+            let center = (f64::from(i) + 0.5) * f64::from(from) / f64::from(to) - 0.5;
+            let first = center.floor().max(0.0);
+            let low = (first as u32).min(from - 1);
+            (low, (low + 1).min(from - 1), (center - first).clamp(0.0, 1.0) as f32)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texture(width: u32, height: u32, filtering: Filtering) -> Texture {
+        let rgba = (0..width * height).map(|i| [i as u8 * 10; 4]).collect();
+        Texture { width, height, rgba, filtering, wrapping: Wrapping::Repeat }
+    }
+
+    #[test]
+    fn a_mipmap_level_is_the_mean_of_four() {
+        let levels = levels(&texture(4, 2, Filtering::BilinearMipmap), 64);
+        assert_eq!(levels.iter().map(|l| (l.width, l.height)).collect::<Vec<_>>(), [(4, 2), (2, 1), (1, 1)]);
+        assert_eq!(levels[1].rgba, [[25; 4], [45; 4]]);
+        assert_eq!(levels[2].rgba, [[35; 4]]);
+    }
+
+    #[test]
+    fn without_mipmaps_there_is_one_level_and_a_large_image_is_made_to_fit() {
+        let levels = levels(&texture(5, 3, Filtering::Bilinear), 2);
+        assert_eq!(levels.iter().map(|l| (l.width, l.height)).collect::<Vec<_>>(), [(2, 1)]);
+    }
+
+    #[test]
+    fn missing_texels_are_white() {
+        let mut texture = texture(2, 2, Filtering::Nearest);
+        texture.rgba.truncate(1);
+        assert_eq!(levels(&texture, 64)[0].rgba, [[0; 4], [255; 4], [255; 4], [255; 4]]);
+    }
+}

@@ -1,0 +1,75 @@
+// Triangles: meshes, wide lines and text. Light is computed for each vertex. See triangles.rs.
+
+struct Surface {
+    clip_from_object: mat4x4f,
+    view_from_object: mat4x4f,
+    view_from_normal: mat3x3f,
+    to_light: vec3f,        // unit vector in the view frame, zero when there is no light
+    shininess: f32,
+    diffuse: vec4f,
+    specular: vec3f,
+    flags: u32,
+    emissive: vec3f,
+}
+
+const LIT: u32 = 1u;
+const VERTEX_COLORS: u32 = 2u;
+const NORMALIZE: u32 = 4u;
+
+@group(0) @binding(0) var<uniform> surface: Surface;
+@group(1) @binding(0) var image: texture_2d<f32>;
+@group(1) @binding(1) var image_sampler: sampler;
+
+struct Vertex {
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) uv: vec2f,
+    @location(3) color: vec4f,
+}
+
+struct Corner {
+    @builtin(position) clip: vec4f,
+    @location(0) color: vec4f,
+    @location(1) uv: vec2f,
+}
+
+fn is(flag: u32) -> bool {
+    return (surface.flags & flag) != 0u;
+}
+
+// The fixed-function light of one directional source, with a local viewer.
+fn lit(vertex: Vertex) -> vec4f {
+    var normal = surface.view_from_normal * vertex.normal;
+    let length_squared = dot(normal, normal);
+    if is(NORMALIZE) && length_squared > 0.0 {
+        normal *= inverseSqrt(length_squared);
+    }
+    let diffuse = select(surface.diffuse, vertex.color, is(VERTEX_COLORS));
+    let towards_light = dot(normal, surface.to_light);
+    var color = surface.emissive;
+    if towards_light > 0.0 {
+        color += diffuse.rgb * towards_light;
+        if surface.shininess > 0.0 {
+            let position = (surface.view_from_object * vec4f(vertex.position, 1.0)).xyz;
+            let halfway = normalize(surface.to_light + normalize(-position));
+            color += surface.specular * pow(max(dot(normal, halfway), 0.0), surface.shininess);
+        }
+    }
+    return clamp(vec4f(color, diffuse.a), vec4f(0.0), vec4f(1.0));
+}
+
+@vertex
+fn vertex_triangle(vertex: Vertex) -> Corner {
+    var color = vec4f(1.0);
+    if is(LIT) {
+        color = lit(vertex);
+    } else if is(VERTEX_COLORS) {
+        color = vertex.color;
+    }
+    return Corner(surface.clip_from_object * vec4f(vertex.position, 1.0), color, vertex.uv);
+}
+
+@fragment
+fn fragment_triangle(corner: Corner) -> @location(0) vec4f {
+    return corner.color * textureSample(image, image_sampler, corner.uv);
+}
