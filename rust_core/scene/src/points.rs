@@ -13,17 +13,18 @@ pub enum PointStyle {
         /// Diameter in pixels.
         diameter_px: f32,
     },
-    /// A square facing the picture plane with a contrasting edge, `Style: Squares`.
+    /// A square facing the eye with a contrasting edge, `Style: Squares`. It stands upright to the y axis of the
+    /// object's frame: its sides run along `right = y × at` and `up = at × right`, `at` being the direction to the eye.
     Squares {
         /// Side length in metres.
         side_m: f32,
     },
-    /// A square facing the picture plane in one colour, `Style: Flat Squares`.
+    /// The same square in one colour, `Style: Flat Squares`.
     FlatSquares {
         /// Side length in metres.
         side_m: f32,
     },
-    /// A disc facing the picture plane, darker to its edge, `Style: Spheres`.
+    /// A disc in the plane of such a square, darker to its edge, `Style: Spheres`.
     Spheres {
         /// Diameter in metres.
         diameter_m: f32,
