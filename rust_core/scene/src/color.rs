@@ -37,10 +37,17 @@ impl Rgba {
         Self { a: alpha, ..self }
     }
 
-    /// Four bytes, red first, each channel rounded the way Ogre packs vertex colours: clamped to 0 to 1, times 255,
-    /// cut off. NaN becomes 0.
+    /// Four bytes, red first, as Ogre packs vertex colours: each channel times 255 and cut off, not clamped, so that
+    /// 1.2 wraps round to 50 and −0.2 to 205, as in rviz. NaN and what no 32-bit integer holds become 0.
     pub fn to_rgba8(self) -> [u8; 4] {
-        self.to_array().map(|c| (c.clamp(0.0, 1.0) * 255.0) as u8)
+        self.to_array().map(|channel| {
+            let level = channel * 255.0;
+            if level.abs() < 2_147_483_648.0 {
+                level as i32 as u8
+            } else {
+                0
+            }
+        })
     }
 
     /// Red, green, blue, alpha.
@@ -52,5 +59,16 @@ impl Rgba {
 impl From<[f32; 4]> for Rgba {
     fn from([r, g, b, a]: [f32; 4]) -> Self {
         Self { r, g, b, a }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packing_cuts_off_and_wraps_as_ogre_does() {
+        assert_eq!(Rgba::new(1.0, 0.999, 0.5, 0.0).to_rgba8(), [255, 254, 127, 0]);
+        assert_eq!(Rgba::new(1.2, -0.2, f32::NAN, f32::INFINITY).to_rgba8(), [50, 205, 0, 0]);
     }
 }

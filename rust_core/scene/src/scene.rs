@@ -118,7 +118,8 @@ pub struct Scene {
 
 impl Scene {
     /// The drawables that a camera shows, in the order in which Ogre draws them: by group; in a group the opaque ones
-    /// in the scene's order, then the translucent ones from far to near (equally far ones in the scene's order).
+    /// in the scene's order, but clouds (which have shaders) after the others; then the translucent ones from far to
+    /// near (equally far ones in the scene's order), with text, which Ogre takes for infinitely near, at the end.
     ///
     /// `eye` is the camera's position in the fixed frame.
     pub fn draw_order(&self, visible: &DisplayMask, eye: &Point3<f64>) -> Vec<&Drawable> {
@@ -128,8 +129,12 @@ impl Scene {
             .filter(|drawable| visible.shows(drawable.display))
             .map(|drawable| {
                 let translucent = drawable.geometry.is_translucent();
-                let nearness = if translucent { -(drawable.sort_point - eye).norm_squared() } else { 0.0 };
-                (drawable.group, translucent, nearness, drawable)
+                let rank = match (&drawable.geometry, translucent) {
+                    (Geometry::Points(_), false) => 1.0,
+                    (_, false) | (Geometry::Text(_), true) => 0.0,
+                    (_, true) => -(drawable.sort_point - eye).norm_squared(),
+                };
+                (drawable.group, translucent, rank, drawable)
             })
             .collect();
         order.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
