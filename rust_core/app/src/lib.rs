@@ -1,1 +1,6 @@
-//! See the crate description.
+//! What the programs need besides the other crates: the files that they read.
+
+mod lzf;
+pub mod pcd;
+mod pcd_header;
+pub mod projector_file;

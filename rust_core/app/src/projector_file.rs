@@ -1,0 +1,724 @@
+//! A projector in one YAML file: what it is (a CameraInfo) and where it is (static frames).
+//!
+//! Two forms are read, each with the keys that its own tools write. The plain message, as `rostopic echo` prints it and
+//! `rostopic pub -f` takes it:
+//!
+//! ```yaml
+//! header: {frame_id: proj_view}      # seq and stamp are not used: the stamp is the time of publishing
+//! height: 800
+//! width: 1280
+//! distortion_model: plumb_bob
+//! D: [0, 0, 0, 0, 0]
+//! K: [1900, 0, 640, 0, 1900, 817, 0, 0, 1]
+//! R: [1, 0, 0, 0, 1, 0, 0, 0, 1]
+//! P: [1900, 0, 640, 0, 0, 1900, 750, 0, 0, 0, 1, 0]
+//! ```
+//!
+//! and the file of `camera_calibration` and `camera_info_manager` (`image_width`, `image_height`, `camera_matrix: {rows,
+//! cols, data}`, `distortion_coefficients`, `rectification_matrix`, `projection_matrix`). What is missing is filled in: P
+//! from K, K from P, R with the identity, D with five zeros, `distortion_model` with `plumb_bob`. Three keys are this
+//! project's own, in either form:
+//!
+//! ```yaml
+//! frame_id: proj_view                       # wins over header.frame_id
+//! camera_info_topic: /proj_view/camera_info
+//! frames:                                   # published on /tf_static
+//!   - {parent: base_link, child: proj_link, translation: [0, 0, 0.1], rotation_rpy: [0, 0, 1.54]}
+//!   - {parent: proj_link, child: proj_view, transform: "0.094 0.09 0.06 -1.57 0 -1.57"}
+//!   - 0.094 0.09 0.06 -1.57 0 -1.57 proj_link proj_view 100
+//! ```
+//!
+//! Lengths are metres, angles radians. `rotation_rpy` is roll, pitch and yaw about the parent's fixed x, y and z axes;
+//! `rotation_xyzw` is a quaternion; `transform` and the plain text are `static_transform_publisher`'s arguments: x y z
+//! yaw pitch roll, or x y z qx qy qz qw (the plain text with the frames behind, and a period that is not used).
+
+use std::collections::HashSet;
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Quaternion, UnitQuaternion};
+use rcs_messages::geometry_msgs::{Quaternion as QuaternionMessage, Transform, TransformStamped, Vector3};
+use rcs_messages::sensor_msgs::{CameraInfo, RegionOfInterest};
+use rcs_messages::std_msgs::Header;
+use rcs_messages::Time;
+use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::Deserialize;
+use serde_yaml_ng::Value;
+
+/// How far a quaternion's norm may be from one; what is closer is normalised.
+const NORM_TOLERANCE: f64 = 0.01;
+
+/// Everything that the file says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProjectorFile {
+    /// The projector's geometry; the header's stamp is zero and its `frame_id` may be empty.
+    pub camera_info: CameraInfo,
+    /// Where to publish it, if the file says so.
+    pub camera_info_topic: Option<String>,
+    /// Static frames, in the order of the file.
+    pub frames: Vec<StaticFrame>,
+    /// Keys that have no meaning here, such as a misspelt one.
+    pub ignored_keys: Vec<String>,
+}
+
+/// A frame that does not move in its parent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StaticFrame {
+    /// The frame that the numbers are given in.
+    pub parent: String,
+    /// The frame that is placed.
+    pub child: String,
+    /// The child's origin in the parent, metres.
+    pub translation_m: [f64; 3],
+    /// The child's orientation in the parent.
+    pub rotation: UnitQuaternion<f64>,
+}
+
+impl StaticFrame {
+    /// The message for `/tf_static`.
+    pub fn to_message(&self, stamp: Time) -> TransformStamped {
+        let [x, y, z] = self.translation_m;
+        let rotation = self.rotation;
+        TransformStamped {
+            header: Header { seq: 0, stamp, frame_id: self.parent.clone() },
+            child_frame_id: self.child.clone(),
+            transform: Transform {
+                translation: Vector3 { x, y, z },
+                rotation: QuaternionMessage { x: rotation.i, y: rotation.j, z: rotation.k, w: rotation.w },
+            },
+        }
+    }
+}
+
+/// Why a projector's file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ProjectorFileError {
+    /// The file cannot be read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A value is wrong, or the file is not YAML; the message names key, line and column.
+    #[error("{}: {source}", path.display())]
+    Yaml {
+        /// The file.
+        path: PathBuf,
+        /// Key, line, column and what is wrong there.
+        source: serde_yaml_ng::Error,
+    },
+    /// Keys are missing or contradict each other.
+    #[error("{}: {key}: {reason}", path.display())]
+    Key {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl ProjectorFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`ProjectorFileError`] with the file and, where there is one, key and line.
+    pub fn read(path: &Path) -> Result<Self, ProjectorFileError> {
+        let text =
+            fs::read_to_string(path).map_err(|source| ProjectorFileError::Read { path: path.to_owned(), source })?;
+        Self::parse(path, &text)
+    }
+
+    /// Reads the text of a file; `path` only names it in errors. Of several YAML documents the first counts, since
+    /// `rostopic echo` ends each message with `---`.
+    ///
+    /// # Errors
+    /// [`ProjectorFileError`] with the file and, where there is one, key and line.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, ProjectorFileError> {
+        let key_error = |(key, reason): (&str, String)| ProjectorFileError::Key {
+            path: path.to_owned(),
+            key: key.to_owned(),
+            reason,
+        };
+        // OpenCV writes this directive, which is not YAML; camera_calibration's files carry it at times.
+        let text = match text.split_once('\n') {
+            Some((first, rest)) if first.starts_with("%YAML:") => format!("\n{rest}"),
+            _ => text.to_owned(),
+        };
+        let mut ignored_keys = Vec::new();
+        let document = serde_yaml_ng::Deserializer::from_str(&text)
+            .next()
+            .ok_or_else(|| key_error(("the file", "it is empty".to_owned())))?;
+        let raw: RawFile = serde_ignored::deserialize(document, |key| ignored_keys.push(key.to_string()))
+            .map_err(|source| ProjectorFileError::Yaml { path: path.to_owned(), source })?;
+        let camera_info_topic = raw.camera_info_topic.clone();
+        let frames = raw.frames.iter().map(|FrameEntry(frame)| frame.clone()).collect::<Vec<_>>();
+        let mut children = HashSet::new();
+        if let Some(twice) = frames.iter().find(|frame| !children.insert(frame.child.as_str())) {
+            return Err(key_error(("frames", format!("frame '{}' is placed twice", twice.child))));
+        }
+        Ok(Self { camera_info: raw.camera_info().map_err(key_error)?, camera_info_topic, frames, ignored_keys })
+    }
+}
+
+/// The file as it stands. Keys of both forms side by side, so that each error has its line.
+#[derive(Deserialize)]
+struct RawFile {
+    header: Option<RawHeader>,
+    height: Option<Size>,
+    width: Option<Size>,
+    distortion_model: Option<String>,
+    #[serde(rename = "D")]
+    d: Option<Numbers>,
+    #[serde(rename = "K")]
+    k: Option<Matrix<9>>,
+    #[serde(rename = "R")]
+    r: Option<Matrix<9>>,
+    #[serde(rename = "P")]
+    p: Option<Matrix<12>>,
+    #[serde(default)]
+    binning_x: u32,
+    #[serde(default)]
+    binning_y: u32,
+    #[serde(default)]
+    roi: RawRegion,
+
+    image_width: Option<Size>,
+    image_height: Option<Size>,
+    #[serde(rename = "camera_name")]
+    _camera_name: Option<Value>,
+    camera_matrix: Option<Shaped<9, 3>>,
+    distortion_coefficients: Option<ShapedNumbers>,
+    rectification_matrix: Option<Shaped<9, 3>>,
+    projection_matrix: Option<Shaped<12, 4>>,
+
+    frame_id: Option<String>,
+    camera_info_topic: Option<String>,
+    #[serde(default)]
+    frames: Vec<FrameEntry>,
+}
+
+#[derive(Deserialize)]
+struct RawHeader {
+    #[serde(rename = "seq")]
+    _seq: Option<Value>,
+    #[serde(rename = "stamp")]
+    _stamp: Option<Value>,
+    #[serde(default)]
+    frame_id: String,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct RawRegion {
+    x_offset: u32,
+    y_offset: u32,
+    height: u32,
+    width: u32,
+    do_rectify: bool,
+}
+
+// The checks below are made in visitors, because an error has a line only when a visitor returns it.
+
+/// A whole number from `MIN` to `MAX`.
+#[derive(Clone, Copy)]
+struct Whole<const MIN: u32, const MAX: u32>(u32);
+
+impl<'de, const MIN: u32, const MAX: u32> Deserialize<'de> for Whole<MIN, MAX> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct WholeVisitor<const MIN: u32, const MAX: u32>;
+        impl<const MIN: u32, const MAX: u32> Visitor<'_> for WholeVisitor<MIN, MAX> {
+            type Value = Whole<MIN, MAX>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                if MIN == MAX {
+                    write!(f, "{MIN}")
+                } else {
+                    write!(f, "a whole number from {MIN} to {MAX}")
+                }
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<Self::Value, E> {
+                match u32::try_from(number) {
+                    Ok(fitting) if (MIN..=MAX).contains(&fitting) => Ok(Whole(fitting)),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Unsigned(number), &self)),
+                }
+            }
+        }
+        deserializer.deserialize_u32(WholeVisitor)
+    }
+}
+
+/// A width or height, in pixels.
+type Size = Whole<1, { u32::MAX }>;
+
+/// Finite numbers.
+struct Numbers(Vec<f64>);
+
+/// `N` finite numbers.
+#[derive(Clone, Copy)]
+struct Matrix<const N: usize>([f64; N]);
+
+struct NumbersVisitor {
+    wanted: Option<usize>,
+}
+
+impl<'de> Visitor<'de> for NumbersVisitor {
+    type Value = Vec<f64>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.wanted {
+            Some(wanted) => write!(f, "a list of {wanted} numbers"),
+            None => write!(f, "a list of numbers"),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<f64>, A::Error> {
+        let mut numbers = Vec::new();
+        while let Some(number) = list.next_element::<f64>()? {
+            if !number.is_finite() {
+                return Err(A::Error::custom(format!("{number} is not a finite number")));
+            }
+            numbers.push(number);
+        }
+        match self.wanted {
+            Some(wanted) if wanted != numbers.len() => {
+                Err(A::Error::custom(format!("{} numbers where {wanted} are needed", numbers.len())))
+            }
+            _ => Ok(numbers),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Numbers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(NumbersVisitor { wanted: None }).map(Self)
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for Matrix<N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let numbers = deserializer.deserialize_seq(NumbersVisitor { wanted: Some(N) })?;
+        let too_few = |numbers: Vec<f64>| D::Error::invalid_length(numbers.len(), &"another number of values");
+        numbers.try_into().map(Self).map_err(too_few)
+    }
+}
+
+/// A matrix of three rows and `COLS` columns, as camera_calibration writes it.
+#[derive(Deserialize)]
+#[serde(bound = "")]
+struct Shaped<const N: usize, const COLS: u32> {
+    #[serde(rename = "rows")]
+    _rows: Option<Whole<3, 3>>,
+    #[serde(rename = "cols")]
+    _cols: Option<Whole<COLS, COLS>>,
+    #[serde(rename = "dt")]
+    _dt: Option<Value>,
+    data: Matrix<N>,
+}
+
+/// A list of numbers, as camera_calibration writes it.
+#[derive(Deserialize)]
+struct ShapedNumbers {
+    #[serde(rename = "rows")]
+    _rows: Option<Value>,
+    #[serde(rename = "cols")]
+    _cols: Option<Value>,
+    #[serde(rename = "dt")]
+    _dt: Option<Value>,
+    data: Numbers,
+}
+
+/// One of two keys that mean the same.
+fn either<T>(
+    (message_key, message): (&'static str, Option<T>),
+    (calibration_key, calibration): (&str, Option<T>),
+) -> Result<Option<T>, (&'static str, String)> {
+    match (message, calibration) {
+        (Some(_), Some(_)) => Err((message_key, format!("the file has {calibration_key} too, which means the same"))),
+        (message, calibration) => Ok(message.or(calibration)),
+    }
+}
+
+impl RawFile {
+    /// The message, or the key that is wrong and why.
+    fn camera_info(self) -> Result<CameraInfo, (&'static str, String)> {
+        let data9 = |matrix: Option<Shaped<9, 3>>| matrix.map(|matrix| matrix.data);
+        let missing = |other: &str| format!("missing (or {other})");
+        let width = either(("width", self.width), ("image_width", self.image_width))?
+            .ok_or_else(|| ("width", missing("image_width")))?;
+        let height = either(("height", self.height), ("image_height", self.image_height))?
+            .ok_or_else(|| ("height", missing("image_height")))?;
+        let k = either(("K", self.k), ("camera_matrix", data9(self.camera_matrix)))?;
+        let r = either(("R", self.r), ("rectification_matrix", data9(self.rectification_matrix)))?;
+        let projection = self.projection_matrix.map(|matrix| matrix.data);
+        let p = either(("P", self.p), ("projection_matrix", projection))?;
+        let coefficients = self.distortion_coefficients.map(|list| list.data);
+        let d = either(("D", self.d), ("distortion_coefficients", coefficients))?;
+
+        let (k, p) = match (k, p) {
+            (Some(Matrix(k)), Some(Matrix(p))) => (k, p),
+            (Some(Matrix(k)), None) => (k, p_from_k(k)),
+            (None, Some(Matrix(p))) => (k_from_p(p), p),
+            (None, None) => return Err(("P", "missing, and K too (or projection_matrix, camera_matrix)".to_owned())),
+        };
+        let [fx, _, _, _, _, fy, ..] = p;
+        if fx == 0.0 || fy == 0.0 {
+            return Err(("P", format!("a focal length is zero (fx {fx}, fy {fy})")));
+        }
+        let header_frame = self.header.map(|header| header.frame_id).unwrap_or_default();
+        let RawRegion { x_offset, y_offset, height: roi_height, width: roi_width, do_rectify } = self.roi;
+        Ok(CameraInfo {
+            header: Header { frame_id: self.frame_id.unwrap_or(header_frame), ..Header::default() },
+            height: height.0,
+            width: width.0,
+            distortion_model: self.distortion_model.unwrap_or_else(|| "plumb_bob".to_owned()),
+            D: d.map_or_else(|| vec![0.0; 5], |Numbers(d)| d),
+            K: k,
+            R: r.map_or([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], |Matrix(r)| r),
+            P: p,
+            binning_x: self.binning_x,
+            binning_y: self.binning_y,
+            roi: RegionOfInterest { x_offset, y_offset, height: roi_height, width: roi_width, do_rectify },
+        })
+    }
+}
+
+/// The projection of a camera that needs no rectification.
+fn p_from_k([fx, skew, cx, k10, fy, cy, k20, k21, k22]: [f64; 9]) -> [f64; 12] {
+    [fx, skew, cx, 0.0, k10, fy, cy, 0.0, k20, k21, k22, 0.0]
+}
+
+/// The left three columns of P.
+fn k_from_p([fx, skew, cx, _, p10, fy, cy, _, p20, p21, p22, _]: [f64; 12]) -> [f64; 9] {
+    [fx, skew, cx, p10, fy, cy, p20, p21, p22]
+}
+
+/// One entry of `frames`: keys and values, or one line of text.
+struct FrameEntry(StaticFrame);
+
+impl<'de> Deserialize<'de> for FrameEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct EntryVisitor;
+        impl<'de> Visitor<'de> for EntryVisitor {
+            type Value = FrameEntry;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(
+                    f,
+                    "a frame: {{parent, child, translation, rotation_rpy}} or 'x y z yaw pitch roll parent child'"
+                )
+            }
+
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<FrameEntry, E> {
+                frame_from_text(text).map(FrameEntry).map_err(E::custom)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<FrameEntry, A::Error> {
+                let raw = RawFrame::deserialize(serde::de::value::MapAccessDeserializer::new(map))?;
+                raw.frame().map(FrameEntry).map_err(A::Error::custom)
+            }
+        }
+        deserializer.deserialize_any(EntryVisitor)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFrame {
+    parent: String,
+    child: String,
+    translation: Option<Matrix<3>>,
+    rotation_rpy: Option<Matrix<3>>,
+    rotation_xyzw: Option<Matrix<4>>,
+    transform: Option<String>,
+}
+
+impl RawFrame {
+    fn frame(self) -> Result<StaticFrame, String> {
+        let (translation_m, rotation) = match (self.translation, self.rotation_rpy, self.rotation_xyzw, self.transform)
+        {
+            (None, None, None, Some(text)) => {
+                let numbers: Option<Vec<f64>> = text.split_ascii_whitespace().map(finite).collect();
+                let numbers = numbers.ok_or_else(|| format!("transform '{text}': not all are finite numbers"))?;
+                placement(&numbers)?
+            }
+            (_, _, _, Some(_)) => {
+                return Err("transform says it all: no translation and no rotation_... beside it".to_owned());
+            }
+            (_, Some(_), Some(_), _) => return Err("rotation_rpy and rotation_xyzw exclude each other".to_owned()),
+            (translation, Some(Matrix([roll, pitch, yaw])), None, None) => {
+                (or_origin(translation), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+            }
+            (translation, None, Some(Matrix(xyzw)), None) => (or_origin(translation), unit_quaternion(xyzw)?),
+            (translation, None, None, None) => (or_origin(translation), UnitQuaternion::identity()),
+        };
+        named_frame(&self.parent, &self.child, translation_m, rotation)
+    }
+}
+
+fn or_origin(translation: Option<Matrix<3>>) -> [f64; 3] {
+    translation.map_or([0.0; 3], |Matrix(translation)| translation)
+}
+
+fn finite(word: &str) -> Option<f64> {
+    word.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+fn unit_quaternion([x, y, z, w]: [f64; 4]) -> Result<UnitQuaternion<f64>, String> {
+    let quaternion = Quaternion::new(w, x, y, z);
+    let norm = quaternion.norm();
+    if (norm - 1.0).abs() > NORM_TOLERANCE {
+        return Err(format!("the quaternion (x {x}, y {y}, z {z}, w {w}) has the norm {norm:.3} where 1 is needed"));
+    }
+    Ok(UnitQuaternion::new_normalize(quaternion))
+}
+
+/// static_transform_publisher's numbers: x y z yaw pitch roll, or x y z qx qy qz qw.
+fn placement(numbers: &[f64]) -> Result<([f64; 3], UnitQuaternion<f64>), String> {
+    match *numbers {
+        [x, y, z, yaw, pitch, roll] => Ok(([x, y, z], UnitQuaternion::from_euler_angles(roll, pitch, yaw))),
+        [x, y, z, qx, qy, qz, qw] => Ok(([x, y, z], unit_quaternion([qx, qy, qz, qw])?)),
+        _ => {
+            Err(format!("{} numbers where 6 (x y z yaw pitch roll) or 7 (x y z qx qy qz qw) are needed", numbers.len()))
+        }
+    }
+}
+
+/// static_transform_publisher's arguments: the numbers, parent, child and, unused, a period in milliseconds.
+fn frame_from_text(text: &str) -> Result<StaticFrame, String> {
+    let words: Vec<&str> = text.split_ascii_whitespace().collect();
+    let numbers: Vec<f64> = words.iter().map_while(|word| finite(word)).collect();
+    let (translation_m, rotation) = placement(&numbers).map_err(|reason| format!("frame '{text}': {reason}"))?;
+    match words.get(numbers.len()..) {
+        Some([parent, child]) => named_frame(parent, child, translation_m, rotation),
+        Some([parent, child, period]) if finite(period).is_some() => {
+            named_frame(parent, child, translation_m, rotation)
+        }
+        _ => Err(format!("frame '{text}': parent and child must follow the numbers")),
+    }
+}
+
+fn named_frame(
+    parent: &str,
+    child: &str,
+    translation_m: [f64; 3],
+    rotation: UnitQuaternion<f64>,
+) -> Result<StaticFrame, String> {
+    // tf2 knows no leading slash.
+    let [parent, child] = [parent, child].map(|name| name.strip_prefix('/').unwrap_or(name));
+    if parent.is_empty() || child.is_empty() {
+        return Err("parent and child need names".to_owned());
+    }
+    if parent == child {
+        return Err(format!("frame '{child}' cannot be its own parent"));
+    }
+    Ok(StaticFrame { parent: parent.to_owned(), child: child.to_owned(), translation_m, rotation })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    const MESSAGE: &str = "\
+header:
+  seq: 0
+  stamp:
+    secs: 0
+    nsecs: 0
+  frame_id: 'proj_view'
+height: 800
+width: 1280
+distortion_model: plumb_bob
+
+D: [0.1, 0.0, 0.0, 0.0, 0.0]
+K: [1900.0, 0.0, 640.0, 0.0, 1900.0, 817.0, 0.0, 0.0, 1.0]
+R: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+P: [1900.0, 0.0, 640, 0.0, 0.0, 1900.0, 750.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+
+binning_x: 0
+binning_y: 2
+roi:
+  x_offset: 1
+  y_offset: 0
+  height: 0
+  width: 0
+  do_rectify: false
+";
+
+    const CALIBRATION: &str = "\
+image_width: 1280
+image_height: 720
+camera_name: projector
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [1000, 0, 640, 0, 1100, 700.5, 0, 0, 1]
+distortion_model: rational_polynomial
+distortion_coefficients:
+  rows: 1
+  cols: 8
+  data: [1, 2, 3, 4, 5, 6, 7, 8]
+rectification_matrix:
+  rows: 3
+  cols: 3
+  data: [0, 1, 0, 1, 0, 0, 0, 0, 1]
+projection_matrix:
+  rows: 3
+  cols: 4
+  data: [900, 0, 630, -45, 0, 910, 690, 0, 0, 0, 1, 0]
+";
+
+    fn parse(text: &str) -> Result<ProjectorFile, ProjectorFileError> {
+        ProjectorFile::parse(Path::new("projector.yaml"), text)
+    }
+
+    fn error(text: &str) -> String {
+        parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_message_form_is_read_whole() {
+        let file = parse(MESSAGE).unwrap();
+        let info = &file.camera_info;
+        assert_eq!(info.header.frame_id, "proj_view");
+        assert_eq!((info.width, info.height), (1280, 800));
+        assert_eq!(info.D, [0.1, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(info.K[5], 817.0);
+        assert_eq!(info.P[6], 750.0);
+        assert_eq!((info.binning_y, info.roi.x_offset), (2, 1));
+        assert!(file.ignored_keys.is_empty() && file.frames.is_empty());
+        assert_eq!(file.camera_info_topic, None);
+    }
+
+    #[test]
+    fn what_rostopic_echo_printed_is_read_with_its_separator() {
+        let file = parse(&format!("{MESSAGE}---\n{}---\n", MESSAGE.replace("1280", "64"))).unwrap();
+        assert_eq!(file, parse(MESSAGE).unwrap());
+    }
+
+    #[test]
+    fn the_calibration_form_is_read_whole() {
+        for text in [CALIBRATION.to_owned(), format!("%YAML:1.0\n{CALIBRATION}")] {
+            let info = parse(&text).unwrap().camera_info;
+            assert_eq!((info.width, info.height), (1280, 720));
+            assert_eq!(info.distortion_model, "rational_polynomial");
+            assert_eq!(info.D, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+            assert_eq!(info.K, [1000.0, 0.0, 640.0, 0.0, 1100.0, 700.5, 0.0, 0.0, 1.0]);
+            assert_eq!(info.R[1], 1.0);
+            assert_eq!(info.P[3], -45.0);
+            assert_eq!(info.header.frame_id, "");
+        }
+    }
+
+    #[test]
+    fn what_is_missing_is_filled_in() {
+        let info = parse("width: 4\nheight: 3\nK: [5, 0, 2, 0, 6, 1, 0, 0, 1]\n").unwrap().camera_info;
+        assert_eq!(info.P, [5.0, 0.0, 2.0, 0.0, 0.0, 6.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        assert_eq!(info.R, [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        assert_eq!((info.distortion_model.as_str(), info.D.len()), ("plumb_bob", 5));
+        let info = parse("width: 4\nheight: 3\nP: [5, 0, 2, 9, 0, 6, 1, 9, 0, 0, 1, 0]\n").unwrap().camera_info;
+        assert_eq!(info.K, [5.0, 0.0, 2.0, 0.0, 6.0, 1.0, 0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn own_keys_name_frame_topic_and_static_frames() {
+        let text = format!(
+            "{MESSAGE}frame_id: beamer\ncamera_info_topic: /beamer/info\nframes:\n\
+             - {{parent: /base, child: a, translation: [1, 2, 3], rotation_rpy: [0, 0, {FRAC_PI_2}]}}\n\
+             - {{parent: a, child: b, rotation_xyzw: [0, 0, 0.7071, 0.7071]}}\n\
+             - {{parent: b, child: c, transform: '1 2 3 {FRAC_PI_2} 0 0'}}\n\
+             - 0.5 0 0 0 0 0 1 c d 100\n\
+             - 0 0 0 {FRAC_PI_2} 0 -{FRAC_PI_2} d e\n"
+        );
+        let file = parse(&text).unwrap();
+        assert_eq!(file.camera_info.header.frame_id, "beamer");
+        assert_eq!(file.camera_info_topic.as_deref(), Some("/beamer/info"));
+        let quarter = UnitQuaternion::from_euler_angles(0.0, 0.0, FRAC_PI_2);
+        let names: Vec<_> = file.frames.iter().map(|f| (f.parent.as_str(), f.child.as_str())).collect();
+        assert_eq!(names, [("base", "a"), ("a", "b"), ("b", "c"), ("c", "d"), ("d", "e")]);
+        assert_eq!(file.frames[0].translation_m, [1.0, 2.0, 3.0]);
+        for frame in &file.frames[..3] {
+            assert!(frame.rotation.angle_to(&quarter) < 1e-9, "{frame:?}");
+        }
+        assert_eq!(file.frames[3].translation_m, [0.5, 0.0, 0.0]);
+        assert_eq!(file.frames[3].rotation, UnitQuaternion::identity());
+        // Roll by -90 degrees turns z to y, yaw by 90 then turns y to -x.
+        let looks = file.frames[4].rotation * nalgebra::Vector3::z();
+        assert!((looks - nalgebra::Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-9, "{looks}");
+    }
+
+    #[test]
+    fn a_static_frame_becomes_its_message() {
+        let frame = frame_from_text("1 2 3 0 0 0.6 0.8 map proj").unwrap();
+        let message = frame.to_message(Time { sec: 5, nsec: 6 });
+        assert_eq!(message.header.frame_id, "map");
+        assert_eq!(message.header.stamp, Time { sec: 5, nsec: 6 });
+        assert_eq!(message.child_frame_id, "proj");
+        assert_eq!(message.transform.translation, Vector3 { x: 1.0, y: 2.0, z: 3.0 });
+        assert!((message.transform.rotation.z - 0.6).abs() < 1e-12);
+        assert!((message.transform.rotation.w - 0.8).abs() < 1e-12);
+    }
+
+    #[test]
+    fn errors_name_file_key_and_line() {
+        let cases = [
+            (MESSAGE.replace("[1900.0, 0.0, 640.0,", "[1900.0, 640.0,"), "K", "8 numbers where 9", 12),
+            (MESSAGE.replace("[0.1, ", "[.nan, "), "D", "not a finite number", 11),
+            (MESSAGE.replace("640, 0.0, 0.0, 1900.0", "640, 0.0, zero, 1900.0"), "P[4]", "zero", 14),
+            (MESSAGE.replace("height: 800", "height: -800"), "height", "-800", 7),
+            (MESSAGE.replace("width: 1280", "width: 0"), "width", "a whole number from 1", 8),
+            (CALIBRATION.replace("cols: 4", "cols: 3"), "projection_matrix.cols", "expected 4", 19),
+            (CALIBRATION.replace("700.5, 0, 0, 1]", "700.5]"), "camera_matrix.data", "6 numbers where 9", 7),
+            (format!("{MESSAGE}frames:\n- 1 2 3 a b\n"), "frames[0]", "3 numbers where 6", 25),
+            (format!("{MESSAGE}frames:\n- 1 2 3 0 0 0\n"), "frames[0]", "parent and child", 25),
+            (format!("{MESSAGE}frames:\n- {{parent: a, child: /a}}\n"), "frames[0]", "own parent", 25),
+            (format!("{MESSAGE}frames:\n- {{parent: a, chid: b}}\n"), "frames[0]", "chid", 25),
+            (
+                format!("{MESSAGE}frames:\n- {{parent: a, child: b, rotation_xyzw: [0, 0, 0, 0]}}\n"),
+                "frames[0]",
+                "norm 0.000",
+                25,
+            ),
+            (MESSAGE.replace("D: [", "D: {"), "", "", 11),
+        ];
+        for (text, key, reason, line) in cases {
+            let error = error(&text);
+            assert!(error.starts_with("projector.yaml: "), "{error}");
+            assert!(error.contains(key) && error.contains(reason), "{error}");
+            assert!(error.contains(&format!("line {line} ")), "line {line}: {error}");
+        }
+    }
+
+    #[test]
+    fn missing_contradicting_and_repeated_keys_are_named() {
+        let cases = [
+            (MESSAGE.replace("width: 1280", ""), "width: missing (or image_width)"),
+            (format!("{MESSAGE}image_width: 1280\n"), "width: the file has image_width too"),
+            ("width: 4\nheight: 3\n".to_owned(), "P: missing"),
+            (MESSAGE.replace("P: [1900.0", "P: [0"), "P: a focal length is zero"),
+            (format!("{MESSAGE}height: 800\n"), "duplicate"),
+            (format!("{MESSAGE}frames: [1 2 3 0 0 0 a b, 1 2 3 0 0 0 c b]\n"), "frames: frame 'b' is placed twice"),
+            (String::new(), ""),
+            ("- 1\n".to_owned(), "expected"),
+        ];
+        for (text, expected) in cases {
+            let error = error(&text);
+            assert!(error.starts_with("projector.yaml: ") && error.contains(expected), "{error}\n{expected}");
+        }
+        let error = ProjectorFile::read(Path::new("missing/projector.yaml")).unwrap_err().to_string();
+        assert!(error.starts_with("missing/projector.yaml: "), "{error}");
+    }
+
+    #[test]
+    fn unknown_keys_are_told_and_do_no_harm() {
+        let file = parse(&format!("{MESSAGE}Kk: [1]\nroii: {{a: 1}}\n")).unwrap();
+        assert_eq!(file.ignored_keys, ["Kk", "roii"]);
+        assert_eq!(file.camera_info, parse(MESSAGE).unwrap().camera_info);
+    }
+}
