@@ -4,7 +4,7 @@
 //! made unit length (not by the inverse transpose, so they lean under uneven scales); materials get half the ambient
 //! colour and the diffuse texture once for every texture that the file names, of whatever kind; they are opaque.
 
-use std::{collections::HashMap, fs, path::Path, sync::Arc};
+use std::{collections::HashMap, path::Path, sync::Arc};
 
 use nalgebra::{Matrix4, Point3, Vector3};
 use rcs_scene::{Mesh, Rgba, Texture, Vertex};
@@ -102,21 +102,28 @@ impl Textures<'_> {
         if let Some(texture) = self.loaded.get(name) {
             return Arc::clone(texture);
         }
-        // rviz puts a slash between the two, so an absolute name is looked for beside the mesh as well.
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let mut file = folder.join(name.trim_start_matches('/'));
-        if !file.is_file() {
-            let decoded = percent_encoding::percent_decode_str(name).decode_utf8_lossy();
-            let decoded = folder.join(decoded.trim_start_matches('/'));
-            if fs::exists(&decoded).unwrap_or(false) {
-                file = decoded;
-            }
-        }
-        let texture = load_texture(&file).unwrap_or_else(|error| {
+        let texture = self.load(name).unwrap_or_else(|error| {
             self.warnings.push(error);
             warning_texture()
         });
         self.loaded.insert(name.to_owned(), Arc::clone(&texture));
         texture
+    }
+
+    fn load(&self, name: &str) -> Result<Arc<Texture>, ResourceError> {
+        if name.is_empty() {
+            return Err(ResourceError::NoDiffuseTexture { path: self.path.to_owned() });
+        }
+        // rviz puts a slash between the two, so an absolute name is looked for beside the mesh as well.
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let file = folder.join(name.trim_start_matches('/'));
+        if !file.is_file() {
+            let decoded = percent_encoding::percent_decode_str(name).decode_utf8_lossy();
+            let decoded = folder.join(decoded.trim_start_matches('/'));
+            if decoded.is_file() {
+                return load_texture(&decoded);
+            }
+        }
+        load_texture(&file)
     }
 }

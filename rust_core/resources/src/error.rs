@@ -57,6 +57,12 @@ pub enum ResourceError {
         /// What is wrong with it.
         fault: MeshFault,
     },
+    /// A material names textures, none of them for its diffuse colour; rviz then asks for one without a name.
+    #[error("{}: a material names textures, but none for its diffuse colour", path.display())]
+    NoDiffuseTexture {
+        /// The mesh file.
+        path: PathBuf,
+    },
     /// An image that cannot be decoded.
     #[error("{}: not a readable image: {reason}", path.display())]
     BadImage {

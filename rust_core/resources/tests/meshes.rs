@@ -1,4 +1,5 @@
 //! Meshes as rviz shows them, by way of Assimp.
+#![expect(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
 mod common;
 
@@ -165,6 +166,15 @@ fn every_texture_of_a_material_lays_its_diffuse_texture_on_once_more() {
 }
 
 #[test]
+fn a_material_with_a_bump_texture_alone_shows_ogres_stripes() {
+    let dir = obj_folder();
+    fs::write(dir.path().join("things.mtl"), "newmtl red\nmap_Bump red.png\n").unwrap();
+    let mesh = load(&dir.path().join("thing.obj")).unwrap();
+    assert_eq!(mesh.parts[0].material.texture.as_deref(), Some(&*warning_texture()));
+    assert!(matches!(mesh.warnings.as_slice(), [ResourceError::NoDiffuseTexture { .. }]), "{:?}", mesh.warnings);
+}
+
+#[test]
 fn an_obj_file_without_its_materials_is_grey() {
     let mesh = load_bytes("thing.obj", OBJ.as_bytes()).unwrap();
     assert_eq!(mesh.parts.len(), 2);
@@ -241,6 +251,53 @@ fn a_library_node_is_instanced_in_its_place() {
     let mesh = load_bytes("a.dae", text.as_bytes()).unwrap();
     assert_eq!(mesh.parts.len(), 4);
     assert_eq!(positions(&mesh.parts[0])[1], [1.0, 0.0, 0.5]);
+}
+
+#[test]
+fn collada_strips_fans_and_lines_become_faces() {
+    for (element, corners) in [
+        ("<tristrips material=\"two\" count=\"1\"><input semantic=\"VERTEX\" source=\"#verts\" offset=\"0\"/><p>0 1 3 2</p></tristrips>", 6),
+        ("<trifans material=\"two\" count=\"1\"><input semantic=\"VERTEX\" source=\"#verts\" offset=\"0\"/><p>0 1 2 3</p></trifans>", 6),
+        ("<polygons material=\"two\" count=\"2\"><input semantic=\"VERTEX\" source=\"#verts\" offset=\"0\"/><p>0 1 2</p><p>0 2 3</p></polygons>", 6),
+        // Lines are drawn as triangles of whatever corners follow each other.
+        ("<lines material=\"two\" count=\"9\"><input semantic=\"VERTEX\" source=\"#verts\" offset=\"0\"/><p>0 1 2 3</p></lines>", 3),
+        ("<linestrips material=\"two\" count=\"1\"><input semantic=\"VERTEX\" source=\"#verts\" offset=\"0\"/><p>0 1 2 3</p></linestrips>", 6),
+    ] {
+        let start = DAE.find("<triangles").unwrap();
+        let end = DAE.find("</triangles>").unwrap() + "</triangles>".len();
+        let text = format!("{}{element}{}", &DAE[..start], &DAE[end..]);
+        let mesh = load_bytes("a.dae", text.as_bytes()).unwrap();
+        let triangles: Vec<_> = mesh.parts[1].mesh.triangles().collect();
+        assert_eq!(triangles.len() * 3, corners, "{element}");
+        assert!(triangles.iter().flatten().all(|vertex| vertex.normal == [0.0, 0.0, 1.0]), "{element}");
+    }
+}
+
+#[test]
+fn a_geometry_that_is_instanced_twice_is_read_once_for_each_material() {
+    let text = DAE.replace(
+        "<node id=\"n\">",
+        "<node id=\"m\"><instance_node url=\"#lib\"/><instance_node url=\"#lib\"/></node><node id=\"n\">",
+    );
+    let mesh = load_bytes("a.dae", text.as_bytes()).unwrap();
+    assert_eq!(mesh.parts.len(), 6);
+    // Unbound symbols: the first material of the file.
+    assert_eq!(mesh.parts[1].material.diffuse, Rgba::WHITE);
+    assert_eq!(positions(&mesh.parts[0]), positions(&mesh.parts[2]));
+}
+
+#[test]
+fn a_faceted_material_has_one_normal_a_face() {
+    let text = DAE.replace(
+        "</lambert>",
+        "</lambert><extra><technique profile=\"MAX3D\"><faceted>1</faceted></technique></extra>",
+    );
+    let text = text.replace("<triangles material=\"two\" count=\"1\"><input semantic=\"VERTEX\" source=\"#verts\" offset=\"0\"/><p>0 1 2</p>",
+        "<triangles material=\"two\" count=\"1\"><input semantic=\"VERTEX\" source=\"#verts\" offset=\"0\"/><input semantic=\"NORMAL\" source=\"#pos\" offset=\"1\"/><p>0 1 1 2 2 3</p>");
+    assert_ne!(text, DAE);
+    let mesh = load_bytes("a.dae", text.as_bytes()).unwrap();
+    // The last corner's, turned with its node.
+    assert_eq!(normals(&mesh.parts[1]), [[-1.0, 0.0, 0.0]; 3]);
 }
 
 #[test]

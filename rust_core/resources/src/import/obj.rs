@@ -114,11 +114,9 @@ impl Reader {
             "l" => self.corners(Kind::Line, rest)?,
             "p" => self.corners(Kind::Point, rest)?,
             "o" => self.object(rest.split_ascii_whitespace().next().unwrap_or_default()),
-            "g" => {
-                if self.group != rest.trim() {
-                    rest.trim().clone_into(&mut self.group);
-                    self.begin_object(rest.trim());
-                }
+            "g" if self.group != rest.trim() => {
+                rest.trim().clone_into(&mut self.group);
+                self.begin_object(rest.trim());
             }
             "usemtl" => self.use_material(rest.trim()),
             "mtllib" => self.library(rest.trim(), path),

@@ -154,7 +154,7 @@ fn parameter_target<'a>(parameter: Node<'a, '_>) -> Option<&'a str> {
             "instance_image" => Some(attribute(node, "url").trim_start_matches('#')),
             _ => None,
         })
-        .last()
+        .next_back()
 }
 
 /// The file of a texture's image, followed through samplers and surfaces; `name.jpg` when there is no such image.

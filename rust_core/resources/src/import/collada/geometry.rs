@@ -1,4 +1,4 @@
-//! Geometries: sources, inputs and primitives into corners.
+//! Geometries: primitives into corners.
 //!
 //! A geometry's primitives, one after the other, fill one list of corners; each primitive element is a group with its
 //! own material symbol. Inputs that some primitives lack are filled up as Assimp does: normals with (0, 1, 0), texture
@@ -6,7 +6,10 @@
 
 use std::collections::HashMap;
 
-use super::dom::{attribute, children, fault, floats, number, reference, Node};
+use super::{
+    dom::{attribute, children, fault, number, Node},
+    source::{indices_per_corner, read_inputs, Input, Semantic, Sources},
+};
 use crate::{
     import::{Polygons, MAX_CORNERS},
     MeshFault,
@@ -35,42 +38,6 @@ pub(super) struct Group {
 
 /// Geometries, and controllers' skins, by id.
 pub(super) type Geometries = HashMap<String, Geometry>;
-
-/// A float source: where a value's components lie.
-#[derive(Clone, Debug, Default)]
-struct Source<'a> {
-    /// Which array, by id.
-    array: &'a str,
-    count: usize,
-    stride: usize,
-    offset: usize,
-    /// Where x, y, z and w (or s, t, p) lie in a value. An accessor without names has them all at 0, as in Assimp.
-    components: [usize; 4],
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Semantic {
-    Position,
-    Normal,
-    Uv(usize),
-    /// Refers to the inputs of `<vertices>`.
-    Vertex,
-}
-
-#[derive(Clone, Debug)]
-struct Input<'a> {
-    semantic: Semantic,
-    source: &'a str,
-    /// Which of a corner's indices is this input's.
-    offset: usize,
-}
-
-/// Sources seen so far in the file; Assimp looks ids up across geometries.
-#[derive(Default)]
-struct Sources<'a> {
-    by_id: HashMap<&'a str, Source<'a>>,
-    arrays: HashMap<&'a str, Vec<f32>>,
-}
 
 /// Reads `library_geometries`; of two geometries with one id the first counts.
 pub(super) fn read_geometries(root: Node<'_, '_>) -> Result<Geometries, MeshFault> {
@@ -120,10 +87,8 @@ impl Geometry {
         sources: &Sources<'_>,
     ) -> Result<(), MeshFault> {
         let inputs = read_inputs(element)?;
-        // Inputs of other kinds, such as colours, have indices too.
-        let per_corner = children(element, "input").map(|input| offset(input) + 1).max().unwrap_or(1);
+        let per_corner = indices_per_corner(element);
         let vertex_input = inputs.iter().rfind(|input| input.semantic == Semantic::Vertex);
-        let vertex_offset = vertex_input.map(|input| input.offset);
         if vertex_input.is_some_and(|input| input.source != vertices_id) {
             return Err(fault(element, "its VERTEX input is not the geometry's <vertices>"));
         }
@@ -133,11 +98,11 @@ impl Geometry {
             .take(announced)
             .map_while(|word| word.parse().ok())
             .collect();
-        let faces_before = self.face_sizes.len();
-        for p in children(element, "p") {
-            if announced == 0 {
-                break;
-            }
+        let mut face_count = 0;
+        for p in children(element, "p").take_while(|_| announced > 0) {
+            let vertex_channels = vertex_input.map(|input| sources.channels(vertices, Some(input.offset)));
+            let mut channels = vertex_channels.transpose().map_err(|what| fault(p, what))?.unwrap_or_default();
+            channels.extend(sources.channels(&inputs, None).map_err(|what| fault(p, what))?);
             // Some exporters write negative indices; they count as 0.
             let indices: Vec<usize> = p
                 .text()
@@ -146,44 +111,35 @@ impl Geometry {
                 .map_while(|word| word.parse::<i64>().ok())
                 .map(|index| usize::try_from(index).unwrap_or(0))
                 .collect();
-            let corners = indices.len() / per_corner;
-            let faces = faces(element.tag_name().name(), corners, announced, &counts)
-                .filter(|_| indices.len() % per_corner == 0)
+            let faces = Faces::of(element.tag_name().name(), indices.len() / per_corner, announced, &counts)
+                .filter(|_| indices.len().is_multiple_of(per_corner))
                 .ok_or_else(|| fault(p, format!("{} indices do not fit the primitives announced", indices.len())))?;
-            for face in faces {
-                self.face_sizes.push(face.len() as u32);
-                for corner in face {
-                    let Some(corner) = indices.get(corner * per_corner..(corner + 1) * per_corner) else { continue };
-                    let at = |offset: usize| corner.get(offset).copied().unwrap_or(0);
-                    let vertex = vertex_offset.map(|offset| vertices.iter().map(move |input| (input, at(offset))));
-                    let own = inputs.iter().map(|input| (input, at(input.offset)));
-                    for (input, index) in vertex.into_iter().flatten().chain(own) {
-                        self.push(input, index, sources).map_err(|what| fault(p, what))?;
-                    }
+            for corner in faces.corners {
+                let start = corner * per_corner;
+                for channel in &channels {
+                    let index = indices.get(start + channel.offset).copied().unwrap_or(0);
+                    let value = channel.value(index).map_err(|what| fault(p, what))?;
+                    self.push(channel.semantic, value);
                 }
-                if self.positions.len() > MAX_CORNERS {
-                    return Err(MeshFault::TooLarge { limit: MAX_CORNERS, what: "corners" });
-                }
+            }
+            face_count += faces.sizes.len();
+            self.face_sizes.extend(faces.sizes);
+            if self.positions.len() > MAX_CORNERS {
+                return Err(MeshFault::TooLarge { limit: MAX_CORNERS, what: "corners" });
             }
         }
         let corners: usize = self.face_sizes.iter().map(|&size| size as usize).sum();
         if self.positions.len() != corners {
             return Err(fault(element, "its corners do not have one position each"));
         }
-        let faces = self.face_sizes.len() - faces_before;
-        self.groups.push(Group { symbol: attribute(element, "material").to_owned(), faces });
+        self.groups.push(Group { symbol: attribute(element, "material").to_owned(), faces: face_count });
         Ok(())
     }
 
-    /// Adds the value of an input at a corner, whose position is added first.
-    fn push(&mut self, input: &Input<'_>, index: usize, sources: &Sources<'_>) -> Result<(), String> {
-        if input.semantic == Semantic::Vertex {
-            return Ok(());
-        }
-        let source = sources.by_id.get(input.source).ok_or_else(|| format!("there is no source {:?}", input.source))?;
-        let [x, y, z, _] = sources.value(source, index)?;
+    /// Adds a value of the corner at hand, whose position comes first.
+    fn push(&mut self, semantic: Semantic, [x, y, z]: [f32; 3]) {
         let before = self.positions.len().saturating_sub(1);
-        match input.semantic {
+        match semantic {
             Semantic::Position => self.positions.push([x, y, z]),
             Semantic::Normal => push_padded(&mut self.normals, [x, y, z], before, [0.0, 1.0, 0.0]),
             Semantic::Uv(set) => {
@@ -193,7 +149,6 @@ impl Geometry {
             }
             Semantic::Vertex => {}
         }
-        Ok(())
     }
 
     /// The faces from `first_face` on with the corners from `first_corner` on, as a mesh of its own. Normals and
@@ -220,103 +175,40 @@ fn push_padded<T: Copy>(values: &mut Vec<T>, value: T, before: usize, filler: T)
     values.push(value);
 }
 
-/// The corners of each face of a `<p>`, or `None` when their number does not fit. A fan is one polygon to Assimp.
-fn faces(primitive: &str, corners: usize, announced: usize, counts: &[usize]) -> Option<Vec<Vec<usize>>> {
-    let of_size = |size: usize| (0..corners / size).map(|face| (face * size..(face + 1) * size).collect()).collect();
-    match primitive {
-        "triangles" => (corners == announced.checked_mul(3)?).then(|| of_size(3)),
-        // SketchUp announces a wrong number of lines.
-        "lines" => Some(of_size(2)),
-        "linestrips" => Some((1..corners).map(|end| vec![end - 1, end]).collect()),
-        "tristrips" => Some(
-            (2..corners)
-                .map(|end| if end % 2 == 0 { vec![end - 2, end - 1, end] } else { vec![end - 1, end - 2, end] })
-                .collect(),
-        ),
-        "polylist" => {
-            let mut start = 0_usize;
-            let mut faces = Vec::with_capacity(counts.len());
-            for &count in counts {
-                let end = start.checked_add(count).filter(|&end| end <= corners)?;
-                faces.push((start..end).collect());
-                start = end;
+/// How the corners of a `<p>` make faces.
+struct Faces {
+    /// Corners of each face.
+    sizes: Vec<u32>,
+    /// The corners of the first face, then of the second, and so on, by their place in the `<p>`.
+    corners: Vec<usize>,
+}
+
+impl Faces {
+    /// The faces of `count` corners; `None` when these do not fit what the element announces. A fan is one polygon
+    /// to Assimp.
+    fn of(primitive: &str, count: usize, announced: usize, vcounts: &[usize]) -> Option<Self> {
+        let of_size =
+            |size: usize| Self { sizes: vec![size as u32; count / size], corners: (0..count / size * size).collect() };
+        match primitive {
+            "triangles" => (count == announced.checked_mul(3)?).then(|| of_size(3)),
+            // SketchUp announces a wrong number of lines.
+            "lines" => Some(of_size(2)),
+            "linestrips" => {
+                let lines = count.saturating_sub(1);
+                Some(Self { sizes: vec![2; lines], corners: (0..lines).flat_map(|i| [i, i + 1]).collect() })
             }
-            (start == corners && counts.len() == announced).then_some(faces)
-        }
-        _ => Some(vec![(0..corners).collect()]),
-    }
-}
-
-impl<'a> Sources<'a> {
-    fn read(&mut self, source: Node<'a, '_>) {
-        for node in source.descendants() {
-            match node.tag_name().name() {
-                "float_array" => {
-                    let count = number(node, "count").unwrap_or(0);
-                    self.arrays.insert(attribute(node, "id"), floats(node).take(count).collect());
-                }
-                "accessor" => {
-                    let mut accessor = Source {
-                        array: attribute(node, "source").trim_start_matches('#'),
-                        count: number(node, "count").unwrap_or(0),
-                        stride: number(node, "stride").unwrap_or(1),
-                        offset: number(node, "offset").unwrap_or(0),
-                        components: [0; 4],
-                    };
-                    for (i, param) in children(node, "param").enumerate() {
-                        let component = match attribute(param, "name") {
-                            "X" | "R" | "S" | "U" => 0,
-                            "Y" | "G" | "T" | "V" => 1,
-                            "Z" | "B" | "P" => 2,
-                            "A" => 3,
-                            _ => continue,
-                        };
-                        if let Some(slot) = accessor.components.get_mut(component) {
-                            *slot = i;
-                        }
-                    }
-                    self.by_id.insert(attribute(source, "id"), accessor);
-                }
-                _ => {}
+            "tristrips" => {
+                let triangles = count.saturating_sub(2);
+                // Every other triangle of a strip runs the other way.
+                let triangle = |i: usize| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] };
+                Some(Self { sizes: vec![3; triangles], corners: (0..triangles).flat_map(triangle).collect() })
             }
+            "polylist" => {
+                let total = vcounts.iter().try_fold(0_usize, |total, &size| total.checked_add(size))?;
+                let sizes = vcounts.iter().map(|&size| size as u32).collect();
+                (total == count && vcounts.len() == announced).then(|| Self { sizes, corners: (0..count).collect() })
+            }
+            _ => Some(Self { sizes: vec![count as u32], corners: (0..count).collect() }),
         }
     }
-
-    fn value(&self, source: &Source<'_>, index: usize) -> Result<[f32; 4], String> {
-        let array =
-            self.arrays.get(source.array).ok_or_else(|| format!("there is no float array {:?}", source.array))?;
-        let start = index.checked_mul(source.stride).and_then(|start| start.checked_add(source.offset));
-        let values = (index < source.count)
-            .then(|| array.get(start?..))
-            .flatten()
-            .ok_or_else(|| format!("index {index} is past the {} values of its source", source.count))?;
-        let component = |at: usize| values.get(at).copied();
-        match source.components.map(component) {
-            [Some(x), Some(y), Some(z), w] => Ok([x, y, z, w.unwrap_or(0.0)]),
-            // Texture coordinates of two components at the end of their array.
-            [Some(x), Some(y), None, _] => Ok([x, y, 0.0, 0.0]),
-            _ => Err(format!("float array {:?} ends within value {index}", source.array)),
-        }
-    }
-}
-
-fn read_inputs<'a>(element: Node<'a, '_>) -> Result<Vec<Input<'a>>, MeshFault> {
-    let mut inputs = Vec::new();
-    for input in children(element, "input") {
-        let set = number(input, "set").unwrap_or(0);
-        let semantic = match attribute(input, "semantic") {
-            "POSITION" => Semantic::Position,
-            "NORMAL" => Semantic::Normal,
-            "TEXCOORD" => Semantic::Uv(set),
-            "VERTEX" => Semantic::Vertex,
-            _ => continue,
-        };
-        inputs.push(Input { semantic, source: reference(input, "source")?, offset: offset(input) });
-    }
-    Ok(inputs)
-}
-
-/// Which of a corner's indices is an input's; a corner with more indices than this is damaged.
-fn offset(input: Node<'_, '_>) -> usize {
-    number(input, "offset").unwrap_or(0).min(64)
 }

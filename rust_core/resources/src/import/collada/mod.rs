@@ -12,6 +12,7 @@ mod dom;
 mod effect;
 mod geometry;
 mod scene;
+mod source;
 
 use dom::{parse, Node};
 

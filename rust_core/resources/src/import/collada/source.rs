@@ -1,0 +1,157 @@
+//! Sources: arrays of numbers, accessors that cut them into values, and the inputs that refer to them.
+
+use std::collections::HashMap;
+
+use super::dom::{attribute, children, fault, floats, number, reference, Node};
+use crate::MeshFault;
+
+/// The most indices a corner can have; one with more is damaged.
+const MOST_INDICES: usize = 64;
+
+/// How an accessor cuts an array into values.
+#[derive(Clone, Debug, Default)]
+struct Accessor<'a> {
+    /// Which array, by id.
+    array: &'a str,
+    count: usize,
+    stride: usize,
+    offset: usize,
+    /// Where x, y and z (or s, t and p) lie in a value. An accessor without names has them all at 0, as in Assimp.
+    components: [usize; 3],
+}
+
+/// Sources seen so far in the file; Assimp looks ids up across geometries.
+#[derive(Default)]
+pub(super) struct Sources<'a> {
+    accessors: HashMap<&'a str, Accessor<'a>>,
+    arrays: HashMap<&'a str, Vec<f32>>,
+}
+
+/// What an input is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Semantic {
+    /// A corner's place.
+    Position,
+    /// A corner's normal.
+    Normal,
+    /// A corner's texture coordinate in a set.
+    Uv(usize),
+    /// Refers to the inputs of `<vertices>`.
+    Vertex,
+}
+
+/// An `<input>` of a kind that is used.
+#[derive(Clone, Debug)]
+pub(super) struct Input<'a> {
+    pub(super) semantic: Semantic,
+    /// The source's id.
+    pub(super) source: &'a str,
+    /// Which of a corner's indices is this input's.
+    pub(super) offset: usize,
+}
+
+/// An input with its values.
+pub(super) struct Channel<'a> {
+    pub(super) semantic: Semantic,
+    /// Which of a corner's indices is this channel's.
+    pub(super) offset: usize,
+    accessor: &'a Accessor<'a>,
+    array: &'a [f32],
+}
+
+impl<'a> Sources<'a> {
+    /// Reads a `<source>`.
+    pub(super) fn read(&mut self, source: Node<'a, '_>) {
+        for node in source.descendants() {
+            match node.tag_name().name() {
+                "float_array" => {
+                    let count = number(node, "count").unwrap_or(0);
+                    self.arrays.insert(attribute(node, "id"), floats(node).take(count).collect());
+                }
+                "accessor" => {
+                    let mut accessor = Accessor {
+                        array: attribute(node, "source").trim_start_matches('#'),
+                        count: number(node, "count").unwrap_or(0),
+                        stride: number(node, "stride").unwrap_or(1),
+                        offset: number(node, "offset").unwrap_or(0),
+                        components: [0; 3],
+                    };
+                    for (i, param) in children(node, "param").enumerate() {
+                        let component = match attribute(param, "name") {
+                            "X" | "R" | "S" | "U" => 0,
+                            "Y" | "G" | "T" | "V" => 1,
+                            "Z" | "B" | "P" => 2,
+                            _ => continue,
+                        };
+                        if let Some(slot) = accessor.components.get_mut(component) {
+                            *slot = i;
+                        }
+                    }
+                    self.accessors.insert(attribute(source, "id"), accessor);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The values of inputs, `VERTEX` ones left out. `at_offset` replaces the inputs' own.
+    pub(super) fn channels(
+        &'a self,
+        inputs: &[Input<'_>],
+        at_offset: Option<usize>,
+    ) -> Result<Vec<Channel<'a>>, String> {
+        let channel = |input: &Input<'_>| {
+            let accessor =
+                self.accessors.get(input.source).ok_or_else(|| format!("there is no source {:?}", input.source))?;
+            let array = self
+                .arrays
+                .get(accessor.array)
+                .ok_or_else(|| format!("there is no float array {:?}", accessor.array))?;
+            Ok(Channel { semantic: input.semantic, offset: at_offset.unwrap_or(input.offset), accessor, array })
+        };
+        inputs.iter().filter(|input| input.semantic != Semantic::Vertex).map(channel).collect()
+    }
+}
+
+impl Channel<'_> {
+    /// The value of an index; a third component that the array's end cuts off is 0.
+    pub(super) fn value(&self, index: usize) -> Result<[f32; 3], String> {
+        let Accessor { count, stride, offset, components, .. } = *self.accessor;
+        let start = index.checked_mul(stride).and_then(|start| start.checked_add(offset));
+        let values = (index < count)
+            .then(|| self.array.get(start?..))
+            .flatten()
+            .ok_or_else(|| format!("index {index} is past the {count} values of its source"))?;
+        match components.map(|at| values.get(at).copied()) {
+            [Some(x), Some(y), z] => Ok([x, y, z.unwrap_or(0.0)]),
+            _ => Err(format!("float array {:?} ends within value {index}", self.accessor.array)),
+        }
+    }
+}
+
+/// The inputs of an element that are used.
+pub(super) fn read_inputs<'a>(element: Node<'a, '_>) -> Result<Vec<Input<'a>>, MeshFault> {
+    let mut inputs = Vec::new();
+    for input in children(element, "input") {
+        let set = number(input, "set").unwrap_or(0);
+        let semantic = match attribute(input, "semantic") {
+            "POSITION" => Semantic::Position,
+            "NORMAL" => Semantic::Normal,
+            "TEXCOORD" => Semantic::Uv(set),
+            "VERTEX" => Semantic::Vertex,
+            _ => continue,
+        };
+        let offset = number(input, "offset").unwrap_or(0);
+        if offset >= MOST_INDICES {
+            return Err(fault(input, format!("an offset of {offset} is past what is plausible")));
+        }
+        inputs.push(Input { semantic, source: reference(input, "source")?, offset });
+    }
+    Ok(inputs)
+}
+
+/// How many indices a corner has. Inputs that are not used, such as colours, have one too.
+pub(super) fn indices_per_corner(element: Node<'_, '_>) -> usize {
+    let offset = |input| number(input, "offset").unwrap_or(0).min(MOST_INDICES - 1);
+    children(element, "input").map(|input| offset(input) + 1).max().unwrap_or(1)
+}
