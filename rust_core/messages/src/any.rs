@@ -3,25 +3,40 @@
 //! The list at the end of this file is the only place that names them: one line adds a type.
 
 use crate::std_msgs::Header;
-use crate::{DecodeError, Message, PointCloud2, Wire};
+use crate::wire::Reader;
+use crate::{Image, PointCloud2};
+use rosrust::{Message, RosMsg};
+use std::io;
 use std::sync::Arc;
 
 /// Reads a small message; it keeps none of the bytes.
 #[expect(clippy::needless_pass_by_value, reason = "one signature for those that keep the bytes and those that do not")]
-fn decode_owned<T: Wire>(bytes: Vec<u8>) -> Result<T, DecodeError> {
+fn small<T: RosMsg>(bytes: Vec<u8>) -> io::Result<T> {
     crate::decode(&bytes)
 }
 
-fn decode_cloud(bytes: Vec<u8>) -> Result<PointCloud2, DecodeError> {
-    PointCloud2::from_bytes(Arc::new(bytes))
+fn cloud(bytes: Vec<u8>) -> io::Result<PointCloud2> {
+    Ok(PointCloud2::from_bytes(Arc::new(bytes))?)
 }
 
-fn decode_image(bytes: Vec<u8>) -> Result<crate::Image, DecodeError> {
-    crate::Image::from_bytes(Arc::new(bytes))
+fn image(bytes: Vec<u8>) -> io::Result<Image> {
+    Ok(Image::from_bytes(Arc::new(bytes))?)
+}
+
+/// The generated type allocates whatever length `D` announces, so that is looked at first.
+#[expect(clippy::needless_pass_by_value, reason = "one signature for those that keep the bytes and those that do not")]
+fn camera_info(bytes: Vec<u8>) -> io::Result<crate::sensor_msgs::CameraInfo> {
+    let mut reader = Reader::new(&bytes);
+    reader.header()?;
+    reader.u32("height")?;
+    reader.u32("width")?;
+    reader.string("distortion_model")?;
+    reader.count(size_of::<f64>(), "D")?;
+    crate::decode(&bytes)
 }
 
 macro_rules! any_message {
-    ($($variant:ident($type:ty) $decode:path, $header:expr;)*) => {
+    ($($variant:ident($type:ty) $ros:literal $decode:path, $header:expr;)*) => {
         /// A type of message that displays subscribe to.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum MessageKind {
@@ -41,33 +56,31 @@ macro_rules! any_message {
             /// `package/Name`.
             pub fn ros_type(self) -> &'static str {
                 match self {
-                    $(Self::$variant => <$type as Message>::TYPE,)*
+                    $(Self::$variant => $ros,)*
                 }
             }
 
             /// The checksum of the definition.
-            pub fn md5sum(self) -> &'static str {
+            pub fn md5sum(self) -> String {
                 match self {
-                    $(Self::$variant => <$type as Message>::MD5SUM,)*
+                    $(Self::$variant => <$type as Message>::md5sum(),)*
                 }
             }
 
             /// The whole text of the definition.
             pub fn definition(self) -> String {
                 match self {
-                    $(Self::$variant => <$type as Message>::definition(),)*
+                    $(Self::$variant => <$type as Message>::msg_definition(),)*
                 }
             }
 
             /// Reads a message; big ones are copied once.
-            pub fn decode(self, bytes: &[u8]) -> Result<AnyMessage, DecodeError> {
-                match self {
-                    $(Self::$variant => crate::decode::<$type>(bytes).map(|m| AnyMessage::$variant(Arc::new(m))),)*
-                }
+            pub fn decode(self, bytes: &[u8]) -> io::Result<AnyMessage> {
+                self.decode_owned(bytes.to_vec())
             }
 
             /// Reads a message; big ones keep the bytes and copy nothing.
-            pub fn decode_owned(self, bytes: Vec<u8>) -> Result<AnyMessage, DecodeError> {
+            pub fn decode_owned(self, bytes: Vec<u8>) -> io::Result<AnyMessage> {
                 match self {
                     $(Self::$variant => $decode(bytes).map(|m: $type| AnyMessage::$variant(Arc::new(m))),)*
                 }
@@ -110,18 +123,18 @@ impl MessageKind {
 }
 
 any_message! {
-    PointCloud2(crate::PointCloud2) decode_cloud, |m| Some(&m.header);
-    Image(crate::Image) decode_image, |m| Some(&m.header);
-    CameraInfo(crate::sensor_msgs::CameraInfo) decode_owned, |m| Some(&m.header);
-    Marker(crate::visualization_msgs::Marker) decode_owned, |m| Some(&m.header);
-    MarkerArray(crate::visualization_msgs::MarkerArray) decode_owned, |m| m.markers.first().map(|m| &m.header);
-    Path(crate::nav_msgs::Path) decode_owned, |m| Some(&m.header);
-    PoseStamped(crate::geometry_msgs::PoseStamped) decode_owned, |m| Some(&m.header);
-    PoseArray(crate::geometry_msgs::PoseArray) decode_owned, |m| Some(&m.header);
-    PointStamped(crate::geometry_msgs::PointStamped) decode_owned, |m| Some(&m.header);
-    PolygonStamped(crate::geometry_msgs::PolygonStamped) decode_owned, |m| Some(&m.header);
-    TFMessage(crate::tf2_msgs::TFMessage) decode_owned, |m| m.transforms.first().map(|t| &t.header);
-    Clock(crate::rosgraph_msgs::Clock) decode_owned, |_| None;
+    PointCloud2(crate::PointCloud2) "sensor_msgs/PointCloud2" cloud, |m| Some(&m.header);
+    Image(crate::Image) "sensor_msgs/Image" image, |m| Some(&m.header);
+    CameraInfo(crate::sensor_msgs::CameraInfo) "sensor_msgs/CameraInfo" camera_info, |m| Some(&m.header);
+    Marker(crate::visualization_msgs::Marker) "visualization_msgs/Marker" small, |m| Some(&m.header);
+    MarkerArray(crate::visualization_msgs::MarkerArray) "visualization_msgs/MarkerArray" small, |m| m.markers.first().map(|m| &m.header);
+    Path(crate::nav_msgs::Path) "nav_msgs/Path" small, |m| Some(&m.header);
+    PoseStamped(crate::geometry_msgs::PoseStamped) "geometry_msgs/PoseStamped" small, |m| Some(&m.header);
+    PoseArray(crate::geometry_msgs::PoseArray) "geometry_msgs/PoseArray" small, |m| Some(&m.header);
+    PointStamped(crate::geometry_msgs::PointStamped) "geometry_msgs/PointStamped" small, |m| Some(&m.header);
+    PolygonStamped(crate::geometry_msgs::PolygonStamped) "geometry_msgs/PolygonStamped" small, |m| Some(&m.header);
+    TFMessage(crate::tf2_msgs::TFMessage) "tf2_msgs/TFMessage" small, |m| m.transforms.first().map(|t| &t.header);
+    Clock(crate::rosgraph_msgs::Clock) "rosgraph_msgs/Clock" small, |_| None;
 }
 
 #[cfg(test)]
@@ -132,6 +145,7 @@ mod tests {
 
     #[test]
     fn a_type_is_found_by_its_name() {
+        assert_eq!(MessageKind::PointCloud2.ros_type(), PointCloud2::msg_type());
         for kind in MessageKind::ALL {
             assert_eq!(MessageKind::from_ros_type(kind.ros_type()), Some(*kind));
         }
@@ -145,6 +159,15 @@ mod tests {
         let message = MessageKind::MarkerArray.decode(&bytes).unwrap();
         assert_eq!(header(&message).map(|h| h.frame_id.as_str()), Some("map"));
         assert_eq!(message.encode(), bytes);
+    }
+
+    #[test]
+    fn a_giant_distortion_is_an_error_and_not_an_allocation() {
+        let mut bytes = crate::encode(&crate::sensor_msgs::CameraInfo::default());
+        // After header (16 bytes), size (8) and the empty model's length (4).
+        bytes[28..32].copy_from_slice(&u32::MAX.to_le_bytes());
+        let error = MessageKind::CameraInfo.decode(&bytes).unwrap_err();
+        assert!(error.to_string().contains("bytes of D"), "{error}");
     }
 
     proptest! {

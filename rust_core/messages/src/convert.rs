@@ -1,7 +1,7 @@
 //! Plain numbers out of messages, for code that should not name message types.
 
 use crate::geometry_msgs::{Point, Pose, Quaternion, Transform, Vector3};
-use crate::Time;
+use rosrust::Time;
 
 /// A translation in metres and a rotation as the quaternion x, y, z, w, exactly as sent: not normalised, not checked.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,37 +1,28 @@
 //! The ROS 1 messages that the project takes and sends.
 //!
-//! Every message is a plain Rust struct whose fields have the names of the ROS message's (`type` is `type_`), in a
-//! module named after its package: [`geometry_msgs::Pose`], [`visualization_msgs::Marker`] and so on. The two big
-//! ones, [`PointCloud2`] and [`Image`], keep the bytes that were received and give views of them.
+//! The small messages are those that `rosrust_msg` generates from the installed definitions, under the names of their
+//! packages: [`geometry_msgs::Pose`], [`visualization_msgs::Marker`] and so on. The two big ones, [`PointCloud2`] and
+//! [`Image`], are types of our own, for the generated ones decode their data number by number: they keep the bytes that
+//! were received and give views of them. [`Serialized`] is a message of any type that is not decoded yet.
 //!
-//! [`Wire`] is ROS 1's serialisation. Its decoding never reads past the bytes given, never allocates for a length
-//! that those bytes cannot hold, and reports each such length as a [`DecodeError`].
+//! Decoding never reads past the bytes given, never allocates for a length that those bytes cannot hold, and takes
+//! bytes left over for an error.
 //! [`MessageKind`] names the types that the displays draw and [`AnyMessage`] holds one message of any of them.
-//!
-//! No ROS installation is needed, neither to build nor to run: the definitions are written in Rust, and each message's
-//! checksum (`MD5SUM`) is the one that a ROS node compares when it connects.
 
 mod any;
 mod convert;
 mod image;
-mod message;
 mod point_cloud2;
-mod time;
+mod serialized;
 mod wire;
 
-pub mod geometry_msgs;
-pub mod nav_msgs;
-pub mod rosgraph_msgs;
 pub mod sensor_msgs;
-pub mod std_msgs;
-pub mod std_srvs;
-pub mod tf2_msgs;
-pub mod visualization_msgs;
 
 pub use any::{header, AnyMessage, MessageKind};
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
-pub use image::{Image, ImageFrame};
-pub use message::{decode, encode, Message, Service};
+pub use image::Image;
 pub use point_cloud2::PointCloud2;
-pub use time::{Duration, Time};
-pub use wire::{DecodeError, Reader, Wire};
+pub use rosrust::{Duration, Message, RosMsg, ServicePair, Time};
+pub use rosrust_msg::{geometry_msgs, nav_msgs, rosgraph_msgs, std_msgs, std_srvs, tf2_msgs, visualization_msgs};
+pub use serialized::Serialized;
+pub use wire::{decode, encode, DecodeError};

@@ -2,13 +2,14 @@
 //!
 //! A cloud of a depth camera is some ten megabytes thirty times a second, so its points are never decoded one by one:
 //! the message keeps the bytes that came from the wire in one shared buffer and remembers where in them the points lie.
-//! [`PointCloud2::from_bytes`] copies nothing, reading it from a slice copies that slice's points once, and a clone
-//! shares the buffer.
+//! [`PointCloud2::from_bytes`] copies nothing, reading it from a slice copies that slice once, and a clone shares the
+//! buffer.
 
 use crate::sensor_msgs::PointField;
 use crate::std_msgs::Header;
-use crate::wire::{write_count, DecodeError, Reader, Wire};
-use crate::Message;
+use crate::wire::{framed, write_count, write_header, write_string, write_u32, DecodeError, Reader, LENGTH_PREFIX};
+use rosrust::{Message, RosMsg};
+use std::io;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -75,20 +76,20 @@ impl PointCloud2 {
     /// Reads all but the data, and leaves its place in `data`.
     fn read_around_data(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
         let mut cloud = Self {
-            header: Header::read(reader)?,
-            height: u32::read(reader)?,
-            width: u32::read(reader)?,
-            fields: Vec::read(reader)?,
-            is_bigendian: bool::read(reader)?,
-            point_step: u32::read(reader)?,
-            row_step: u32::read(reader)?,
+            header: reader.header()?,
+            height: reader.u32("height")?,
+            width: reader.u32("width")?,
+            fields: read_fields(reader)?,
+            is_bigendian: reader.u8("is_bigendian")? != 0,
+            point_step: reader.u32("point_step")?,
+            row_step: reader.u32("row_step")?,
             ..Self::default()
         };
         let len = reader.count(1, "point data")?;
         let start = reader.position();
         reader.take(len, "point data")?;
         cloud.data = start..start + len;
-        cloud.is_dense = bool::read(reader)?;
+        cloud.is_dense = reader.u8("is_dense")? != 0;
         Ok(cloud)
     }
 }
@@ -104,47 +105,85 @@ impl PartialEq for PointCloud2 {
     }
 }
 
-impl Wire for PointCloud2 {
-    const MIN_LEN: usize = Header::MIN_LEN + 4 + 4 + 4 + 1 + 4 + 4 + 4 + 1;
+/// The least number of bytes that a field takes: a name's length, offset, datatype and count.
+const MIN_FIELD_LEN: usize = 13;
 
-    fn read(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
-        let mut points = reader.clone();
-        let mut cloud = Self::read_around_data(reader)?;
-        points.take(cloud.data.start - points.position(), "point data")?;
-        cloud.set_data(points.take(cloud.data.len(), "point data")?.to_vec());
-        Ok(cloud)
+fn read_fields(reader: &mut Reader<'_>) -> Result<Vec<PointField>, DecodeError> {
+    let count = reader.count(MIN_FIELD_LEN, "fields")?;
+    let mut fields = Vec::with_capacity(count);
+    for _ in 0..count {
+        fields.push(PointField {
+            name: reader.string("field name")?,
+            offset: reader.u32("field offset")?,
+            datatype: reader.u8("field datatype")?,
+            count: reader.u32("field count")?,
+        });
     }
+    Ok(fields)
+}
 
+impl PointCloud2 {
     fn write(&self, out: &mut Vec<u8>) {
-        out.reserve(self.data().len() + 256);
-        self.header.write(out);
-        self.height.write(out);
-        self.width.write(out);
-        self.fields.write(out);
-        self.is_bigendian.write(out);
-        self.point_step.write(out);
-        self.row_step.write(out);
+        write_header(&self.header, out);
+        write_u32(self.height, out);
+        write_u32(self.width, out);
+        write_count(self.fields.len(), out);
+        for field in &self.fields {
+            write_string(&field.name, out);
+            write_u32(field.offset, out);
+            out.push(field.datatype);
+            write_u32(field.count, out);
+        }
+        out.push(u8::from(self.is_bigendian));
+        write_u32(self.point_step, out);
+        write_u32(self.row_step, out);
         write_count(self.data().len(), out);
         out.extend_from_slice(self.data());
-        self.is_dense.write(out);
+        out.push(u8::from(self.is_dense));
     }
 
-    fn ros_type() -> String {
-        Self::TYPE.to_owned()
+    /// About how many bytes the message takes, at least what its data does.
+    fn len_hint(&self) -> usize {
+        self.data().len() + 256
+    }
+}
+
+impl RosMsg for PointCloud2 {
+    fn encode<W: io::Write>(&self, mut w: W) -> io::Result<()> {
+        let mut out = Vec::with_capacity(self.len_hint());
+        self.write(&mut out);
+        w.write_all(&out)
     }
 
-    fn collect_definitions(found: &mut Vec<(String, String)>) {
-        let text = "Header header\nuint32 height\nuint32 width\nPointField[] fields\nbool is_bigendian\n\
-                    uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n";
-        found.push((Self::TYPE.to_owned(), text.to_owned()));
-        Header::collect_definitions(found);
-        PointField::collect_definitions(found);
+    /// Reads to the end of `r`: a cloud is always a message of its own.
+    fn decode<R: io::Read>(mut r: R) -> io::Result<Self> {
+        let mut bytes = Vec::new();
+        r.read_to_end(&mut bytes)?;
+        Ok(Self::from_bytes(Arc::new(bytes))?)
+    }
+
+    fn encode_vec(&self) -> io::Result<Vec<u8>> {
+        framed(self.len_hint(), |out| self.write(out))
+    }
+
+    fn decode_slice(bytes: &[u8]) -> io::Result<Self> {
+        let message = bytes.get(LENGTH_PREFIX..).ok_or(io::ErrorKind::UnexpectedEof)?;
+        Ok(Self::from_bytes(Arc::new(message.to_vec()))?)
     }
 }
 
 impl Message for PointCloud2 {
-    const TYPE: &'static str = "sensor_msgs/PointCloud2";
-    const MD5SUM: &'static str = "1158d486dd51d683ce2f1be655c3c181";
+    fn msg_definition() -> String {
+        rosrust_msg::sensor_msgs::PointCloud2::msg_definition()
+    }
+
+    fn md5sum() -> String {
+        rosrust_msg::sensor_msgs::PointCloud2::md5sum()
+    }
+
+    fn msg_type() -> String {
+        rosrust_msg::sensor_msgs::PointCloud2::msg_type()
+    }
 }
 
 #[cfg(test)]
@@ -178,6 +217,16 @@ mod tests {
     }
 
     #[test]
+    fn the_bytes_are_those_of_the_generated_type() {
+        let frame = cloud().encode_vec().unwrap();
+        let generated = rosrust_msg::sensor_msgs::PointCloud2::decode_slice(&frame).unwrap();
+        assert_eq!(generated.data, cloud().data());
+        assert_eq!(generated.fields, cloud().fields);
+        assert_eq!(generated.encode_vec().unwrap(), frame);
+        assert_eq!(PointCloud2::decode_slice(&frame).unwrap(), cloud());
+    }
+
+    #[test]
     fn every_truncation_is_an_error() {
         let bytes = encode(&cloud());
         for len in 0..bytes.len() {
@@ -190,7 +239,8 @@ mod tests {
     fn bytes_after_the_message_are_an_error() {
         let mut bytes = encode(&cloud());
         bytes.push(0);
-        assert_eq!(decode::<PointCloud2>(&bytes), Err(DecodeError::TrailingBytes(1)));
+        let error = PointCloud2::from_bytes(Arc::new(bytes)).unwrap_err();
+        assert_eq!(error, DecodeError::TrailingBytes(1));
     }
 
     proptest! {
@@ -201,8 +251,8 @@ mod tests {
             if let Some(byte) = bytes.get_mut(at) {
                 *byte = value;
             }
-            let by_slice = decode::<PointCloud2>(&bytes);
-            let by_buffer = PointCloud2::from_bytes(Arc::new(bytes));
+            let by_slice = decode::<PointCloud2>(&bytes).ok();
+            let by_buffer = PointCloud2::from_bytes(Arc::new(bytes)).ok();
             prop_assert_eq!(by_slice, by_buffer);
         }
     }

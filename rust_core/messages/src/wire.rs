@@ -1,10 +1,11 @@
 //! ROS 1's serialisation: little endian, fields in order, a `u32` element count before strings and variable arrays.
 //!
 //! [`Reader`] walks a slice and checks every length against what is left of it. An element count is multiplied by the
-//! least number of bytes that an element takes ([`Wire::MIN_LEN`]) before anything is allocated, so a hostile count
-//! costs nothing.
+//! least number of bytes that an element takes before anything is allocated, so a hostile count costs nothing.
 
-use std::fmt::Write as _;
+use crate::std_msgs::Header;
+use rosrust::{RosMsg, Time};
+use std::io;
 
 /// What is wrong with the bytes of a message.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -26,31 +27,37 @@ pub enum DecodeError {
     TrailingBytes(usize),
 }
 
+impl From<DecodeError> for io::Error {
+    fn from(error: DecodeError) -> Self {
+        Self::new(io::ErrorKind::InvalidData, error)
+    }
+}
+
 /// A position in the bytes of one message.
 #[derive(Clone, Debug)]
-pub struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Reader<'a> {
     /// Starts at the first of `bytes`.
-    pub fn new(bytes: &'a [u8]) -> Self {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0 }
     }
 
     /// Offset of the next byte.
-    pub fn position(&self) -> usize {
+    pub(crate) fn position(&self) -> usize {
         self.at
     }
 
     /// How many bytes are left.
-    pub fn left(&self) -> usize {
+    pub(crate) fn left(&self) -> usize {
         self.bytes.len().saturating_sub(self.at)
     }
 
     /// The next `len` bytes; `what` is named in the error.
-    pub fn take(&mut self, len: usize, what: &'static str) -> Result<&'a [u8], DecodeError> {
+    pub(crate) fn take(&mut self, len: usize, what: &'static str) -> Result<&'a [u8], DecodeError> {
         let end = self.at.checked_add(len);
         match end.and_then(|end| self.bytes.get(self.at..end)) {
             Some(bytes) => {
@@ -62,13 +69,13 @@ impl<'a> Reader<'a> {
     }
 
     /// The next `N` bytes as an array.
-    pub fn array<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], DecodeError> {
+    pub(crate) fn array<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], DecodeError> {
         let error = self.too_short(what, N as u64);
         <[u8; N]>::try_from(self.take(N, what)?).map_err(|_| error)
     }
 
     /// An element count, checked against the bytes left for elements of at least `min_len` bytes each.
-    pub fn count(&mut self, min_len: usize, what: &'static str) -> Result<usize, DecodeError> {
+    pub(crate) fn count(&mut self, min_len: usize, what: &'static str) -> Result<usize, DecodeError> {
         let count = u32::from_le_bytes(self.array::<4>("array length")?);
         let needed = u64::from(count) * min_len.max(1) as u64;
         if needed > self.left() as u64 {
@@ -78,7 +85,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Says that nothing may be left.
-    pub fn finish(&self) -> Result<(), DecodeError> {
+    pub(crate) fn finish(&self) -> Result<(), DecodeError> {
         match self.left() {
             0 => Ok(()),
             left => Err(DecodeError::TrailingBytes(left)),
@@ -90,145 +97,83 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A value with a place in ROS 1's serialisation: a primitive, a string, an array or a message.
-pub trait Wire: Sized {
-    /// The least number of bytes that a value takes.
-    const MIN_LEN: usize;
+/// How many bytes TCPROS puts before a message for its length.
+pub(crate) const LENGTH_PREFIX: usize = 4;
 
-    /// Reads one value.
-    fn read(reader: &mut Reader<'_>) -> Result<Self, DecodeError>;
-
-    /// Appends the value.
-    fn write(&self, out: &mut Vec<u8>);
-
-    /// The type as a ROS message definition spells it, such as `float64[9]`.
-    fn ros_type() -> String;
-
-    /// Adds the messages that this type is made of to `found`, itself first, as pairs of type and field text.
-    fn collect_definitions(_found: &mut Vec<(String, String)>) {}
-}
-
-macro_rules! primitive {
-    ($($rust:ty: $ros:literal),* $(,)?) => {$(
-        impl Wire for $rust {
-            const MIN_LEN: usize = size_of::<$rust>();
-
-            fn read(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
-                Ok(<$rust>::from_le_bytes(reader.array($ros)?))
-            }
-
-            fn write(&self, out: &mut Vec<u8>) {
-                out.extend_from_slice(&self.to_le_bytes());
-            }
-
-            fn ros_type() -> String {
-                $ros.to_owned()
-            }
-        }
-    )*};
-}
-
-primitive! {
-    u8: "uint8", i8: "int8", u16: "uint16", i16: "int16", u32: "uint32", i32: "int32", u64: "uint64", i64: "int64",
-    f32: "float32", f64: "float64",
-}
-
-impl Wire for bool {
-    const MIN_LEN: usize = 1;
-
-    fn read(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
-        Ok(reader.array::<1>("bool")? != [0])
+impl Reader<'_> {
+    pub(crate) fn u8(&mut self, what: &'static str) -> Result<u8, DecodeError> {
+        let [byte] = self.array::<1>(what)?;
+        Ok(byte)
     }
 
-    fn write(&self, out: &mut Vec<u8>) {
-        out.push(u8::from(*self));
+    pub(crate) fn u32(&mut self, what: &'static str) -> Result<u32, DecodeError> {
+        Ok(u32::from_le_bytes(self.array(what)?))
     }
 
-    fn ros_type() -> String {
-        "bool".to_owned()
+    /// ROS strings are bytes of no stated encoding; what is no UTF-8 becomes U+FFFD.
+    pub(crate) fn string(&mut self, what: &'static str) -> Result<String, DecodeError> {
+        let len = self.count(1, what)?;
+        Ok(String::from_utf8_lossy(self.take(len, what)?).into_owned())
+    }
+
+    pub(crate) fn header(&mut self) -> Result<Header, DecodeError> {
+        Ok(Header {
+            seq: self.u32("header.seq")?,
+            stamp: Time { sec: self.u32("header.stamp")?, nsec: self.u32("header.stamp")? },
+            frame_id: self.string("header.frame_id")?,
+        })
     }
 }
 
-/// ROS strings are bytes of no stated encoding; what is no UTF-8 becomes U+FFFD.
-impl Wire for String {
-    const MIN_LEN: usize = 4;
-
-    fn read(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
-        let len = reader.count(1, "string")?;
-        Ok(Self::from_utf8_lossy(reader.take(len, "string")?).into_owned())
-    }
-
-    fn write(&self, out: &mut Vec<u8>) {
-        write_count(self.len(), out);
-        out.extend_from_slice(self.as_bytes());
-    }
-
-    fn ros_type() -> String {
-        "string".to_owned()
+/// Reads a whole message; bytes left over are an error.
+pub fn decode<T: RosMsg>(bytes: &[u8]) -> io::Result<T> {
+    let mut rest = bytes;
+    let value = T::decode(&mut rest)?;
+    match rest.len() {
+        0 => Ok(value),
+        left => Err(DecodeError::TrailingBytes(left).into()),
     }
 }
 
-impl<T: Wire> Wire for Vec<T> {
-    const MIN_LEN: usize = 4;
-
-    fn read(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
-        let count = reader.count(T::MIN_LEN, "array elements")?;
-        let mut values = Self::with_capacity(count);
-        for _ in 0..count {
-            values.push(T::read(reader)?);
-        }
-        Ok(values)
-    }
-
-    fn write(&self, out: &mut Vec<u8>) {
-        write_count(self.len(), out);
-        out.reserve(self.len().saturating_mul(T::MIN_LEN));
-        for value in self {
-            value.write(out);
-        }
-    }
-
-    fn ros_type() -> String {
-        format!("{}[]", T::ros_type())
-    }
-
-    fn collect_definitions(found: &mut Vec<(String, String)>) {
-        T::collect_definitions(found);
-    }
+/// The bytes of a message, without the length that TCPROS puts before them.
+pub fn encode<T: RosMsg>(message: &T) -> Vec<u8> {
+    let mut out = Vec::new();
+    // Writing to a vector cannot fail.
+    let _ = message.encode(&mut out);
+    out
 }
 
-impl<T: Wire + Copy + Default, const N: usize> Wire for [T; N] {
-    const MIN_LEN: usize = N * T::MIN_LEN;
-
-    fn read(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
-        let mut values = [T::default(); N];
-        for value in &mut values {
-            *value = T::read(reader)?;
-        }
-        Ok(values)
+/// A message of about `len` bytes with its length before it.
+pub(crate) fn framed(len: usize, write: impl FnOnce(&mut Vec<u8>)) -> io::Result<Vec<u8>> {
+    let mut out = Vec::with_capacity(LENGTH_PREFIX + len);
+    out.extend_from_slice(&[0; LENGTH_PREFIX]);
+    write(&mut out);
+    let len = u32::try_from(out.len() - LENGTH_PREFIX).map_err(|_| io::ErrorKind::InvalidInput)?;
+    if let Some(prefix) = out.first_chunk_mut() {
+        *prefix = len.to_le_bytes();
     }
+    Ok(out)
+}
 
-    fn write(&self, out: &mut Vec<u8>) {
-        for value in self {
-            value.write(out);
-        }
-    }
-
-    fn ros_type() -> String {
-        let mut name = T::ros_type();
-        // Writing to a String cannot fail.
-        let _ = write!(name, "[{N}]");
-        name
-    }
-
-    fn collect_definitions(found: &mut Vec<(String, String)>) {
-        T::collect_definitions(found);
-    }
+pub(crate) fn write_u32(value: u32, out: &mut Vec<u8>) {
+    out.extend_from_slice(&value.to_le_bytes());
 }
 
 /// Appends an element count. ROS counts with 32 bits; no message of this project comes near that.
 pub(crate) fn write_count(count: usize, out: &mut Vec<u8>) {
-    out.extend_from_slice(&u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes());
+    write_u32(u32::try_from(count).unwrap_or(u32::MAX), out);
+}
+
+pub(crate) fn write_string(text: &str, out: &mut Vec<u8>) {
+    write_count(text.len(), out);
+    out.extend_from_slice(text.as_bytes());
+}
+
+pub(crate) fn write_header(header: &Header, out: &mut Vec<u8>) {
+    write_u32(header.seq, out);
+    write_u32(header.stamp.sec, out);
+    write_u32(header.stamp.nsec, out);
+    write_string(&header.frame_id, out);
 }
 
 #[cfg(test)]
@@ -238,28 +183,19 @@ mod tests {
     #[test]
     fn a_giant_count_is_an_error_before_anything_is_allocated() {
         let bytes = [0xff, 0xff, 0xff, 0xff, 1, 2, 3];
-        let error = Vec::<f64>::read(&mut Reader::new(&bytes)).unwrap_err();
-        assert_eq!(
-            error,
-            DecodeError::TooShort { what: "array elements", at: 4, needed: u64::from(u32::MAX) * 8, left: 3 }
-        );
+        let error = Reader::new(&bytes).count(8, "D").unwrap_err();
+        assert_eq!(error, DecodeError::TooShort { what: "D", at: 4, needed: u64::from(u32::MAX) * 8, left: 3 });
     }
 
     #[test]
     fn a_string_longer_than_the_message_is_an_error() {
         let bytes = [5, 0, 0, 0, b'a', b'b'];
-        assert!(String::read(&mut Reader::new(&bytes)).is_err());
+        assert!(Reader::new(&bytes).string("name").is_err());
     }
 
     #[test]
     fn a_string_of_other_bytes_than_utf8_is_kept_readable() {
         let bytes = [3, 0, 0, 0, b'a', 0xe9, b'b'];
-        assert_eq!(String::read(&mut Reader::new(&bytes)).unwrap(), "a\u{fffd}b");
-    }
-
-    #[test]
-    fn type_names_are_those_of_message_definitions() {
-        assert_eq!(<[f64; 9]>::ros_type(), "float64[9]");
-        assert_eq!(Vec::<String>::ros_type(), "string[]");
+        assert_eq!(Reader::new(&bytes).string("name").unwrap(), "a\u{fffd}b");
     }
 }
