@@ -10,7 +10,7 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
-use crate::{assemble, import, LoadedMesh, PackageIndex, ResourceError};
+use crate::{assemble, import, LoadedMesh, MeshFault, PackageIndex, ResourceError};
 
 type Slot = Arc<OnceLock<Result<Arc<LoadedMesh>, ResourceError>>>;
 
@@ -70,5 +70,9 @@ fn load(path: &Path) -> Result<LoadedMesh, ResourceError> {
     let bytes = fs::read(path).map_err(|source| ResourceError::io(path, source))?;
     let imported = import::import(format, &bytes, path)
         .map_err(|fault| ResourceError::BadMesh { path: path.to_owned(), fault })?;
-    Ok(assemble::assemble(&imported, path))
+    let mesh = assemble::assemble(&imported, path);
+    if mesh.parts.is_empty() {
+        return Err(ResourceError::BadMesh { path: path.to_owned(), fault: MeshFault::Empty });
+    }
+    Ok(mesh)
 }

@@ -384,3 +384,11 @@ fn threads_that_ask_for_one_mesh_get_the_same() {
     });
     assert!(meshes.iter().all(|mesh| Arc::ptr_eq(mesh, &meshes[0])));
 }
+
+#[test]
+fn obj_meshes_are_drawn_object_by_object() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\no a\nusemtl x\nf 1 2 3\no b\nf 2 3 1\no a\nusemtl y\nf 3 1 2\n";
+    let mesh = load_bytes("a.obj", text.as_bytes()).unwrap();
+    let firsts: Vec<_> = mesh.parts.iter().map(|part| positions(part)[0]).collect();
+    assert_eq!(firsts, [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]);
+}

@@ -29,13 +29,15 @@ struct Reader {
     meshes: Vec<Mesh>,
     group: String,
     objects: Vec<String>,
-    has_object: bool,
+    current_object: Option<usize>,
 }
 
 /// A mesh while it is read.
 #[derive(Default)]
 struct Mesh {
     polygons: Polygons,
+    /// Index of the object that it was begun in.
+    object: usize,
     material: Option<usize>,
     has_normals: bool,
     has_uvs: bool,
@@ -71,7 +73,7 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Imported, MeshFault> {
         meshes: Vec::new(),
         group: String::new(),
         objects: Vec::new(),
-        has_object: false,
+        current_object: None,
     };
     let mut joined = String::new();
     for (number, line) in text.lines().enumerate() {
@@ -144,7 +146,7 @@ impl Reader {
         if corners.is_empty() {
             return Ok(());
         }
-        if !self.has_object {
+        if self.current_object.is_none() {
             self.begin_object("defaultobject");
         }
         let Some(mesh) = self.meshes.last_mut() else { return Ok(()) };
@@ -205,16 +207,21 @@ impl Reader {
     }
 
     fn object(&mut self, name: &str) {
-        // An object that comes again goes on with the mesh at hand.
-        if !name.is_empty() && !self.objects.iter().any(|object| object == name) {
-            self.begin_object(name);
+        if name.is_empty() {
+            return;
+        }
+        match self.objects.iter().position(|object| object == name) {
+            // An object that comes again goes on with the mesh at hand; the next one is its.
+            Some(object) => self.current_object = Some(object),
+            None => self.begin_object(name),
         }
     }
 
     fn begin_object(&mut self, name: &str) {
+        let object = self.objects.len();
         self.objects.push(name.to_owned());
-        self.has_object = true;
-        self.meshes.push(Mesh { material: self.current_material, ..Mesh::default() });
+        self.current_object = Some(object);
+        self.meshes.push(Mesh { object, material: self.current_material, ..Mesh::default() });
     }
 
     fn use_material(&mut self, name: &str) {
@@ -233,7 +240,8 @@ impl Reader {
             Some(mesh)
                 if mesh.material.is_some_and(|material| material != index) && !mesh.polygons.face_sizes.is_empty() =>
             {
-                self.meshes.push(Mesh { material: Some(index), ..Mesh::default() });
+                let object = self.current_object.unwrap_or(0);
+                self.meshes.push(Mesh { object, material: Some(index), ..Mesh::default() });
             }
             Some(mesh) => mesh.material = Some(index),
             None => {}
@@ -264,8 +272,9 @@ impl Reader {
         });
     }
 
-    fn finish(self) -> Imported {
+    fn finish(mut self) -> Imported {
         let mut meshes = Vec::new();
+        self.meshes.sort_by_key(|mesh| mesh.object);
         for mut mesh in self.meshes {
             if mesh.polygons.face_sizes.is_empty() {
                 continue;
