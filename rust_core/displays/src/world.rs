@@ -1,6 +1,6 @@
 //! What displays need to know of the world to place what they show.
 
-use nalgebra::{Isometry3, Matrix4};
+use nalgebra::Isometry3;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{stamp_nanos, PlainTransform};
 use rcs_resources::MeshStore;
@@ -52,9 +52,4 @@ pub(crate) fn isometry(pose: &PlainTransform) -> Option<Isometry3<f64>> {
     }
     let rotation = nalgebra::UnitQuaternion::try_new(nalgebra::Quaternion::new(w, x, y, z), 1e-9).unwrap_or_default();
     Some(Isometry3::from_parts(pose.translation.into(), rotation))
-}
-
-/// The pose with a scale along its own axes.
-pub(crate) fn scaled(pose: &Isometry3<f64>, scale: [f64; 3]) -> Matrix4<f64> {
-    pose.to_homogeneous() * Matrix4::new_nonuniform_scaling(&scale.into())
 }

@@ -28,6 +28,8 @@ pub struct WaitingQueue<T> {
     new: usize,
     counts: DropCounts,
     last_dropped: Option<Dropped>,
+    /// The dropped messages, where the owner asked for them.
+    kept: Option<Vec<(T, Dropped)>>,
 }
 
 #[derive(Clone, Debug)]
@@ -101,7 +103,28 @@ impl<T> WaitingQueue<T> {
             new: 0,
             counts: DropCounts::default(),
             last_dropped: None,
+            kept: None,
         }
+    }
+
+    /// The same queue, but it keeps the messages that it drops until [`WaitingQueue::take_dropped`].
+    #[must_use]
+    pub fn keeping_dropped(mut self) -> Self {
+        self.kept = Some(Vec::new());
+        self
+    }
+
+    /// The messages dropped since the last call, in that order, each with the reason; always empty unless the queue was
+    /// made with [`WaitingQueue::keeping_dropped`].
+    pub fn take_dropped(&mut self) -> Vec<(T, Dropped)> {
+        self.kept.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    fn note_dropped(&mut self, content: T, dropped: Dropped) {
+        if let Some(kept) = &mut self.kept {
+            kept.push((content, dropped.clone()));
+        }
+        self.last_dropped = Some(dropped);
     }
 
     /// Changes how many messages may wait; 0 sets no limit. Where too many wait already, the next
@@ -119,7 +142,7 @@ impl<T> WaitingQueue<T> {
         let frame = strip_slash(frame_id);
         if frame.is_empty() {
             self.counts.empty_frame += 1;
-            self.last_dropped = Some(Dropped::EmptyFrame { stamp });
+            self.note_dropped(message, Dropped::EmptyFrame { stamp });
             return;
         }
         if self.queue_size != 0 && self.new >= self.queue_size {
@@ -127,7 +150,8 @@ impl<T> WaitingQueue<T> {
             self.new -= 1;
             if let Some(oldest) = self.messages.remove(oldest_new) {
                 self.counts.queue_full += 1;
-                self.last_dropped = Some(Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason: None });
+                let dropped = Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason: None };
+                self.note_dropped(oldest.content, dropped);
             }
         }
         self.messages.push_back(Message { frame: frame.to_owned(), stamp, content: message });
@@ -146,12 +170,9 @@ impl<T> WaitingQueue<T> {
                 ready.push(message.content);
             } else if let Some(latest) = forgotten_since(tree, target, &message) {
                 self.counts.too_old += 1;
-                self.last_dropped = Some(Dropped::TooOld {
-                    frame: message.frame,
-                    target: strip_slash(target).to_owned(),
-                    stamp: message.stamp,
-                    latest,
-                });
+                let target = strip_slash(target).to_owned();
+                let dropped = Dropped::TooOld { frame: message.frame, target, stamp: message.stamp, latest };
+                self.note_dropped(message.content, dropped);
             } else {
                 self.messages.push_back(message);
             }
@@ -163,7 +184,8 @@ impl<T> WaitingQueue<T> {
             };
             let reason = tree.lookup(target, &oldest.frame, oldest.stamp).err();
             self.counts.queue_full += 1;
-            self.last_dropped = Some(Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason });
+            let dropped = Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason };
+            self.note_dropped(oldest.content, dropped);
         }
         ready
     }
@@ -199,6 +221,9 @@ impl<T> WaitingQueue<T> {
         self.messages.clear();
         self.new = 0;
         self.last_dropped = None;
+        if let Some(kept) = &mut self.kept {
+            kept.clear();
+        }
     }
 }
 
@@ -263,6 +288,22 @@ mod tests {
         let mut queue = WaitingQueue::new(1);
         queue.push("/map", at(12), ());
         assert_eq!(queue.take_ready(&TransformTree::new(), "map").len(), 1);
+    }
+
+    #[test]
+    fn dropped_messages_are_handed_back_when_asked_for() {
+        let mut tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(1).keeping_dropped();
+        queue.push("", at(11), "nowhere");
+        queue.push("laser", at(11), "first");
+        queue.push("laser", at(12), "second");
+        place(&mut tree, "laser", 40);
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        let dropped = queue.take_dropped();
+        let names: Vec<&str> = dropped.iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["nowhere", "first", "second"]);
+        assert!(matches!(dropped[2].1, Dropped::TooOld { .. }));
+        assert!(queue.take_dropped().is_empty());
     }
 
     #[test]

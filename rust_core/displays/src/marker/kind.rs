@@ -1,0 +1,64 @@
+//! The kinds of markers, and what each is drawn with.
+
+use rcs_messages::visualization_msgs::Marker;
+use rcs_resources::MeshStore;
+
+use super::arrow::Arrow;
+use super::mesh::MeshMarker;
+use super::part::Part;
+use super::{lines, point_lists, shape, text, triangles};
+use crate::Shape;
+
+/// A marker's kind, with what rviz keeps of one message when the next comes for the same marker.
+#[derive(Clone, Debug)]
+pub(super) enum Kind {
+    Arrow(Arrow),
+    Shape(Shape),
+    LineStrip,
+    LineList,
+    Points,
+    Text,
+    Mesh(MeshMarker),
+    Triangles,
+}
+
+impl Kind {
+    /// The kind of a message's type; `None` for a type that there is not.
+    pub(super) fn of(marker: &Marker) -> Option<Self> {
+        Some(match u8::try_from(marker.type_).ok()? {
+            Marker::ARROW => Self::Arrow(Arrow::default()),
+            Marker::CUBE => Self::Shape(Shape::Cube),
+            Marker::SPHERE => Self::Shape(Shape::Sphere),
+            Marker::CYLINDER => Self::Shape(Shape::Cylinder),
+            Marker::LINE_STRIP => Self::LineStrip,
+            Marker::LINE_LIST => Self::LineList,
+            Marker::CUBE_LIST | Marker::SPHERE_LIST | Marker::POINTS => Self::Points,
+            Marker::TEXT_VIEW_FACING => Self::Text,
+            Marker::MESH_RESOURCE => Self::Mesh(MeshMarker::default()),
+            Marker::TRIANGLE_LIST => Self::Triangles,
+            _ => return None,
+        })
+    }
+
+    /// Builds what a message of this kind shows.
+    ///
+    /// # Errors
+    /// Why it shows nothing.
+    pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Part>, String> {
+        Ok(match self {
+            Self::Arrow(arrow) => arrow.parts(marker),
+            Self::Shape(shape) => shape::parts(marker, *shape),
+            Self::LineStrip => lines::strip(marker),
+            Self::LineList => lines::list(marker),
+            Self::Points => point_lists::parts(marker),
+            Self::Text => text::parts(marker),
+            Self::Mesh(mesh) => mesh.parts(marker, meshes)?,
+            Self::Triangles => triangles::parts(marker),
+        })
+    }
+
+    /// Whether the marker turns with its pose; text does not, and its orientation may be anything.
+    pub(super) fn has_orientation(&self) -> bool {
+        !matches!(self, Self::Text)
+    }
+}

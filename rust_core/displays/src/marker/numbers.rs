@@ -1,0 +1,37 @@
+//! A marker's numbers as rviz reads them: in single precision.
+
+use rcs_messages::geometry_msgs::Point;
+use rcs_messages::std_msgs::ColorRGBA;
+use rcs_messages::visualization_msgs::Marker;
+use rcs_messages::{point_xyz, translation_xyz};
+use rcs_scene::Rgba;
+
+/// A colour, not clamped.
+pub(super) fn rgba(color: &ColorRGBA) -> Rgba {
+    Rgba::new(color.r, color.g, color.b, color.a)
+}
+
+/// A point in metres; values past single precision become infinite.
+pub(super) fn position(point: &Point) -> [f32; 3] {
+    point_xyz(point).map(|coordinate| coordinate as f32)
+}
+
+/// The marker's scale in metres.
+pub(super) fn scale(marker: &Marker) -> [f64; 3] {
+    translation_xyz(&marker.scale)
+}
+
+/// Whether none is NaN or, in single precision, infinite.
+pub(super) fn all_finite(values: &[f64]) -> bool {
+    values.iter().all(|&value| (value as f32).is_finite())
+}
+
+/// Whether a colour is of ordinary numbers.
+pub(super) fn is_finite_color(color: &ColorRGBA) -> bool {
+    [color.r, color.g, color.b, color.a].iter().all(|channel| channel.is_finite())
+}
+
+/// The colours of the points, if there are as many as points.
+pub(super) fn point_colors(marker: &Marker) -> Option<&[ColorRGBA]> {
+    (!marker.colors.is_empty() && marker.colors.len() == marker.points.len()).then_some(&marker.colors)
+}

@@ -1,0 +1,51 @@
+//! TRIANGLE_LIST: triangles that are seen from both sides.
+//!
+//! In one colour they are lit, each by the normal that its winding gives, whichever side is seen. With a colour for
+//! each vertex or each triangle they are not lit. What blends is rviz's choice too: with colours of vertices it is the
+//! vertices' alpha that decides, else the marker's, although both are multiplied.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix4, Vector3};
+use rcs_messages::std_msgs::ColorRGBA;
+use rcs_messages::visualization_msgs::Marker;
+use rcs_scene::{CullMode, Material, Mesh, Vertex};
+
+use super::numbers::{point_colors, position, rgba, scale};
+use super::part::Part;
+
+/// All triangles but those with a corner that is not finite.
+pub(super) fn parts(marker: &Marker) -> Vec<Part> {
+    let vertex_colors = point_colors(marker);
+    let face_colors = (marker.colors.len() == marker.points.len() / 3).then_some(&marker.colors);
+    let color = |face: usize, corner: usize| {
+        let own = match (vertex_colors, face_colors) {
+            (Some(colors), _) => colors.get(3 * face + corner),
+            (None, Some(colors)) => colors.get(face),
+            (None, None) => None,
+        };
+        own.map_or([255; 4], |own| rgba(own).with_alpha(marker.color.a * own.a).to_rgba8())
+    };
+    let mut vertices = Vec::with_capacity(marker.points.len());
+    for (face, points) in marker.points.chunks_exact(3).enumerate() {
+        let corners = [0, 1, 2].map(|i| Vector3::from(position(&points[i])));
+        let across = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+        if !corners.iter().chain([&across]).all(|vector| vector.iter().all(|value| value.is_finite())) {
+            continue;
+        }
+        let normal = across.try_normalize(f32::MIN_POSITIVE).unwrap_or_default().into();
+        for (i, corner) in corners.into_iter().enumerate() {
+            vertices.push(Vertex { color: color(face, i), ..Vertex::new(corner.into(), normal) });
+        }
+    }
+    let blends = |color: &ColorRGBA| color.a < Material::OPAQUE_FROM_ALPHA;
+    let is_translucent = vertex_colors.map_or(blends(&marker.color), |colors| colors.iter().any(blends));
+    let material = if vertex_colors.is_some() || face_colors.is_some() {
+        Material::unlit(is_translucent)
+    } else {
+        Material::lit(rgba(&marker.color))
+    };
+    let mesh = Mesh { indices: (0..vertices.len() as u32).collect(), vertices };
+    let marker_from_triangles = Matrix4::new_nonuniform_scaling(&scale(marker).into());
+    vec![Part::mesh(marker_from_triangles, Arc::new(mesh), Material { cull: CullMode::None, ..material })]
+}
