@@ -1,27 +1,187 @@
 //! The CPU renderer.
+//!
+//! A picture is made in two steps, each spread over the cores:
+//!
+//! 1. The scene is cut into jobs (see [`plan`]). A job projects points, or transforms, lights and clips triangles and
+//!    lines, drops what is not to be seen, and sorts the rest into the picture's *bands*, a few dozen rows each.
+//! 2. Each band is drawn: whatever the jobs have sorted into it, job after job, so in the scene's order. A band's
+//!    colours and depths fit into a core's cache, belong to one thread, and are encoded into the picture when the band
+//!    is done. There is no frame buffer of the whole picture, and no two threads write to the same pixel, so that the
+//!    picture does not depend on the number of threads.
+//!
+//! What is drawn is what OpenGL draws with rviz's shaders on Mesa's software rasteriser: one file for each primitive
+//! ([`round_points`], [`faces`], [`triangles`], [`lines`]) says how.
+//!
+//! All memory that grows with the scene is kept for the next picture.
 
-use rcs_scene::Picture;
+mod band;
+mod bins;
+mod clip;
+mod faces;
+mod lighting;
+mod lines;
+mod plan;
+mod points;
+mod round_points;
+mod screen;
+mod solids;
+mod surface;
+mod texture;
+mod triangles;
 
+use std::sync::{Mutex, PoisonError};
+
+use rcs_scene::{Picture, MAX_SIDE_PX};
+
+use self::band::{pack, Band, BandBuffers};
+use self::bins::Bins;
+use self::plan::{Job, Plan, Textures};
+use self::points::Block;
+use self::round_points::RoundPoint;
+use self::screen::Screen;
+use self::solids::{Primitives, VertexCache};
 use crate::{RenderError, Renderer, View};
 
 /// Draws on the CPU.
 #[derive(Debug, Default)]
-pub struct CpuRenderer {}
+pub struct CpuRenderer {
+    workers: Vec<Worker>,
+    outcomes: Vec<Outcome>,
+    textures: Textures,
+}
+
+/// What a thread keeps.
+#[derive(Debug, Default)]
+struct Worker {
+    band: BandBuffers,
+    block: Block,
+    round_points: Vec<RoundPoint>,
+    vertices: VertexCache,
+}
+
+/// What a job has made; only what its kind of job makes is filled.
+#[derive(Debug, Default)]
+struct Outcome {
+    round_points: Bins<RoundPoint>,
+    primitives: Primitives,
+}
 
 impl CpuRenderer {
     /// A renderer that uses all cores.
     pub fn new() -> Self {
-        Self::default()
+        Self::with_threads(rayon::current_num_threads())
+    }
+
+    /// A renderer that uses this many threads (at least one). The picture does not depend on it.
+    pub fn with_threads(threads: usize) -> Self {
+        let workers = (0..threads.max(1)).map(|_| Worker::default()).collect();
+        Self { workers, ..Self::default() }
     }
 }
 
 impl Renderer for CpuRenderer {
     fn describe(&self) -> String {
-        "cpu".into()
+        match self.workers.len() {
+            0 | 1 => "cpu (1 thread)".into(),
+            threads => format!("cpu ({threads} threads)"),
+        }
     }
 
     fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
-        picture.reset(view.camera.width_px(), view.camera.height_px(), view.encoding);
+        let (width_px, height_px) = (view.camera.width_px(), view.camera.height_px());
+        if width_px.max(height_px) > MAX_SIDE_PX {
+            let renderer = self.describe();
+            return Err(RenderError::TooLarge { width_px, height_px, limit_px: MAX_SIDE_PX, renderer });
+        }
+        picture.reset(width_px, height_px, view.encoding);
+        if picture.data.is_empty() {
+            return Ok(());
+        }
+        if self.workers.is_empty() {
+            self.workers.push(Worker::default());
+        }
+        let screen = Screen::new(width_px, height_px);
+        self.textures.forget_dead();
+        let plan = Plan::new(view, &mut self.textures);
+        let jobs = plan.jobs.len();
+        if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
+            self.outcomes.resize_with(jobs, Outcome::default);
+        }
+
+        let jobs = plan.jobs.iter().zip(&mut self.outcomes);
+        in_parallel(&mut self.workers, jobs, |worker, (job, outcome)| outcome.prepare(job, &plan, &screen, worker));
+
+        let [r, g, b] = view.background;
+        let background = pack([r, g, b, 255]);
+        let step = picture.step();
+        let outcomes = &self.outcomes;
+        let bands = picture.data.chunks_mut(step * screen.band_rows()).enumerate();
+        in_parallel(&mut self.workers, bands, |worker, (index, rows)| {
+            let mut band = worker.band.begin(&screen, index, background);
+            for (job, outcome) in plan.jobs.iter().zip(outcomes) {
+                outcome.draw(job, &plan, index, &mut band);
+            }
+            for (pixels, row) in band.pixel_rows().zip(rows.chunks_mut(step)) {
+                view.encoding.write_row(pixels, row);
+            }
+        });
         Ok(())
+    }
+}
+
+/// Hands the items to the workers, each to the first that is free.
+fn in_parallel<W: Send, T: Send>(
+    workers: &mut [W],
+    items: impl Iterator<Item = T> + Send,
+    work: impl Fn(&mut W, T) + Sync,
+) {
+    let items = Mutex::new(items);
+    let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let run = |worker: &mut W| {
+        while let Some(item) = next() {
+            work(worker, item);
+        }
+    };
+    match workers {
+        [worker] => run(worker),
+        workers => rayon::scope(|scope| {
+            for worker in workers {
+                scope.spawn(|_| run(worker));
+            }
+        }),
+    }
+}
+
+impl Outcome {
+    fn prepare(&mut self, job: &Job, plan: &Plan<'_>, screen: &Screen, worker: &mut Worker) {
+        match job {
+            Job::Points(index, range) => {
+                let Some(cloud) = plan.clouds.get(*index) else { return };
+                worker.round_points.clear();
+                round_points::project(cloud, screen, range.clone(), &mut worker.block, &mut worker.round_points);
+                self.round_points.fill(screen, &worker.round_points);
+            }
+            Job::Pieces(pieces) => {
+                self.primitives.clear();
+                for piece in plan.pieces.get(pieces.clone()).unwrap_or(&[]) {
+                    if let Some(solid) = plan.solids.get(piece.solid) {
+                        let parts = piece.parts.clone();
+                        self.primitives.add(solid, piece.solid as u32, parts, screen, &mut worker.vertices);
+                    }
+                }
+                self.primitives.finish(screen);
+            }
+        }
+    }
+
+    fn draw(&self, job: &Job, plan: &Plan<'_>, index: usize, band: &mut Band<'_>) {
+        match job {
+            Job::Points(cloud, _) => {
+                if let Some(cloud) = plan.clouds.get(*cloud) {
+                    round_points::draw(cloud, self.round_points.band(index), band);
+                }
+            }
+            Job::Pieces(_) => self.primitives.draw(&plan.solids, index, band),
+        }
     }
 }

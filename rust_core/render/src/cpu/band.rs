@@ -1,0 +1,183 @@
+//! The pixels of one band of rows: colour and depth, and how a fragment meets them.
+//!
+//! A worker draws one band after another into the same two buffers, which stay in its core's cache; a finished band
+//! goes to the picture at once, so that no frame buffer of the whole picture exists. Colours are 8-bit and every
+//! blend rounds, with the arithmetic of Mesa's rasteriser.
+
+use super::screen::{Screen, FARTHEST};
+
+/// How fragments meet the pixels that are there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Mode {
+    /// `colour · alpha + behind · (1 − alpha)`, else the colour replaces.
+    pub blend: bool,
+    /// What is nearer hides the fragment.
+    pub depth_test: bool,
+    /// The fragment's depth is kept.
+    pub depth_write: bool,
+}
+
+impl Mode {
+    /// Hides what is behind.
+    pub(super) const OPAQUE: Self = Self { blend: false, depth_test: true, depth_write: true };
+    /// Blends with what is behind and leaves its depth.
+    pub(super) const TRANSLUCENT: Self = Self { blend: true, depth_test: true, depth_write: false };
+
+    /// One of the two.
+    pub(super) const fn new(blend: bool) -> Self {
+        if blend {
+            Self::TRANSLUCENT
+        } else {
+            Self::OPAQUE
+        }
+    }
+}
+
+/// The buffers that a worker keeps.
+#[derive(Debug, Default)]
+pub(super) struct BandBuffers {
+    color: Vec<u32>,
+    depth: Vec<u32>,
+}
+
+impl BandBuffers {
+    /// The band of this index, cleared.
+    pub(super) fn begin(&mut self, screen: &Screen, index: usize, background: u32) -> Band<'_> {
+        let first_row = index * screen.band_rows();
+        let rows = screen.band_rows().min((screen.height_px as usize).saturating_sub(first_row));
+        let width = screen.width_px as usize;
+        self.color.clear();
+        self.color.resize(width * rows, background);
+        self.depth.clear();
+        self.depth.resize(width * rows, FARTHEST);
+        Band {
+            width: width as i32,
+            first_row: first_row as i32,
+            end_row: (first_row + rows) as i32,
+            color: &mut self.color,
+            depth: &mut self.depth,
+        }
+    }
+}
+
+/// A band that is being drawn.
+#[derive(Debug)]
+pub(super) struct Band<'a> {
+    /// Pixels in a row.
+    pub width: i32,
+    /// The band's first row in the picture.
+    pub first_row: i32,
+    /// The row after its last.
+    pub end_row: i32,
+    color: &'a mut [u32],
+    depth: &'a mut [u32],
+}
+
+impl Band<'_> {
+    /// The part of a range of picture rows that lies in this band.
+    #[inline]
+    pub(super) fn rows(&self, begin: i32, end: i32) -> std::ops::Range<i32> {
+        begin.max(self.first_row)..end.min(self.end_row)
+    }
+
+    /// Colours and depths from `begin` to before `end` of a picture row, which has to be one of the band's; what is
+    /// outside of the picture is left out, and the first pixel's x comes back.
+    #[inline]
+    pub(super) fn span(&mut self, row: i32, begin: i32, end: i32) -> (i32, &mut [u32], &mut [u32]) {
+        let begin = begin.clamp(0, self.width);
+        let end = end.clamp(begin, self.width);
+        let start = (row - self.first_row) as usize * self.width as usize;
+        let range = start + begin as usize..start + end as usize;
+        (begin, &mut self.color[range.clone()], &mut self.depth[range])
+    }
+
+    /// One fragment.
+    #[inline]
+    pub(super) fn put(&mut self, x: i32, y: i32, depth: u32, color: [u8; 4], mode: Mode) {
+        if x < 0 || x >= self.width || y < self.first_row || y >= self.end_row {
+            return;
+        }
+        let index = (y - self.first_row) as usize * self.width as usize + x as usize;
+        if let (Some(c), Some(d)) = (self.color.get_mut(index), self.depth.get_mut(index)) {
+            meet(c, d, depth, color, mode);
+        }
+    }
+
+    /// The finished rows, from the top.
+    pub(super) fn pixel_rows(&self) -> impl Iterator<Item = &[[u8; 4]]> + '_ {
+        self.color.chunks_exact(self.width.max(1) as usize).map(bytemuck::cast_slice)
+    }
+}
+
+/// A colour as the buffers hold it: four bytes, red first in memory.
+#[inline]
+pub(super) fn pack(color: [u8; 4]) -> u32 {
+    u32::from_ne_bytes(color)
+}
+
+/// A fragment meets a pixel.
+#[inline]
+pub(super) fn meet(pixel: &mut u32, pixel_depth: &mut u32, depth: u32, color: [u8; 4], mode: Mode) {
+    if mode.depth_test && depth > *pixel_depth {
+        return;
+    }
+    if mode.depth_write {
+        *pixel_depth = depth;
+    }
+    *pixel = if mode.blend { blend(*pixel, color) } else { pack(color) };
+}
+
+/// `color` over `behind`, by the colour's alpha.
+#[inline]
+pub(super) fn blend(behind: u32, color: [u8; 4]) -> u32 {
+    let alpha = u32::from(color[3]);
+    let behind = behind.to_ne_bytes();
+    let channel = |i: usize| {
+        let sum = scale(u32::from(color[i]), alpha) + scale(u32::from(behind[i]), 255 - alpha);
+        sum.min(255) as u8
+    };
+    pack([channel(0), channel(1), channel(2), channel(3)])
+}
+
+/// `value · factor / 255`, rounded.
+#[inline]
+fn scale(value: u32, factor: u32) -> u32 {
+    let product = value * factor;
+    (product + (product >> 8) + 128) >> 8
+}
+
+/// A channel of 0 to 1 as a byte, to the nearest.
+#[inline]
+pub(super) fn unorm8(value: f32) -> u8 {
+    (value * 255.0 + 0.5) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blending_rounds_to_the_nearest_level() {
+        assert_eq!(blend(pack([0, 100, 255, 255]), [255, 100, 0, 255]), pack([255, 100, 0, 255]));
+        let [r, g, b, _] = blend(pack([0, 100, 255, 255]), [255, 100, 0, 0]).to_ne_bytes();
+        assert_eq!([r, g, b], [0, 100, 255]);
+        let [r, g, b, _] = blend(pack([0, 100, 255, 255]), [255, 100, 0, 128]).to_ne_bytes();
+        assert_eq!([r, g, b], [128, 100, 127]);
+    }
+
+    #[test]
+    fn of_equal_depths_the_later_wins_and_translucent_ones_leave_the_depth() {
+        let mut buffers = BandBuffers::default();
+        let screen = Screen::new(2, 1);
+        let mut band = buffers.begin(&screen, 0, pack([9, 9, 9, 255]));
+        band.put(0, 0, 500, [1, 1, 1, 255], Mode::OPAQUE);
+        band.put(0, 0, 500, [2, 2, 2, 255], Mode::OPAQUE);
+        band.put(0, 0, 501, [3, 3, 3, 255], Mode::OPAQUE);
+        band.put(1, 0, 100, [7, 7, 7, 255], Mode::TRANSLUCENT);
+        band.put(1, 0, 200, [8, 8, 8, 255], Mode::OPAQUE);
+        band.put(2, 0, 0, [8, 8, 8, 255], Mode::OPAQUE);
+        band.put(0, 1, 0, [8, 8, 8, 255], Mode::OPAQUE);
+        let rows: Vec<_> = band.pixel_rows().flatten().map(|p| p[0]).collect();
+        assert_eq!(rows, [2, 8]);
+    }
+}

@@ -1,0 +1,158 @@
+//! Clouds drawn as faces: `Style: Squares`, `Flat Squares`, `Spheres` and `Boxes`, and tiles.
+//!
+//! Squares and discs look at the eye (not at the picture plane) and stand upright to the y axis of the cloud's own
+//! frame: with `at` the direction to the eye, their sides run along `right = y × at` and `up = at × right`. So they
+//! are seen from their front, turned as the cloud's frame is, and their depth changes over the face; where the eye
+//! looks along that y axis there is no such direction and nothing is drawn. A tile is a rectangle of a fixed
+//! orientation, seen from both sides. A box has its edges along the axes of the cloud's frame.
+//!
+//! ```text
+//!         up
+//!   2 ────┼──── 3        a face's corners, in units of its half sides;
+//!   │     │     │        its place (u, v) is measured from its middle in whole
+//!   ┼──── · ────┼ right  sides, so that it reaches from −0.5 to 0.5
+//!   │     │     │
+//!   0 ────┼──── 1
+//! ```
+
+use nalgebra::Point3;
+use rcs_scene::{CullMode, PointStyle, Points};
+
+use super::band::Mode;
+use super::clip::ClipVertex;
+use super::screen::Placement;
+use super::surface::{Paint, Surface};
+
+/// Brightness of the sides of a box that look along +x, +y, +z and along −x, −y, −z.
+const BRIGHTNESS: [[f32; 3]; 2] = [[0.6, 0.4, 0.9], [0.6, 1.0, 0.5]];
+
+/// Whether something of this opacity is drawn at all; all styles but boxes leave out what is fainter than a 255th.
+#[inline]
+pub(super) fn is_visible(alpha: f32) -> bool {
+    alpha >= 1.0 / 255.0
+}
+
+/// The faces of a cloud.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Faces<'a> {
+    points: &'a Points,
+    /// The eye in the cloud's frame.
+    eye: [f32; 3],
+}
+
+impl<'a> Faces<'a> {
+    /// The faces of a cloud; `None` where its style has none.
+    pub(super) fn of(points: &'a Points, eye_in_object: Point3<f32>) -> Option<Self> {
+        let eye = eye_in_object.coords.into();
+        (!matches!(points.style, PointStyle::Points { .. })).then_some(Self { points, eye })
+    }
+
+    /// What the faces look like.
+    pub(super) fn surface(&self) -> Surface {
+        let (paint, cull) = match self.points.style {
+            PointStyle::Squares { .. } => (Paint::Edged, CullMode::Back),
+            PointStyle::Spheres { .. } => (Paint::Disc, CullMode::Back),
+            PointStyle::Boxes { .. } => (Paint::DarkEdged, CullMode::Back),
+            PointStyle::Tiles { .. } => (Paint::Edged, CullMode::None),
+            PointStyle::FlatSquares { .. } | PointStyle::Points { .. } => (Paint::Color, CullMode::Back),
+        };
+        Surface { paint, mode: Mode::new(self.points.blended), cull, depth_bias: 0.0 }
+    }
+
+    /// How many points there are.
+    pub(super) fn len(&self) -> usize {
+        self.points.buffer.positions.len()
+    }
+
+    /// Triangles of each point.
+    pub(super) fn triangles_each(&self) -> usize {
+        match self.points.style {
+            PointStyle::Boxes { .. } => 12,
+            _ => 2,
+        }
+    }
+
+    /// Makes the triangles of one point.
+    pub(super) fn triangles(&self, placement: &Placement, index: usize, mut out: impl FnMut([&ClipVertex; 3])) {
+        let Some(&position) = self.points.buffer.positions.get(index) else { return };
+        let [r, g, b, a] = self.points.buffer.colors.get(index).map(|c| f32::from(c) / 255.0);
+        let alpha = a * self.points.alpha;
+        let color = |brightness: f32| [r * brightness, g * brightness, b * brightness, alpha.clamp(0.0, 1.0)];
+        let factor = if self.points.auto_size { position[2] } else { 1.0 };
+        let center = placement.clip(position);
+        let along = |[x, y, z]: [f32; 3], length: f32| {
+            placement.clip_from_object.map(|row| (row[0] * x + row[1] * y + row[2] * z) * length)
+        };
+        let mut face = |middle: [f32; 4], right: [f32; 4], up: [f32; 4], color: [f32; 4]| {
+            let corner = |u: f32, v: f32| ClipVertex {
+                position: [0, 1, 2, 3].map(|i| middle[i] + u * right[i] + v * up[i]),
+                color,
+                uv: [u * 0.5, v * 0.5],
+            };
+            let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0)];
+            out([&corners[2], &corners[0], &corners[3]]);
+            out([&corners[3], &corners[0], &corners[1]]);
+        };
+        match self.points.style {
+            PointStyle::Squares { side_m: size_m }
+            | PointStyle::FlatSquares { side_m: size_m }
+            | PointStyle::Spheres { diameter_m: size_m }
+                if is_visible(alpha) =>
+            {
+                let half = size_m * factor * 0.5;
+                let (right, up) = upright(self.eye, position);
+                face(center, along(right, half), along(up, half), color(1.0));
+            }
+            PointStyle::Tiles { size_m, normal, up } if is_visible(alpha) => {
+                let right = [
+                    up[1] * normal[2] - up[2] * normal[1],
+                    up[2] * normal[0] - up[0] * normal[2],
+                    up[0] * normal[1] - up[1] * normal[0],
+                ];
+                face(center, along(right, size_m[0] * 0.5), along(up, size_m[1] * 0.5), color(1.0));
+            }
+            PointStyle::Boxes { size_m } => {
+                let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+                let axes = [0, 1, 2].map(|axis: usize| along(axes[axis], size_m[axis] * factor * 0.5));
+                for axis in [2, 0, 1] {
+                    let (normal, u, v) = (axes[axis], axes[(axis + 1) % 3], axes[(axis + 2) % 3]);
+                    let middle = |sign: f32| [0, 1, 2, 3].map(|i| center[i] + sign * normal[i]);
+                    face(middle(1.0), u, v, color(BRIGHTNESS[0][axis]));
+                    face(middle(-1.0), v, u, color(BRIGHTNESS[1][axis]));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Unit vectors to the right and up of a face at `position` that looks at `eye`. Not a number where there are none.
+#[inline]
+fn upright(eye: [f32; 3], position: [f32; 3]) -> ([f32; 3], [f32; 3]) {
+    let [x, y, z] = [0, 1, 2].map(|i| eye[i] - position[i]);
+    let level = x * x + z * z;
+    let (right, up) = (1.0 / level.sqrt(), 1.0 / (level * (level + y * y)).sqrt());
+    ([z * right, 0.0, -x * right], [-x * y * up, level * up, -y * z * up])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn faces_look_at_the_eye_and_stand_upright() {
+        let (eye, position) = ([1.0, 5.0, -2.0], [3.0, -1.0, 4.0]);
+        let (right, up) = upright(eye, position);
+        let at = (Vector3::from(eye) - Vector3::from(position)).normalize();
+        let (right, up) = (Vector3::from(right), Vector3::from(up));
+        assert!((right.cross(&up) - at).norm() < 1e-6);
+        assert!((right.norm() - 1.0).abs() < 1e-6 && right.y == 0.0 && up.y > 0.0);
+    }
+
+    #[test]
+    fn there_is_no_face_above_the_eye() {
+        let (right, up) = upright([1.0, 5.0, 2.0], [1.0, 1.0, 2.0]);
+        assert!(right.iter().chain(&up).any(|c| c.is_nan()));
+    }
+}

@@ -1,0 +1,81 @@
+//! The colour of a mesh's vertex.
+//!
+//! OpenGL's fixed-function lighting as rviz sets it up: one directional light, white and diffuse, without ambient light
+//! and without a specular part (its specular colour is black, so that a material's never shows). Normals go with the
+//! inverse transpose of the object's matrix and are made unit length. A face is lit by its front's normal from both
+//! sides.
+
+use rcs_scene::{Lighting, Material, Vertex};
+
+use nalgebra::Vector3;
+
+use super::screen::Placement;
+
+/// Red, green, blue and alpha of a vertex, each 0 to 1.
+pub(super) fn vertex_color(material: &Material, placement: &Placement, vertex: &Vertex) -> [f32; 4] {
+    let own = || vertex.color.map(|c| f32::from(c) / 255.0);
+    match &material.lighting {
+        Lighting::Unlit if material.vertex_colors => own(),
+        Lighting::Unlit => [1.0; 4],
+        Lighting::Lit { diffuse, emissive, .. } => {
+            let diffuse = if material.vertex_colors { own() } else { diffuse.to_array() };
+            let emissive = emissive.to_array();
+            let light = brightness(placement, vertex.normal);
+            let channel = |i: usize| (emissive[i] + diffuse[i] * light).clamp(0.0, 1.0);
+            [channel(0), channel(1), channel(2), diffuse[3].clamp(0.0, 1.0)]
+        }
+    }
+}
+
+/// The cosine between a normal and the direction to the light, 0 on the side turned away.
+fn brightness(placement: &Placement, normal: [f32; 3]) -> f32 {
+    let Some(to_light) = placement.to_light else { return 0.0 };
+    let normal = placement.view_from_normal * Vector3::from(normal);
+    let length = normal.norm();
+    if length > 0.0 {
+        (normal.dot(&to_light) / length).max(0.0)
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Isometry3, Matrix4};
+    use rcs_scene::{Camera, DirectionalLight, Intrinsics, Rgba};
+
+    fn lit(fixed_from_object: &Matrix4<f64>, normal: [f32; 3], emissive: Rgba) -> [f32; 4] {
+        let p = [100.0, 0.0, 50.0, 0.0, 0.0, 100.0, 50.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let camera = Camera::new(Intrinsics::from_p(100, 100, &p).unwrap(), &Isometry3::identity(), 0.01);
+        let view_from_object = camera.fixed_from_view().inverse().to_homogeneous() * fixed_from_object;
+        let light = DirectionalLight { direction: Vector3::new(0.0, 0.0, -1.0) };
+        let placement = Placement::new(&camera, &view_from_object, Some(&light));
+        let mut material = Material::lit(Rgba::new(1.0, 0.5, 0.0, 0.25));
+        if let Lighting::Lit { emissive: e, .. } = &mut material.lighting {
+            *e = emissive;
+        }
+        vertex_color(&material, &placement, &Vertex::new([0.0; 3], normal))
+    }
+
+    #[test]
+    fn brightness_is_the_cosine_to_the_light() {
+        let close =
+            |a: [f32; 4], b: [f32; 4]| assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?} {b:?}");
+        let identity = Matrix4::identity();
+        close(lit(&identity, [0.0, 0.0, 1.0], Rgba::TRANSPARENT), [1.0, 0.5, 0.0, 0.25]);
+        close(lit(&identity, [0.0, 0.6, 0.8], Rgba::TRANSPARENT), [0.8, 0.4, 0.0, 0.25]);
+        close(lit(&identity, [0.0, 0.0, -1.0], Rgba::TRANSPARENT), [0.0, 0.0, 0.0, 0.25]);
+        close(lit(&identity, [0.0; 3], Rgba::new(0.1, 0.7, 0.2, 1.0)), [0.1, 0.7, 0.2, 0.25]);
+        close(lit(&identity, [0.0, 0.0, 1.0], Rgba::new(0.1, 0.7, 0.2, 1.0)), [1.0, 1.0, 0.2, 0.25]);
+    }
+
+    #[test]
+    fn normals_follow_an_uneven_scale_and_a_singular_one_is_dark() {
+        let squeezed = Matrix4::new_nonuniform_scaling(&Vector3::new(1.0, 1.0, 0.5));
+        let [r, ..] = lit(&squeezed, [0.0, 0.6, 0.8], Rgba::TRANSPARENT);
+        let expected = 1.6 / (0.36f32 + 2.56).sqrt();
+        assert!((r - expected).abs() < 1e-6);
+        assert_eq!(lit(&Matrix4::zeros(), [0.0, 0.0, 1.0], Rgba::TRANSPARENT), [0.0, 0.0, 0.0, 0.25]);
+    }
+}

@@ -1,0 +1,139 @@
+//! Lines of one pixel.
+//!
+//! A line has one pixel in each column (a flat one) or in each row (a steep one): the one whose centre is nearest to
+//! it, of two equally near ones the upper or left. At its ends the diamond-exit rule decides: a pixel is drawn when
+//! the line leaves the diamond around its centre, so that joined lines draw their common pixel once. Mesa's test for
+//! that mirrors the slope in one case, which is repeated here.
+
+use super::band::{meet, unorm8, Band, Mode};
+use super::bins::Rows;
+use super::clip::{clip_line, ClipVertex};
+use super::screen::{depth24, snap, Screen, SUBPIXELS};
+
+/// A line that is ready to be drawn. "Along" is the axis with one pixel a step: x for a flat line, y for a steep one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    steep: bool,
+    /// The first pixel along and the one after the last.
+    first: i32,
+    after: i32,
+    /// Snapped ends, `[along, across]`, the first with the smaller along.
+    ends: [[i32; 2]; 2],
+    rows: (i32, i32),
+    mode: Mode,
+    begin: End,
+    end: End,
+}
+
+/// What is interpolated between the ends.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    /// Window coordinate along, from the first pixel's centre.
+    along: f32,
+    depth: f32,
+    inverse_w: f32,
+    color: [f32; 4],
+}
+
+impl Rows for Line {
+    fn rows(&self) -> (i32, i32) {
+        self.rows
+    }
+}
+
+/// Clips a line and makes it ready; `None` where nothing is to be drawn.
+pub(super) fn set_up(a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) -> Option<Line> {
+    let (a, b) = clip_line(a, b)?;
+    let window = |v: &ClipVertex| {
+        let inverse_w = 1.0 / v.position[3];
+        [screen.x(v.position[0] * inverse_w), screen.y(v.position[1] * inverse_w)]
+    };
+    let (at_a, at_b) = (window(&a), window(&b));
+    let delta = [at_b[0] - at_a[0], at_b[1] - at_a[1]];
+    if !(delta[0].is_finite() && delta[1].is_finite()) || (delta[0] == 0.0 && delta[1] == 0.0) {
+        return None;
+    }
+    let steep = delta[1].abs() > delta[0].abs();
+    let axis = usize::from(steep);
+    let (first, last) = diamond_exit(at_a, at_b, axis);
+    let forward = delta[axis] > 0.0;
+    let end = |v: &ClipVertex, at: [f32; 2]| End {
+        along: at[axis] - 0.5,
+        depth: v.position[2] / v.position[3] * 0.5 + 0.5,
+        inverse_w: 1.0 / v.position[3],
+        color: v.color,
+    };
+    let (a_end, b_end) = (end(&a, at_a), end(&b, at_b));
+    let place = |at: [f32; 2]| [snap(at[axis]), snap(at[1 - axis])];
+    let (begin, end, ends) =
+        if forward { (a_end, b_end, [place(at_a), place(at_b)]) } else { (b_end, a_end, [place(at_b), place(at_a)]) };
+    if ends[0][0] >= ends[1][0] {
+        return None;
+    }
+    let limit = [screen.width_px, screen.height_px][axis] as i32;
+    let (first, after) = (first.max(0), (last + 1).min(limit));
+    let mut line = Line { steep, first, after, ends, rows: (first, after), mode, begin, end };
+    if !steep {
+        let (a, b) = (line.across(first), line.across(after - 1));
+        line.rows = (a.min(b).max(0), (a.max(b) + 1).min(screen.height_px as i32));
+    }
+    (first < after && line.rows.0 < line.rows.1).then_some(line)
+}
+
+/// The first and the last pixel along an axis of a line from `a` to `b`, in the order of the axis.
+fn diamond_exit(a: [f32; 2], b: [f32; 2], axis: usize) -> (i32, i32) {
+    let direction = |i: usize| if b[i] < a[i] { -1.0 } else { 1.0 };
+    let (along, across) = (direction(axis), direction(1 - axis));
+    let slope = ((b[1 - axis] - a[1 - axis]) / (b[axis] - a[axis])).abs();
+    // Distance past the pixel's centre, seen in the line's direction.
+    let past = |at: [f32; 2]| {
+        let offset = |i: usize| at[i] - at[i].floor() - 0.5;
+        (offset(axis) * along, offset(1 - axis) * across)
+    };
+    let reaches_the_diamond = |(u, v): (f32, f32)| (v + u * slope).abs() < 0.5;
+    let (u, v) = past(a);
+    let draws_first = u.abs() + v.abs() < 0.5 || (u < 0.0 && (v <= 0.0 || reaches_the_diamond((u, v))));
+    let (u, v) = past(b);
+    let draws_last = u.abs() + v.abs() >= 0.5 && u >= 0.0 && (v > 0.0 || reaches_the_diamond((u, v)));
+    let (cell_a, cell_b) = (a[axis].floor() as i32, b[axis].floor() as i32);
+    if along > 0.0 {
+        (cell_a + i32::from(!draws_first), cell_b - i32::from(!draws_last))
+    } else {
+        (cell_b + i32::from(!draws_last), cell_a - i32::from(!draws_first))
+    }
+}
+
+impl Line {
+    /// The pixel across at a pixel along.
+    fn across(&self, along: i32) -> i32 {
+        let [[a0, c0], [a1, c1]] = self.ends.map(|end| end.map(i64::from));
+        let (length, subpixels) = ((a1 - a0).max(1), i64::from(SUBPIXELS));
+        let doubled = (2 * c0 - subpixels) * length + 2 * (i64::from(along) * subpixels - a0) * (c1 - c0);
+        // The smallest whole number not below doubled / (2 · 256 · length).
+        -(-doubled).div_euclid(2 * subpixels * length) as i32
+    }
+
+    /// Draws the rows of a band.
+    pub(super) fn draw(&self, band: &mut Band<'_>) {
+        let steps = if self.steep { band.rows(self.first, self.after) } else { self.first..self.after };
+        let length = (self.end.along - self.begin.along).max(f32::MIN_POSITIVE);
+        for along in steps {
+            let across = self.across(along);
+            let (x, y) = if self.steep { (across, along) } else { (along, across) };
+            if y < band.first_row || y >= band.end_row {
+                continue;
+            }
+            let (_, colors, depths) = band.span(y, x, x + 1);
+            if let (Some(pixel), Some(depth)) = (colors.first_mut(), depths.first_mut()) {
+                let t = (along as f32 - self.begin.along) / length;
+                let mix = |a: f32, b: f32| a + (b - a) * t;
+                let w = 1.0 / mix(self.begin.inverse_w, self.end.inverse_w);
+                let color = [0, 1, 2, 3].map(|i| {
+                    let (a, b) = (self.begin.color[i], self.end.color[i]);
+                    unorm8(if a == b { a } else { mix(a * self.begin.inverse_w, b * self.end.inverse_w) * w })
+                });
+                meet(pixel, depth, depth24(mix(self.begin.depth, self.end.depth)), color, self.mode);
+            }
+        }
+    }
+}

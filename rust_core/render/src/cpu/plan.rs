@@ -1,0 +1,159 @@
+//! What is to be done for a picture: the scene's drawables in their order, cut into jobs of about equal size.
+//!
+//! A job turns a chunk of a cloud, or several meshes and lines together, into things that are sorted into the
+//! picture's bands. Jobs are independent of each other; drawn in their order they give the picture.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::{Arc, Weak};
+
+use rcs_scene::{Blending, CullMode, Drawable, Geometry, Material, Texture};
+
+use super::band::Mode;
+use super::faces::Faces;
+use super::points::Cloud;
+use super::screen::Placement;
+use super::solids::{Shape, Solid};
+use super::surface::{Paint, Surface};
+use super::texture::MipTexture;
+use crate::View;
+
+/// Points of a job.
+const POINTS_PER_JOB: usize = 8192;
+
+/// Triangles of a job, about.
+const TRIANGLES_PER_JOB: usize = 1024;
+
+/// Mipmaps of the textures that are alive.
+#[derive(Debug, Default)]
+pub(super) struct Textures {
+    by_address: HashMap<usize, (Weak<Texture>, Arc<MipTexture>)>,
+}
+
+impl Textures {
+    fn get(&mut self, texture: &Arc<Texture>) -> Arc<MipTexture> {
+        let address = Arc::as_ptr(texture) as usize;
+        let make = || (Arc::downgrade(texture), Arc::new(MipTexture::new(texture)));
+        self.by_address.entry(address).or_insert_with(make).1.clone()
+    }
+
+    /// Forgets those that nobody but this cache holds any more.
+    pub(super) fn forget_dead(&mut self) {
+        self.by_address.retain(|_, (texture, _)| texture.strong_count() > 1);
+    }
+}
+
+/// One job.
+#[derive(Clone, Debug)]
+pub(super) enum Job {
+    /// Points of the cloud with this index.
+    Points(usize, Range<usize>),
+    /// Some of the plan's pieces.
+    Pieces(Range<usize>),
+}
+
+/// Parts of the solid with this index.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    /// Index of the solid.
+    pub solid: usize,
+    /// Which of its parts.
+    pub parts: Range<usize>,
+}
+
+/// All jobs of a picture.
+#[derive(Debug, Default)]
+pub(super) struct Plan<'a> {
+    /// Clouds that are drawn as spots.
+    pub clouds: Vec<Cloud<'a>>,
+    /// Everything else.
+    pub solids: Vec<Solid<'a>>,
+    /// What the jobs on solids work on.
+    pub pieces: Vec<Piece>,
+    /// In the order of drawing.
+    pub jobs: Vec<Job>,
+    open_triangles: usize,
+    open_piece: usize,
+}
+
+impl<'a> Plan<'a> {
+    /// Plans a picture.
+    pub(super) fn new(view: &View<'a>, textures: &mut Textures) -> Self {
+        let mut plan = Self::default();
+        let eye = view.camera.eye();
+        for drawable in view.scene.draw_order(view.visible, &eye) {
+            plan.add(view, textures, drawable);
+        }
+        plan.close();
+        plan
+    }
+
+    fn add(&mut self, view: &View<'a>, textures: &mut Textures, drawable: &'a Drawable) {
+        let camera = view.camera;
+        let view_from_object = match drawable.geometry {
+            Geometry::Text(_) => camera.view_from_facing(&drawable.fixed_from_object).cast(),
+            _ => camera.fixed_from_view().inverse().to_homogeneous() * drawable.fixed_from_object,
+        };
+        let placement = Placement::new(camera, &view_from_object, view.scene.light.as_ref());
+        let mut surface_of =
+            |material: &Material| Surface::of(material, material.texture.as_ref().map(|texture| textures.get(texture)));
+        let (surface, shape) = match &drawable.geometry {
+            Geometry::Points(points) => match Faces::of(points, camera.eye_in_object(&drawable.fixed_from_object)) {
+                Some(faces) => (faces.surface(), Shape::Faces(faces)),
+                None => return self.add_cloud(Cloud::new(points, placement)),
+            },
+            Geometry::Lines(lines) => {
+                let mode = Mode::new(lines.blending == Blending::Alpha);
+                (Surface { paint: Paint::Color, mode, cull: CullMode::None, depth_bias: 0.0 }, Shape::Lines(lines))
+            }
+            Geometry::Ribbons(ribbons) => {
+                let material = Material::unlit(ribbons.blending == Blending::Alpha);
+                let mesh = ribbons.to_mesh(camera.eye_in_object(&drawable.fixed_from_object));
+                (surface_of(&material), Shape::Mesh(Cow::Owned(mesh), Cow::Owned(material)))
+            }
+            Geometry::Mesh { mesh, material } => {
+                (surface_of(material), Shape::Mesh(Cow::Borrowed(mesh), Cow::Borrowed(material)))
+            }
+            Geometry::Text(text) => {
+                let (mesh, material) = (text.mesh(), text.material());
+                (surface_of(material), Shape::Mesh(Cow::Borrowed(mesh), Cow::Borrowed(material)))
+            }
+        };
+        self.add_solid(Solid { placement, surface, shape });
+    }
+
+    fn add_cloud(&mut self, cloud: Cloud<'a>) {
+        self.close();
+        let index = self.clouds.len();
+        let count = cloud.buffer().positions.len();
+        self.clouds.push(cloud);
+        for begin in (0..count).step_by(POINTS_PER_JOB) {
+            self.jobs.push(Job::Points(index, begin..count.min(begin + POINTS_PER_JOB)));
+        }
+    }
+
+    fn add_solid(&mut self, solid: Solid<'a>) {
+        let (count, weight) = solid.shape.parts();
+        let index = self.solids.len();
+        self.solids.push(solid);
+        let mut begin = 0;
+        while begin < count {
+            let room = (TRIANGLES_PER_JOB.saturating_sub(self.open_triangles) / weight).max(1);
+            let end = count.min(begin + room);
+            self.pieces.push(Piece { solid: index, parts: begin..end });
+            self.open_triangles += (end - begin) * weight;
+            if self.open_triangles + weight > TRIANGLES_PER_JOB {
+                self.close();
+            }
+            begin = end;
+        }
+    }
+
+    fn close(&mut self) {
+        if self.open_piece < self.pieces.len() {
+            self.jobs.push(Job::Pieces(self.open_piece..self.pieces.len()));
+        }
+        (self.open_piece, self.open_triangles) = (self.pieces.len(), 0);
+    }
+}

@@ -1,0 +1,158 @@
+//! The picture's pixels in window coordinates, and the way there from an object's frame.
+//!
+//! Window coordinates are pixels, x to the right and y down, (0, 0) the upper left corner of the upper left pixel, so
+//! that row 0 is the picture's top. Places are snapped to 1/256 pixel before anything is decided about coverage, as
+//! Mesa's rasteriser does; a snapped place is measured from the centre of the first pixel, so that pixel (i, j) is
+//! covered where (256 i, 256 j) is. Depth has 24 bits, 0 at the near plane, and the nearer *or equal* wins.
+
+use nalgebra::{Matrix3, Matrix4, Vector3};
+use rcs_scene::{Camera, DirectionalLight};
+
+/// Snapped places to a pixel.
+pub(super) const SUBPIXELS: i32 = 256;
+
+/// The depth that nothing is behind of: what the picture is cleared to.
+pub(super) const FARTHEST: u32 = (1 << 24) - 1;
+
+/// Smallest depth step, of a range of 0 to 1.
+pub(super) const DEPTH_STEP: f32 = 1.0 / FARTHEST as f32;
+
+/// Size of the picture and how it is cut into bands of rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Screen {
+    /// Pixels in a row.
+    pub width_px: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// A band has `1 << band_shift` rows.
+    pub band_shift: u32,
+    half_width: f32,
+    half_height: f32,
+}
+
+impl Screen {
+    /// Bands are made so high that one band's colours and depths stay in a core's cache.
+    pub(super) fn new(width_px: u32, height_px: u32) -> Self {
+        const BAND_PX: u32 = 40_960;
+        let rows = (BAND_PX / width_px.max(1)).clamp(4, 64);
+        Self {
+            width_px,
+            height_px,
+            band_shift: rows.ilog2(),
+            half_width: width_px as f32 * 0.5,
+            half_height: height_px as f32 * 0.5,
+        }
+    }
+
+    /// Rows of a band; the last one may have fewer.
+    pub(super) fn band_rows(&self) -> usize {
+        1 << self.band_shift
+    }
+
+    /// How many bands there are.
+    pub(super) fn bands(&self) -> usize {
+        (self.height_px as usize).div_ceil(self.band_rows())
+    }
+
+    /// Window x of a clip x that is already divided by w.
+    #[inline]
+    pub(super) fn x(&self, ndc: f32) -> f32 {
+        ndc * self.half_width + self.half_width
+    }
+
+    /// Window y of a clip y that is already divided by w.
+    #[inline]
+    pub(super) fn y(&self, ndc: f32) -> f32 {
+        self.half_height - ndc * self.half_height
+    }
+}
+
+/// A depth of 0 to 1 as it is stored; NaN becomes the nearest.
+#[inline]
+pub(super) fn depth24(depth: f32) -> u32 {
+    let scaled = depth.clamp(0.0, 1.0) * FARTHEST as f32;
+    // From 2^23 on an f32 has no fraction, and adding a half would round it once more.
+    let half = if scaled < 8_388_608.0 { 0.5 } else { 0.0 };
+    (scaled + half) as i32 as u32
+}
+
+/// A window coordinate in 1/256 pixel from the first pixel's centre, to the nearest. Kept within ±2^24.
+#[inline]
+pub(super) fn snap(window: f32) -> i32 {
+    let scaled = (window - 0.5) * SUBPIXELS as f32;
+    let limit = (1 << 24) as f32;
+    (scaled + 0.5f32.copysign(scaled)).clamp(-limit, limit) as i32
+}
+
+/// The first pixel whose centre is not before a snapped place.
+#[inline]
+pub(super) fn first_pixel(snapped: i32) -> i32 {
+    (snapped + SUBPIXELS - 1) >> SUBPIXELS.ilog2()
+}
+
+/// Where an object stands to the camera.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placement {
+    /// Rows of the matrix from the object's frame to clip coordinates.
+    pub clip_from_object: [[f32; 4]; 4],
+    /// The direction to the light, in the object's frame of normals: a normal n has the cosine
+    /// `(normal_matrix · n) · light` after normalising.
+    pub view_from_normal: Matrix3<f32>,
+    /// Unit vector to the light in the view frame, if there is light.
+    pub to_light: Option<Vector3<f32>>,
+}
+
+impl Placement {
+    /// From an object's matrix to the view frame, in `f64` so that far-away frames keep their precision.
+    pub(super) fn new(camera: &Camera, view_from_object: &Matrix4<f64>, light: Option<&DirectionalLight>) -> Self {
+        let clip: Matrix4<f32> = (camera.clip_from_view() * view_from_object).cast();
+        let clip_from_object = [0, 1, 2, 3].map(|r| [0, 1, 2, 3].map(|c| clip[(r, c)]));
+        let linear: Matrix3<f64> = view_from_object.fixed_view::<3, 3>(0, 0).into_owned();
+        let view_from_normal = linear.try_inverse().map_or_else(Matrix3::zeros, |inverse| inverse.transpose()).cast();
+        let to_light = light.and_then(|light| {
+            let direction = camera.fixed_from_view().rotation.inverse() * -light.direction;
+            direction.try_normalize(0.0).map(|unit| unit.cast())
+        });
+        Self { clip_from_object, view_from_normal, to_light }
+    }
+
+    /// Clip coordinates of a place in the object's frame.
+    #[inline]
+    pub(super) fn clip(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
+        self.clip_from_object.map(|r| r[0] * x + r[1] * y + r[2] * z + r[3])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depth_is_rounded_to_24_bits() {
+        assert_eq!(depth24(0.0), 0);
+        assert_eq!(depth24(1.0), FARTHEST);
+        assert_eq!(depth24(2.0), FARTHEST);
+        assert_eq!(depth24(f32::NAN), 0);
+        assert_eq!(depth24(1.6 * DEPTH_STEP), 2);
+        let odd = 12_345_679;
+        assert_eq!(depth24(odd as f32 / FARTHEST as f32), odd);
+    }
+
+    #[test]
+    fn places_snap_to_the_pixel_raster() {
+        assert_eq!(snap(0.5), 0);
+        assert_eq!(snap(3.5), 3 * SUBPIXELS);
+        assert_eq!(snap(f32::INFINITY), 1 << 24);
+        assert_eq!(snap(f32::NAN), 0);
+        assert_eq!((first_pixel(0), first_pixel(1), first_pixel(-255), first_pixel(-256)), (0, 1, 0, -1));
+    }
+
+    #[test]
+    fn bands_cover_the_picture() {
+        for (width, height) in [(1, 1), (1280, 800), (16384, 16384), (16384, 1), (1, 16384), (333, 217)] {
+            let screen = Screen::new(width, height);
+            assert!(screen.bands() * screen.band_rows() >= height as usize);
+            assert!((screen.bands() - 1) * screen.band_rows() < height as usize);
+        }
+    }
+}

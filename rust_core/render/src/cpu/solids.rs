@@ -1,0 +1,215 @@
+//! Meshes, lines, ribbons, text and the faces of clouds, before they are pixels: everything that is made of triangles and
+//! lines.
+//!
+//! Their primitives are transformed, lit, clipped and made ready in the order in which they are to be drawn; then they
+//! are sorted into the bands of the picture by reference.
+
+use std::borrow::Cow;
+
+use rcs_scene::{Lines, Material, Mesh};
+
+use super::band::{Band, Mode};
+use super::bins::{Bins, Rows};
+use super::clip::ClipVertex;
+use super::faces::Faces;
+use super::lighting::vertex_color;
+use super::lines::{self, Line};
+use super::screen::{Placement, Screen};
+use super::surface::Surface;
+use super::triangles::{self, Triangle};
+
+/// Something made of triangles or lines.
+#[derive(Debug)]
+pub(super) struct Solid<'a> {
+    /// Where it stands.
+    pub placement: Placement,
+    /// What it looks like.
+    pub surface: Surface,
+    /// What it is.
+    pub shape: Shape<'a>,
+}
+
+/// What a [`Solid`] is.
+#[derive(Debug)]
+pub(super) enum Shape<'a> {
+    /// Triangles with a material.
+    Mesh(Cow<'a, Mesh>, Cow<'a, Material>),
+    /// Lines of a pixel.
+    Lines(&'a Lines),
+    /// The faces of a cloud.
+    Faces(Faces<'a>),
+}
+
+impl Shape<'_> {
+    /// Of how many parts it consists that can be made ready apart, and about how much work each is, in triangles.
+    pub(super) fn parts(&self) -> (usize, usize) {
+        match self {
+            Self::Mesh(mesh, _) => (mesh.indices.len() / 3, 1),
+            Self::Lines(lines) => (lines.segments().size_hint().0, 1),
+            Self::Faces(faces) => (faces.len(), faces.triangles_each()),
+        }
+    }
+}
+
+/// A triangle or a line in a band.
+#[derive(Clone, Copy, Debug)]
+struct Primitive {
+    /// Twice its index, plus one for a line.
+    id: u32,
+    y0: u16,
+    y1: u16,
+}
+
+impl Rows for Primitive {
+    fn rows(&self) -> (i32, i32) {
+        (i32::from(self.y0), i32::from(self.y1))
+    }
+}
+
+/// Primitives that are ready to be drawn.
+#[derive(Debug, Default)]
+pub(super) struct Primitives {
+    triangles: Vec<Triangle>,
+    lines: Vec<Line>,
+    staged: Vec<Primitive>,
+    bins: Bins<Primitive>,
+}
+
+impl Primitives {
+    /// Forgets everything.
+    pub(super) fn clear(&mut self) {
+        self.triangles.clear();
+        self.lines.clear();
+        self.staged.clear();
+        self.bins.clear();
+    }
+
+    /// Makes parts of a solid ready. Solids are told apart by their index.
+    pub(super) fn add(
+        &mut self,
+        solid: &Solid<'_>,
+        index: u32,
+        parts: std::ops::Range<usize>,
+        screen: &Screen,
+        cache: &mut VertexCache,
+    ) {
+        match &solid.shape {
+            Shape::Mesh(mesh, material) => {
+                cache.clear();
+                let corners = mesh.indices.get(parts.start * 3..parts.end * 3).unwrap_or(&[]);
+                for corners in corners.chunks_exact(3) {
+                    let vertex = |corner: u32, cache: &mut VertexCache| {
+                        cache.get(corner, || {
+                            let vertex = mesh.vertices.get(corner as usize)?;
+                            Some(ClipVertex {
+                                position: solid.placement.clip(vertex.position),
+                                color: vertex_color(material, &solid.placement, vertex),
+                                uv: vertex.uv,
+                            })
+                        })
+                    };
+                    if let (Some(a), Some(b), Some(c)) =
+                        (vertex(corners[0], cache), vertex(corners[1], cache), vertex(corners[2], cache))
+                    {
+                        self.add_triangle([&a, &b, &c], &solid.surface, index, screen);
+                    }
+                }
+            }
+            Shape::Lines(lines) => {
+                for (a, b) in lines.segments().skip(parts.start).take(parts.len()) {
+                    let vertex = |i: usize| {
+                        Some(ClipVertex {
+                            position: solid.placement.clip(*lines.positions.get(i)?),
+                            color: lines.color(i).map(|c| f32::from(c) / 255.0),
+                            uv: [0.0; 2],
+                        })
+                    };
+                    if let (Some(a), Some(b)) = (vertex(a), vertex(b)) {
+                        self.add_line(a, b, solid.surface.mode, screen);
+                    }
+                }
+            }
+            Shape::Faces(faces) => {
+                for point in parts {
+                    faces.triangles(&solid.placement, point, |triangle| {
+                        self.add_triangle(triangle, &solid.surface, index, screen);
+                    });
+                }
+            }
+        }
+    }
+
+    fn add_triangle(&mut self, corners: [&ClipVertex; 3], surface: &Surface, index: u32, screen: &Screen) {
+        triangles::set_up(corners, surface, index, screen, |triangle| {
+            let (begin, end) = triangle.rows();
+            stage(&mut self.staged, self.triangles.len() as u32 * 2, (begin, end), screen);
+            self.triangles.push(triangle);
+        });
+    }
+
+    fn add_line(&mut self, a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) {
+        if let Some(line) = lines::set_up(a, b, mode, screen) {
+            stage(&mut self.staged, self.lines.len() as u32 * 2 + 1, line.rows(), screen);
+            self.lines.push(line);
+        }
+    }
+
+    /// Sorts what was added into the bands.
+    pub(super) fn finish(&mut self, screen: &Screen) {
+        self.bins.fill(screen, &self.staged);
+    }
+
+    /// Draws the rows of a band.
+    pub(super) fn draw(&self, solids: &[Solid<'_>], index: usize, band: &mut Band<'_>) {
+        for primitive in self.bins.band(index) {
+            let at = (primitive.id / 2) as usize;
+            if primitive.id & 1 == 1 {
+                if let Some(line) = self.lines.get(at) {
+                    line.draw(band);
+                }
+            } else if let Some(triangle) = self.triangles.get(at) {
+                if let Some(solid) = solids.get(triangle.surface as usize) {
+                    triangle.draw(&solid.surface, band);
+                }
+            }
+        }
+    }
+}
+
+fn stage(staged: &mut Vec<Primitive>, id: u32, (begin, end): (i32, i32), screen: &Screen) {
+    let (y0, y1) = (begin.max(0), end.min(screen.height_px as i32));
+    if y0 < y1 {
+        staged.push(Primitive { id, y0: y0 as u16, y1: y1 as u16 });
+    }
+}
+
+/// The last transformed vertices, so that a vertex that neighbouring triangles share is computed once.
+#[derive(Debug)]
+pub(super) struct VertexCache {
+    keys: [Option<u32>; Self::SIZE],
+    vertices: Vec<ClipVertex>,
+}
+
+impl Default for VertexCache {
+    fn default() -> Self {
+        Self { keys: [None; Self::SIZE], vertices: vec![ClipVertex::default(); Self::SIZE] }
+    }
+}
+
+impl VertexCache {
+    const SIZE: usize = 256;
+
+    fn clear(&mut self) {
+        self.keys.fill(None);
+    }
+
+    #[inline]
+    fn get(&mut self, key: u32, make: impl FnOnce() -> Option<ClipVertex>) -> Option<ClipVertex> {
+        let slot = key as usize % Self::SIZE;
+        if self.keys[slot] != Some(key) {
+            self.vertices[slot] = make()?;
+            self.keys[slot] = Some(key);
+        }
+        Some(self.vertices[slot])
+    }
+}

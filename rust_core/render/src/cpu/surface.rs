@@ -1,0 +1,148 @@
+//! What a triangle looks like: how its fragments get their colour and meet the pixels.
+
+use std::sync::Arc;
+
+use rcs_scene::{CullMode, Material};
+
+use super::band::{unorm8, Mode};
+use super::texture::MipTexture;
+
+/// What a fragment's colour is made of.
+#[derive(Clone, Debug)]
+pub(super) enum Paint {
+    /// The interpolated vertex colour.
+    Color,
+    /// The interpolated vertex colour times a texture.
+    Texture(Arc<MipTexture>),
+    /// One colour with a contrasting edge. The texture coordinates reach from −0.5 to 0.5.
+    Edged,
+    /// One colour with an edge of half its brightness.
+    DarkEdged,
+    /// The disc of diameter 1 around the texture coordinates' origin, darker to its rim.
+    Disc,
+}
+
+/// A surface.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    /// Where the colour comes from.
+    pub paint: Paint,
+    /// How fragments meet the pixels.
+    pub mode: Mode,
+    /// Which side is not drawn.
+    pub cull: CullMode,
+    /// Smallest depth steps and slopes that it is drawn nearer.
+    pub depth_bias: f32,
+}
+
+impl Surface {
+    /// The surface of a mesh.
+    pub(super) fn of(material: &Material, texture: Option<Arc<MipTexture>>) -> Self {
+        Self {
+            paint: texture.map_or(Paint::Color, Paint::Texture),
+            mode: Mode {
+                blend: material.blending == rcs_scene::Blending::Alpha,
+                depth_test: material.depth_test,
+                depth_write: material.depth_write && material.depth_test,
+            },
+            cull: material.cull,
+            depth_bias: material.depth_bias,
+        }
+    }
+
+    /// A fragment's colour; `None` where there is none. `footprint` is asked for the change of the texture coordinates
+    /// to the next pixel along the row and along the column where that matters.
+    #[inline]
+    pub(super) fn fragment(
+        &self,
+        color: [f32; 4],
+        uv: [f32; 2],
+        footprint: impl Fn() -> [[f32; 2]; 2],
+    ) -> Option<[u8; 4]> {
+        let bytes = match &self.paint {
+            Paint::Color => color.map(unorm8),
+            Paint::Texture(texture) => {
+                let texel = texture.sample(uv, footprint);
+                [0, 1, 2, 3].map(|i| unorm8(color[i] * texel[i]))
+            }
+            Paint::Edged => {
+                let added = contrast(color) * (1.0 - edge_shade(uv));
+                [0, 1, 2, 3].map(|i| unorm8(if i < 3 { color[i] + added } else { color[i] }))
+            }
+            Paint::DarkEdged => {
+                let brightness = 0.5 + 0.5 * edge_shade(uv);
+                [0, 1, 2, 3].map(|i| unorm8(if i < 3 { color[i] * brightness } else { color[i] }))
+            }
+            Paint::Disc => {
+                let brightness = disc_shade(uv)?;
+                [0, 1, 2, 3].map(|i| unorm8(if i < 3 { color[i] * brightness } else { color[i] }))
+            }
+        };
+        Some(bytes)
+    }
+}
+
+/// How much brighter a square's edge is. A dark colour has an edge lighter by a fifth, a light one a darker edge. Dark
+/// is what, as a vector of red, green and blue, is shorter than a half.
+#[inline]
+fn contrast([r, g, b, _]: [f32; 4]) -> f32 {
+    let length = (r * r + g * g + b * b).sqrt();
+    if length < 0.5 {
+        0.2
+    } else if length > 0.5 {
+        -0.2
+    } else {
+        0.0
+    }
+}
+
+/// How much a place belongs to the inside of a square: along each axis 1 up to 0.45 from the middle, 0 from 0.48 on,
+/// smooth between.
+#[inline]
+fn edge_shade(uv: [f32; 2]) -> f32 {
+    let [u, v] = uv.map(|from_middle| {
+        let t = ((0.48 - from_middle.abs()) * (1.0 / 0.03)).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    });
+    u * v
+}
+
+/// The brightness of a sphere at a place from its middle; none outside. It falls off to four fifths at the rim, with
+/// the square of the distance.
+#[inline]
+fn disc_shade([u, v]: [f32; 2]) -> Option<f32> {
+    let height = (0.25 - (u * u + v * v)) * 4.0;
+    (height > 0.0).then_some(0.8 + 0.2 * height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fragment(paint: Paint, color: [u8; 4], uv: [f32; 2]) -> Option<[u8; 4]> {
+        let surface = Surface { paint, mode: Mode::OPAQUE, cull: CullMode::None, depth_bias: 0.0 };
+        surface.fragment(color.map(|c| f32::from(c) / 255.0), uv, || [[0.0; 2]; 2])
+    }
+
+    #[test]
+    fn the_edge_of_a_square_contrasts_with_its_inside() {
+        assert_eq!(fragment(Paint::Edged, [10, 20, 30, 99], [0.0, 0.4]), Some([10, 20, 30, 99]));
+        assert_eq!(fragment(Paint::Edged, [10, 20, 30, 99], [0.0, -0.49]), Some([61, 71, 81, 99]));
+        assert_eq!(fragment(Paint::Edged, [200, 20, 250, 255], [0.49, 0.0]), Some([149, 0, 199, 255]));
+        assert!((edge_shade([0.465, 0.0]) - 0.5).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_edge_of_a_box_is_half_as_bright() {
+        assert_eq!(fragment(Paint::DarkEdged, [200, 100, 0, 7], [0.2, -0.1]), Some([200, 100, 0, 7]));
+        assert_eq!(fragment(Paint::DarkEdged, [200, 100, 0, 7], [0.2, -0.485]), Some([100, 50, 0, 7]));
+    }
+
+    #[test]
+    fn a_sphere_is_darker_to_its_rim() {
+        assert_eq!(fragment(Paint::Disc, [200, 100, 0, 255], [0.0, 0.0]), Some([200, 100, 0, 255]));
+        assert_eq!(fragment(Paint::Disc, [200, 100, 0, 255], [0.3, 0.4]), None);
+        let half = 0.5 * std::f32::consts::FRAC_1_SQRT_2;
+        assert_eq!(fragment(Paint::Disc, [200, 100, 0, 255], [half, 0.0]), Some([180, 90, 0, 255]));
+    }
+}

@@ -1,0 +1,167 @@
+//! Reading textures.
+//!
+//! Mipmaps are made by averaging two by two texels and rounding, down to one texel. The level of a fragment is the one
+//! whose texels are nearest in size to a pixel, by the larger of the distances that the place in the texture moves
+//! from a pixel to the next in its row and in its column.
+
+use std::sync::Arc;
+
+use rcs_scene::{Filtering, Texture, Wrapping};
+
+/// A texture with its smaller copies.
+#[derive(Debug)]
+pub(super) struct MipTexture {
+    full: Arc<Texture>,
+    smaller: Vec<Texels>,
+}
+
+#[derive(Debug)]
+struct Texels {
+    width: i32,
+    height: i32,
+    rgba: Vec<[u8; 4]>,
+}
+
+/// One size of the texture. Where it has fewer texels than its size says, they are white.
+#[derive(Clone, Copy)]
+struct Level<'a> {
+    width: i32,
+    height: i32,
+    rgba: &'a [[u8; 4]],
+}
+
+impl MipTexture {
+    /// Makes the mipmaps where the texture's filtering asks for them.
+    pub(super) fn new(texture: &Arc<Texture>) -> Self {
+        let mut mips = Self { full: texture.clone(), smaller: Vec::new() };
+        if texture.filtering == Filtering::BilinearMipmap {
+            while let Some(next) = mips.level(mips.smaller.len()).halved() {
+                mips.smaller.push(next);
+            }
+        }
+        mips
+    }
+
+    /// The texture's colour, each channel 0 to 1. `footprint` is asked for the change of the texture coordinates to
+    /// the next pixel along the row and along the column where that matters.
+    #[inline]
+    pub(super) fn sample(&self, [u, v]: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> [f32; 4] {
+        let level = self.level(if self.smaller.is_empty() { 0 } else { self.level_for(footprint()) });
+        let wrapping = self.full.wrapping;
+        let (x, y) = (u * level.width as f32, v * level.height as f32);
+        if self.full.filtering == Filtering::Nearest {
+            return level.texel(wrapping, floor(x).0, floor(y).0).map(|c| f32::from(c) / 255.0);
+        }
+        let ((x0, fx), (y0, fy)) = (floor(x - 0.5), floor(y - 0.5));
+        let texel = |dx: i32, dy: i32| level.texel(wrapping, x0.saturating_add(dx), y0.saturating_add(dy));
+        let (a, b, c, d) = (texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1));
+        [0, 1, 2, 3].map(|i| {
+            let mix = |p: u8, q: u8| f32::from(p) + (f32::from(q) - f32::from(p)) * fx;
+            let (top, bottom) = (mix(a[i], b[i]), mix(c[i], d[i]));
+            (top + (bottom - top) * fy) / 255.0
+        })
+    }
+
+    fn level(&self, index: usize) -> Level<'_> {
+        match index.checked_sub(1).and_then(|i| self.smaller.get(i)) {
+            Some(texels) => Level { width: texels.width, height: texels.height, rgba: &texels.rgba },
+            None => {
+                let side = |length: u32| length.clamp(1, i32::MAX as u32) as i32;
+                Level { width: side(self.full.width), height: side(self.full.height), rgba: &self.full.rgba }
+            }
+        }
+    }
+
+    fn level_for(&self, footprint: [[f32; 2]; 2]) -> usize {
+        let (width, height) = (self.full.width as f32, self.full.height as f32);
+        let texels = footprint.map(|[du, dv]| (du * width).hypot(dv * height));
+        let level = (texels[0].max(texels[1]).max(1e-6).log2() + 0.5).floor();
+        (level.max(0.0) as usize).min(self.smaller.len())
+    }
+}
+
+impl Level<'_> {
+    fn halved(&self) -> Option<Texels> {
+        if self.width == 1 && self.height == 1 {
+            return None;
+        }
+        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
+        let mut rgba = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            for x in 0..width {
+                let texel = |dx: i32, dy: i32| self.texel(Wrapping::Clamp, 2 * x + dx, 2 * y + dy);
+                let (a, b, c, d) = (texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1));
+                rgba.push([0, 1, 2, 3].map(|i| {
+                    let sum = u16::from(a[i]) + u16::from(b[i]) + u16::from(c[i]) + u16::from(d[i]);
+                    ((sum + 2) / 4) as u8
+                }));
+            }
+        }
+        Some(Texels { width, height, rgba })
+    }
+
+    #[inline]
+    fn texel(&self, wrapping: Wrapping, x: i32, y: i32) -> [u8; 4] {
+        let (x, y) = match wrapping {
+            Wrapping::Repeat => (x.rem_euclid(self.width), y.rem_euclid(self.height)),
+            Wrapping::Clamp => (x.clamp(0, self.width - 1), y.clamp(0, self.height - 1)),
+        };
+        self.rgba.get(y as usize * self.width as usize + x as usize).copied().unwrap_or([255; 4])
+    }
+}
+
+/// The whole number below and the rest; huge numbers end at the range of `i32`.
+#[inline]
+fn floor(value: f32) -> (i32, f32) {
+    let whole = value.floor();
+    (whole as i32, value - whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gradient(filtering: Filtering, wrapping: Wrapping) -> MipTexture {
+        let rgba = (0..16u8).map(|i| [i * 16, 0, 0, 255]).collect();
+        MipTexture::new(&Arc::new(Texture { width: 4, height: 4, rgba, filtering, wrapping }))
+    }
+
+    fn red(texture: &MipTexture, u: f32, v: f32, footprint: f32) -> f32 {
+        texture.sample([u, v], || [[footprint, 0.0], [0.0, footprint]])[0] * 255.0
+    }
+
+    #[test]
+    fn nearest_takes_the_texel_and_wraps() {
+        let texture = gradient(Filtering::Nearest, Wrapping::Repeat);
+        assert_eq!(red(&texture, 0.3, 0.3, 0.0), 80.0);
+        assert_eq!(red(&texture, 1.3, -0.7, 0.0), 80.0);
+        let texture = gradient(Filtering::Nearest, Wrapping::Clamp);
+        assert_eq!(red(&texture, 1.3, -0.7, 0.0), 48.0);
+    }
+
+    #[test]
+    fn bilinear_lies_between_the_texels() {
+        let texture = gradient(Filtering::Bilinear, Wrapping::Clamp);
+        assert!((red(&texture, 0.25, 0.125, 0.0) - 8.0).abs() < 1e-3);
+        assert!((red(&texture, 0.25, 0.25, 0.0) - 40.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn far_away_a_smaller_copy_is_read() {
+        let texture = gradient(Filtering::BilinearMipmap, Wrapping::Repeat);
+        assert!((red(&texture, 0.7, 0.7, 1.0) - 120.0).abs() < 1e-3);
+        assert!((red(&texture, 0.25, 0.25, 0.5) - 40.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_texture_with_missing_texels_is_white_there() {
+        let texture = Texture {
+            width: 2,
+            height: 2,
+            rgba: vec![[0; 4]],
+            filtering: Filtering::Nearest,
+            wrapping: Wrapping::Clamp,
+        };
+        assert_eq!(MipTexture::new(&Arc::new(texture)).sample([0.9, 0.9], || [[0.0; 2]; 2]), [1.0; 4]);
+    }
+}

@@ -1,0 +1,244 @@
+//! Triangles, from clip coordinates to fragments.
+//!
+//! A pixel belongs to a triangle where its centre lies inside, or on a left or top edge, of the triangle whose corners
+//! are snapped to 1/256 pixel. All of that is decided in whole numbers, so that triangles which share an edge draw every
+//! pixel along it once. For each row the three edges give the first and the last pixel; between them depth is linear
+//! in the window, and everything else is linear in space: it is carried divided by w, and divided by 1/w per pixel.
+
+use rcs_scene::CullMode;
+
+use super::band::{meet, unorm8, Band};
+use super::clip::{ClipVertex, Polygon};
+use super::screen::{depth24, first_pixel, snap, Screen, DEPTH_STEP, SUBPIXELS};
+use super::surface::{Paint, Surface};
+
+/// A quantity that is linear in the window: its value at the reference pixel and the change by a pixel to the right
+/// and by a pixel down.
+#[derive(Clone, Copy, Debug, Default)]
+struct Plane {
+    at: f32,
+    dx: f32,
+    dy: f32,
+}
+
+impl Plane {
+    #[inline]
+    fn value(&self, x: f32, y: f32) -> f32 {
+        self.at + self.dx * x + self.dy * y
+    }
+}
+
+/// A triangle that is ready to be drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    /// Snapped corners; the inside is on the right of each edge as the picture shows it.
+    corners: [[i32; 2]; 3],
+    /// Index of its surface.
+    pub surface: u32,
+    /// All corners have one colour, which `color` holds undivided.
+    flat: bool,
+    depth: Plane,
+    inverse_w: Plane,
+    color: [Plane; 4],
+    uv: [Plane; 2],
+}
+
+/// A corner on the picture.
+#[derive(Clone, Copy)]
+struct Corner {
+    x: i32,
+    y: i32,
+    depth: f32,
+    inverse_w: f32,
+    color: [f32; 4],
+    uv: [f32; 2],
+}
+
+impl Corner {
+    fn new(vertex: &ClipVertex, screen: &Screen) -> Self {
+        let [x, y, z, w] = vertex.position;
+        let inverse_w = 1.0 / w;
+        Self {
+            x: snap(screen.x(x * inverse_w)),
+            y: snap(screen.y(y * inverse_w)),
+            depth: z * inverse_w * 0.5 + 0.5,
+            inverse_w,
+            color: vertex.color,
+            uv: vertex.uv,
+        }
+    }
+}
+
+/// Clips a triangle and appends what is to be drawn of it.
+pub(super) fn set_up(
+    triangle: [&ClipVertex; 3],
+    surface: &Surface,
+    surface_index: u32,
+    screen: &Screen,
+    mut out: impl FnMut(Triangle),
+) {
+    let Some(polygon) = Polygon::clip(triangle) else { return };
+    let Some((first, rest)) = polygon.vertices().split_first() else { return };
+    let first = Corner::new(first, screen);
+    for pair in rest.windows(2) {
+        let corners = [first, Corner::new(&pair[0], screen), Corner::new(&pair[1], screen)];
+        if let Some(triangle) = Triangle::new(corners, surface, surface_index) {
+            let (begin, end) = triangle.rows();
+            if begin.max(0) < end.min(screen.height_px as i32) {
+                out(triangle);
+            }
+        }
+    }
+}
+
+impl Triangle {
+    fn new([a, mut b, mut c]: [Corner; 3], surface: &Surface, surface_index: u32) -> Option<Self> {
+        let doubled_area = |b: &Corner, c: &Corner| {
+            i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
+        };
+        let mut area = doubled_area(&b, &c);
+        // Window y points down, so what runs counter-clockwise to the eye has a negative area.
+        let hidden = match surface.cull {
+            CullMode::None => area == 0,
+            CullMode::Back => area >= 0,
+            CullMode::Front => area <= 0,
+        };
+        if hidden {
+            return None;
+        }
+        if area < 0 {
+            std::mem::swap(&mut b, &mut c);
+            area = -area;
+        }
+        let scale = SUBPIXELS as f32;
+        let [dx1, dy1, dx2, dy2] = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(|d| d as f32 / scale);
+        let per_area = (scale as f64 * scale as f64 / area as f64) as f32;
+        let (x, y) = (a.x as f32 / scale, a.y as f32 / scale);
+        let plane = |va: f32, vb: f32, vc: f32| {
+            let dx = ((vb - va) * dy2 - (vc - va) * dy1) * per_area;
+            let dy = ((vc - va) * dx1 - (vb - va) * dx2) * per_area;
+            Plane { at: va - dx * x - dy * y, dx, dy }
+        };
+        let mut depth = plane(a.depth, b.depth, c.depth);
+        if surface.depth_bias != 0.0 {
+            depth.at -= surface.depth_bias * (DEPTH_STEP + depth.dx.abs().max(depth.dy.abs()));
+        }
+        let flat = a.color == b.color && a.color == c.color;
+        let color = if flat {
+            a.color.map(|at| Plane { at, dx: 0.0, dy: 0.0 })
+        } else {
+            [0, 1, 2, 3].map(|i| plane(a.color[i] * a.inverse_w, b.color[i] * b.inverse_w, c.color[i] * c.inverse_w))
+        };
+        let uv = [0, 1].map(|i| plane(a.uv[i] * a.inverse_w, b.uv[i] * b.inverse_w, c.uv[i] * c.inverse_w));
+        Some(Self {
+            corners: [[a.x, a.y], [b.x, b.y], [c.x, c.y]],
+            surface: surface_index,
+            flat,
+            depth,
+            inverse_w: plane(a.inverse_w, b.inverse_w, c.inverse_w),
+            color,
+            uv,
+        })
+    }
+
+    /// The first row and the row after the last; may lie outside of the picture.
+    pub(super) fn rows(&self) -> (i32, i32) {
+        let [a, b, c] = self.corners.map(|corner| corner[1]);
+        (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1))
+    }
+
+    /// Draws the rows of a band.
+    pub(super) fn draw(&self, surface: &Surface, band: &mut Band<'_>) {
+        let edges = Edge::around(&self.corners);
+        let [a, b, c] = self.corners.map(|corner| corner[0]);
+        let (left, right) = (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1));
+        let (begin, end) = self.rows();
+        for y in band.rows(begin, end) {
+            let (mut first, mut after) = (left, right);
+            for edge in &edges {
+                edge.narrow(y, &mut first, &mut after);
+            }
+            if first < after {
+                self.draw_row(surface, y, first, after, band);
+            }
+        }
+    }
+
+    fn draw_row(&self, surface: &Surface, y: i32, first: i32, after: i32, band: &mut Band<'_>) {
+        let (first, colors, depths) = band.span(y, first, after);
+        let row = y as f32;
+        let fragments = colors.iter_mut().zip(depths).zip(first..);
+        if self.flat && matches!(surface.paint, Paint::Color) {
+            let color = self.color.map(|plane| unorm8(plane.at));
+            for ((pixel, depth), x) in fragments {
+                meet(pixel, depth, depth24(self.depth.value(x as f32, row)), color, surface.mode);
+            }
+            return;
+        }
+        for ((pixel, depth), x) in fragments {
+            let column = x as f32;
+            let fragment_depth = depth24(self.depth.value(column, row));
+            if surface.mode.depth_test && fragment_depth > *depth {
+                continue;
+            }
+            let w = 1.0 / self.inverse_w.value(column, row);
+            let color = if self.flat {
+                self.color.map(|plane| plane.at)
+            } else {
+                self.color.map(|plane| plane.value(column, row) * w)
+            };
+            let uv = self.uv.map(|plane| plane.value(column, row) * w);
+            let footprint = || {
+                let change = |plane: &Plane, value: f32| {
+                    [(plane.dx - value * self.inverse_w.dx) * w, (plane.dy - value * self.inverse_w.dy) * w]
+                };
+                let [[ux, uy], [vx, vy]] = [change(&self.uv[0], uv[0]), change(&self.uv[1], uv[1])];
+                [[ux, vx], [uy, vy]]
+            };
+            if let Some(color) = surface.fragment(color, uv, footprint) {
+                meet(pixel, depth, fragment_depth, color, surface.mode);
+            }
+        }
+    }
+}
+
+/// A straight edge: a pixel (x, y) is on its inner side where `c + x · dx + y · dy` is not negative.
+struct Edge {
+    c: i64,
+    dx: i64,
+    dy: i64,
+}
+
+impl Edge {
+    fn around(corners: &[[i32; 2]; 3]) -> [Self; 3] {
+        [0, 1, 2].map(|i| Self::new(corners[i], corners[(i + 1) % 3]))
+    }
+
+    fn new([ax, ay]: [i32; 2], [bx, by]: [i32; 2]) -> Self {
+        let (along_x, along_y) = (i64::from(bx - ax), i64::from(by - ay));
+        // Left edges go up, top edges go right: these own the pixels on them.
+        let owns = along_y < 0 || (along_y == 0 && along_x > 0);
+        Self {
+            c: along_y * i64::from(ax) - along_x * i64::from(ay) - i64::from(!owns),
+            dx: -along_y * i64::from(SUBPIXELS),
+            dy: along_x * i64::from(SUBPIXELS),
+        }
+    }
+
+    /// Narrows `first..after` to the pixels of a row on the inner side.
+    fn narrow(&self, y: i32, first: &mut i32, after: &mut i32) {
+        let here = self.c + self.dy * i64::from(y);
+        match self.dx {
+            0 if here < 0 => *after = *first,
+            0 => {}
+            dx if dx > 0 => {
+                let from = -here.div_euclid(dx);
+                *first = i64::from(*first).max(from).min(i64::from(*after)) as i32;
+            }
+            dx => {
+                let last = here.div_euclid(-dx);
+                *after = i64::from(*after).min(last + 1).max(i64::from(*first)) as i32;
+            }
+        }
+    }
+}
