@@ -307,6 +307,18 @@ fn prefixes_that_are_not_declared_are_put_up_with() {
 }
 
 #[test]
+fn entities_that_expand_without_end_are_refused() {
+    let mut types = String::from("<!DOCTYPE COLLADA [<!ENTITY e0 \"0 0 0 0 0 0 0 0\">");
+    for i in 1..40 {
+        types += &format!("<!ENTITY e{i} \"&e{0};&e{0};&e{0};&e{0};\">", i - 1);
+    }
+    let text = DAE.replace("<COLLADA ", &format!("{types}]><COLLADA ")).replace("<p>0 1 2</p>", "<p>&e39;</p>");
+    assert!(matches!(fault(load_bytes("a.dae", text.as_bytes())), MeshFault::Xml(_)));
+    let text = DAE.replace("<COLLADA ", "<!DOCTYPE COLLADA><COLLADA ");
+    assert_eq!(load_bytes("a.dae", text.as_bytes()).unwrap().parts.len(), 2);
+}
+
+#[test]
 fn a_node_that_contains_itself_is_refused() {
     let text = DAE.replace("<node id=\"lib\">", "<node id=\"lib\"><instance_node url=\"#lib\"/>");
     let text = text.replace("<node id=\"n\">", "<node id=\"n\"><instance_node url=\"#lib\"/>");

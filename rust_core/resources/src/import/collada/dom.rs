@@ -1,7 +1,7 @@
 //! Helpers over the XML tree.
 
 pub(super) use roxmltree::Node;
-use roxmltree::{Document, Error};
+use roxmltree::{Document, Error, ParsingOptions};
 
 use crate::{import::number::leading_f32, MeshFault};
 
@@ -13,7 +13,9 @@ const MOST_PREFIXES: usize = 16;
 pub(super) fn parse<T>(text: &str, read: impl FnOnce(Node<'_, '_>) -> Result<T, MeshFault>) -> Result<T, MeshFault> {
     let mut text = std::borrow::Cow::Borrowed(text);
     for _ in 0..MOST_PREFIXES {
-        match Document::parse(&text) {
+        // roxmltree bounds what entities of a document type can expand to.
+        let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+        match Document::parse_with_options(&text, options) {
             Ok(document) => return read(document.root_element()),
             Err(Error::UnknownNamespace(prefix, _)) => {
                 let Some(at) = text.find("<COLLADA").map(|at| at + "<COLLADA".len()) else { break };

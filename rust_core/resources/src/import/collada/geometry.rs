@@ -200,7 +200,7 @@ impl Faces {
             "tristrips" => {
                 let triangles = count.saturating_sub(2);
                 // Every other triangle of a strip runs the other way.
-                let triangle = |i: usize| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] };
+                let triangle = |i: usize| if i.is_multiple_of(2) { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] };
                 Some(Self { sizes: vec![3; triangles], corners: (0..triangles).flat_map(triangle).collect() })
             }
             "polylist" => {
