@@ -20,8 +20,10 @@ use std::rc::Rc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use softbuffer::SoftBufferError;
 use winit::application::ApplicationHandler;
 use winit::dpi::{PhysicalPosition, PhysicalSize};
+use winit::error::EventLoopError;
 use winit::event::{ElementState, KeyEvent, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy, OwnedDisplayHandle};
 use winit::keyboard::{Key, NamedKey};
@@ -56,25 +58,25 @@ pub struct WindowOptions {
 pub enum WindowError {
     /// There is no window system, or it broke off.
     #[error("no window: {0} (DISPLAY or WAYLAND_DISPLAY must name a running display)")]
-    EventLoop(#[from] winit::error::EventLoopError),
+    EventLoop(String),
     /// The monitor that was asked for does not exist.
     #[error(transparent)]
     Monitor(#[from] MonitorError),
     /// The window system refuses the window.
-    #[error("cannot open a window on monitor {monitor}: {source}")]
+    #[error("cannot open a window on monitor {monitor}: {reason}")]
     Open {
         /// The monitor.
         monitor: MonitorInfo,
         /// What the window system says.
-        source: winit::error::OsError,
+        reason: String,
     },
     /// The pixels cannot be brought to the window.
-    #[error("cannot draw on monitor {monitor}: {source}")]
+    #[error("cannot draw on monitor {monitor}: {reason}")]
     Draw {
         /// The monitor.
         monitor: MonitorInfo,
         /// What the window system says.
-        source: softbuffer::SoftBufferError,
+        reason: String,
     },
     /// The screenshot cannot be written.
     #[error(transparent)]
@@ -126,7 +128,7 @@ impl PictureSink {
 /// # Errors
 /// [`WindowError`] when there is no display, no such monitor, or the window system refuses the window.
 pub fn run(options: WindowOptions, start: impl FnOnce(PictureSink)) -> Result<(), WindowError> {
-    let event_loop = EventLoop::<Wake>::with_user_event().build()?;
+    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(event_loop_error)?;
     let sink = PictureSink { newest: Arc::default(), proxy: event_loop.create_proxy() };
     let mut application = Application {
         display: event_loop.owned_display_handle(),
@@ -139,8 +141,23 @@ pub fn run(options: WindowOptions, start: impl FnOnce(PictureSink)) -> Result<()
         warned_sizes: HashSet::new(),
         failure: None,
     };
-    event_loop.run_app(&mut application)?;
+    event_loop.run_app(&mut application).map_err(event_loop_error)?;
     application.failure.map_or(Ok(()), Err)
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "for map_err")]
+fn event_loop_error(error: EventLoopError) -> WindowError {
+    WindowError::EventLoop(without_place(&error.to_string()))
+}
+
+/// winit begins its messages with the place in its sources, `os error at FILE:LINE: `, which helps no user.
+fn without_place(message: &str) -> String {
+    let rest = message.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+    rest.map_or(message, |(_, reason)| reason).trim_end_matches('.').to_owned()
+}
+
+fn draw_error(monitor: &MonitorInfo, error: &SoftBufferError) -> WindowError {
+    WindowError::Draw { monitor: monitor.clone(), reason: error.to_string() }
 }
 
 /// All monitors, in the order in which [`MonitorChoice`] counts them.
@@ -157,7 +174,8 @@ pub fn list_monitors() -> Result<Vec<MonitorInfo>, WindowError> {
         fn window_event(&mut self, _: &ActiveEventLoop, _: WindowId, _: WindowEvent) {}
     }
     let mut lister = Lister(Vec::new());
-    EventLoop::<Wake>::with_user_event().build()?.run_app(&mut lister)?;
+    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(event_loop_error)?;
+    event_loop.run_app(&mut lister).map_err(event_loop_error)?;
     Ok(lister.0)
 }
 
@@ -224,9 +242,10 @@ impl OpenWindow {
         let x11 = event_loop.is_x11().then(X11Session::open).flatten();
         let placed_by_itself = x11.as_ref().is_some_and(|x11| !x11.has_fullscreen_manager());
         let attributes = attributes(&options.source, &monitor, handle, placed_by_itself);
-        let window = event_loop
-            .create_window(attributes)
-            .map_err(|source| WindowError::Open { monitor: monitor.clone(), source })?;
+        let window = event_loop.create_window(attributes).map_err(|error| WindowError::Open {
+            monitor: monitor.clone(),
+            reason: without_place(&error.to_string()),
+        })?;
         let window = Rc::new(window);
         window.set_cursor_visible(false);
         if let Some(x11) = &x11 {
@@ -234,7 +253,7 @@ impl OpenWindow {
         }
         let surface = softbuffer::Context::new(display)
             .and_then(|context| softbuffer::Surface::new(&context, Rc::clone(&window)))
-            .map_err(|source| WindowError::Draw { monitor: monitor.clone(), source })?;
+            .map_err(|error| draw_error(&monitor, &error))?;
         let now = Instant::now();
         Ok(Self {
             surface,
@@ -264,7 +283,7 @@ impl OpenWindow {
             buffer.present()?;
             Ok(pixels)
         };
-        let pixels = draw().map_err(|source| WindowError::Draw { monitor: self.monitor.clone(), source })?;
+        let pixels = draw().map_err(|error: SoftBufferError| draw_error(&self.monitor, &error))?;
         Ok(pixels.map(|pixels| Shown { size_px: (size.width, size.height), pixels }))
     }
 
@@ -467,6 +486,12 @@ fn is_quit_key(key: &Key) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn messages_lose_the_place_in_the_librarys_sources() {
+        assert_eq!(without_place("os error at /x/y.rs:7: DISPLAY: not set."), "DISPLAY: not set");
+        assert_eq!(without_place("something else: bad"), "something else: bad");
+    }
 
     #[test]
     fn escape_and_q_quit_and_nothing_else() {

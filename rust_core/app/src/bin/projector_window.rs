@@ -1,0 +1,124 @@
+//! `projector_window`: an image topic full screen on a chosen monitor, pixel for pixel.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::mpsc;
+use std::sync::Mutex;
+use std::thread;
+use std::time::Duration;
+
+use anyhow::{anyhow, Context};
+use clap::Parser;
+use rcs_app::logging;
+use rcs_app::small_node::{self, EndRequest};
+use rcs_output::window::{self, PictureSink, WindowOptions};
+use rcs_output::window_monitor::{self, MonitorChoice};
+use rcs_output::window_picture::{RawPicture, ScreenPicture};
+use rosrust_msg::sensor_msgs::Image;
+
+const DEFAULT_TOPIC: &str = "/proj_view/image";
+
+/// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
+///
+/// Picture pixel (u, v) is screen pixel (u, v). A picture of another size than the monitor is shown at the top left on
+/// black, with a warning. Encodings: rgb8, rgba8, bgr8, bgra8, mono8, mono16. Escape or q ends.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "\
+Topic subscribed to: /proj_view/image (sensor_msgs/Image); image:=/topic remaps it, as for image_view
+Exit codes: 0 ended by Escape, q, SIGINT, SIGTERM or rosnode kill; 1 the window or the node failed; 2 wrong arguments
+
+Example: projector_window --monitor HDMI-1 image:=/proj_view/image"
+)]
+struct Arguments {
+    /// The image topic [default: what image:= says, else /proj_view/image]
+    #[arg(long)]
+    topic: Option<String>,
+    /// The monitor's name, or its number in the list [default: the last that is not primary, else the only one]
+    #[arg(long, value_name = "NAME|INDEX", default_value = "", hide_default_value = true)]
+    monitor: MonitorChoice,
+    /// List the monitors and exit
+    #[arg(long)]
+    list_monitors: bool,
+    /// Save what the window shows, once the first picture is there
+    #[arg(long, value_name = "FILE.png")]
+    screenshot: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse_from(small_node::own_arguments());
+    logging::start(false);
+    match run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("projector_window: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: Arguments) -> anyhow::Result<()> {
+    if arguments.list_monitors {
+        for line in window_monitor::list(&window::list_monitors()?) {
+            println!("{line}");
+        }
+        return Ok(());
+    }
+    let topic =
+        arguments.topic.or_else(|| small_node::remapping_of("image")).unwrap_or_else(|| DEFAULT_TOPIC.to_owned());
+    let options = WindowOptions { source: topic.clone(), monitor: arguments.monitor, screenshot: arguments.screenshot };
+    let end = EndRequest::watch_signals().context("cannot take signals")?;
+
+    // The window system wants the main thread; the node lives on another one and closes the window when it ends.
+    let (outcome, node_outcome) = mpsc::channel();
+    let node_end = end.clone();
+    window::run(options, move |sink| {
+        thread::spawn(move || {
+            let result = follow_topic(&topic, &node_end, &sink);
+            sink.close();
+            // The window is closed already when nobody listens.
+            let _ = outcome.send(result);
+        });
+    })?;
+    end.request();
+    node_outcome.recv_timeout(Duration::from_secs(4)).unwrap_or(Ok(()))
+}
+
+/// Hands the topic's pictures to the window until the end is requested.
+fn follow_topic(topic: &str, end: &EndRequest, sink: &PictureSink) -> anyhow::Result<()> {
+    if !small_node::connect("projector_window", end)? {
+        return Ok(());
+    }
+    let pictures = sink.clone();
+    let last_error = Mutex::new(String::new());
+    let topic_name = topic.to_owned();
+    let show = move |image: Image| match picture(&image) {
+        Ok(picture) => pictures.show(picture),
+        Err(error) => {
+            // Once for each kind of error, however many pictures come.
+            let error = format!("topic {topic_name}: {error}");
+            if let Ok(mut last) = last_error.lock() {
+                if *last != error {
+                    log::error!("{error}");
+                    *last = error;
+                }
+            }
+        }
+    };
+    let subscriber = rosrust::subscribe(topic, 1, show).map_err(|error| anyhow!("topic {topic}: {error}"))?;
+    end.wait();
+    small_node::shut_down(subscriber);
+    Ok(())
+}
+
+fn picture(image: &Image) -> Result<ScreenPicture, rcs_output::window_picture::PictureError> {
+    ScreenPicture::from_raw(&RawPicture {
+        width_px: image.width,
+        height_px: image.height,
+        step_bytes: image.step,
+        encoding: &image.encoding,
+        is_bigendian: image.is_bigendian != 0,
+        data: &image.data,
+    })
+}
