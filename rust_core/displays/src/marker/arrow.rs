@@ -58,10 +58,7 @@ impl Arrow {
 
 fn size_by_points(marker: &Marker, distance_m: f64) -> ArrowSize {
     let [shaft_diameter_m, head_diameter_m, head_length_m] = scale(marker);
-    let head_length_m = if head_length_m == 0.0 {
-        HEAD_SHARE * distance_m
-    } else {
-        head_length_m.min(distance_m).max(0.0)
-    };
+    let head_length_m =
+        if head_length_m == 0.0 { HEAD_SHARE * distance_m } else { head_length_m.min(distance_m).max(0.0) };
     ArrowSize { shaft_length_m: distance_m - head_length_m, shaft_diameter_m, head_length_m, head_diameter_m }
 }

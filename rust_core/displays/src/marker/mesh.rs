@@ -42,7 +42,9 @@ impl MeshMarker {
     pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Part>, String> {
         let (url, embedded, color) = (&marker.mesh_resource, marker.mesh_use_embedded_materials, rgba(&marker.color));
         let shown = match self.shown.take().filter(|shown| shown.url == *url && shown.embedded == embedded) {
-            Some(shown) => Shown { paint: if color == shown.color { shown.paint } else { Some(color) }, color, ..shown },
+            Some(shown) => {
+                Shown { paint: if color == shown.color { shown.paint } else { Some(color) }, color, ..shown }
+            }
             None => {
                 let mesh = meshes.get(url).map_err(|error| format!("could not load [{url}]: {error}"))?;
                 let own_colors = embedded && color == Rgba::TRANSPARENT;

@@ -50,13 +50,7 @@ impl Part {
             SortPoint::Origin => Point3::from(fixed_from_object.fixed_view::<3, 1>(0, 3).into_owned()),
             SortPoint::Fixed(point) => point,
         };
-        Drawable {
-            display,
-            fixed_from_object,
-            sort_point,
-            group: RenderGroup::Main,
-            geometry: self.geometry.clone(),
-        }
+        Drawable { display, fixed_from_object, sort_point, group: RenderGroup::Main, geometry: self.geometry.clone() }
     }
 }
 

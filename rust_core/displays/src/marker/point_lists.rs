@@ -33,7 +33,8 @@ pub(super) fn parts(marker: &Marker) -> Vec<Part> {
             let position = position(point);
             if position.iter().all(|value| value.is_finite()) {
                 positions.push(position);
-                point_colors.extend(colors.and_then(|colors| colors.get(first + i)).map(|color| rgba(color).to_rgba8()));
+                point_colors
+                    .extend(colors.and_then(|colors| colors.get(first + i)).map(|color| rgba(color).to_rgba8()));
             }
         }
         let sorted_by = positions.clone();
