@@ -16,8 +16,8 @@ pub enum PointStyle {
     /// A square facing the eye with a contrasting edge, `Style: Squares`. It stands upright to the y axis of the
     /// object's frame: its sides run along `right = y × at` and `up = at × right`, `at` being the direction to the eye.
     Squares {
-        /// Side length in metres.
-        side_m: f32,
+        /// Width and height in metres; clouds have squares, markers may have oblongs.
+        size_m: [f32; 2],
     },
     /// The same square in one colour, `Style: Flat Squares`.
     FlatSquares {
@@ -26,8 +26,8 @@ pub enum PointStyle {
     },
     /// A disc in the plane of such a square, darker to its edge, `Style: Spheres`.
     Spheres {
-        /// Diameter in metres.
-        diameter_m: f32,
+        /// Width and height in metres; an ellipse where they differ.
+        size_m: [f32; 2],
     },
     /// A box along the axes of the cloud's own frame, each side with a shade and a darker edge, `Style: Boxes`.
     Boxes {

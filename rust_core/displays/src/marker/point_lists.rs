@@ -58,10 +58,10 @@ pub(super) fn parts(marker: &Marker) -> Vec<Part> {
 /// How the points are drawn, and of how many vertices each is in rviz.
 fn style(marker: &Marker) -> (PointStyle, usize) {
     let size_m = scale(marker).map(|side| side as f32);
-    let [width_m, ..] = size_m;
+    let [width_m, height_m, _] = size_m;
     match u8::try_from(marker.type_) {
         Ok(Marker::CUBE_LIST) => (PointStyle::Boxes { size_m }, 36),
-        Ok(Marker::SPHERE_LIST) => (PointStyle::Spheres { diameter_m: width_m }, 3),
-        _ => (PointStyle::Squares { side_m: width_m }, 6),
+        Ok(Marker::SPHERE_LIST) => (PointStyle::Spheres { size_m: [width_m, height_m] }, 3),
+        _ => (PointStyle::Squares { size_m: [width_m, height_m] }, 6),
     }
 }

@@ -73,9 +73,9 @@ impl PointCloud2Display {
         let size_m = settings.size_m;
         let style = match settings.style {
             StyleSetting::Points => PointStyle::Points { diameter_px: settings.size_px },
-            StyleSetting::Squares => PointStyle::Squares { side_m: size_m },
+            StyleSetting::Squares => PointStyle::Squares { size_m: [size_m; 2] },
             StyleSetting::FlatSquares => PointStyle::FlatSquares { side_m: size_m },
-            StyleSetting::Spheres => PointStyle::Spheres { diameter_m: size_m },
+            StyleSetting::Spheres => PointStyle::Spheres { size_m: [size_m; 2] },
             StyleSetting::Boxes => PointStyle::Boxes { size_m: [size_m; 3] },
         };
         // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.

@@ -94,14 +94,12 @@ impl<'a> Faces<'a> {
             out([&corners[3], &corners[0], &corners[1]]);
         };
         match self.points.style {
-            PointStyle::Squares { side_m: size_m }
-            | PointStyle::FlatSquares { side_m: size_m }
-            | PointStyle::Spheres { diameter_m: size_m }
+            PointStyle::Squares { .. } | PointStyle::FlatSquares { .. } | PointStyle::Spheres { .. }
                 if is_visible(alpha) =>
             {
-                let half = size_m * factor * 0.5;
+                let half = size_m(self.points.style).map(|length| length * factor * 0.5);
                 let (right, up) = upright(self.eye, position);
-                face(center, along(right, half), along(up, half), color(1.0));
+                face(center, along(right, half[0]), along(up, half[1]), color(1.0));
             }
             PointStyle::Tiles { size_m, normal, up } if is_visible(alpha) => {
                 let right = [
@@ -123,6 +121,16 @@ impl<'a> Faces<'a> {
             }
             _ => {}
         }
+    }
+}
+
+/// Width and height of what looks at the eye.
+#[inline]
+fn size_m(style: PointStyle) -> [f32; 2] {
+    match style {
+        PointStyle::Squares { size_m } | PointStyle::Spheres { size_m } => size_m,
+        PointStyle::FlatSquares { side_m } => [side_m; 2],
+        PointStyle::Points { .. } | PointStyle::Boxes { .. } | PointStyle::Tiles { .. } => [0.0; 2],
     }
 }
 

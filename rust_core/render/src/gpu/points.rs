@@ -142,8 +142,10 @@ fn constants(viewpoint: &Viewpoint<'_>, fixed_from_object: &Matrix4<f64>, points
     let size = match points.style {
         // OpenGL draws no smaller point than one pixel.
         PointStyle::Points { diameter_px } => [diameter_px.max(1.0), 0.0, 0.0],
-        PointStyle::Squares { side_m } | PointStyle::FlatSquares { side_m } => [side_m; 3],
-        PointStyle::Spheres { diameter_m } => [diameter_m; 3],
+        PointStyle::Squares { size_m: [width, height] } | PointStyle::Spheres { size_m: [width, height] } => {
+            [width, height, 0.0]
+        }
+        PointStyle::FlatSquares { side_m } => [side_m; 3],
         PointStyle::Boxes { size_m } => size_m,
         PointStyle::Tiles { size_m, normal, up } => {
             up_direction = Vector3::from(up);

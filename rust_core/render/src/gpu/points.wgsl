@@ -46,7 +46,7 @@ fn vertex_sprite(@builtin(vertex_index) index: u32, point: Point) -> Splat {
 @vertex
 fn vertex_billboard(@builtin(vertex_index) index: u32, point: Point) -> Splat {
     let at = corner(index);
-    let offset = at * cloud.size.x * scale(point.position);
+    let offset = at * cloud.size.xy * scale(point.position);
     let center = cloud.clip_from_object * vec4f(point.position, 1.0);
     return Splat(center + cloud.clip_from_view * vec4f(offset, 0.0, 0.0), point.color, at);
 }
