@@ -1,6 +1,16 @@
-//! What the programs need besides the other crates: the files that they read.
+//! What the programs are made of: command lines, wiring, and the files that they read.
+#![forbid(unsafe_code)]
+
+pub mod camera_pose;
+pub mod check;
+pub mod cli;
+pub mod logging;
 
 mod lzf;
+pub mod offline;
 pub mod pcd;
 mod pcd_header;
+pub mod picture_file;
 pub mod projector_file;
+pub mod small_node;
+pub mod stage;

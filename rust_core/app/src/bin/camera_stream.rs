@@ -1,0 +1,77 @@
+//! `camera_stream`: the virtual cameras of a `.rviz` config, as a ROS node or over a bag.
+
+use std::process::ExitCode;
+
+use anyhow::{anyhow, Context, Result};
+use clap::Parser;
+use rcs_app::cli::{split_ros_args, Cli, Command, RenderArgs};
+use rcs_app::offline::{self, Target};
+use rcs_app::stage::Stage;
+use rcs_app::{check, logging};
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_rviz_config::Config;
+
+/// Unusable arguments or an unreadable config.
+const UNUSABLE: u8 = 2;
+
+fn main() -> ExitCode {
+    let (ros_args, own_args) = split_ros_args(std::env::args_os());
+    let cli = match Cli::try_parse_from(own_args) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are no errors; clap prints each where it belongs. A closed pipe is nothing to report.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { UNUSABLE } else { 0 });
+        }
+    };
+    logging::start(cli.node.log_level_debug);
+    let result = match &cli.command {
+        Some(Command::Check(args)) => match rcs_rviz_config::load(&args.config) {
+            Ok(config) => check::print(&config, &mut std::io::stdout().lock())
+                .map(|understood| if understood { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+                .map_err(|error| anyhow!("standard output: {error}")),
+            Err(error) => return unusable(&error),
+        },
+        Some(Command::Render(args)) => match rcs_rviz_config::load(&args.display_config) {
+            Ok(config) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
+            Err(error) => return unusable(&error),
+        },
+        None => match &cli.node.display_config {
+            Some(file) => match rcs_rviz_config::load(file) {
+                Ok(_) => { let _ = &ros_args; Err(anyhow!("the node is being wired")) }
+                Err(error) => return unusable(&error),
+            },
+            None => return unusable(&"no config: name one with -d FILE.rviz (see --help)"),
+        },
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("camera_stream: {error:#}");
+        ExitCode::FAILURE
+    })
+}
+
+fn unusable(error: &dyn std::fmt::Display) -> ExitCode {
+    eprintln!("camera_stream: {error}");
+    ExitCode::from(UNUSABLE)
+}
+
+fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
+    for parameter in &args.param {
+        let (name, file) =
+            parameter.split_once('=').with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
+        std::fs::metadata(file).with_context(|| format!("--param {name}: {file}"))?;
+    }
+    for finding in config.findings.iter().filter(|finding| finding.is_not_understood()) {
+        log::warn!("{}: {finding}", config.source);
+    }
+    let meshes = MeshStore::new(PackageIndex::from_env(&args.package_path));
+    let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
+    let target = match (&args.output, &args.frames) {
+        (_, Some(folder)) => Target::Sequence { folder: folder.clone(), rate_hz: args.rate },
+        (Some(file), None) => Target::Picture { file: file.clone(), at_secs: args.at },
+        (None, None) => return Err(anyhow!("no output: name one with -o FILE.png or --frames DIR")),
+    };
+    let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
+    let projection = cli.projection.unwrap_or_default();
+    offline::render(&mut stage, &args.bag, args.camera.as_deref(), &target, renderer.as_mut(), projection)
+}

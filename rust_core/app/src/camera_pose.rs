@@ -1,0 +1,76 @@
+//! From a CameraInfo and the frames to the camera that looks at the scene.
+
+use rcs_displays::World;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_scene::{require_finite, Camera, CameraError, Intrinsics};
+use rcs_transforms::{LookupError, Time};
+use thiserror::Error;
+
+/// How a CameraInfo's P becomes a projection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Projection {
+    /// As rviz's CameraPub draws: one focal length for both axes, `P[7]` upwards. The same picture as before; exact for
+    /// square pixels and no `P[7]`.
+    #[default]
+    Rviz,
+    /// As P says: what a projector with different focal lengths needs.
+    Exact,
+}
+
+/// Why a camera cannot see.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CameraProblem {
+    /// Nothing came on its topic yet.
+    #[error("No CameraInfo received on [{topic}]. Topic may not exist.")]
+    NoCameraInfo {
+        /// The config's "Camera Info Topic".
+        topic: String,
+    },
+    /// The CameraInfo makes no camera.
+    #[error("CameraInfo on [{topic}]: {error}")]
+    BadCameraInfo {
+        /// The config's "Camera Info Topic".
+        topic: String,
+        /// What is wrong; it names the field.
+        error: CameraError,
+    },
+    /// It is not known where the camera is.
+    #[error("camera of [{topic}]: {error}")]
+    NoTransform {
+        /// The config's "Camera Info Topic".
+        topic: String,
+        /// What is missing; it names both frames.
+        error: LookupError,
+    },
+}
+
+/// The camera of a CameraInfo, at the latest known pose of its frame.
+///
+/// # Errors
+/// See [`CameraProblem`].
+pub fn camera(
+    info: &CameraInfo,
+    topic: &str,
+    world: &World<'_>,
+    near_m: f64,
+    projection: Projection,
+) -> Result<Camera, CameraProblem> {
+    let bad = |error| CameraProblem::BadCameraInfo { topic: topic.to_owned(), error };
+    for (field, values) in [("D", &info.D[..]), ("K", &info.K[..]), ("R", &info.R[..])] {
+        require_finite(field, values).map_err(bad)?;
+    }
+    let intrinsics = Intrinsics::from_p(info.width, info.height, &info.P).map_err(bad)?;
+    let intrinsics = match projection {
+        Projection::Rviz => intrinsics.as_rviz_draws(),
+        Projection::Exact => intrinsics,
+    };
+    let fixed_from_optical = world
+        .fixed_from(&info.header.frame_id, Time::ZERO)
+        .map_err(|error| CameraProblem::NoTransform { topic: topic.to_owned(), error })?;
+    Ok(Camera::new(intrinsics, &fixed_from_optical, near_m))
+}
+
+/// Whether rviz's projection of this CameraInfo differs from what P says.
+pub fn rviz_differs(info: &CameraInfo) -> bool {
+    Intrinsics::from_p(info.width, info.height, &info.P).is_ok_and(|intrinsics| !intrinsics.rviz_is_exact())
+}

@@ -1,0 +1,181 @@
+//! The command line of `camera_stream`.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use rcs_render::RendererChoice;
+
+use crate::camera_pose::Projection;
+
+/// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
+///
+/// Without a command it is a ROS node that publishes the pictures. ROS arguments (from:=to, _param:=value, __name:=,
+/// __ns:=, __log:=) may stand anywhere.
+///
+/// Exit status: 0 done (a node: ended by SIGINT or SIGTERM), 1 something is wrong, 2 unusable arguments or an unreadable
+/// config.
+#[derive(Debug, Parser)]
+#[command(name = "camera_stream", version, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    /// What to do in place of running as a node.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// The node's arguments.
+    #[command(flatten)]
+    pub node: NodeArgs,
+    /// What draws: a hardware GPU where there is one and else the CPU (auto), cpu, or any GPU driver (gpu)
+    #[arg(long, global = true, value_name = "auto|cpu|gpu")]
+    pub renderer: Option<RendererChoice>,
+    /// How a CameraInfo's P is used: as rviz does (the same picture), or exactly (for fx ≠ fy or P[7] ≠ 0)
+    #[arg(long, global = true, value_enum)]
+    pub projection: Option<Projection>,
+}
+
+/// The arguments of the node: those of rviz.
+#[derive(Args, Clone, Debug)]
+pub struct NodeArgs {
+    /// The .rviz config with CameraPub displays
+    #[arg(short = 'd', long = "display-config", value_name = "FILE")]
+    pub display_config: Option<PathBuf>,
+    /// The fixed frame, instead of the config's
+    #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
+    pub fixed_frame: Option<String>,
+    /// Options of rviz's window: taken and without effect
+    #[command(flatten)]
+    pub window: WindowArgs,
+    /// Log what only concerns developers, too
+    #[arg(long)]
+    pub log_level_debug: bool,
+}
+
+/// Options of rviz that only concern its window; launch files may hold them.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Taken from rviz, without effect")]
+pub struct WindowArgs {
+    #[arg(short = 's', long, hide = true, value_name = "FILE")]
+    splash_screen: Option<String>,
+    #[arg(long, hide = true, value_name = "FILE")]
+    help_file: Option<String>,
+    #[arg(short = 'l', long, hide = true)]
+    ogre_log: bool,
+    #[arg(long, hide = true)]
+    fullscreen: bool,
+    #[arg(long, hide = true)]
+    in_mc_wrapper: bool,
+    #[arg(long, hide = true)]
+    no_stereo: bool,
+    #[arg(long, hide = true)]
+    disable_anti_aliasing: bool,
+    #[arg(short = 'v', long, hide = true)]
+    verbose: bool,
+    #[arg(long, hide = true, value_name = "VERSION")]
+    opengl: Option<String>,
+}
+
+/// What to do in place of running as a node.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Draws pictures of a bag, without ROS
+    Render(RenderArgs),
+    /// Prints what of a config is understood and drawn (exit status 1 when something is not understood)
+    Check(CheckArgs),
+}
+
+/// The arguments of `render`.
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    /// The .rviz config with a CameraPub display
+    #[arg(short = 'd', long = "display-config", value_name = "FILE")]
+    pub display_config: PathBuf,
+    /// The fixed frame, instead of the config's
+    #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
+    pub fixed_frame: Option<String>,
+    /// The bag with /tf, CameraInfo and the displays' messages
+    #[arg(long, value_name = "FILE.bag")]
+    pub bag: PathBuf,
+    /// The picture to write
+    #[arg(short = 'o', long, value_name = "FILE.png", required_unless_present = "frames", conflicts_with = "frames")]
+    pub output: Option<PathBuf>,
+    /// Draw the moment this many seconds after the bag's first message; without it, after its last message
+    #[arg(long, value_name = "SECS", conflicts_with = "frames")]
+    pub at: Option<f64>,
+    /// Write a numbered picture of every moment into this folder
+    #[arg(long, value_name = "DIR")]
+    pub frames: Option<PathBuf>,
+    /// Pictures a second for --frames
+    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
+    pub rate: f64,
+    /// The CameraPub display to draw; needed when the config has several
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// A parameter that displays read (robot_description, say), from a file
+    #[arg(long, value_name = "NAME=FILE")]
+    pub param: Vec<String>,
+    /// Where package:// addresses are looked for before ROS_PACKAGE_PATH: a package or a folder of packages
+    #[arg(long, value_name = "DIR")]
+    pub package_path: Vec<PathBuf>,
+}
+
+/// The arguments of `check`.
+#[derive(Args, Clone, Debug)]
+pub struct CheckArgs {
+    /// The .rviz config
+    #[arg(value_name = "FILE.rviz")]
+    pub config: PathBuf,
+}
+
+/// Arguments apart: those for ROS (with `:=`) and the program's own.
+pub fn split_ros_args(args: impl IntoIterator<Item = OsString>) -> (Vec<String>, Vec<OsString>) {
+    let mut ros = Vec::new();
+    let mut own = Vec::new();
+    for arg in args {
+        match arg.to_str() {
+            Some(text) if text.contains(":=") => ros.push(text.to_owned()),
+            _ => own.push(arg),
+        }
+    }
+    (ros, own)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(args: &[&str]) -> (Vec<String>, Result<Cli, clap::Error>) {
+        let (ros, own) = split_ros_args(args.iter().map(OsString::from));
+        (ros, Cli::try_parse_from(own))
+    }
+
+    #[test]
+    fn a_launch_files_arguments_for_rviz_are_taken() {
+        let args = ["camera_stream", "-d", "x.rviz", "cloud:=/points", "-f", "map", "__name:=rviz", "__log:=/l.log"];
+        let (ros, cli) = parse(&args);
+        assert_eq!(ros, ["cloud:=/points", "__name:=rviz", "__log:=/l.log"]);
+        let node = cli.unwrap().node;
+        assert_eq!(node.display_config, Some(PathBuf::from("x.rviz")));
+        assert_eq!(node.fixed_frame.as_deref(), Some("map"));
+        let (_, cli) =
+            parse(&["camera_stream", "--splash-screen", "", "--fullscreen", "-d", "x.rviz", "--renderer", "cpu"]);
+        let cli = cli.unwrap();
+        assert_eq!(cli.node.display_config, Some(PathBuf::from("x.rviz")));
+        assert_eq!(cli.renderer, Some(RendererChoice::Cpu));
+    }
+
+    #[test]
+    fn render_takes_one_picture_or_a_sequence() {
+        let base = ["camera_stream", "render", "-d", "x.rviz", "--bag", "x.bag"];
+        let with = |more: &[&str]| parse(&[&base[..], more].concat()).1;
+        assert!(with(&[]).is_err());
+        assert!(with(&["-o", "a.png", "--frames", "d"]).is_err());
+        assert!(with(&["-o", "a.png", "--at", "1.5", "--renderer", "gpu"]).is_ok());
+        assert!(with(&["--frames", "d", "--rate", "10"]).is_ok());
+        assert!(with(&["-o", "a.png", "--renderer", "voodoo"]).is_err());
+    }
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,52 @@
+//! Which cases there are and how near each must be.
+
+use std::path::{Path, PathBuf};
+
+/// A scene and the picture that rviz drew of it.
+#[derive(Clone, Debug)]
+pub struct Case {
+    pub name: String,
+    pub folder: PathBuf,
+    /// The lowest *close* score.
+    pub min_close: f64,
+}
+
+/// A picture may differ in this share of its content: single pixels of rasterisation that lie farther than one away.
+const MIN_CLOSE: f64 = 0.98;
+
+/// Text may: glyphs may be rasterised differently, but not stand elsewhere or in another size or colour.
+const MIN_CLOSE_TEXT: f64 = 0.90;
+
+/// The cases of the display classes that are drawn, by the beginnings of their names.
+const DRAWN: [&str; 9] =
+    ["pc2_", "cam_", "grid_default", "grid_billboards", "axes", "marker_", "path_", "nav_path_arrows", "x_"];
+
+/// The repository's root.
+pub fn repository() -> PathBuf {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
+    tests.parent().unwrap_or(tests).to_owned()
+}
+
+/// The folder with the cases, and with the package `conformance_assets`.
+pub fn conformance() -> PathBuf {
+    repository().join("tests/conformance")
+}
+
+/// All cases of the drawn classes, by name.
+pub fn all() -> Vec<Case> {
+    let folders = std::fs::read_dir(conformance().join("cases")).into_iter().flatten().flatten();
+    let mut cases: Vec<Case> = folders
+        .filter_map(|entry| {
+            let name = entry.file_name().into_string().ok()?;
+            let min_close = if name.contains("text") { MIN_CLOSE_TEXT } else { MIN_CLOSE };
+            DRAWN.iter().any(|beginning| name.starts_with(beginning)).then(|| Case {
+                folder: entry.path(),
+                min_close,
+                name,
+            })
+        })
+        .collect();
+    cases.sort_by(|a, b| a.name.cmp(&b.name));
+    assert!(!cases.is_empty(), "there are no cases below {}", conformance().display());
+    cases
+}

@@ -1,0 +1,133 @@
+//! Golden tests: what rviz drew, drawn again by both renderers.
+//!
+//! Each case is a folder with `scene.rviz`, `scene.bag` and the `expected.png` that rviz 1.14.19 with its CameraPub
+//! plugin published for them. A failing case leaves `expected | difference | actual` in `test_output/golden`.
+//! `GOLDEN_OUTPUT=DIR` keeps all rendered pictures there.
+
+mod cases;
+mod score;
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use rcs_app::camera_pose::Projection;
+use rcs_app::offline::{self, Target};
+use rcs_app::stage::Stage;
+use rcs_render::{Renderer, RendererChoice};
+use rcs_resources::{MeshStore, PackageIndex};
+
+use cases::Case;
+use score::Rgb;
+
+/// The mean of all cases is at least this on each renderer.
+const MIN_MEAN_CLOSE: f64 = 0.995;
+
+type SharedRenderer = Arc<Mutex<Box<dyn Renderer>>>;
+type Scores = Arc<Mutex<Vec<(String, f64, f64)>>>;
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let cases = cases::all();
+    let mut trials = Vec::new();
+    let mut all_scores = Vec::new();
+    for (name, choice) in [("cpu", RendererChoice::Cpu), ("gpu", RendererChoice::Gpu)] {
+        match rcs_render::create(choice) {
+            Ok(renderer) => {
+                let renderer: SharedRenderer = Arc::new(Mutex::new(renderer));
+                let scores: Scores = Arc::default();
+                all_scores.push((name, scores.clone()));
+                for case in &cases {
+                    let (renderer, scores, case) = (renderer.clone(), scores.clone(), case.clone());
+                    trials.push(Trial::test(format!("{name}::{}", case.name), move || test(&case, name, &renderer, &scores)));
+                }
+            }
+            Err(error) => {
+                let message = format!("no {name} renderer: {error}");
+                trials.push(Trial::test(format!("{name}::renderer"), move || Err(Failed::from(message))));
+            }
+        }
+    }
+    let conclusion = libtest_mimic::run(&arguments, trials);
+    let mut failed = conclusion.has_failed();
+    for (name, scores) in all_scores {
+        failed |= !report(name, &scores.lock().unwrap_or_else(PoisonError::into_inner), cases.len());
+    }
+    std::process::exit(i32::from(failed));
+}
+
+/// Prints the mean; tells whether it is high enough. It counts only where all cases ran.
+fn report(renderer: &str, scores: &[(String, f64, f64)], case_count: usize) -> bool {
+    let mean = |of: fn(&(String, f64, f64)) -> f64| scores.iter().map(of).sum::<f64>() / scores.len().max(1) as f64;
+    let (strict, close) = (mean(|score| score.1), mean(|score| score.2));
+    let worst = scores.iter().min_by(|a, b| a.2.total_cmp(&b.2));
+    if let Some((name, _, worst)) = worst {
+        println!(
+            "{renderer}: {} cases, mean strict {strict:.4}, mean close {close:.4}, worst close {worst:.4} ({name})",
+            scores.len()
+        );
+    }
+    let enough = scores.len() < case_count || close >= MIN_MEAN_CLOSE;
+    if !enough {
+        println!("{renderer}: the mean close is below {MIN_MEAN_CLOSE}");
+    }
+    enough
+}
+
+fn test(case: &Case, renderer_name: &str, renderer: &SharedRenderer, scores: &Scores) -> Result<(), Failed> {
+    let output = std::env::var_os("GOLDEN_OUTPUT")
+        .map_or_else(|| cases::repository().join("test_output/golden"), PathBuf::from)
+        .join(renderer_name);
+    std::fs::create_dir_all(&output)?;
+    let file = output.join(format!("{}.png", case.name));
+    render(case, &file, renderer).map_err(|error| format!("{error:#}"))?;
+    let (expected, actual) = (load(&case.folder.join("expected.png"))?, load(&file)?);
+    let Some(score) = score::score(&expected, &actual) else {
+        return Err(format!(
+            "{} by {} pixels, expected {} by {}",
+            actual.width, actual.height, expected.width, expected.height
+        )
+        .into());
+    };
+    scores.lock().unwrap_or_else(PoisonError::into_inner).push((case.name.clone(), score.strict, score.close));
+    if score.close < case.min_close {
+        let comparison = output.join(format!("{}_difference.png", case.name));
+        save(&comparison, &score::comparison(&expected, &actual, &score))?;
+        return Err(format!(
+            "strict {:.4}, close {:.4}, below {}; see {}",
+            score.strict,
+            score.close,
+            case.min_close,
+            comparison.display()
+        )
+        .into());
+    }
+    if std::env::var_os("GOLDEN_OUTPUT").is_none() {
+        std::fs::remove_file(&file)?;
+    }
+    Ok(())
+}
+
+fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result<()> {
+    let config = rcs_rviz_config::load(&case.folder.join("scene.rviz"))?;
+    let meshes = MeshStore::new(PackageIndex::new([cases::conformance()]));
+    let mut stage = Stage::new(&config, None, meshes);
+    let target = Target::Picture { file: file.to_owned(), at_secs: None };
+    let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
+    let bag = case.folder.join("scene.bag");
+    offline::render(&mut stage, &bag, None, &target, renderer.as_mut(), Projection::Rviz)
+}
+
+fn load(file: &Path) -> Result<Rgb, Failed> {
+    let picture = image::open(file).map_err(|error| format!("{}: {error}", file.display()))?;
+    // A 16-bit grey becomes 8 bits: the scorer's levels are of 255.
+    let picture = picture.to_rgb8();
+    let pixels = picture.pixels().map(|pixel| pixel.0).collect();
+    Ok(Rgb { width: picture.width() as usize, height: picture.height() as usize, pixels })
+}
+
+fn save(file: &Path, picture: &Rgb) -> Result<(), Failed> {
+    let bytes = picture.pixels.as_flattened();
+    image::save_buffer(file, bytes, picture.width as u32, picture.height as u32, image::ExtendedColorType::Rgb8)
+        .map_err(|error| format!("{}: {error}", file.display()).into())
+}
