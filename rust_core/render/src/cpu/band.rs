@@ -91,18 +91,6 @@ impl Band<'_> {
         (begin, &mut self.color[range.clone()], &mut self.depth[range])
     }
 
-    /// One fragment.
-    #[inline]
-    pub(super) fn put(&mut self, x: i32, y: i32, depth: u32, color: [u8; 4], mode: Mode) {
-        if x < 0 || x >= self.width || y < self.first_row || y >= self.end_row {
-            return;
-        }
-        let index = (y - self.first_row) as usize * self.width as usize + x as usize;
-        if let (Some(c), Some(d)) = (self.color.get_mut(index), self.depth.get_mut(index)) {
-            meet(c, d, depth, color, mode);
-        }
-    }
-
     /// The finished rows, from the top.
     pub(super) fn pixel_rows(&self) -> impl Iterator<Item = &[[u8; 4]]> + '_ {
         self.color.chunks_exact(self.width.max(1) as usize).map(bytemuck::cast_slice)
@@ -146,10 +134,13 @@ fn scale(value: u32, factor: u32) -> u32 {
     (product + (product >> 8) + 128) >> 8
 }
 
-/// A channel of 0 to 1 as a byte, to the nearest.
+/// A channel of 0 to 1 as a byte, to the nearest and of two equally near ones to the even; NaN becomes 0.
 #[inline]
 pub(super) fn unorm8(value: f32) -> u8 {
-    (value * 255.0 + 0.5) as u8
+    // At 2^23 an f32 has no fraction left, so that the sum is rounded and its lowest bits are the whole number.
+    const NO_FRACTION: f32 = 8_388_608.0;
+    let level = if value > 0.0 { value.min(1.0) * 255.0 } else { 0.0 };
+    (level + NO_FRACTION).to_bits() as u8
 }
 
 #[cfg(test)]
@@ -166,18 +157,31 @@ mod tests {
     }
 
     #[test]
+    fn channels_round_to_the_nearest_byte() {
+        assert_eq!([0.0, 1.0, 2.0, -1.0, f32::NAN].map(unorm8), [0, 255, 255, 0, 0]);
+        assert_eq!([0.3, 0.5, 100.4 / 255.0, 100.6 / 255.0].map(unorm8), [76, 128, 100, 101]);
+        assert!((0..=255).all(|byte| unorm8(f32::from(byte) / 255.0) == byte));
+    }
+
+    #[test]
     fn of_equal_depths_the_later_wins_and_translucent_ones_leave_the_depth() {
         let mut buffers = BandBuffers::default();
         let screen = Screen::new(2, 1);
         let mut band = buffers.begin(&screen, 0, pack([9, 9, 9, 255]));
-        band.put(0, 0, 500, [1, 1, 1, 255], Mode::OPAQUE);
-        band.put(0, 0, 500, [2, 2, 2, 255], Mode::OPAQUE);
-        band.put(0, 0, 501, [3, 3, 3, 255], Mode::OPAQUE);
-        band.put(1, 0, 100, [7, 7, 7, 255], Mode::TRANSLUCENT);
-        band.put(1, 0, 200, [8, 8, 8, 255], Mode::OPAQUE);
-        band.put(2, 0, 0, [8, 8, 8, 255], Mode::OPAQUE);
-        band.put(0, 1, 0, [8, 8, 8, 255], Mode::OPAQUE);
-        let rows: Vec<_> = band.pixel_rows().flatten().map(|p| p[0]).collect();
-        assert_eq!(rows, [2, 8]);
+        let mut put = |x: i32, depth: u32, level: u8, mode: Mode| {
+            let (_, colors, depths) = band.span(0, x, x + 1);
+            for (color, at) in colors.iter_mut().zip(depths) {
+                meet(color, at, depth, [level, level, level, 255], mode);
+            }
+        };
+        put(0, 500, 1, Mode::OPAQUE);
+        put(0, 500, 2, Mode::OPAQUE);
+        put(0, 501, 3, Mode::OPAQUE);
+        put(1, 100, 7, Mode::TRANSLUCENT);
+        put(1, 200, 8, Mode::OPAQUE);
+        put(2, 0, 9, Mode::OPAQUE);
+        put(-1, 0, 9, Mode::OPAQUE);
+        let levels: Vec<_> = band.pixel_rows().flatten().map(|pixel| pixel[0]).collect();
+        assert_eq!(levels, [2, 8]);
     }
 }

@@ -113,7 +113,10 @@ impl<'a> Plan<'a> {
                 (surface_of(&material), Shape::Mesh(Cow::Owned(mesh), Cow::Owned(material)))
             }
             Geometry::Mesh { mesh, material } => {
-                (surface_of(material), Shape::Mesh(Cow::Borrowed(mesh), Cow::Borrowed(material)))
+                let surface = surface_of(material);
+                let is_mirrored = drawable.fixed_from_object.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+                let surface = if is_mirrored { surface.mirrored() } else { surface };
+                (surface, Shape::Mesh(Cow::Borrowed(mesh), Cow::Borrowed(material)))
             }
             Geometry::Text(text) => {
                 let (mesh, material) = (text.mesh(), text.material());

@@ -11,8 +11,8 @@ use super::bins::Rows;
 use super::points::{Block, Cloud, BLOCK};
 use super::screen::Screen;
 
-/// The largest spot, in pixels; more than any picture's diagonal.
-const LARGEST_PX: f32 = 65536.0;
+/// The largest spot, in pixels, as on Mesa's software rasteriser.
+const LARGEST_PX: f32 = 255.0;
 
 /// A spot.
 #[derive(Clone, Copy, Debug)]

@@ -50,6 +50,16 @@ impl Surface {
         }
     }
 
+    /// The surface with its sides exchanged: Ogre turns the culling round for objects that are mirrored.
+    pub(super) fn mirrored(self) -> Self {
+        let cull = match self.cull {
+            CullMode::None => CullMode::None,
+            CullMode::Back => CullMode::Front,
+            CullMode::Front => CullMode::Back,
+        };
+        Self { cull, ..self }
+    }
+
     /// A fragment's colour; `None` where there is none. `footprint` is asked for the change of the texture coordinates
     /// to the next pixel along the row and along the column where that matters.
     #[inline]
