@@ -1,7 +1,8 @@
 //! Lines of one pixel, as OpenGL draws them: one pixel in every column of a flat line, in every row of a steep one.
 //!
 //! Each segment is an instance of a parallelogram that is one pixel high (or wide, when steep) and so covers exactly
-//! those pixels. Line primitives would leave the choice to the driver, and drivers choose differently.
+//! those pixels. It is clipped before it is widened and its ends follow the diamond-exit rule, as in Mesa. Line
+//! primitives would leave all that to the driver, and drivers choose differently.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Matrix4;

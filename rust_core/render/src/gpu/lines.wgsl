@@ -15,36 +15,96 @@ struct Segment {
 }
 
 struct Corner {
-    @builtin(position) clip: vec4f,
+    @builtin(position) place: vec4f,
     @location(0) color: vec4f,
+}
+
+const NOWHERE = Corner(vec4f(0.0, 0.0, -1.0, 1.0), vec4f(0.0));
+
+// Which part of a segment lies in the view volume, from 0 at its start to 1 at its end.
+fn visible_part(start: vec4f, end: vec4f) -> vec2f {
+    var inside_start = array(start.w + start.x, start.w - start.x, start.w + start.y, start.w - start.y, start.z,
+        start.w - start.z);
+    var inside_end = array(end.w + end.x, end.w - end.x, end.w + end.y, end.w - end.y, end.z, end.w - end.z);
+    var part = vec2f(0.0, 1.0);
+    for (var plane = 0; plane < 6; plane++) {
+        let a = inside_start[plane];
+        let b = inside_end[plane];
+        if a < 0.0 && b < 0.0 {
+            return vec2f(1.0, 0.0);
+        }
+        if a < 0.0 {
+            part.x = max(part.x, a / (a - b));
+        } else if b < 0.0 {
+            part.y = min(part.y, a / (a - b));
+        }
+    }
+    return part;
+}
+
+// OpenGL draws a line's end pixels when the line leaves the diamond round the pixel's centre. Says whether the line
+// through `at` (along it, then across it) leaves its diamond on that side where it goes on to or comes from.
+fn leaves_diamond(at: vec2f, direction: vec2f, is_start: bool) -> bool {
+    let from_center = fract(at) - 0.5;
+    if abs(from_center.x) + abs(from_center.y) < 0.5 {
+        return is_start;
+    }
+    let before_center = (from_center.x < 0.0) == (direction.x > 0.0);
+    if before_center == is_start {
+        return false;
+    }
+    let away_from_center = (from_center.y > 0.0) != (direction.y < 0.0);
+    if away_from_center == is_start {
+        return true;
+    }
+    let crossing = fract(at.y) + from_center.x * direction.y / direction.x;
+    return crossing > 0.0 && crossing < 1.0;
+}
+
+// Moves an end so that its pixel is drawn as the diamond says, where its place alone says otherwise.
+fn end_in_pixels(at: vec2f, direction: vec2f, is_start: bool) -> vec2f {
+    let from_center = fract(at.x) - 0.5;
+    var drawn = (from_center > 0.0) != (direction.x < 0.0);
+    if !is_start {
+        drawn = (from_center < 0.0) == (direction.x > 0.0) || from_center == 0.0;
+    }
+    if drawn == leaves_diamond(at, direction, is_start) {
+        return at;
+    }
+    let shift = 0.5 * sign(direction.x) - from_center;
+    return at + vec2f(shift, shift * direction.y / direction.x);
 }
 
 @vertex
 fn vertex_line(@builtin(vertex_index) index: u32, segment: Segment) -> Corner {
-    var start = Corner(chain.clip_from_object * vec4f(segment.start, 1.0), segment.start_color);
-    var end = Corner(chain.clip_from_object * vec4f(segment.end, 1.0), segment.end_color);
-    if start.clip.z < 0.0 && end.clip.z < 0.0 {
-        return Corner(vec4f(0.0, 0.0, -1.0, 1.0), start.color);
+    let start = chain.clip_from_object * vec4f(segment.start, 1.0);
+    let end = chain.clip_from_object * vec4f(segment.end, 1.0);
+    let part = visible_part(start, end);
+    if !(part.x < part.y) {
+        return NOWHERE;
     }
-    // What lies before the near plane is cut off here: it has no place on the picture from which to widen it.
-    let cut = start.clip.z / (start.clip.z - end.clip.z);
-    let cut_clip = mix(start.clip, end.clip, cut);
-    let cut_color = mix(start.color, end.color, cut);
-    if start.clip.z < 0.0 {
-        start = Corner(cut_clip, cut_color);
-    } else if end.clip.z < 0.0 {
-        end = Corner(cut_clip, cut_color);
+    let visible_start = mix(start, end, part.x);
+    let visible_end = mix(start, end, part.y);
+    var start_px = (visible_start.xy / visible_start.w * vec2f(0.5, -0.5) + 0.5) * chain.size_px;
+    var end_px = (visible_end.xy / visible_end.w * vec2f(0.5, -0.5) + 0.5) * chain.size_px;
+    let steep = abs(end_px.y - start_px.y) > abs(end_px.x - start_px.x);
+    if steep {
+        start_px = start_px.yx;
+        end_px = end_px.yx;
     }
-    let along_px = (end.clip.xy / end.clip.w - start.clip.xy / start.clip.w) * chain.size_px;
-    let steep = abs(along_px.y) > abs(along_px.x);
-    let half_width_px = select(vec2f(0.0, 0.5), vec2f(0.5, 0.0), steep);
-    let side = f32(index & 1u) * 2.0 - 1.0;
-    var corner = start;
-    if index >= 2u {
-        corner = end;
+    let direction = end_px - start_px;
+    if direction.x == 0.0 {
+        return NOWHERE;
     }
-    corner.clip += vec4f(side * half_width_px * 2.0 / chain.size_px * corner.clip.w, 0.0, 0.0);
-    return corner;
+    let is_start = index < 2u;
+    var at = end_in_pixels(select(end_px, start_px, is_start), direction, is_start);
+    at.y += f32(index & 1u) - 0.5;
+    if steep {
+        at = at.yx;
+    }
+    let depth = select(visible_end.zw, visible_start.zw, is_start);
+    let place = vec4f((at / chain.size_px * 2.0 - 1.0) * vec2f(1.0, -1.0) * depth.y, depth);
+    return Corner(place, mix(segment.start_color, segment.end_color, select(part.y, part.x, is_start)));
 }
 
 @fragment

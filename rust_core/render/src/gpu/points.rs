@@ -3,8 +3,9 @@
 //! A cloud's positions and colours lie interleaved in vertex buffers that are made once; style, size and opacity are
 //! uniforms, so that changing them costs nothing. There is a pipeline for each style, opaque and blended.
 //!
-//! Geometry shaders, which rviz uses, are not to be had in wgpu, and storage buffers, from which a vertex could fetch
-//! its point, are not to be had in GL 3.3.
+//! Reproduces the shaders that rviz takes without geometry shaders, as it does on Mesa: squares turn to the eye around
+//! the cloud's y axis, they are not parallel to the picture plane. Storage buffers, from which a vertex could fetch its
+//! point, are not to be had in GL 3.3.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Vector3};
@@ -14,7 +15,7 @@ use super::device::Device;
 use super::geometry::{is_finite, Derived, Instances, MAX_CHUNK_BYTES};
 use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
 use super::uniforms::{Slot, Uniforms};
-use super::{columns, Viewpoint};
+use super::Viewpoint;
 
 /// The pipelines of all styles, and the clouds that are on the GPU.
 #[derive(Debug)]
@@ -51,7 +52,6 @@ struct Point {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Cloud {
     clip_from_object: [[f32; 4]; 4],
-    clip_from_view: [[f32; 4]; 4],
     eye: [f32; 3],
     auto_size: f32,
     size: [f32; 3],
@@ -64,10 +64,10 @@ struct Cloud {
 
 /// Vertex shader, vertices of an instance and fragment shader of each style, in the order of [`style_index`].
 const STYLES: [(&str, u32, &str); 6] = [
-    ("vertex_sprite", 4, "fragment_disc"),
-    ("vertex_billboard", 4, "fragment_square"),
-    ("vertex_billboard", 4, "fragment_flat"),
-    ("vertex_billboard", 4, "fragment_sphere"),
+    ("vertex_sprite", 4, "fragment_sprite"),
+    ("vertex_square", 4, "fragment_square"),
+    ("vertex_square", 4, "fragment_flat"),
+    ("vertex_disc", 3, "fragment_sphere"),
     ("vertex_box", 18, "fragment_box"),
     ("vertex_tile", 4, "fragment_square"),
 ];
@@ -156,7 +156,6 @@ fn constants(viewpoint: &Viewpoint<'_>, fixed_from_object: &Matrix4<f64>, points
     let with_zero = |v: Vector3<f32>| [v.x, v.y, v.z, 0.0];
     Cloud {
         clip_from_object: viewpoint.clip_from_object(fixed_from_object),
-        clip_from_view: columns(&viewpoint.clip_from_view.cast()),
         eye: viewpoint.camera.eye_in_object(fixed_from_object).coords.into(),
         auto_size: f32::from(u8::from(points.auto_size)),
         size,
@@ -195,7 +194,7 @@ fn pipeline(
     blended: bool,
 ) -> wgpu::RenderPipeline {
     let topology =
-        if vertices == 4 { wgpu::PrimitiveTopology::TriangleStrip } else { wgpu::PrimitiveTopology::TriangleList };
+        if vertices <= 4 { wgpu::PrimitiveTopology::TriangleStrip } else { wgpu::PrimitiveTopology::TriangleList };
     device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("points"),
         layout: Some(layout),

@@ -2,7 +2,6 @@
 
 struct Cloud {
     clip_from_object: mat4x4f,
-    clip_from_view: mat4x4f,
     eye: vec3f,             // in the object's frame
     auto_size: f32,         // 1 when sizes are multiplied by the point's z, else 0
     size: vec3f,            // metres, pixels for sprites
@@ -20,35 +19,66 @@ struct Point {
 }
 
 struct Splat {
-    @builtin(position) clip: vec4f,
-    @location(0) color: vec4f,
+    @builtin(position) place: vec4f,
+    @location(0) @interpolate(flat, either) color: vec4f,
     @location(1) from_center: vec2f,    // -0.5 to 0.5
 }
 
+struct Sprite {
+    @builtin(position) place: vec4f,
+    @location(0) @interpolate(flat, either) color: vec4f,
+    @location(1) @interpolate(flat, either) center_px: vec2f,
+}
+
+const NOWHERE = vec4f(0.0, 0.0, -1.0, 1.0);
+
+// Of a strip of two triangles that meet where x = y, as rviz's do.
 fn corner(index: u32) -> vec2f {
-    return vec2f(f32(index & 1u), f32(index >> 1u)) - 0.5;
+    return vec2f(f32(index >> 1u), 1.0 - f32(index & 1u)) - 0.5;
 }
 
 fn scale(position: vec3f) -> f32 {
     return mix(1.0, position.z, cloud.auto_size);
 }
 
-// A square of pixels with the depth of its centre.
+// A square of pixels with the depth of its centre. A point is gone when its centre is off the picture. The square is
+// a pixel too large, so that it is the fragment shader that decides what is drawn.
 @vertex
-fn vertex_sprite(@builtin(vertex_index) index: u32, point: Point) -> Splat {
-    let at = corner(index);
-    var clip = cloud.clip_from_object * vec4f(point.position, 1.0);
-    clip += vec4f(at * cloud.size.x * 2.0 / cloud.size_px * clip.w, 0.0, 0.0);
-    return Splat(clip, point.color, at);
+fn vertex_sprite(@builtin(vertex_index) index: u32, point: Point) -> Sprite {
+    let clip = cloud.clip_from_object * vec4f(point.position, 1.0);
+    if !(all(abs(clip.xy) <= vec2f(clip.w)) && clip.z >= 0.0 && clip.z <= clip.w && clip.w > 0.0) {
+        return Sprite(NOWHERE, point.color, vec2f(0.0));
+    }
+    let on_picture = clip.xy / clip.w;
+    let center_px = (on_picture * vec2f(0.5, -0.5) + 0.5) * cloud.size_px;
+    let offset = corner(index) * (cloud.size.x + 2.0) * 2.0 / cloud.size_px;
+    return Sprite(vec4f(on_picture + offset, clip.z / clip.w, 1.0), point.color, center_px);
 }
 
-// A square parallel to the picture plane.
-@vertex
-fn vertex_billboard(@builtin(vertex_index) index: u32, point: Point) -> Splat {
-    let at = corner(index);
+fn billboard(at: vec2f, point: Point) -> Splat {
+    let towards_eye = normalize(cloud.eye - point.position);
+    let across = cross(vec3f(0.0, 1.0, 0.0), towards_eye);
+    if !(dot(across, across) > 0.0) {
+        return Splat(NOWHERE, point.color, at);
+    }
+    let right = normalize(across);
+    let up = normalize(cross(towards_eye, across));
     let offset = at * cloud.size.xy * scale(point.position);
-    let center = cloud.clip_from_object * vec4f(point.position, 1.0);
-    return Splat(center + cloud.clip_from_view * vec4f(offset, 0.0, 0.0), point.color, at);
+    let position = point.position + offset.x * right + offset.y * up;
+    return Splat(cloud.clip_from_object * vec4f(position, 1.0), point.color, at);
+}
+
+// A square that faces the eye, upright along the object's y.
+@vertex
+fn vertex_square(@builtin(vertex_index) index: u32, point: Point) -> Splat {
+    return billboard(corner(index), point);
+}
+
+// A triangle round the disc in such a square.
+@vertex
+fn vertex_disc(@builtin(vertex_index) index: u32, point: Point) -> Splat {
+    var corners = array(vec2f(0.0, 1.0), vec2f(-0.866025404, -0.5), vec2f(0.866025404, -0.5));
+    return billboard(corners[index], point);
 }
 
 // A square along two directions of the object's frame.
@@ -72,14 +102,14 @@ fn vertex_box(@builtin(vertex_index) index: u32, point: Point) -> Splat {
     offset[axis] = towards * half_size[axis];
     offset[(axis + 1u) % 3u] = 2.0 * at.x * half_size[(axis + 1u) % 3u];
     offset[(axis + 2u) % 3u] = 2.0 * at.y * half_size[(axis + 2u) % 3u];
-    var clip = cloud.clip_from_object * vec4f(point.position + offset, 1.0);
+    var place = cloud.clip_from_object * vec4f(point.position + offset, 1.0);
     if to_eye[axis] * towards <= half_size[axis] {
-        clip = vec4f(0.0, 0.0, -1.0, 1.0);
+        place = NOWHERE;
     }
-    var front = vec3f(0.5, 0.6, 0.9);
-    var back = vec3f(1.0, 0.4, 0.6);
+    var front = vec3f(0.6, 0.4, 0.9);
+    var back = vec3f(0.6, 1.0, 0.5);
     let shade = select(back[axis], front[axis], towards > 0.0);
-    return Splat(clip, vec4f(point.color.rgb * shade, point.color.a), at);
+    return Splat(place, vec4f(point.color.rgb * shade, point.color.a), at);
 }
 
 fn drawn(color: vec3f, alpha: f32) -> vec4f {
@@ -90,14 +120,17 @@ fn drawn(color: vec3f, alpha: f32) -> vec4f {
 }
 
 @fragment
-fn fragment_flat(splat: Splat) -> @location(0) vec4f {
-    return drawn(splat.color.rgb, splat.color.a * cloud.alpha);
+fn fragment_sprite(sprite: Sprite) -> @location(0) vec4f {
+    let from_center = (sprite.place.xy - sprite.center_px) / cloud.size.x;
+    if dot(from_center, from_center) >= 0.25 {
+        discard;
+    }
+    return drawn(sprite.color.rgb, sprite.color.a * cloud.alpha);
 }
 
 @fragment
-fn fragment_disc(splat: Splat) -> @location(0) vec4f {
-    let inside = ceil((0.25 - dot(splat.from_center, splat.from_center)) * 4.0);
-    return drawn(splat.color.rgb, splat.color.a * cloud.alpha * inside);
+fn fragment_flat(splat: Splat) -> @location(0) vec4f {
+    return drawn(splat.color.rgb, splat.color.a * cloud.alpha);
 }
 
 // Four fifths as bright at its edge as at its centre.
@@ -108,21 +141,23 @@ fn fragment_sphere(splat: Splat) -> @location(0) vec4f {
     return drawn(color, splat.color.a * cloud.alpha * ceil(height));
 }
 
-// With an edge that is lighter on dark colours and darker on light ones.
-fn edged(splat: Splat) -> vec3f {
-    let from_edge = vec2f(0.48) - abs(splat.from_center);
-    let inner = smoothstep(vec2f(0.0), vec2f(0.03), from_edge);
-    let contrast = sign(0.5 - length(splat.color.rgb)) * 0.2;
-    return splat.color.rgb + contrast * (1.0 - inner.x * inner.y);
+// 0 at the edge of a square, 1 inside.
+fn inner(from_center: vec2f) -> f32 {
+    let inside = smoothstep(vec2f(0.0), vec2f(0.03), vec2f(0.48) - abs(from_center));
+    return inside.x * inside.y;
 }
 
+// With an edge that is lighter on dark colours and darker on light ones.
 @fragment
 fn fragment_square(splat: Splat) -> @location(0) vec4f {
-    return drawn(edged(splat), splat.color.a * cloud.alpha);
+    let contrast = sign(0.5 - length(splat.color.rgb)) * 0.2;
+    let color = splat.color.rgb + contrast * (1.0 - inner(splat.from_center));
+    return drawn(color, splat.color.a * cloud.alpha);
 }
 
-// Boxes draw what is transparent, too.
+// With an edge half as bright; boxes draw what is transparent, too.
 @fragment
 fn fragment_box(splat: Splat) -> @location(0) vec4f {
-    return vec4f(edged(splat), splat.color.a * cloud.alpha);
+    let color = splat.color.rgb * mix(0.5, 1.0, inner(splat.from_center));
+    return vec4f(color, splat.color.a * cloud.alpha);
 }
