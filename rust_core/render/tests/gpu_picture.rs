@@ -106,10 +106,10 @@ fn squares_have_a_contrasting_edge_spheres_are_darker_there_and_boxes_half_as_br
         let picture = drawn(&scene([at(0.0, 0.0, 2.0, cloud)]), &camera);
         columns.map(|x| pixel(&picture, x, 100))
     };
-    let squares = PointStyle::Squares { side_m: 1.0 };
+    let squares = PointStyle::Squares { size_m: [1.0; 2] };
     assert_eq!(colors(squares, [40, 40, 80, 255], [100, 148]), [[40, 40, 80], [91, 91, 131]]);
     assert_eq!(colors(squares, [200, 100, 60, 255], [100, 148]), [[200, 100, 60], [149, 49, 9]]);
-    let spheres = PointStyle::Spheres { diameter_m: 1.0 };
+    let spheres = PointStyle::Spheres { size_m: [1.0; 2] };
     let [middle, edge] = colors(spheres, [200, 100, 50, 255], [100, 148]);
     assert!(difference(middle, [200, 100, 50]) <= 1 && difference(edge, [162, 81, 41]) <= 1, "{middle:?} {edge:?}");
     // The side towards -z has a shade of one half; at 1.625 m it reaches 46.15 pixels to each side.
