@@ -35,7 +35,7 @@ fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    log::set_logger(&Stderr)?;
+    log::set_logger(&Stderr).map_err(|error| error.to_string())?;
     log::set_max_level(log::LevelFilter::Info);
     let mut arguments = std::env::args().skip(1);
     let size = arguments.next().ok_or("usage: window_pattern WIDTHxHEIGHT")?;

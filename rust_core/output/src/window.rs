@@ -8,39 +8,23 @@
 //! Nothing is ever scaled, because a projection fits the world only while picture pixel (u, v) is screen pixel (u, v):
 //! all sizes here are physical pixels, whatever the desktop's scale factor. A picture of another size than the
 //! monitor is shown at the top left on black, and warned about once for each size.
-//!
-//! On Wayland, and on X11 under a window manager that knows EWMH, the window system makes the window full screen. On
-//! an X server without one the window covers the monitor by itself: it has exactly the monitor's place and size, and
-//! is not offered to a manager (override-redirect).
 
 use std::collections::HashSet;
-use std::num::NonZeroU32;
 use std::path::PathBuf;
-use std::rc::Rc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use softbuffer::SoftBufferError;
 use winit::application::ApplicationHandler;
-use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::error::EventLoopError;
 use winit::event::{ElementState, KeyEvent, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy, OwnedDisplayHandle};
 use winit::keyboard::{Key, NamedKey};
-use winit::monitor::MonitorHandle;
-use winit::platform::x11::{ActiveEventLoopExtX11, WindowAttributesExtX11};
-use winit::raw_window_handle::{HasWindowHandle, RawWindowHandle};
-use winit::window::{Fullscreen, Window, WindowAttributes, WindowId};
+use winit::window::WindowId;
 
 use crate::png::{write_png, PngError, PngFormat};
 use crate::window_monitor::{MonitorChoice, MonitorError, MonitorInfo};
+use crate::window_open::{monitors, OpenWindow};
 use crate::window_picture::{rgb_bytes, ScreenPicture};
-use crate::window_x11::X11Session;
-
-/// How long the window system has to put the window in its place before a wrong place is warned about.
-const SETTLE_TIME: Duration = Duration::from_millis(1500);
-/// How often the window is looked at while it settles.
-const SETTLE_STEP: Duration = Duration::from_millis(100);
 
 /// What the window shows and where.
 #[derive(Debug, Clone)]
@@ -151,13 +135,9 @@ fn event_loop_error(error: EventLoopError) -> WindowError {
 }
 
 /// winit begins its messages with the place in its sources, `os error at FILE:LINE: `, which helps no user.
-fn without_place(message: &str) -> String {
+pub(crate) fn without_place(message: &str) -> String {
     let rest = message.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
     rest.map_or(message, |(_, reason)| reason).trim_end_matches('.').to_owned()
-}
-
-fn draw_error(monitor: &MonitorInfo, error: &SoftBufferError) -> WindowError {
-    WindowError::Draw { monitor: monitor.clone(), reason: error.to_string() }
 }
 
 /// All monitors, in the order in which [`MonitorChoice`] counts them.
@@ -179,24 +159,6 @@ pub fn list_monitors() -> Result<Vec<MonitorInfo>, WindowError> {
     Ok(lister.0)
 }
 
-fn monitors(event_loop: &ActiveEventLoop) -> Vec<(MonitorInfo, MonitorHandle)> {
-    let primary = event_loop.primary_monitor();
-    event_loop
-        .available_monitors()
-        .map(|handle| {
-            let position = handle.position();
-            let size = handle.size();
-            let info = MonitorInfo {
-                name: handle.name().unwrap_or_default(),
-                position_px: (position.x, position.y),
-                size_px: (size.width, size.height),
-                is_primary: primary.as_ref() == Some(&handle),
-            };
-            (info, handle)
-        })
-        .collect()
-}
-
 struct Application<F> {
     options: WindowOptions,
     display: OwnedDisplayHandle,
@@ -210,167 +172,12 @@ struct Application<F> {
     failure: Option<WindowError>,
 }
 
-/// The window with its surface and what is known of its place.
-struct OpenWindow {
-    surface: softbuffer::Surface<OwnedDisplayHandle, Rc<Window>>,
-    window: Rc<Window>,
-    monitor: MonitorInfo,
-    x11: Option<X11Session>,
-    placed_by_itself: bool,
-    settle: Option<Settle>,
-}
-
-/// The time after opening in which the window comes to its place.
-#[derive(Clone, Copy)]
-struct Settle {
-    next_look: Instant,
-    deadline: Instant,
-}
-
-impl OpenWindow {
-    fn open(
-        event_loop: &ActiveEventLoop,
-        display: OwnedDisplayHandle,
-        options: &WindowOptions,
-    ) -> Result<Self, WindowError> {
-        let mut monitors = monitors(event_loop);
-        let infos: Vec<MonitorInfo> = monitors.iter().map(|(info, _)| info.clone()).collect();
-        let chosen = options.monitor.resolve(&infos)?;
-        let (monitor, handle) = monitors.swap_remove(chosen);
-        log::info!("{} on monitor {monitor}", options.source);
-
-        let x11 = event_loop.is_x11().then(X11Session::open).flatten();
-        let placed_by_itself = x11.as_ref().is_some_and(|x11| !x11.has_fullscreen_manager());
-        let attributes = attributes(&options.source, &monitor, handle, placed_by_itself);
-        let window = event_loop.create_window(attributes).map_err(|error| WindowError::Open {
-            monitor: monitor.clone(),
-            reason: without_place(&error.to_string()),
-        })?;
-        let window = Rc::new(window);
-        window.set_cursor_visible(false);
-        if let Some(x11) = &x11 {
-            x11.keep_screen_awake();
-        }
-        let surface = softbuffer::Context::new(display)
-            .and_then(|context| softbuffer::Surface::new(&context, Rc::clone(&window)))
-            .map_err(|error| draw_error(&monitor, &error))?;
-        let now = Instant::now();
-        Ok(Self {
-            surface,
-            window,
-            monitor,
-            x11,
-            placed_by_itself,
-            settle: Some(Settle { next_look: now, deadline: now + SETTLE_TIME }),
-        })
-    }
-
-    /// Draws the picture (black without one); gives the size of the surface and a copy of its pixels when `copy`.
-    fn draw(&mut self, picture: Option<&ScreenPicture>, copy: bool) -> Result<Option<Shown>, WindowError> {
-        let size = self.window.inner_size();
-        let (Some(width), Some(height)) = (NonZeroU32::new(size.width), NonZeroU32::new(size.height)) else {
-            return Ok(None);
-        };
-        let mut draw = || {
-            self.surface.resize(width, height)?;
-            let mut buffer = self.surface.buffer_mut()?;
-            match picture {
-                Some(picture) => picture.draw_unscaled(&mut buffer, size.width),
-                None => buffer.fill(0),
-            }
-            let pixels = copy.then(|| buffer.to_vec());
-            self.window.pre_present_notify();
-            buffer.present()?;
-            Ok(pixels)
-        };
-        let pixels = draw().map_err(|error: SoftBufferError| draw_error(&self.monitor, &error))?;
-        Ok(pixels.map(|pixels| Shown { size_px: (size.width, size.height), pixels }))
-    }
-
-    /// Looks whether the window is where it should be and has the keyboard; warns when time is up and it is not.
-    fn look(&mut self, now: Instant) -> ControlFlow {
-        let Some(settle) = self.settle else {
-            return ControlFlow::Wait;
-        };
-        if now < settle.next_look {
-            return ControlFlow::WaitUntil(settle.next_look);
-        }
-        let has_keyboard = !self.placed_by_itself || self.take_keyboard();
-        let place = self.place_px();
-        let in_place =
-            self.window_size_px() == self.monitor.size_px && place.is_none_or(|p| p == self.monitor.position_px);
-        if now < settle.deadline {
-            // The window may still be moved, so a good place is final only when time is up.
-            let next_look = now + SETTLE_STEP;
-            self.settle = Some(Settle { next_look, ..settle });
-            return ControlFlow::WaitUntil(next_look);
-        }
-        self.settle = None;
-        if !in_place {
-            let (width, height) = self.window_size_px();
-            let (x, y) = place.unwrap_or_default();
-            log::warn!(
-                "THE WINDOW DOES NOT COVER ITS MONITOR: it is {width}x{height}{x:+}{y:+}, the monitor {}; \
-                 the projection will not fit",
-                self.monitor
-            );
-        }
-        if !has_keyboard {
-            log::warn!("the window does not get the keyboard; end with Ctrl-C instead of Escape");
-        }
-        ControlFlow::Wait
-    }
-
-    fn window_size_px(&self) -> (u32, u32) {
-        let size = self.window.inner_size();
-        (size.width, size.height)
-    }
-
-    /// Where the window system says that the window is; Wayland does not say.
-    fn place_px(&self) -> Option<(i32, i32)> {
-        self.window.inner_position().ok().map(|place| (place.x, place.y))
-    }
-
-    fn take_keyboard(&self) -> bool {
-        let (Some(x11), Ok(handle)) = (&self.x11, self.window.window_handle()) else {
-            return true;
-        };
-        match handle.as_raw() {
-            RawWindowHandle::Xlib(handle) => u32::try_from(handle.window).is_ok_and(|id| x11.focus(id)),
-            RawWindowHandle::Xcb(handle) => x11.focus(handle.window.get()),
-            _ => true,
-        }
-    }
-}
-
-/// What stands on the screen.
-struct Shown {
-    size_px: (u32, u32),
-    pixels: Vec<u32>,
-}
-
-fn attributes(source: &str, monitor: &MonitorInfo, handle: MonitorHandle, placed_by_itself: bool) -> WindowAttributes {
-    let (x, y) = monitor.position_px;
-    let (width, height) = monitor.size_px;
-    let attributes = Window::default_attributes()
-        .with_title(source)
-        .with_decorations(false)
-        .with_position(PhysicalPosition::new(x, y))
-        .with_inner_size(PhysicalSize::new(width, height));
-    if placed_by_itself {
-        attributes.with_override_redirect(true)
-    } else {
-        attributes.with_fullscreen(Some(Fullscreen::Borderless(Some(handle))))
-    }
-}
-
 impl<F> Application<F> {
     fn draw(&mut self) -> Result<(), WindowError> {
         let Some(open) = &mut self.open else {
             return Ok(());
         };
-        let wants_copy =
-            self.screenshot.is_some() && self.picture.is_some() && open.window_size_px() == open.monitor.size_px;
+        let wants_copy = self.screenshot.is_some() && self.picture.is_some() && open.has_monitors_size();
         let shown = open.draw(self.picture.as_ref(), wants_copy)?;
         if let (Some(shown), Some(path)) = (shown, self.screenshot.take_if(|_| wants_copy)) {
             let (width, height) = shown.size_px;
@@ -385,20 +192,20 @@ impl<F> Application<F> {
         let (Some(open), Some(picture)) = (&self.open, &self.picture) else {
             return;
         };
-        let (picture_size, monitor_size) = (picture.size_px(), open.monitor.size_px);
+        let (picture_size, monitor_size) = (picture.size_px(), open.monitor().size_px);
         if picture_size != monitor_size && self.warned_sizes.insert((picture_size, monitor_size)) {
             let (width, height) = picture_size;
             log::warn!(
                 "THE PICTURE ON {} IS {width}x{height} PIXELS, THE MONITOR IS {}: it is shown unscaled at the top \
                  left; set the CameraInfo (or the monitor's mode) so that both are the same",
                 self.options.source,
-                open.monitor
+                open.monitor()
             );
         }
     }
 
     /// Ends with an error, or goes on.
-    fn settle_result(&mut self, event_loop: &ActiveEventLoop, result: Result<(), WindowError>) {
+    fn end_on_error(&mut self, event_loop: &ActiveEventLoop, result: Result<(), WindowError>) {
         if let Err(error) = result {
             self.failure = Some(error);
             event_loop.exit();
@@ -413,19 +220,25 @@ impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
         }
         match OpenWindow::open(event_loop, self.display.clone(), &self.options) {
             Ok(open) => {
-                open.window.request_redraw();
                 self.open = Some(open);
                 if let Some(start) = self.start.take() {
                     start(self.sink.clone());
                 }
             }
-            Err(error) => self.settle_result(event_loop, Err(error)),
+            Err(error) => self.end_on_error(event_loop, Err(error)),
         }
     }
 
     fn new_events(&mut self, event_loop: &ActiveEventLoop, _: StartCause) {
-        if let Some(open) = &mut self.open {
-            event_loop.set_control_flow(open.look(Instant::now()));
+        let Some(open) = &mut self.open else {
+            return;
+        };
+        let now = Instant::now();
+        if now >= open.next_look() && open.look(event_loop, now) {
+            self.compare_sizes();
+        }
+        if let Some(open) = &self.open {
+            event_loop.set_control_flow(ControlFlow::WaitUntil(open.next_look()));
         }
     }
 
@@ -437,7 +250,7 @@ impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
                     self.picture = Some(picture);
                     self.compare_sizes();
                     if let Some(open) = &self.open {
-                        open.window.request_redraw();
+                        open.request_redraw();
                     }
                 }
             }
@@ -451,24 +264,13 @@ impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
                 event: KeyEvent { logical_key, state: ElementState::Pressed, .. }, ..
             } if is_quit_key(&logical_key) => event_loop.exit(),
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
-                // A monitor whose mode changes resizes its full-screen window: look at both anew.
-                if let Some(open) = &mut self.open {
-                    let place = open.monitor.position_px;
-                    let name = open.monitor.name.clone();
-                    let found = monitors(event_loop)
-                        .into_iter()
-                        .map(|(info, _)| info)
-                        .find(|info| info.name == name && info.position_px == place);
-                    if let Some(monitor) = found {
-                        open.monitor = monitor;
-                    }
-                    open.window.request_redraw();
+                if let Some(open) = &self.open {
+                    open.request_redraw();
                 }
-                self.compare_sizes();
             }
             WindowEvent::RedrawRequested => {
                 let result = self.draw();
-                self.settle_result(event_loop, result);
+                self.end_on_error(event_loop, result);
             }
             _ => {}
         }

@@ -4,11 +4,23 @@
 //! server often has none: [`X11Session::has_fullscreen_manager`] tells, so that the window can then be placed over the
 //! monitor by itself. Without a manager nobody gives the window the keyboard either ([`X11Session::focus`]), and a
 //! picture that stands still must not be blanked by the screen saver ([`X11Session::keep_screen_awake`]).
+//! [`X11Session::outputs`] are the monitors as they are now; winit's list can be that of the program's start.
 
 use x11rb::connection::{Connection, RequestConnection};
+use x11rb::protocol::randr::ConnectionExt as _;
 use x11rb::protocol::screensaver::{self, ConnectionExt as _};
 use x11rb::protocol::xproto::{AtomEnum, ConnectionExt as _, InputFocus, MapState, Window};
 use x11rb::rust_connection::RustConnection;
+
+/// One monitor that is on.
+pub(crate) struct Output {
+    /// Name such as `HDMI-1`.
+    pub(crate) name: String,
+    /// Left and top edge in the desktop.
+    pub(crate) position_px: (i32, i32),
+    /// Width and height.
+    pub(crate) size_px: (u32, u32),
+}
 
 /// A second connection to the X server that `DISPLAY` names, beside winit's own.
 pub(crate) struct X11Session {
@@ -61,6 +73,26 @@ impl X11Session {
             self.connection.screensaver_suspend(1).ok()?.check().ok()
         };
         suspend().is_some()
+    }
+
+    /// The monitors that are on, with the names that winit gives them; empty without the RandR extension.
+    pub(crate) fn outputs(&self) -> Vec<Output> {
+        let outputs = || {
+            let resources = self.connection.randr_get_screen_resources_current(self.root).ok()?.reply().ok()?;
+            let time = resources.config_timestamp;
+            let output = |crtc| {
+                let crtc = self.connection.randr_get_crtc_info(crtc, time).ok()?.reply().ok()?;
+                let output = *crtc.outputs.first()?;
+                let output = self.connection.randr_get_output_info(output, time).ok()?.reply().ok()?;
+                Some(Output {
+                    name: String::from_utf8_lossy(&output.name).into_owned(),
+                    position_px: (crtc.x.into(), crtc.y.into()),
+                    size_px: (crtc.width.into(), crtc.height.into()),
+                })
+            };
+            Some(resources.crtcs.into_iter().filter_map(output).filter(|output| output.size_px != (0, 0)).collect())
+        };
+        outputs().unwrap_or_default()
     }
 
     fn atom(&self, name: &str) -> Option<u32> {
