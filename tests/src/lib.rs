@@ -1,1 +1,3 @@
-//! See the crate description.
+//! What the tests of the whole share.
+
+pub mod ros;

@@ -4,8 +4,9 @@
 
 use crate::std_msgs::Header;
 use crate::wire::Reader;
-use crate::{Image, PointCloud2};
+use crate::{Image, PointCloud2, Serialized};
 use rosrust::{Message, RosMsg};
+use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;
 
@@ -71,6 +72,26 @@ macro_rules! any_message {
             pub fn definition(self) -> String {
                 match self {
                     $(Self::$variant => <$type as Message>::msg_definition(),)*
+                }
+            }
+
+            /// Subscribes to a topic of this type on the running rosrust node. `on_message` gets each message's bytes
+            /// and the publisher's name, `on_connect` the header of each new connection, both on a thread of the
+            /// subscription.
+            pub fn subscribe(
+                self,
+                topic: &str,
+                queue_size: usize,
+                on_message: impl Fn(Vec<u8>, &str) + Send + 'static,
+                on_connect: impl Fn(HashMap<String, String>) + Send + 'static,
+            ) -> rosrust::api::error::Result<rosrust::Subscriber> {
+                match self {
+                    $(Self::$variant => rosrust::subscribe_with_ids_and_headers(
+                        topic,
+                        queue_size,
+                        move |message: Serialized<$type>, publisher| on_message(message.bytes, publisher),
+                        on_connect,
+                    ),)*
                 }
             }
 

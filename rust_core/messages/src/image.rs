@@ -30,6 +30,22 @@ pub struct Image {
 }
 
 impl Image {
+    /// The image of width × height pixels of `encoding`, with rows `step_bytes` apart and in little endian. The pixels
+    /// are shared, not copied.
+    pub fn new(header: Header, size_px: [u32; 2], encoding: &str, step_bytes: u32, pixels: Arc<Vec<u8>>) -> Self {
+        let [width, height] = size_px;
+        Self {
+            header,
+            height,
+            width,
+            encoding: encoding.to_owned(),
+            is_bigendian: 0,
+            step: step_bytes,
+            ..Self::default()
+        }
+        .with_data(pixels)
+    }
+
     /// Reads a message whose bytes become the image's own; nothing is copied.
     pub fn from_bytes(bytes: Arc<Vec<u8>>) -> Result<Self, DecodeError> {
         let mut reader = Reader::new(&bytes);

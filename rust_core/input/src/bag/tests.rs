@@ -1,5 +1,6 @@
 //! Bags written here, whole and damaged in every way.
 
+use super::record::MAGIC;
 use super::*;
 use proptest::prelude::*;
 use rcs_messages::rosgraph_msgs::Clock;

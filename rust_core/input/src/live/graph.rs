@@ -1,0 +1,145 @@
+//! What the watchdog and the shutdown ask the master and other nodes beyond what rosrust offers.
+//!
+//! The XML-RPC client is rosrust's own. It has no time limits, so every call runs on a thread that may be left behind; a
+//! node that has not answered the last call is not called again.
+
+use std::collections::HashSet;
+use std::net::{SocketAddr, ToSocketAddrs};
+use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+use xml_rpc::{Client, Params, Value};
+
+/// A node that takes longer is left out of account.
+const CALL_TIMEOUT: Duration = Duration::from_secs(2);
+
+#[derive(Debug)]
+pub(super) struct Graph {
+    master_uri: String,
+    node_name: String,
+    node_uri: String,
+    unanswered: Arc<Mutex<HashSet<String>>>,
+}
+
+impl Graph {
+    pub(super) fn new(master_uri: &str, node_name: &str, node_uri: &str) -> Self {
+        Self {
+            master_uri: master_uri.to_owned(),
+            node_name: node_name.to_owned(),
+            node_uri: node_uri.to_owned(),
+            unanswered: Arc::default(),
+        }
+    }
+
+    /// The names of the other nodes that publish each topic, as the master has it.
+    pub(super) fn publishers(&self) -> Option<Vec<(String, Vec<String>)>> {
+        let state = self.call(&self.master_uri, "getSystemState", vec![])?;
+        let lists = array(&state)?;
+        let topics = array(lists.first()?)?.iter().filter_map(topic_and_nodes);
+        let others = |(topic, mut nodes): (String, Vec<String>)| {
+            nodes.retain(|node| *node != self.node_name);
+            (topic, nodes)
+        };
+        Some(topics.map(others).collect())
+    }
+
+    /// Where a node can be asked.
+    pub(super) fn node_uri(&self, node: &str) -> Option<String> {
+        text(&self.call(&self.master_uri, "lookupNode", vec![node.into()])?)
+    }
+
+    /// Where a node says that it sends a topic from. None when it does not answer.
+    pub(super) fn topic_addresses(&self, node_uri: &str, topic: &str) -> Option<Vec<SocketAddr>> {
+        let protocols = Value::Array(vec![Value::Array(vec![Value::String("TCPROS".to_owned())])]);
+        let answer = self.call(node_uri, "requestTopic", vec![topic.into(), Argument(protocols)])?;
+        let [_, host, Value::Int(port), ..] = array(&answer)? else {
+            return None;
+        };
+        let address = (text(host)?, u16::try_from(*port).ok()?);
+        Some((address.0.as_str(), address.1).to_socket_addrs().ok()?.collect())
+    }
+
+    /// Unregisters whatever the master still has of this node: rosrust never drops its subscriber of `/clock`.
+    pub(super) fn unregister_rest(&self) {
+        let Some(state) = self.call(&self.master_uri, "getSystemState", vec![]) else {
+            return;
+        };
+        let methods = ["unregisterPublisher", "unregisterSubscriber", "unregisterService"];
+        for (list, method) in array(&state).unwrap_or_default().iter().zip(methods) {
+            for (name, nodes) in array(list).unwrap_or_default().iter().filter_map(topic_and_nodes) {
+                if !nodes.contains(&self.node_name) {
+                    continue;
+                }
+                let api = if method == "unregisterService" {
+                    let found = self.call(&self.master_uri, "lookupService", vec![name.as_str().into()]);
+                    found.as_ref().and_then(text).unwrap_or_default()
+                } else {
+                    self.node_uri.clone()
+                };
+                // The master is asked once; the process ends either way.
+                let _ = self.call(&self.master_uri, method, vec![name.as_str().into(), api.as_str().into()]);
+            }
+        }
+    }
+
+    /// The value of the answer `[1, text, value]`; none for any other answer, or none in time.
+    fn call(&self, uri: &str, method: &'static str, arguments: Vec<Argument>) -> Option<Value> {
+        if !super::lock(&self.unanswered).insert(uri.to_owned()) {
+            return None;
+        }
+        let mut params: Params = vec![Value::String(self.node_name.clone())];
+        params.extend(arguments.into_iter().map(|argument| argument.0));
+        let (uri, unanswered) = (uri.to_owned(), Arc::clone(&self.unanswered));
+        let (send, answer) = channel();
+        let calling = move || {
+            let result = uri.parse().ok().and_then(|url| {
+                let called = Client::new().ok()?.call_value(&url, method, params).ok()?;
+                called.ok()
+            });
+            super::lock(&unanswered).remove(&uri);
+            // Nobody waits any more if it took too long.
+            let _ = send.send(result);
+        };
+        std::thread::Builder::new().name("ros-call".to_owned()).spawn(calling).ok()?;
+        let answer = answer.recv_timeout(CALL_TIMEOUT).ok()??;
+        let mut parts = answer.as_slice();
+        while let [Value::Array(inner)] = parts {
+            parts = inner;
+        }
+        match parts {
+            [Value::Int(1), _, value] => Some(value.clone()),
+            _ => None,
+        }
+    }
+}
+
+/// A call's argument.
+struct Argument(Value);
+
+impl From<&str> for Argument {
+    fn from(text: &str) -> Self {
+        Self(Value::String(text.to_owned()))
+    }
+}
+
+fn array(value: &Value) -> Option<&[Value]> {
+    match value {
+        Value::Array(values) => Some(values),
+        _ => None,
+    }
+}
+
+fn text(value: &Value) -> Option<String> {
+    match value {
+        Value::String(text) => Some(text.clone()),
+        _ => None,
+    }
+}
+
+/// An entry of the master's state.
+fn topic_and_nodes(entry: &Value) -> Option<(String, Vec<String>)> {
+    let [topic, nodes] = array(entry)? else {
+        return None;
+    };
+    Some((text(topic)?, array(nodes)?.iter().filter_map(text).collect()))
+}

@@ -1,0 +1,56 @@
+//! Bags that ROS recorded, and ours read by ROS.
+
+use rcs_input::bag::{Bag, BagWriter};
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{geometry_msgs::PointStamped, AnyMessage, MessageKind, Time};
+use rcs_tests::ros::RosMaster;
+
+#[test]
+fn bags_of_every_compression_are_read() {
+    let script = "import sys, rosbag, rospy\n\
+                  from geometry_msgs.msg import PointStamped\n\
+                  with rosbag.Bag(sys.argv[1], 'w', compression=sys.argv[2], chunk_threshold=2000) as bag:\n\
+                  \x20   for i in range(100):\n\
+                  \x20       message = PointStamped()\n\
+                  \x20       message.header.frame_id = 'map'\n\
+                  \x20       message.point.x = i\n\
+                  \x20       bag.write('/point', message, rospy.Time(1000 + (i * 37) % 100))\n";
+    let master = RosMaster::reserve().unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    for compression in ["none", "bz2", "lz4"] {
+        let path = dir.path().join(format!("{compression}.bag"));
+        master.output("python3", &["-c", script, path.to_str().unwrap(), compression]).unwrap();
+        let bag = Bag::open(&path).unwrap();
+        let messages: Vec<_> = bag.messages(|_| true).collect::<Result<_, _>>().unwrap();
+        let secs: Vec<_> = messages.iter().map(|message| message.time.sec).collect();
+        assert_eq!(secs, (1000..1100).collect::<Vec<_>>(), "{compression}");
+        let AnyMessage::PointStamped(point) = MessageKind::PointStamped.decode(&messages[37].bytes).unwrap() else {
+            panic!("another type");
+        };
+        assert_eq!((point.header.frame_id.as_str(), point.point.x), ("map", 1.0), "{compression}");
+    }
+}
+
+#[test]
+fn ros_reads_a_bag_of_ours() {
+    let master = RosMaster::reserve().unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("ours.bag");
+    let mut writer = BagWriter::create(&path).unwrap();
+    for sec in 0..3 {
+        let mut message = PointStamped {
+            header: Header { frame_id: "map".to_owned(), ..Header::default() },
+            ..PointStamped::default()
+        };
+        message.point.y = f64::from(sec);
+        writer.write("/point", false, Time { sec: 50 + sec, nsec: 0 }, &message).unwrap();
+    }
+    writer.finish().unwrap();
+    let script = "import sys, rosbag\n\
+                  for topic, message, time in rosbag.Bag(sys.argv[1]).read_messages():\n\
+                  \x20   print(topic, message._type, message.header.frame_id, message.point.y, time.secs)\n";
+    let said = master.output("python3", &["-c", script, path.to_str().unwrap()]).unwrap();
+    let lines: Vec<_> = said.lines().collect();
+    assert_eq!(lines.len(), 3, "{said}");
+    assert_eq!(lines[2], "/point geometry_msgs/PointStamped map 2.0 52");
+}

@@ -1,0 +1,77 @@
+//! Publishing pictures.
+
+use crate::probe;
+use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
+use std::time::Duration;
+
+const IMAGE: &str = "sensor_msgs/Image";
+
+/// The word after `key` in a line.
+fn word<'a>(line: &'a str, key: &str) -> &'a str {
+    let mut words = line.split(' ').skip_while(|word| *word != key);
+    words.nth(1).unwrap_or_default()
+}
+
+#[test]
+fn rospy_gets_picture_and_camera_info_with_the_same_header() {
+    let master = RosMaster::start().unwrap();
+    let publisher = probe(&master, &["image", "/view/image", "64", "48", "10"]);
+    let ready = publisher.line_with("ready").unwrap();
+    assert_eq!(ready, "ready /probe image /view/image info /view/camera_info");
+    let script = "import rospy, message_filters\n\
+                  from sensor_msgs.msg import Image, CameraInfo\n\
+                  rospy.init_node('viewer')\n\
+                  def both(image, info):\n\
+                  \x20   print('pair', image.header == info.header, image.header.frame_id, image.width, image.height,\n\
+                  \x20         image.encoding, image.step, len(image.data), info.width, flush=True)\n\
+                  subs = [message_filters.Subscriber('/view/image', Image),\n\
+                  \x20       message_filters.Subscriber('/view/camera_info', CameraInfo)]\n\
+                  message_filters.TimeSynchronizer(subs, 20).registerCallback(both)\n\
+                  rospy.spin()\n";
+    let viewer = rcs_tests::ros::Running::start(master.command("python3").args(["-c", script])).unwrap();
+    let line = viewer.line_with("pair").unwrap_or_else(|| panic!("{:?}", viewer.errors()));
+    assert_eq!(line, "pair True projector 64 48 rgb8 192 9216 64");
+    assert!(publisher.line_with("subscriber /viewer").is_some());
+    assert!(publisher.line_with("to 1 in").is_some());
+    // It listens to the very topic that its camera_info goes out on.
+    assert_eq!(publisher.count("message"), 0);
+}
+
+#[test]
+fn a_stopped_subscriber_holds_up_neither_the_node_nor_the_others_and_comes_back() {
+    let master = RosMaster::start().unwrap();
+    let publisher = probe(&master, &["image", "/view/image", "1280", "800", "20"]);
+    assert!(publisher.line_with("ready").is_some());
+    let live = probe(&master, &["listen", "/view/image", IMAGE, "1", "__name:=live"]);
+    let stopped = probe(&master, &["listen", "/view/image", IMAGE, "1", "__name:=stopped"]);
+    assert!(live.line_with("message").is_some() && stopped.line_with("message").is_some());
+    assert!(publisher.line_with("to 2 in").is_some());
+
+    stopped.signal("STOP");
+    // Full buffers and the time limit of a write, generously.
+    std::thread::sleep(Duration::from_secs(3));
+    for _ in 0..20 {
+        assert!(live.prints_again("message", Duration::from_secs(1)));
+    }
+    let slowest = publisher.lines().iter().filter_map(|line| word(line, "in").parse::<u64>().ok()).max();
+    assert!(slowest.unwrap() < 200_000, "{slowest:?} us for one publish");
+
+    stopped.signal("CONT");
+    // What was buffered comes first, then nothing, then the watchdog's new connection.
+    assert!(wait_until(PATIENCE, || publisher.prints_again("to 2 in", Duration::from_millis(500))));
+    let before = stopped.count("message");
+    assert!(wait_until(PATIENCE, || stopped.count("message") > before + 20), "{:?}", stopped.errors());
+}
+
+#[test]
+fn a_terminated_publisher_is_unregistered() {
+    let master = RosMaster::start().unwrap();
+    let mut publisher = probe(&master, &["image", "/view/image", "64", "48", "10"]);
+    assert!(publisher.line_with("published").is_some());
+    assert!(master.output("rostopic", &["list"]).unwrap().contains("/view/image"));
+    publisher.signal("TERM");
+    assert!(publisher.wait(Duration::from_secs(5)).unwrap().success());
+    let topics = master.output("rostopic", &["list"]).unwrap();
+    assert!(topics.contains("/rosout") && !topics.contains("/view"), "{topics}");
+    assert!(!master.output("rosnode", &["list"]).unwrap().contains("/probe"));
+}

@@ -1,0 +1,15 @@
+//! The node against a real ROS: roscore, rostopic, rosservice, rosnode, rosbag and rospy.
+
+mod bags;
+mod images;
+mod messages;
+mod node;
+
+use rcs_tests::ros::{RosMaster, Running};
+use std::process::Command;
+
+/// Starts the probe (see `src/bin/ros_probe.rs`) with these arguments.
+fn probe(master: &RosMaster, args: &[&str]) -> Running {
+    let mut command = master.environment(Command::new(env!("CARGO_BIN_EXE_ros_probe")));
+    Running::start(command.args(args)).unwrap()
+}

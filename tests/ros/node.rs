@@ -1,0 +1,119 @@
+//! The node's life, names, subscriptions and services.
+
+use crate::probe;
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
+use std::time::{Duration, Instant};
+
+const POINT: &str = "geometry_msgs/PointStamped";
+
+/// Publishes points until it is dropped.
+fn publish_points(master: &RosMaster, topic: &str, frame: &str) -> Running {
+    let message = format!("{{header: {{frame_id: {frame}}}}}");
+    Running::start(master.command("rostopic").args(["pub", "-r", "20", topic, POINT, &message])).unwrap()
+}
+
+#[test]
+fn a_master_that_is_not_there_yet_is_waited_for_and_spoken_of_once() {
+    let mut master = RosMaster::reserve().unwrap();
+    let probe = probe(&master, &["listen"]);
+    assert!(wait_until(PATIENCE, || !probe.errors().is_empty()));
+    std::thread::sleep(Duration::from_secs(1));
+    assert_eq!(probe.errors().len(), 1, "{:?}", probe.errors());
+    assert!(probe.errors()[0].contains(&master.uri()), "{:?}", probe.errors());
+    master.run().unwrap();
+    assert_eq!(probe.line_with("ready").as_deref(), Some("ready /probe simulated false"));
+}
+
+#[test]
+fn waiting_for_a_master_ends_with_sigterm() {
+    let master = RosMaster::reserve().unwrap();
+    let mut probe = probe(&master, &["listen"]);
+    assert!(wait_until(PATIENCE, || !probe.errors().is_empty()));
+    probe.signal("TERM");
+    assert!(probe.wait(Duration::from_secs(2)).is_some());
+}
+
+#[test]
+fn names_are_remapped_and_a_dead_publisher_is_replaced() {
+    let master = RosMaster::start().unwrap();
+    // The topic is named absolutely, as in a config, and remapped by a relative rule.
+    let probe = probe(&master, &["listen", "/cloud", POINT, "1", "cloud:=/other", "__name:=eye", "_rate:=30"]);
+    assert_eq!(probe.line_with("subscribed").as_deref(), Some("subscribed /other"));
+    assert_eq!(probe.line_with("ready").as_deref(), Some("ready /eye simulated false"));
+    assert_eq!(master.output("rosparam", &["get", "/eye/rate"]).unwrap().trim(), "30");
+    let first = publish_points(&master, "/other", "first");
+    let line = probe.line_with("frame first").unwrap();
+    assert!(line.starts_with("message /other geometry_msgs/PointStamped from /rostopic_"), "{line}");
+    // Killed, so that it does not unregister.
+    drop(first);
+    let _second = publish_points(&master, "/other", "second");
+    assert!(probe.line_with("frame second").is_some());
+}
+
+#[test]
+fn transforms_carry_their_publishers_name_and_the_service_answers() {
+    let master = RosMaster::start().unwrap();
+    let probe = probe(&master, &["listen", "__ns:=robot"]);
+    assert_eq!(probe.line_with("ready").as_deref(), Some("ready /robot/probe simulated false"));
+    let transform = "{transforms: [{header: {frame_id: map}, child_frame_id: odom}]}";
+    let _moving = Running::start(master.command("rostopic").args([
+        "pub",
+        "-r",
+        "5",
+        "/tf",
+        "tf2_msgs/TFMessage",
+        transform,
+        "__name:=mover",
+    ]));
+    let transform = "{transforms: [{header: {frame_id: odom}, child_frame_id: base}]}";
+    let _standing =
+        Running::start(master.command("rostopic").args(["pub", "-l", "/tf_static", "tf2_msgs/TFMessage", transform]));
+    let line = probe.line_with("transform map odom static false from /").unwrap();
+    assert!(!line.ends_with("from /"), "{line}");
+    assert!(probe.line_with("transform odom base static true from /rostopic_").is_some());
+    let said = master.output("rosservice", &["call", "/robot/probe_trigger", "{}"]).unwrap();
+    assert!(said.contains("success: True") && said.contains("heard by /robot/probe"), "{said}");
+}
+
+#[test]
+fn a_terminated_node_is_gone_from_the_master_at_once() {
+    let master = RosMaster::start().unwrap();
+    assert!(master.output("rosparam", &["set", "/use_sim_time", "true"]).is_ok());
+    let mut probe = probe(&master, &["listen", "/a", POINT, "1"]);
+    assert_eq!(probe.line_with("ready").as_deref(), Some("ready /probe simulated true"));
+    assert!(master.output("rosnode", &["list"]).unwrap().contains("/probe"));
+    probe.signal("TERM");
+    let asked = Instant::now();
+    let status = probe.wait(Duration::from_secs(5)).unwrap();
+    assert!(status.success());
+    assert!(asked.elapsed() < Duration::from_millis(1500), "{:?}", asked.elapsed());
+    let nodes = master.output("rosnode", &["list"]).unwrap();
+    assert!(nodes.contains("/rosout") && !nodes.contains("/probe"), "{nodes}");
+    assert!(!master.output("rosservice", &["list"]).unwrap().contains("probe_trigger"));
+}
+
+#[test]
+fn the_simulations_time_is_followed_and_a_jump_back_is_told() {
+    let master = RosMaster::start().unwrap();
+    assert!(master.output("rosparam", &["set", "/use_sim_time", "true"]).is_ok());
+    let probe = probe(&master, &["listen"]);
+    assert_eq!(probe.line_with("ready").as_deref(), Some("ready /probe simulated true"));
+    // Each sends for three seconds.
+    master.output("rostopic", &["pub", "-1", "/clock", "rosgraph_msgs/Clock", "{clock: {secs: 500}}"]).unwrap();
+    master.output("rosservice", &["call", "/probe_trigger", "{}"]).unwrap();
+    assert!(probe.line_with("trigger /probe_trigger at 500").is_some());
+    master.output("rostopic", &["pub", "-1", "/clock", "rosgraph_msgs/Clock", "{clock: {secs: 20}}"]).unwrap();
+    assert!(probe.line_with("jump from 500 to 20").is_some());
+}
+
+#[test]
+fn messages_of_another_type_are_not_taken() {
+    let master = RosMaster::start().unwrap();
+    let probe = probe(&master, &["listen", "/a", "nav_msgs/Path", "1"]);
+    assert!(probe.line_with("ready").is_some());
+    let _points = publish_points(&master, "/a", "wrong");
+    let path = "{header: {frame_id: right}}";
+    let _path = Running::start(master.command("rostopic").args(["pub", "-r", "5", "/a", "nav_msgs/Path", path]));
+    assert!(probe.line_with("frame right").is_some());
+    assert_eq!(probe.count("frame wrong"), 0);
+}

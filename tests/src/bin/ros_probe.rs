@@ -1,0 +1,154 @@
+//! A node for tests: it prints what it receives, one line an event, and publishes pictures.
+//!
+//! ```text
+//! ros_probe listen [TOPIC TYPE QUEUE_SIZE]...      messages, transforms, calls of the service `probe_trigger`
+//! ros_probe image TOPIC WIDTH HEIGHT RATE          pictures, while it listens to their own camera_info
+//! ```
+//!
+//! SIGTERM and SIGINT unregister and end it.
+
+use rcs_input::live::{plain_args, NodeEvent, RosNode, TopicSubscription};
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::{header, MessageKind};
+use rcs_output::image_topic::{ImagePublisher, Picture};
+use std::error::Error;
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    log::set_logger(&StandardError)?;
+    log::set_max_level(log::LevelFilter::Info);
+    let ended = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
+        signal_hook::flag::register(signal, Arc::clone(&ended))?;
+    }
+    let is_ended = || ended.load(Ordering::Relaxed);
+    let node = RosNode::connect("probe", &is_ended)?;
+    let args = plain_args();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    match args.as_slice() {
+        ["listen", topics @ ..] => listen(&node, topics, &is_ended)?,
+        ["image", topic, width, height, rate] => {
+            publish(&node, topic, [width.parse()?, height.parse()?], rate.parse()?, &is_ended)?;
+        }
+        _ => return Err("usage: ros_probe listen|image ...".into()),
+    }
+    node.shutdown();
+    say("ended");
+    Ok(())
+}
+
+fn listen(node: &RosNode, topics: &[&str], is_ended: &dyn Fn() -> bool) -> Result<(), Box<dyn Error>> {
+    node.subscribe_transforms()?;
+    node.serve_trigger("probe_trigger")?;
+    let subscriptions = topics.chunks_exact(3).map(|topic| subscribe(node, topic)).collect::<Result<Vec<_>, _>>()?;
+    for subscription in &subscriptions {
+        say(&format!("subscribed {}", subscription.topic()));
+    }
+    say(&format!("ready {} simulated {}", node.name(), node.is_simulated()));
+    while !is_ended() && !node.is_asked_to_end() {
+        for event in node.events().wait(Duration::from_millis(50)) {
+            print_event(node, event);
+        }
+    }
+    Ok(())
+}
+
+fn subscribe(node: &RosNode, topic: &[&str]) -> Result<TopicSubscription, Box<dyn Error>> {
+    let [topic, kind, queue_size] = topic else {
+        return Err("usage: TOPIC TYPE QUEUE_SIZE".into());
+    };
+    let kind = MessageKind::from_ros_type(kind).ok_or("unknown type")?;
+    Ok(node.subscribe(topic, kind, queue_size.parse()?)?)
+}
+
+fn print_event(node: &RosNode, event: NodeEvent) {
+    match event {
+        NodeEvent::Message { topic, message, publisher } => {
+            let header = header(&message).cloned().unwrap_or_default();
+            say(&format!(
+                "message {topic} {} from {publisher} seq {} frame {} stamp {} bytes {}",
+                message.kind().ros_type(),
+                header.seq,
+                header.frame_id,
+                header.stamp.nanos(),
+                message.encode().len()
+            ));
+        }
+        NodeEvent::Transforms { message, is_static, authority } => {
+            for transform in &message.transforms {
+                let (parent, child) = (&transform.header.frame_id, &transform.child_frame_id);
+                say(&format!("transform {parent} {child} static {is_static} from {authority}"));
+            }
+        }
+        NodeEvent::TimeJumpedBack { from, to } => say(&format!("jump from {} to {}", from.sec, to.sec)),
+        NodeEvent::Trigger { service, reply } => {
+            say(&format!("trigger {service} at {}", node.now().sec));
+            reply.send(true, format!("heard by {}", node.name()));
+        }
+        NodeEvent::SubscriberConnected { topic } => say(&format!("connected {topic}")),
+    }
+}
+
+fn publish(
+    node: &RosNode,
+    topic: &str,
+    size_px: [u32; 2],
+    rate: f64,
+    is_ended: &dyn Fn() -> bool,
+) -> Result<(), Box<dyn Error>> {
+    let mut publisher = ImagePublisher::new(topic, |name| say(&format!("subscriber {name}")))?;
+    let _own = node.subscribe(publisher.info_topic(), MessageKind::CameraInfo, 1)?;
+    say(&format!("ready {} image {} info {}", node.name(), publisher.topic(), publisher.info_topic()));
+    let [width, height] = size_px;
+    let picture = Picture {
+        size_px,
+        encoding: "rgb8",
+        step_bytes: width * 3,
+        pixels: Arc::new(vec![7; (width * height * 3) as usize]),
+    };
+    let mut info = CameraInfo { width, height, ..CameraInfo::default() };
+    info.header.frame_id = "projector".to_owned();
+    let mut next = Instant::now();
+    let mut count = 0;
+    while !is_ended() {
+        for event in node.events().wait(next.saturating_duration_since(Instant::now())) {
+            print_event(node, event);
+        }
+        if Instant::now() < next {
+            continue;
+        }
+        next += Duration::from_secs_f64(1.0 / rate);
+        let started = Instant::now();
+        publisher.publish(&picture, &info, node.now())?;
+        count += 1;
+        let (subscribers, micros) = (publisher.subscriber_count(), started.elapsed().as_micros());
+        say(&format!("published {count} to {subscribers} in {micros} us"));
+    }
+    Ok(())
+}
+
+/// One line, at once.
+fn say(line: &str) {
+    let mut out = std::io::stdout().lock();
+    // Nobody reads any more when the test is over.
+    let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+}
+
+struct StandardError;
+
+impl log::Log for StandardError {
+    fn enabled(&self, _: &log::Metadata<'_>) -> bool {
+        true
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        if record.level() <= log::Level::Info {
+            eprintln!("{} {}", record.level(), record.args());
+        }
+    }
+
+    fn flush(&self) {}
+}

@@ -1,0 +1,234 @@
+//! Real ROS processes for tests: a master on a free port, programs that talk to it, and waiting for what they say.
+//!
+//! Everything that is started here is ended when its value is dropped, and nothing else is.
+
+use std::fs;
+use std::io::{self, BufRead, BufReader, Read};
+use std::net::{TcpListener, TcpStream};
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Long enough for a python program to start on a busy machine.
+pub const PATIENCE: Duration = Duration::from_secs(40);
+
+/// Whether ROS's programs are installed here.
+pub fn is_ros_installed() -> bool {
+    program("roscore").is_file()
+}
+
+/// Asks `condition` until it holds; false when it does not within `timeout`.
+pub fn wait_until(timeout: Duration, mut condition: impl FnMut() -> bool) -> bool {
+    let started = Instant::now();
+    loop {
+        if condition() {
+            return true;
+        }
+        if started.elapsed() > timeout {
+            return false;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// A TCP port that was free a moment ago.
+pub fn free_port() -> io::Result<u16> {
+    Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.port())
+}
+
+/// Where ROS's programs are: a sourced installation's, or Debian's.
+fn program(name: &str) -> PathBuf {
+    let sourced = std::env::var("CMAKE_PREFIX_PATH").unwrap_or_default();
+    let places = sourced.split(':').filter(|place| !place.is_empty()).chain(["/usr"]);
+    let mut found = places.map(|place| PathBuf::from(place).join("bin").join(name));
+    found.find(|path| path.is_file()).unwrap_or_else(|| PathBuf::from("/usr/bin").join(name))
+}
+
+/// A `roscore` on a port of its own.
+#[derive(Debug)]
+pub struct RosMaster {
+    port: u16,
+    home: PathBuf,
+    core: Option<Running>,
+}
+
+impl RosMaster {
+    /// Starts a master and waits until it answers.
+    pub fn start() -> io::Result<Self> {
+        let mut master = Self::reserve()?;
+        master.run()?;
+        Ok(master)
+    }
+
+    /// Chooses a port without starting anything there: the master that is not there yet.
+    pub fn reserve() -> io::Result<Self> {
+        let port = free_port()?;
+        let home = std::env::temp_dir().join(format!("rcs_ros_home_{}_{port}", std::process::id()));
+        fs::create_dir_all(&home)?;
+        Ok(Self { port, home, core: None })
+    }
+
+    /// Starts the master on its port.
+    pub fn run(&mut self) -> io::Result<()> {
+        let mut command = self.command("roscore");
+        command.args(["-p", &self.port.to_string()]);
+        self.core = Some(Running::start(&mut command)?);
+        let is_up = || TcpStream::connect(("127.0.0.1", self.port)).is_ok();
+        if wait_until(PATIENCE, is_up) {
+            Ok(())
+        } else {
+            let said = self.core.as_ref().map(Running::errors).unwrap_or_default();
+            Err(io::Error::other(format!("roscore does not answer: {said:?}")))
+        }
+    }
+
+    /// Its address.
+    pub fn uri(&self) -> String {
+        format!("http://127.0.0.1:{}", self.port)
+    }
+
+    /// A program of ROS that is to talk to this master.
+    pub fn command(&self, name: &str) -> Command {
+        self.environment(Command::new(program(name)))
+    }
+
+    /// Lets any program talk to this master.
+    pub fn environment(&self, mut command: Command) -> Command {
+        // Debian's ROS is for Debian's python.
+        let path = format!("/usr/bin:{}", std::env::var("PATH").unwrap_or_default());
+        command
+            .env("PATH", path)
+            .env("ROS_MASTER_URI", self.uri())
+            .env("ROS_IP", "127.0.0.1")
+            .env_remove("ROS_HOSTNAME")
+            .env_remove("ROS_NAMESPACE")
+            .env("ROS_HOME", &self.home)
+            .env("ROS_LOG_DIR", self.home.join("log"))
+            .env("PYTHONUNBUFFERED", "1");
+        if std::env::var_os("ROS_PACKAGE_PATH").is_none() {
+            command.env("ROS_PACKAGE_PATH", "/usr/share");
+        }
+        if std::env::var_os("CMAKE_PREFIX_PATH").is_none() {
+            command.env("CMAKE_PREFIX_PATH", "/usr");
+        }
+        command
+    }
+
+    /// Runs one of ROS's programs to its end and returns what it printed.
+    pub fn output(&self, name: &str, args: &[&str]) -> io::Result<String> {
+        let output = self.command(name).args(args).stdin(Stdio::null()).output()?;
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+}
+
+impl Drop for RosMaster {
+    fn drop(&mut self) {
+        if let Some(mut core) = self.core.take() {
+            // roscore ends its own processes when it is interrupted, and cannot when it is killed.
+            core.signal("INT");
+            core.wait(Duration::from_secs(10));
+        }
+        // A log that is still being written stays behind; the next test has a folder of its own.
+        let _ = fs::remove_dir_all(&self.home);
+    }
+}
+
+/// A running program, and the lines that it has printed so far. It is killed when this is dropped.
+#[derive(Debug)]
+pub struct Running {
+    child: Child,
+    printed: Lines,
+    errors: Lines,
+}
+
+type Lines = Arc<Mutex<Vec<String>>>;
+
+impl Running {
+    /// Starts a program and collects what it prints.
+    pub fn start(command: &mut Command) -> io::Result<Self> {
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn()?;
+        let (printed, errors) = (Lines::default(), Lines::default());
+        if let Some(stdout) = child.stdout.take() {
+            collect(stdout, &printed);
+        }
+        if let Some(stderr) = child.stderr.take() {
+            collect(stderr, &errors);
+        }
+        Ok(Self { child, printed, errors })
+    }
+
+    /// Its process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// The lines on its standard output so far.
+    pub fn lines(&self) -> Vec<String> {
+        lock(&self.printed).clone()
+    }
+
+    /// The lines on its standard error so far.
+    pub fn errors(&self) -> Vec<String> {
+        lock(&self.errors).clone()
+    }
+
+    /// How many lines contain `text` so far.
+    pub fn count(&self, text: &str) -> usize {
+        lock(&self.printed).iter().filter(|line| line.contains(text)).count()
+    }
+
+    /// Waits for the first line that contains `text`; none when there is none in time.
+    pub fn line_with(&self, text: &str) -> Option<String> {
+        let mut found = None;
+        wait_until(PATIENCE, || {
+            found = lock(&self.printed).iter().find(|line| line.contains(text)).cloned();
+            found.is_some()
+        });
+        found
+    }
+
+    /// Waits until more lines contain `text` than now; false when none comes within `timeout`.
+    pub fn prints_again(&self, text: &str, timeout: Duration) -> bool {
+        let before = self.count(text);
+        wait_until(timeout, || self.count(text) > before)
+    }
+
+    /// Sends it a signal by name, such as `TERM`.
+    pub fn signal(&self, name: &str) {
+        // A process that has ended already needs none.
+        let _ = Command::new("kill").arg(format!("-{name}")).arg(self.id().to_string()).status();
+    }
+
+    /// Waits for its end; none when it still runs after `timeout`.
+    pub fn wait(&mut self, timeout: Duration) -> Option<ExitStatus> {
+        let mut status = None;
+        wait_until(timeout, || {
+            status = self.child.try_wait().ok().flatten();
+            status.is_some()
+        });
+        status
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // Both fail only when it has ended.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn collect(stream: impl Read + Send + 'static, lines: &Lines) {
+    let lines = Arc::clone(lines);
+    std::thread::spawn(move || {
+        for line in BufReader::new(stream).lines().map_while(Result::ok) {
+            lock(&lines).push(line);
+        }
+    });
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
