@@ -1,7 +1,11 @@
 //! Pictures on their way out: PNG files and a projector's window.
 
+pub mod image_topic;
 pub mod png;
+mod sockets;
 pub mod window;
 pub mod window_monitor;
+mod window_open;
 pub mod window_picture;
+mod window_place;
 mod window_x11;
