@@ -69,9 +69,9 @@ fn frame_from_grid(settings: &GridSettings) -> Matrix4<f64> {
         ),
         GridPlane::Xz => Matrix3::identity(),
         GridPlane::Yz => Matrix3::new(
-            0.0, 0.0, 1.0,
-            -1.0, 0.0, 0.0,
-            0.0, 1.0, 0.0,
+            0.0, -1.0, 0.0,
+            0.0, 0.0, -1.0,
+            1.0, 0.0, 0.0,
         ),
     };
     Matrix4::new_translation(&Vector3::from(settings.offset_m).cast::<f64>()) * turn.to_homogeneous()

@@ -6,7 +6,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Matrix4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material, RenderGroup, Rgba};
 
 use crate::Shape;
@@ -75,8 +75,14 @@ pub(crate) fn arrow(
     shaft: &Arc<Material>,
     head: &Arc<Material>,
 ) -> [Drawable; 2] {
-    let fixed_from_upright =
-        fixed_from_arrow * Rotation3::from_axis_angle(&Vector3::x_axis(), -FRAC_PI_2).to_homogeneous();
+    // In whole numbers, so that what is scaled to nothing is exactly flat.
+    #[rustfmt::skip]
+    let arrow_from_upright = Matrix3::new(
+        1.0, 0.0, 0.0,
+        0.0, 0.0, 1.0,
+        0.0, -1.0, 0.0,
+    );
+    let fixed_from_upright = fixed_from_arrow * arrow_from_upright.to_homogeneous();
     let part = |shape, bottom_m: f64, length_m: f64, diameter_m: f64, material| {
         let upright_from_part = Matrix4::new_translation(&Vector3::new(0.0, bottom_m + length_m / 2.0, 0.0))
             * Matrix4::new_nonuniform_scaling(&Vector3::new(diameter_m, length_m, diameter_m));

@@ -6,7 +6,8 @@ use rcs_resources::MeshStore;
 use super::arrow::Arrow;
 use super::mesh::MeshMarker;
 use super::part::Part;
-use super::{lines, point_lists, shape, text, triangles};
+use super::triangles::Triangles;
+use super::{lines, point_lists, shape, text};
 use crate::Shape;
 
 /// A marker's kind, with what rviz keeps of one message when the next comes for the same marker.
@@ -19,7 +20,7 @@ pub(super) enum Kind {
     Points,
     Text,
     Mesh(MeshMarker),
-    Triangles,
+    Triangles(Triangles),
 }
 
 impl Kind {
@@ -35,7 +36,7 @@ impl Kind {
             Marker::CUBE_LIST | Marker::SPHERE_LIST | Marker::POINTS => Self::Points,
             Marker::TEXT_VIEW_FACING => Self::Text,
             Marker::MESH_RESOURCE => Self::Mesh(MeshMarker::default()),
-            Marker::TRIANGLE_LIST => Self::Triangles,
+            Marker::TRIANGLE_LIST => Self::Triangles(Triangles::default()),
             _ => return None,
         })
     }
@@ -53,7 +54,7 @@ impl Kind {
             Self::Points => point_lists::parts(marker),
             Self::Text => text::parts(marker),
             Self::Mesh(mesh) => mesh.parts(marker, meshes)?,
-            Self::Triangles => triangles::parts(marker),
+            Self::Triangles(triangles) => triangles.parts(marker),
         })
     }
 

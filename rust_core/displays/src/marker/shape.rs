@@ -1,8 +1,8 @@
 //! CUBE, SPHERE and CYLINDER: one solid, scaled.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f32::consts::FRAC_1_SQRT_2;
 
-use nalgebra::{Matrix4, Rotation3, Vector3};
+use nalgebra::{Matrix3, Matrix4, Vector3};
 use rcs_messages::visualization_msgs::Marker;
 use rcs_scene::Material;
 
@@ -10,11 +10,39 @@ use super::numbers::{rgba, scale};
 use super::part::Part;
 use crate::Shape;
 
-/// The solid, stood up so that a cylinder's axis is z. rviz turns the scale with the rotation and so mirrors the solid
-/// in its y direction, which shows in how a cylinder's sides are cut into triangles.
+/// The solid, stood up so that a cylinder's axis is z.
 pub(super) fn parts(marker: &Marker, shape: Shape) -> Vec<Part> {
-    let [x, y, z] = scale(marker);
-    let upright = Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2).to_homogeneous();
-    let marker_from_solid = upright * Matrix4::new_nonuniform_scaling(&Vector3::new(x, -z, y));
+    #[rustfmt::skip]
+    let upright = Matrix3::new(
+        1.0, 0.0, 0.0,
+        0.0, 0.0, -1.0,
+        0.0, 1.0, 0.0,
+    );
+    let scale = turned(scale(marker).map(|length| length as f32)).map(f64::from);
+    let marker_from_solid = upright.to_homogeneous() * Matrix4::new_nonuniform_scaling(&scale.into());
     vec![Part::mesh(marker_from_solid, shape.mesh(), Material::lit(rgba(&marker.color)))]
+}
+
+/// The scale in the solid's own axes. rviz turns it as if it were a vector, by 90° about x, and so mirrors the solid:
+/// y becomes −z, which shows in how a cylinder's sides are cut into triangles. It does so in single precision with a
+/// quaternion, and what that leaves of a scale of zero decides how light falls on the flat solid.
+fn turned(scale: [f32; 3]) -> [f32; 3] {
+    let scale = Vector3::from(scale);
+    let axis = Vector3::new(FRAC_1_SQRT_2, 0.0, 0.0);
+    let across = axis.cross(&scale);
+    let twice_across = axis.cross(&across);
+    (scale + across * (2.0 * FRAC_1_SQRT_2) + twice_across * 2.0).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_of_zero_leaves_what_rviz_leaves_of_it() {
+        // Both found in rviz's pictures: the first is lit as a thin solid, the second as one without thickness.
+        assert_eq!(turned([0.6, 0.5, 0.0])[1], 2.980_232_2e-8);
+        assert_eq!(turned([1.0, 0.8, 0.0])[1], 0.0);
+        assert_eq!(turned([1.0, 0.4, 0.4])[1], -0.4);
+    }
 }

@@ -285,6 +285,12 @@ fn triangles_are_lit_in_one_colour_and_unlit_in_several() {
     assert_eq!(at(&lit, [1.0, 1.0, 1.0]), [2.0, 1.0, 1.0]);
     assert_eq!((material(&lit).cull, diffuse(&lit)), (CullMode::None, [1.0, 0.5, 0.0, 1.0]));
 
+    // The vertices have no place for colours that come later.
+    triangles.colors = vec![color(0.0, 0.0, 1.0, 1.0); 2];
+    let Geometry::Mesh { mesh, .. } = bench.only(&triangles).geometry else { panic!("no mesh") };
+    assert_eq!(mesh.vertices[0].color, [255; 4]);
+    bench.show(&[delete_all()]);
+
     // A colour for each face: the faces' alpha does not make it blend, the marker's would.
     triangles.colors = vec![color(0.0, 0.0, 1.0, 0.5); 2];
     let faces = bench.only(&triangles);

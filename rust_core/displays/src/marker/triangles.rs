@@ -3,6 +3,9 @@
 //! In one colour they are lit, each by the normal that its winding gives, whichever side is seen. With a colour for
 //! each vertex or each triangle they are not lit. What blends is rviz's choice too: with colours of vertices it is the
 //! vertices' alpha that decides, else the marker's, although both are multiplied.
+//!
+//! A list that is sent again with as many points keeps the vertex format that it began with: if that had no colours, those
+//! that come later are not shown, and the triangles are white.
 
 use std::sync::Arc;
 
@@ -14,8 +17,28 @@ use rcs_scene::{CullMode, Material, Mesh, Vertex};
 use super::numbers::{point_colors, position, rgba, scale};
 use super::part::Part;
 
+/// A triangle list from message to message.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Triangles {
+    /// How many points the last message had.
+    points: usize,
+    /// Whether the vertices have a place for colours.
+    colored: bool,
+}
+
+impl Triangles {
+    /// The triangles as rviz shows them.
+    pub(super) fn parts(&mut self, marker: &Marker) -> Vec<Part> {
+        if self.points != marker.points.len() {
+            self.points = marker.points.len();
+            self.colored = !marker.colors.is_empty();
+        }
+        parts(marker, self.colored)
+    }
+}
+
 /// All triangles but those with a corner that is not finite.
-pub(super) fn parts(marker: &Marker) -> Vec<Part> {
+fn parts(marker: &Marker, colored: bool) -> Vec<Part> {
     let vertex_colors = point_colors(marker);
     let face_colors = (marker.colors.len() == marker.points.len() / 3).then_some(&marker.colors);
     let color = |face: usize, corner: usize| {
@@ -24,7 +47,7 @@ pub(super) fn parts(marker: &Marker) -> Vec<Part> {
             (None, Some(colors)) => colors.get(face),
             (None, None) => None,
         };
-        own.map_or([255; 4], |own| rgba(own).with_alpha(marker.color.a * own.a).to_rgba8())
+        own.filter(|_| colored).map_or([255; 4], |own| rgba(own).with_alpha(marker.color.a * own.a).to_rgba8())
     };
     let mut vertices = Vec::with_capacity(marker.points.len());
     for (face, points) in marker.points.chunks_exact(3).enumerate() {

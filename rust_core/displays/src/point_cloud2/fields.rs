@@ -31,7 +31,8 @@ pub(crate) struct Channel {
 }
 
 impl Channel {
-    /// The value in one point's bytes as a float; 0 for a datatype that does not exist.
+    /// The value in one point's bytes as a float, integers without their sign, as rviz reads them; 0 for a datatype that
+    /// does not exist.
     #[inline]
     pub(crate) fn value(&self, point: &[u8], big_endian: bool) -> f32 {
         macro_rules! read {
@@ -41,12 +42,9 @@ impl Channel {
             }};
         }
         match self.datatype {
-            PointField::INT8 => read!(i8),
-            PointField::UINT8 => read!(u8),
-            PointField::INT16 => read!(i16),
-            PointField::UINT16 => read!(u16),
-            PointField::INT32 => read!(i32),
-            PointField::UINT32 => read!(u32),
+            PointField::INT8 | PointField::UINT8 => read!(u8),
+            PointField::INT16 | PointField::UINT16 => read!(u16),
+            PointField::INT32 | PointField::UINT32 => read!(u32),
             PointField::FLOAT32 => read!(f32),
             PointField::FLOAT64 => read!(f64),
             _ => 0.0,

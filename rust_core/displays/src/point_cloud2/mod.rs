@@ -21,6 +21,9 @@ use crate::placed::Incoming;
 use crate::{Level, Statuses, World};
 use fields::Layout;
 
+/// The largest point that Mesa and Intel's drivers draw, in pixels; rviz's larger ones come out at this size.
+const MAX_POINT_PX: f32 = 255.0;
+
 /// A PointCloud2 display.
 #[derive(Debug)]
 pub(crate) struct PointCloud2Display {
@@ -72,7 +75,7 @@ impl PointCloud2Display {
         let settings = &self.settings;
         let size_m = settings.size_m;
         let style = match settings.style {
-            StyleSetting::Points => PointStyle::Points { diameter_px: settings.size_px },
+            StyleSetting::Points => PointStyle::Points { diameter_px: settings.size_px.min(MAX_POINT_PX) },
             StyleSetting::Squares => PointStyle::Squares { size_m: [size_m; 2] },
             StyleSetting::FlatSquares => PointStyle::FlatSquares { side_m: size_m },
             StyleSetting::Spheres => PointStyle::Spheres { size_m: [size_m; 2] },
