@@ -71,11 +71,14 @@ mod tests {
     }
 
     #[test]
-    fn normals_follow_an_uneven_scale_and_a_singular_one_is_dark() {
+    fn normals_follow_an_uneven_scale_and_stay_where_it_is_zero() {
         let squeezed = Matrix4::new_nonuniform_scaling(&Vector3::new(1.0, 1.0, 0.5));
         let [r, ..] = lit(&squeezed, [0.0, 0.6, 0.8], Rgba::TRANSPARENT);
         let expected = 1.6 / (0.36f32 + 2.56).sqrt();
         assert!((r - expected).abs() < 1e-6);
-        assert_eq!(lit(&Matrix4::zeros(), [0.0, 0.0, 1.0], Rgba::TRANSPARENT), [0.0, 0.0, 0.0, 0.25]);
+        // The camera looks along z, so that the light comes from behind the view frame's z.
+        let flat = Matrix4::new_nonuniform_scaling(&Vector3::new(1.0, 1.0, 0.0));
+        assert_eq!(lit(&flat, [0.0, 0.0, 1.0], Rgba::TRANSPARENT), [0.0, 0.0, 0.0, 0.25]);
+        assert_eq!(lit(&flat, [0.0, 0.0, -1.0], Rgba::TRANSPARENT), [1.0, 0.5, 0.0, 0.25]);
     }
 }

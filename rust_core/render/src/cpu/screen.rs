@@ -108,7 +108,8 @@ impl Placement {
         let clip: Matrix4<f32> = (camera.clip_from_view() * view_from_object).cast();
         let clip_from_object = [0, 1, 2, 3].map(|r| [0, 1, 2, 3].map(|c| clip[(r, c)]));
         let linear: Matrix3<f64> = view_from_object.fixed_view::<3, 3>(0, 0).into_owned();
-        let view_from_normal = linear.try_inverse().map_or_else(Matrix3::zeros, |inverse| inverse.transpose()).cast();
+        // A flattened object has no inverse; OpenGL (Mesa) then leaves its normals as they are.
+        let view_from_normal = linear.try_inverse().map_or_else(Matrix3::identity, |inverse| inverse.transpose()).cast();
         let to_light = light.and_then(|light| {
             let direction = camera.fixed_from_view().rotation.inverse() * -light.direction;
             direction.try_normalize(0.0).map(|unit| unit.cast())

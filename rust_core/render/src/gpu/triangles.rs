@@ -276,7 +276,8 @@ fn surface(
     material: &Material,
 ) -> Surface {
     let linear = view_from_object.fixed_view::<3, 3>(0, 0).into_owned().cast::<f64>();
-    let view_from_normal = linear.try_inverse().map_or_else(Matrix3::zeros, |inverse| inverse.transpose());
+    // A flattened object has no inverse; OpenGL (Mesa) then leaves its normals as they are.
+    let view_from_normal = linear.try_inverse().map_or_else(Matrix3::identity, |inverse| inverse.transpose());
     let scaled = fixed_from_object.column_iter().any(|c| (c.norm_squared() - 1.0).abs() > SCALE_TOLERANCE);
     let mut flags = 0;
     for (flag, set) in [(VERTEX_COLORS, material.vertex_colors), (NORMALIZE, scaled)] {
