@@ -38,10 +38,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Quaternion, UnitQuaternion};
-use rosrust::Time;
-use rosrust_msg::geometry_msgs::{Quaternion as QuaternionMessage, Transform, TransformStamped, Vector3};
-use rosrust_msg::sensor_msgs::{CameraInfo, RegionOfInterest};
-use rosrust_msg::std_msgs::Header;
+use rcs_messages::geometry_msgs::{Quaternion as QuaternionMessage, Transform, TransformStamped, Vector3};
+use rcs_messages::sensor_msgs::{CameraInfo, RegionOfInterest};
+use rcs_messages::std_msgs::Header;
+use rcs_messages::Time;
 use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::Deserialize;
 use serde_yaml_ng::Value;

@@ -1,40 +1,21 @@
-//! The life of a small ROS node: its arguments, the wait for the master, and an orderly end.
+//! The life of a small ROS node: its own arguments, and an orderly end.
 //!
-//! ROS gives every node arguments with `:=` in them (`topic:=other`, `_param:=value`, `__name:=name`), which rosrust
+//! ROS gives every node arguments with `:=` in them (`topic:=other`, `_param:=value`, `__name:=name`), which the node
 //! reads by itself; [`own_arguments`] are the others. SIGINT, SIGTERM and `rosnode kill` ask the node to end
 //! ([`EndRequest`]); it then unregisters and exits with 0. A second signal ends it at once.
 
 use std::ffi::OsString;
 use std::io;
-use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc;
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use rcs_input::live::{NodeError, RosNode};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-/// How often the node looks whether it is asked to end, and for a master that is not there yet.
+/// How often the node looks whether it is asked to end.
 const LOOK_PERIOD: Duration = Duration::from_millis(100);
-/// How long unregistering may take when the master does not answer.
-const UNREGISTER_TIME: Duration = Duration::from_secs(2);
-
-/// Why there is no node.
-#[derive(Debug, thiserror::Error)]
-pub enum NodeError {
-    /// The master's address cannot be used.
-    #[error("ROS_MASTER_URI '{0}' is not of the form http://HOST:PORT")]
-    MasterUri(String),
-    /// rosrust cannot start the node.
-    #[error("cannot start the node at the ROS master {master_uri}: {reason}")]
-    Start {
-        /// The master's address.
-        master_uri: String,
-        /// What rosrust says.
-        reason: String,
-    },
-}
 
 /// The program's arguments, its name first, without those that are ROS's.
 pub fn own_arguments() -> Vec<OsString> {
@@ -107,65 +88,15 @@ impl EndRequest {
     }
 }
 
-/// Waits for the ROS master, saying so once, and starts the node there. False when the end was requested before.
+/// Waits for the ROS master, saying so once, and starts the node there. None when the end was requested before.
 ///
 /// # Errors
 /// [`NodeError`] when the master's address is no address or the node cannot start.
-pub fn connect(default_name: &str, end: &EndRequest) -> Result<bool, NodeError> {
-    let master_uri = rosrust::api::resolve::master();
-    let address = host_and_port(&master_uri).ok_or_else(|| NodeError::MasterUri(master_uri.clone()))?;
-    let mut said = false;
-    while !answers(&address) {
-        if !said {
-            log::warn!("no ROS master at {master_uri} yet, waiting for it");
-            said = true;
-        }
-        if end.wait_for(LOOK_PERIOD) {
-            return Ok(false);
-        }
-    }
-    // The signals are taken already.
-    rosrust::try_init_with_options(default_name, false)
-        .map_err(|error| NodeError::Start { master_uri, reason: error.to_string() })?;
-    Ok(true)
-}
-
-/// The whole name of a topic, remappings applied, for messages.
-pub fn resolved(topic: &str) -> String {
-    // A parameter's name is resolved by the same rules as a topic's.
-    let name = rosrust::is_initialized().then(|| rosrust::param(topic)).flatten();
-    name.map_or_else(|| topic.to_owned(), |parameter| parameter.name().to_owned())
-}
-
-/// Host and port of `http://HOST:PORT/`.
-fn host_and_port(uri: &str) -> Option<String> {
-    let address = uri.strip_prefix("http://")?.trim_end_matches('/');
-    let (host, port) = address.rsplit_once(':')?;
-    port.parse::<u16>().ok()?;
-    (!host.is_empty()).then(|| address.to_owned())
-}
-
-fn answers(address: &str) -> bool {
-    let Ok(mut addresses) = address.to_socket_addrs() else {
-        return false;
-    };
-    addresses.any(|address| TcpStream::connect_timeout(&address, Duration::from_secs(1)).is_ok())
-}
-
-/// Unregisters: drops `connections` (publishers and subscribers), then ends the node. Waits two seconds at most, so
-/// that a master that does not answer cannot hold the program.
-pub fn shut_down<T: Send + 'static>(connections: T) {
-    let (done, is_done) = mpsc::channel();
-    let spawned = thread::Builder::new().name("unregister".to_owned()).spawn(move || {
-        drop(connections);
-        if rosrust::is_initialized() {
-            rosrust::shutdown();
-        }
-        // Nobody waits any longer when time was up.
-        let _ = done.send(());
-    });
-    if spawned.is_err() || is_done.recv_timeout(UNREGISTER_TIME).is_err() {
-        log::warn!("the ROS master does not answer; ending without unregistering");
+pub fn connect(default_name: &str, end: &EndRequest) -> Result<Option<RosNode>, NodeError> {
+    match RosNode::connect(default_name, &|| end.is_requested()) {
+        Ok(node) => Ok(Some(node)),
+        Err(NodeError::Cancelled(_)) => Ok(None),
+        Err(error) => Err(error),
     }
 }
 
@@ -178,15 +109,6 @@ mod tests {
         let arguments = ["/bin/a:=b", "file.yaml", "__name:=x", "_file:=y", "image:=/z", "--rate", "2"];
         let own = without_ros_arguments(arguments.map(OsString::from));
         assert_eq!(own, ["/bin/a:=b", "file.yaml", "--rate", "2"]);
-    }
-
-    #[test]
-    fn the_masters_address_is_read_from_its_uri() {
-        assert_eq!(host_and_port("http://localhost:11311").as_deref(), Some("localhost:11311"));
-        assert_eq!(host_and_port("http://10.0.0.2:123/").as_deref(), Some("10.0.0.2:123"));
-        for wrong in ["localhost:11311", "http://localhost", "http://:1", "http://host:port", ""] {
-            assert_eq!(host_and_port(wrong), None, "{wrong}");
-        }
     }
 
     #[test]

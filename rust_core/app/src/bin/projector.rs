@@ -9,9 +9,11 @@ use clap::Parser;
 use rcs_app::logging;
 use rcs_app::projector_file::ProjectorFile;
 use rcs_app::small_node::{self, EndRequest};
+use rcs_input::live::RosNode;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::tf2_msgs::TFMessage;
+use rcs_messages::Time;
 use rosrust::Publisher;
-use rosrust_msg::sensor_msgs::CameraInfo;
-use rosrust_msg::tf2_msgs::TFMessage;
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 
@@ -62,24 +64,25 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let given = arguments.positional.as_deref().or(arguments.file.as_deref());
     let given = given.map(|path| read(path, arguments)).transpose()?;
     let end = EndRequest::watch_signals().context("cannot take signals")?;
-    if !small_node::connect("projector", &end)? {
+    let Some(node) = small_node::connect("projector", &end)? else {
         return Ok(());
-    }
+    };
     let file = match given {
         Some(file) => file,
-        None => read(&file_parameter()?, arguments)?,
+        None => read(&file_parameter(&node)?, arguments)?,
     };
-    let mut publishers = Publishers::open(&file, arguments)?;
-    publishers.publish(&file)?;
+    let publishers = Publishers::open(&node, &file, arguments)?;
+    let mut stamp = node.now();
+    publishers.publish(&file, stamp)?;
     // Under simulated time the clock may start after this node; a stamp of zero is then replaced.
-    let mut stamped = is_clock_running();
     while !end.wait_for(Duration::from_millis(500)) {
-        if !stamped && is_clock_running() {
-            publishers.publish(&file)?;
-            stamped = true;
+        if stamp == Time::default() && node.now() != stamp {
+            stamp = node.now();
+            publishers.publish(&file, stamp)?;
         }
     }
-    small_node::shut_down(publishers);
+    drop(publishers);
+    node.shutdown();
     Ok(())
 }
 
@@ -98,17 +101,11 @@ fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<ProjectorFile> {
     Ok(file)
 }
 
-fn file_parameter() -> anyhow::Result<PathBuf> {
-    let parameter = rosrust::param("~file").and_then(|parameter| parameter.get::<String>().ok());
-    match parameter {
+fn file_parameter(node: &RosNode) -> anyhow::Result<PathBuf> {
+    match node.string_param("~file") {
         Some(path) if !path.is_empty() => Ok(path.into()),
         _ => bail!("no projector file: give FILE, --file FILE or the parameter ~file (_file:=FILE)"),
     }
-}
-
-fn is_clock_running() -> bool {
-    let now = rosrust::now();
-    now.sec != 0 || now.nsec != 0
 }
 
 /// Both topics; they live as long as this.
@@ -118,13 +115,13 @@ struct Publishers {
 }
 
 impl Publishers {
-    fn open(file: &ProjectorFile, arguments: &Arguments) -> anyhow::Result<Self> {
+    fn open(node: &RosNode, file: &ProjectorFile, arguments: &Arguments) -> anyhow::Result<Self> {
         let topic = arguments.camera_info_topic.as_ref().or(file.camera_info_topic.as_ref());
         let topic = topic.map_or(DEFAULT_TOPIC, String::as_str);
         let mut camera_info = rosrust::publish(topic, 1).map_err(|error| anyhow!("topic {topic}: {error}"))?;
         camera_info.set_latching(true);
         let info = &file.camera_info;
-        let topic = small_node::resolved(topic);
+        let topic = node.resolve(topic)?;
         log::info!("{}x{} pixels in frame {} on {topic}", info.width, info.height, info.header.frame_id);
         for frame in &file.frames {
             log::info!("static frame {} in {}", frame.child, frame.parent);
@@ -140,9 +137,8 @@ impl Publishers {
         Ok(Self { camera_info, tf_static })
     }
 
-    /// Publishes everything with the current time; both topics keep it for later subscribers.
-    fn publish(&mut self, file: &ProjectorFile) -> anyhow::Result<()> {
-        let stamp = rosrust::now();
+    /// Publishes everything; both topics keep it for later subscribers.
+    fn publish(&self, file: &ProjectorFile, stamp: Time) -> anyhow::Result<()> {
         let mut info = file.camera_info.clone();
         info.header.stamp = stamp;
         self.camera_info.send(info).map_err(|error| anyhow!("CameraInfo: {error}"))?;

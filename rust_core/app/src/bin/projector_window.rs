@@ -3,18 +3,18 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::mpsc;
-use std::sync::Mutex;
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{anyhow, Context};
+use anyhow::Context;
 use clap::Parser;
 use rcs_app::logging;
 use rcs_app::small_node::{self, EndRequest};
+use rcs_input::live::NodeEvent;
+use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_output::window::{self, PictureSink, WindowOptions};
 use rcs_output::window_monitor::{self, MonitorChoice};
-use rcs_output::window_picture::{RawPicture, ScreenPicture};
-use rosrust_msg::sensor_msgs::Image;
+use rcs_output::window_picture::{PictureError, RawPicture, ScreenPicture};
 
 const DEFAULT_TOPIC: &str = "/proj_view/image";
 
@@ -87,38 +87,43 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
 
 /// Hands the topic's pictures to the window until the end is requested.
 fn follow_topic(topic: &str, end: &EndRequest, sink: &PictureSink) -> anyhow::Result<()> {
-    if !small_node::connect("projector_window", end)? {
+    let Some(node) = small_node::connect("projector_window", end)? else {
         return Ok(());
-    }
-    let pictures = sink.clone();
-    let last_error = Mutex::new(String::new());
-    let topic_name = topic.to_owned();
-    let show = move |image: Image| match picture(&image) {
-        Ok(picture) => pictures.show(picture),
-        Err(error) => {
-            // Once for each kind of error, however many pictures come.
-            let error = format!("topic {topic_name}: {error}");
-            if let Ok(mut last) = last_error.lock() {
-                if *last != error {
-                    log::error!("{error}");
-                    *last = error;
+    };
+    // One picture waits at most: the window shows the latest.
+    let subscription = node.subscribe(topic, MessageKind::Image, 1)?;
+    let mut last_error = None;
+    while !end.is_requested() {
+        for event in node.events().wait(Duration::from_millis(100)) {
+            let NodeEvent::Message { message: AnyMessage::Image(image), .. } = event else {
+                continue;
+            };
+            match picture(&image) {
+                Ok(picture) => {
+                    sink.show(picture);
+                    last_error = None;
+                }
+                // Once for each kind of error, however many pictures come.
+                Err(error) if last_error.as_ref() == Some(&error) => {}
+                Err(error) => {
+                    log::error!("topic {}: {error}", subscription.topic());
+                    last_error = Some(error);
                 }
             }
         }
-    };
-    let subscriber = rosrust::subscribe(topic, 1, show).map_err(|error| anyhow!("topic {topic}: {error}"))?;
-    end.wait();
-    small_node::shut_down(subscriber);
+    }
+    drop(subscription);
+    node.shutdown();
     Ok(())
 }
 
-fn picture(image: &Image) -> Result<ScreenPicture, rcs_output::window_picture::PictureError> {
+fn picture(image: &Image) -> Result<ScreenPicture, PictureError> {
     ScreenPicture::from_raw(&RawPicture {
         width_px: image.width,
         height_px: image.height,
         step_bytes: image.step,
         encoding: &image.encoding,
         is_bigendian: image.is_bigendian != 0,
-        data: &image.data,
+        data: image.data(),
     })
 }

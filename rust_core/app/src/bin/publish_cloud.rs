@@ -9,8 +9,8 @@ use clap::Parser;
 use rcs_app::logging;
 use rcs_app::pcd::PcdCloud;
 use rcs_app::small_node::{self, EndRequest};
-use rosrust_msg::sensor_msgs::{PointCloud2, PointField};
-use rosrust_msg::std_msgs::Header;
+use rcs_messages::sensor_msgs::PointField;
+use rcs_messages::PointCloud2;
 
 /// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
 ///
@@ -63,9 +63,9 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let message = message(PcdCloud::read(&arguments.file)?, &arguments.frame);
     let end = EndRequest::watch_signals().context("cannot take signals")?;
-    if !small_node::connect("publish_cloud", &end)? {
+    let Some(node) = small_node::connect("publish_cloud", &end)? else {
         return Ok(());
-    }
+    };
     let topic = &arguments.topic;
     let mut publisher = rosrust::publish::<PointCloud2>(topic, 1).map_err(|error| anyhow!("topic {topic}: {error}"))?;
     publisher.set_latching(true);
@@ -74,12 +74,12 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "{}: {width}x{height} points in frame {} on {} at {} Hz",
         arguments.file.display(),
         arguments.frame,
-        small_node::resolved(topic),
+        node.resolve(topic)?,
         arguments.rate
     );
     loop {
         let mut stamped = message.clone();
-        stamped.header.stamp = rosrust::now();
+        stamped.header.stamp = node.now();
         publisher.send(stamped).map_err(|error| anyhow!("topic {topic}: {error}"))?;
         let is_end = if arguments.rate > 0.0 {
             end.wait_for(Duration::from_secs_f64(arguments.rate.recip()))
@@ -88,7 +88,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
             true
         };
         if is_end {
-            small_node::shut_down(publisher);
+            node.shutdown();
             return Ok(());
         }
     }
@@ -101,16 +101,14 @@ fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
         datatype: field.datatype as u8,
         count: field.count,
     });
-    PointCloud2 {
-        header: Header { frame_id: frame.to_owned(), ..Header::default() },
-        height: cloud.height,
-        width: cloud.width,
-        fields: fields.collect(),
-        is_bigendian: false,
-        point_step: cloud.point_step_bytes,
-        // The reader allows no cloud of more bytes than a u32 counts.
-        row_step: cloud.point_step_bytes.saturating_mul(cloud.width),
-        data: cloud.data,
-        is_dense: cloud.is_dense,
-    }
+    let mut message = PointCloud2::default().with_data(cloud.data);
+    message.header.frame_id = frame.to_owned();
+    message.height = cloud.height;
+    message.width = cloud.width;
+    message.fields = fields.collect();
+    message.point_step = cloud.point_step_bytes;
+    // The reader allows no cloud of more bytes than a u32 counts.
+    message.row_step = cloud.point_step_bytes.saturating_mul(cloud.width);
+    message.is_dense = cloud.is_dense;
+    message
 }
