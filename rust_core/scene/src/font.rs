@@ -2,7 +2,11 @@
 //!
 //! rviz draws text with an Ogre font: Liberation Sans, rendered once at 18 pt and 96 dpi (24 pixels to the em) with
 //! hinting into one texture, every glyph in a cell of equal height and of the width of its advance. The same cells
-//! are made here from the same typeface, for the code points 0 to 999 that rviz asks for.
+//! are made here from the same typeface, for the code points 0 to 999 that rviz asks for. Around the glyphs the texture
+//! is black and transparent, so that interpolation darkens their outlines a little, as in rviz.
+//!
+//! The releases of that typeface differ a little in their hints. So that text looks as in the rviz of the same machine,
+//! its font file is taken where there is one; a release that is built in serves everywhere else.
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
@@ -21,6 +25,25 @@ const EM_PX: f32 = 24.0;
 const ATLAS_WIDTH_PX: u32 = 1024;
 const SPACING_PX: u32 = 1;
 
+/// Where rviz's font is: in ROS installations, and on Debian, whose rviz uses the system's.
+const RVIZ_FONTS: [&str; 4] = [
+    "/opt/ros/noetic/share/rviz/ogre_media/fonts/liberation-sans/LiberationSans-Regular.ttf",
+    "/opt/ros/melodic/share/rviz/ogre_media/fonts/liberation-sans/LiberationSans-Regular.ttf",
+    "/usr/share/rviz/ogre_media/fonts/liberation-sans/LiberationSans-Regular.ttf",
+    "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+];
+
+/// Height of the cells and of the baseline below their top.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Cell {
+    height_px: u32,
+    baseline_px: i32,
+}
+
+/// The cells that rviz gets from release 1 of the typeface. The built-in release 2 has a few taller letters, which are
+/// cut, so that text has the same size.
+const BUILT_IN_CELL: Cell = Cell { height_px: 28, baseline_px: 24 };
+
 static FONT: &[u8] = include_bytes!("../assets/LiberationSans-Regular.ttf");
 
 /// Where a glyph's cell is in the atlas.
@@ -32,7 +55,7 @@ pub struct GlyphBox {
     pub aspect: f32,
 }
 
-/// All glyphs in one texture: white, with the coverage as alpha.
+/// All glyphs in one texture: white with the coverage as alpha, black and transparent around them.
 #[derive(Debug)]
 pub struct GlyphAtlas {
     texture: Arc<Texture>,
@@ -54,7 +77,10 @@ impl GlyphAtlas {
 /// The atlas, made at its first use.
 pub fn glyph_atlas() -> &'static GlyphAtlas {
     static ATLAS: OnceLock<GlyphAtlas> = OnceLock::new();
-    ATLAS.get_or_init(|| build().unwrap_or_else(|| pack(&[])))
+    ATLAS.get_or_init(|| {
+        let rvizs = RVIZ_FONTS.iter().filter_map(|file| build(&std::fs::read(file).ok()?, None)).next();
+        rvizs.or_else(|| build(FONT, Some(BUILT_IN_CELL))).unwrap_or_else(|| pack(&[], BUILT_IN_CELL))
+    })
 }
 
 /// A glyph's coverage, in pixels to the right of its origin and below its baseline.
@@ -72,8 +98,9 @@ struct Glyph {
     bitmap: Bitmap,
 }
 
-fn build() -> Option<GlyphAtlas> {
-    let font = FontRef::new(FONT).ok()?;
+/// The atlas of a font file; `None` where it is none. Without a given cell, it follows from the glyphs as in Ogre.
+fn build(file: &[u8], cell: Option<Cell>) -> Option<GlyphAtlas> {
+    let font = FontRef::new(file).ok()?;
     let outlines = font.outline_glyphs();
     let size = Size::new(EM_PX);
     let hinting = HintingInstance::new(&outlines, size, LocationRef::default(), HintingOptions::default()).ok()?;
@@ -88,14 +115,19 @@ fn build() -> Option<GlyphAtlas> {
             Some(Glyph { character, advance_px, bitmap })
         })
         .collect();
-    Some(pack(&glyphs))
+    Some(pack(&glyphs, cell.unwrap_or_else(|| cell_of(&glyphs))))
 }
 
-/// Ogre's layout: the cell's height follows from the tallest glyph, glyphs stand in rows in the order of their code.
-fn pack(glyphs: &[Glyph]) -> GlyphAtlas {
-    let ascent = glyphs.iter().map(|g| -g.bitmap.top_px).max().unwrap_or(0);
-    let cell_height =
-        glyphs.iter().map(|g| 2 * g.bitmap.height_px as i32 + g.bitmap.top_px).max().unwrap_or(0).max(1) as u32;
+/// Ogre's rule: the cell is high enough for the glyph whose height and depth below the baseline are the most.
+fn cell_of(glyphs: &[Glyph]) -> Cell {
+    let height = glyphs.iter().map(|glyph| 2 * glyph.bitmap.height_px as i32 + glyph.bitmap.top_px).max();
+    let baseline = glyphs.iter().map(|glyph| -glyph.bitmap.top_px).max();
+    Cell { height_px: height.unwrap_or(0).max(1) as u32, baseline_px: baseline.unwrap_or(0) }
+}
+
+/// Ogre's layout: glyphs stand in rows in the order of their code.
+fn pack(glyphs: &[Glyph], cell: Cell) -> GlyphAtlas {
+    let cell_height = cell.height_px;
     let mut places = Vec::with_capacity(glyphs.len());
     let (mut x, mut y) = (0, 0);
     for glyph in glyphs {
@@ -106,18 +138,18 @@ fn pack(glyphs: &[Glyph]) -> GlyphAtlas {
         x += glyph.advance_px + SPACING_PX;
     }
     let height = y + 2 * cell_height + SPACING_PX;
-    let mut rgba = vec![[255, 255, 255, 0]; (ATLAS_WIDTH_PX * height) as usize];
+    let mut rgba = vec![[0; 4]; (ATLAS_WIDTH_PX * height) as usize];
     let mut boxes = HashMap::with_capacity(glyphs.len());
     for (glyph, (x, y)) in glyphs.iter().zip(places) {
         let bitmap = &glyph.bitmap;
         for row in 0..bitmap.height_px {
             for column in 0..bitmap.width_px {
                 let cell_x = bitmap.left_px.max(0) + column as i32 + bitmap.left_px.min(0);
-                let cell_y = ascent + bitmap.top_px + row as i32;
-                if (0..glyph.advance_px as i32).contains(&cell_x) && cell_y >= 0 {
+                let cell_y = cell.baseline_px + bitmap.top_px + row as i32;
+                if (0..glyph.advance_px as i32).contains(&cell_x) && (0..cell_height as i32).contains(&cell_y) {
                     let texel = (y + cell_y as u32) * ATLAS_WIDTH_PX + x + cell_x as u32;
                     if let Some(texel) = rgba.get_mut(texel as usize) {
-                        texel[3] = bitmap.coverage[(row * bitmap.width_px + column) as usize];
+                        *texel = [255, 255, 255, bitmap.coverage[(row * bitmap.width_px + column) as usize]];
                     }
                 }
             }
@@ -224,7 +256,13 @@ mod tests {
 
     #[test]
     fn letters_have_boxes_of_their_advance_inside_the_atlas() {
-        let atlas = glyph_atlas();
+        for atlas in [glyph_atlas(), &build(FONT, Some(BUILT_IN_CELL)).unwrap(), &build(FONT, None).unwrap()] {
+            check_boxes(atlas);
+        }
+        assert!(build(b"no font", None).is_none());
+    }
+
+    fn check_boxes(atlas: &GlyphAtlas) {
         let [m, i] = ['m', 'i'].map(|c| atlas.glyph(c).unwrap());
         assert!(m.aspect > 3.0 * i.aspect, "{m:?} {i:?}");
         for code in (0..GLYPH_COUNT).filter_map(char::from_u32) {
