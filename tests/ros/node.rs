@@ -117,3 +117,34 @@ fn messages_of_another_type_are_not_taken() {
     assert!(probe.line_with("frame right").is_some());
     assert_eq!(probe.count("frame wrong"), 0);
 }
+
+#[test]
+fn a_restarted_master_is_told_everything_again() {
+    let mut master = RosMaster::start().unwrap();
+    let probe = probe(&master, &["listen", "/a", POINT, "1"]);
+    assert!(probe.line_with("ready").is_some());
+    // One round of the watchdog, to learn what there is.
+    std::thread::sleep(Duration::from_secs(5));
+    master.restart().unwrap();
+    let is_known = || master.output("rosservice", &["list"]).unwrap().contains("/probe_trigger");
+    assert!(wait_until(PATIENCE, is_known), "{:?}", probe.errors());
+    let _points = publish_points(&master, "/a", "after");
+    assert!(probe.line_with("frame after").is_some(), "{:?}", probe.errors());
+}
+
+#[test]
+fn a_stopped_publisher_holds_up_neither_the_start_nor_other_publishers() {
+    let master = RosMaster::start().unwrap();
+    let stopped = publish_points(&master, "/a", "stopped");
+    let live = publish_points(&master, "/a", "live");
+    let first = probe(&master, &["listen", "/a", POINT, "1", "__name:=first"]);
+    assert!(first.line_with("frame stopped").is_some() && first.line_with("frame live").is_some());
+    stopped.signal("STOP");
+    let second = probe(&master, &["listen", "/a", POINT, "1", "__name:=second"]);
+    assert!(second.line_with("frame live").is_some(), "{:?}", second.errors());
+    assert!(first.prints_again("frame live", Duration::from_secs(2)));
+    assert_eq!(second.count("frame stopped"), 0);
+    stopped.signal("CONT");
+    assert!(second.line_with("frame stopped").is_some(), "{:?}", second.errors());
+    drop(live);
+}

@@ -83,6 +83,12 @@ impl RosMaster {
         }
     }
 
+    /// Ends the master and starts another on the same port, which knows nothing of the nodes.
+    pub fn restart(&mut self) -> io::Result<()> {
+        self.stop();
+        self.run()
+    }
+
     /// Its address.
     pub fn uri(&self) -> String {
         format!("http://127.0.0.1:{}", self.port)
@@ -122,13 +128,19 @@ impl RosMaster {
     }
 }
 
-impl Drop for RosMaster {
-    fn drop(&mut self) {
+impl RosMaster {
+    fn stop(&mut self) {
         if let Some(mut core) = self.core.take() {
             // roscore ends its own processes when it is interrupted, and cannot when it is killed.
             core.signal("INT");
             core.wait(Duration::from_secs(10));
         }
+    }
+}
+
+impl Drop for RosMaster {
+    fn drop(&mut self) {
+        self.stop();
         // A log that is still being written stays behind; the next test has a folder of its own.
         let _ = fs::remove_dir_all(&self.home);
     }

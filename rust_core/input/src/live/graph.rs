@@ -3,7 +3,7 @@
 //! The XML-RPC client is rosrust's own. It has no time limits, so every call runs on a thread that may be left behind; a
 //! node that has not answered the last call is not called again.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex};
@@ -31,16 +31,67 @@ impl Graph {
         }
     }
 
-    /// The names of the other nodes that publish each topic, as the master has it.
-    pub(super) fn publishers(&self) -> Option<Vec<(String, Vec<String>)>> {
+    /// How the master sees things.
+    pub(super) fn state(&self) -> Option<State> {
         let state = self.call(&self.master_uri, "getSystemState", vec![])?;
-        let lists = array(&state)?;
-        let topics = array(lists.first()?)?.iter().filter_map(topic_and_nodes);
+        let Value::Int(master_pid) = self.call(&self.master_uri, "getPid", vec![])? else {
+            return None;
+        };
+        let [publishers, subscribers, services] = array(&state)? else {
+            return None;
+        };
+        let entries = |list| array(list).unwrap_or_default().iter().filter_map(topic_and_nodes);
+        let is_own = |nodes: &[String]| nodes.contains(&self.node_name);
+        let own = |list| -> BTreeSet<String> {
+            let own = entries(list).filter(|(_, nodes)| is_own(nodes));
+            own.map(|(name, _)| name).collect()
+        };
         let others = |(topic, mut nodes): (String, Vec<String>)| {
             nodes.retain(|node| *node != self.node_name);
             (topic, nodes)
         };
-        Some(topics.map(others).collect())
+        Some(State {
+            master_pid,
+            publishers: entries(publishers).map(others).collect(),
+            publications: own(publishers),
+            subscriptions: own(subscribers),
+            services: own(services),
+        })
+    }
+
+    /// Remembers what the node publishes and serves, and tells it to a master that was restarted.
+    pub(super) fn keep_registered(&self, state: &State, known: &mut Registrations) {
+        if known.master_pid.is_some_and(|pid| pid != state.master_pid) {
+            log::info!("the ROS master was restarted, registering again");
+            for (topic, kind) in &known.publications {
+                let params = [topic, kind, &self.node_uri].map(|text| text.as_str().into());
+                self.call(&self.master_uri, "registerPublisher", params.into());
+            }
+            for (service, api) in &known.services {
+                let params = [service, api, &self.node_uri].map(|text| text.as_str().into());
+                self.call(&self.master_uri, "registerService", params.into());
+            }
+            // What has been told is seen in the next state.
+            known.master_pid = Some(state.master_pid);
+            return;
+        }
+        known.master_pid = Some(state.master_pid);
+        if !state.publications.iter().eq(known.publications.keys()) {
+            let types = self.call(&self.master_uri, "getTopicTypes", vec![]);
+            let pair = |pair: &Value| {
+                let [topic, kind] = array(pair)? else { return None };
+                Some((text(topic)?, text(kind)?))
+            };
+            let types = types.as_ref().and_then(array).unwrap_or_default().iter().filter_map(pair);
+            known.publications = types.filter(|(topic, _)| state.publications.contains(topic)).collect();
+        }
+        if !state.services.iter().eq(known.services.keys()) {
+            let with_api = |name: &String| {
+                let api = self.call(&self.master_uri, "lookupService", vec![name.as_str().into()])?;
+                Some((name.clone(), text(&api)?))
+            };
+            known.services = state.services.iter().filter_map(with_api).collect();
+        }
     }
 
     /// Where a node can be asked.
@@ -84,7 +135,7 @@ impl Graph {
 
     /// The value of the answer `[1, text, value]`; none for any other answer, or none in time.
     fn call(&self, uri: &str, method: &'static str, arguments: Vec<Argument>) -> Option<Value> {
-        if !super::lock(&self.unanswered).insert(uri.to_owned()) {
+        if uri != self.master_uri && !super::lock(&self.unanswered).insert(uri.to_owned()) {
             return None;
         }
         let mut params: Params = vec![Value::String(self.node_name.clone())];
@@ -111,6 +162,29 @@ impl Graph {
             _ => None,
         }
     }
+}
+
+/// How the master sees things.
+pub(super) struct State {
+    master_pid: i32,
+    /// The names of the other nodes that publish each topic.
+    pub(super) publishers: HashMap<String, Vec<String>>,
+    /// The topics that this node publishes.
+    publications: BTreeSet<String>,
+    /// The topics that this node subscribes to.
+    pub(super) subscriptions: BTreeSet<String>,
+    /// The services that this node offers.
+    services: BTreeSet<String>,
+}
+
+/// What a restarted master must be told.
+#[derive(Debug, Default)]
+pub(super) struct Registrations {
+    master_pid: Option<i32>,
+    /// Types by topic.
+    publications: BTreeMap<String, String>,
+    /// Addresses by service.
+    services: BTreeMap<String, String>,
 }
 
 /// A call's argument.

@@ -12,7 +12,7 @@
 //!
 //! - waiting for a master that is not there yet ([`connect`](RosNode::connect));
 //! - several subscribers of one topic in a process ([`topic`]);
-//! - coming back to publishers whose connection broke ([`watchdog`]);
+//! - coming back to publishers whose connection broke, and to a restarted master ([`watchdog`]);
 //! - unregistering all of the node, also what rosrust never lets go of ([`shutdown`](RosNode::shutdown)).
 
 mod clock;
@@ -31,7 +31,7 @@ use rcs_messages::rosgraph_msgs::Clock;
 use rcs_messages::std_srvs::{Trigger, TriggerRes};
 use rcs_messages::{AnyMessage, MessageKind, Time};
 use std::collections::BTreeMap;
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::sync::mpsc::{channel, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -305,18 +305,24 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Host and port of a URI such as `http://localhost:11311/`.
-fn master_address(uri: &str) -> Option<(String, u16)> {
+fn host_and_port(uri: &str) -> Option<(String, u16)> {
     let rest = uri.strip_prefix("http://")?;
     let rest = rest.split_once('/').map_or(rest, |(authority, _)| authority);
     let (host, port) = rest.rsplit_once(':')?;
     Some((host.trim_matches(['[', ']']).to_owned(), port.parse().ok()?))
 }
 
+/// The addresses of a URI.
+fn address_of(uri: &str) -> impl Iterator<Item = SocketAddr> {
+    let address = host_and_port(uri);
+    address.and_then(|(host, port)| (host.as_str(), port).to_socket_addrs().ok()).into_iter().flatten()
+}
+
 /// rosrust gives up at once when there is no master, so it is started when somebody listens there.
 ///
 /// Looks on a thread of its own, so that giving up never waits for the network.
 fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result<(), NodeError> {
-    let address = master_address(uri).ok_or_else(|| NodeError::MasterUri(uri.to_owned()))?;
+    let address = host_and_port(uri).ok_or_else(|| NodeError::MasterUri(uri.to_owned()))?;
     let (found, is_found) = channel();
     let uri_of_thread = uri.to_owned();
     std::thread::spawn(move || {
@@ -357,11 +363,11 @@ mod tests {
     #[test]
     fn a_master_uri_gives_host_and_port() {
         let robot = Some(("robot".to_owned(), 11311));
-        assert_eq!(master_address("http://robot:11311/"), robot);
-        assert_eq!(master_address("http://robot:11311"), robot);
-        assert_eq!(master_address("http://[::1]:5/"), Some(("::1".to_owned(), 5)));
-        assert_eq!(master_address("robot:11311"), None);
-        assert_eq!(master_address("http://robot/"), None);
+        assert_eq!(host_and_port("http://robot:11311/"), robot);
+        assert_eq!(host_and_port("http://robot:11311"), robot);
+        assert_eq!(host_and_port("http://[::1]:5/"), Some(("::1".to_owned(), 5)));
+        assert_eq!(host_and_port("robot:11311"), None);
+        assert_eq!(host_and_port("http://robot/"), None);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use super::{lock, NodeError, Shared};
 use rcs_messages::{AnyMessage, MessageKind};
 use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, Mutex, Weak};
+use std::sync::{Arc, Mutex, TryLockError, Weak};
 use std::time::{Duration, Instant};
 
 /// How many messages wait between rosrust's threads; the listeners have queues of their own behind that.
@@ -93,8 +93,17 @@ impl Topic {
         state.listeners.is_empty()
     }
 
+    /// Whether it is being subscribed to or unsubscribed right now.
+    pub(super) fn is_busy(&self) -> bool {
+        matches!(self.subscriber.try_lock(), Err(TryLockError::WouldBlock))
+    }
+
+    /// Whether it is subscribed to; also while that is going on.
     pub(super) fn is_open(&self) -> bool {
-        lock(&self.subscriber).is_some()
+        match self.subscriber.try_lock() {
+            Ok(subscriber) => subscriber.is_some(),
+            Err(_) => true,
+        }
     }
 
     /// Subscribes, unless that is done.

@@ -1,20 +1,28 @@
-//! Comes back to publishers whose connection broke.
+//! Repairs what rosrust leaves broken. Every two seconds the master and the publishers of the subscribed topics are asked
+//! how things stand, and that is compared with the connections that the process has.
 //!
-//! rosrust connects to a publisher once, when the master names it. When that fails, or the connection breaks later while
-//! the publisher lives on, the topic stays silent. So every few seconds the addresses of all publishers of the subscribed
-//! topics are asked for and compared with the connections that the process has: a topic with a publisher that answers and
-//! has no connection, twice in a row, is unsubscribed and subscribed again. If that does not help, the next try waits
-//! twice as long, as each costs the topic's other connections a moment.
+//! - rosrust connects to a publisher once, when the master names it. When that fails, or the connection breaks later
+//!   while the publisher lives on, the topic stays silent: a topic with a publisher that answers and has no connection,
+//!   twice in a row, is unsubscribed and subscribed again. If that does not help, the next try waits twice as long, as
+//!   each costs the topic's other connections a moment.
+//! - rosrust asks a publisher for its address and waits without limit, under a lock for all topics, so that one stopped
+//!   node would freeze this one: such a question is ended when it has no answer after [`CALL_LIMIT`].
+//! - A master that was restarted knows nothing of this node: it is told again what the node publishes and serves, and
+//!   the topics are subscribed again.
 
+use super::graph::{Registrations, State};
+use super::sockets::{self, Connection};
 use super::topic::Topic;
-use super::{lock, sockets, Shared};
-use std::collections::{BTreeMap, HashMap};
+use super::{lock, Shared};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::net::SocketAddr;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 const PERIOD: Duration = Duration::from_secs(2);
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
+/// How long another node may take to say where its topic is.
+const CALL_LIMIT: Duration = Duration::from_millis(1500);
 
 /// Stops the thread.
 #[derive(Debug, Default)]
@@ -40,77 +48,121 @@ impl Watchdog {
     }
 }
 
+/// What is known from the rounds before.
+#[derive(Default)]
+struct Memory {
+    suspects: BTreeMap<Arc<str>, Suspect>,
+    questions: HashMap<Connection, Instant>,
+    registrations: Registrations,
+}
+
 /// What is known of a topic that was found without a connection.
 struct Suspect {
-    since: Instant,
-    /// When to try again, after a first try.
-    next_try: Option<Instant>,
+    next_try: Instant,
     wait: Duration,
+}
+
+/// Where the publishers of the subscribed topics are.
+#[derive(Default)]
+struct Publishers<'a> {
+    /// Where they answer questions.
+    nodes: HashSet<SocketAddr>,
+    /// Where they send the topics from. Nodes send all their topics from one port, so there may be several.
+    topics: HashMap<SocketAddr, Vec<&'a Arc<Topic>>>,
 }
 
 /// Runs until the node is shut down.
 pub(super) fn run(shared: &Arc<Shared>) {
-    let mut suspects: BTreeMap<Arc<str>, Suspect> = BTreeMap::new();
+    let mut memory = Memory::default();
     while !shared.watchdog.wait() {
         let topics: Vec<_> = shared.topics().values().cloned().collect();
-        let Some(broken) = broken_topics(shared, &topics) else {
+        let Some(state) = shared.graph.state() else {
             continue;
         };
-        suspects.retain(|name, _| broken.iter().any(|topic| topic.name() == name));
-        for topic in broken {
-            let now = Instant::now();
-            let suspect = suspects.entry(Arc::clone(topic.name())).or_insert(Suspect {
-                since: now,
-                next_try: None,
-                wait: PERIOD * 2,
-            });
-            let due = suspect.next_try.unwrap_or(suspect.since + PERIOD / 2);
-            if now < due || shared.watchdog.is_stopped() {
-                continue;
-            }
-            log::info!("{}: a publisher is not connected, subscribing again", topic.name());
-            topic.close();
-            if let Err(error) = topic.open() {
-                log::warn!("{error}");
-            }
-            suspect.next_try = Some(Instant::now() + suspect.wait);
-            suspect.wait = (suspect.wait * 2).min(LONGEST_WAIT);
-        }
-    }
-    // A topic that was opened while the node shut down.
-    for topic in shared.topics().values() {
-        topic.close();
+        shared.graph.keep_registered(&state, &mut memory.registrations);
+        let publishers = publishers(shared, &state, &topics);
+        memory.end_questions(&publishers.nodes);
+        let broken = broken_topics(&state, &topics, &publishers);
+        memory.repair(shared, &broken);
     }
 }
 
-/// The topics with a publisher that answers but has no connection. None when the master does not answer.
-fn broken_topics(shared: &Shared, topics: &[Arc<Topic>]) -> Option<Vec<Arc<Topic>>> {
-    // A topic that could not be subscribed to again the last time.
-    let mut broken: Vec<_> = topics.iter().filter(|topic| !topic.is_open()).cloned().collect();
-    let publishers: HashMap<_, _> = shared.graph.publishers()?.into_iter().collect();
+fn publishers<'a>(shared: &Shared, state: &State, topics: &'a [Arc<Topic>]) -> Publishers<'a> {
+    let mut found = Publishers::default();
     let mut uris: HashMap<&str, Option<String>> = HashMap::new();
-    // Nodes send all their topics from one port, so connections are counted.
-    let mut wanted: HashMap<SocketAddr, Vec<&Arc<Topic>>> = HashMap::new();
     for topic in topics {
-        for node in publishers.get(&**topic.name()).into_iter().flatten() {
+        for node in state.publishers.get(&**topic.name()).into_iter().flatten() {
             let uri = uris.entry(node).or_insert_with(|| shared.graph.node_uri(node));
-            let Some(addresses) = uri.as_ref().and_then(|uri| shared.graph.topic_addresses(uri, topic.name())) else {
+            let Some(uri) = uri else {
                 continue;
             };
+            found.nodes.extend(super::address_of(uri));
             // rosrust connects to every address of the host; one is enough.
+            let addresses = shared.graph.topic_addresses(uri, topic.name()).unwrap_or_default();
             if let Some(address) = addresses.into_iter().find(SocketAddr::is_ipv4) {
-                wanted.entry(address).or_default().push(topic);
+                found.topics.entry(address).or_default().push(topic);
             }
         }
     }
-    let peers = sockets::connected_peers();
-    for (address, topics) in wanted {
-        let connected = peers.iter().filter(|peer| **peer == address).count();
-        if connected < topics.len() {
-            broken.extend(topics.into_iter().cloned());
+    found
+}
+
+/// The topics that the master or a publisher that answers is not connected with.
+fn broken_topics<'a>(state: &State, topics: &'a [Arc<Topic>], publishers: &Publishers<'a>) -> Vec<&'a Arc<Topic>> {
+    let unknown = |topic: &&Arc<Topic>| !topic.is_open() || !state.subscriptions.contains(&**topic.name());
+    let mut broken: Vec<_> = topics.iter().filter(unknown).collect();
+    let connections = sockets::connections();
+    for (address, topics) in &publishers.topics {
+        if connections.iter().filter(|connection| connection.peer == *address).count() < topics.len() {
+            broken.extend(topics.iter().copied());
         }
     }
+    broken.retain(|topic| !topic.is_busy());
     broken.sort_by(|a, b| a.name().cmp(b.name()));
     broken.dedup_by(|a, b| a.name() == b.name());
-    Some(broken)
+    broken
+}
+
+impl Memory {
+    /// Ends the questions to `nodes` that have waited too long.
+    fn end_questions(&mut self, nodes: &HashSet<SocketAddr>) {
+        let now = Instant::now();
+        let open: Vec<_> = sockets::connections().into_iter().filter(|open| nodes.contains(&open.peer)).collect();
+        self.questions.retain(|question, _| open.contains(question));
+        for question in open {
+            let since = *self.questions.entry(question).or_insert(now);
+            if now - since >= CALL_LIMIT {
+                log::info!("the node at {} does not answer, going on without it", question.peer);
+                sockets::end(question);
+                self.questions.remove(&question);
+            }
+        }
+    }
+
+    /// Subscribes again to those topics that were broken the last time too and whose time has come.
+    fn repair(&mut self, shared: &Arc<Shared>, broken: &[&Arc<Topic>]) {
+        let now = Instant::now();
+        self.suspects.retain(|name, _| broken.iter().any(|topic| topic.name() == name));
+        for topic in broken {
+            let suspect = (self.suspects.entry(Arc::clone(topic.name())))
+                .or_insert(Suspect { next_try: now + PERIOD / 2, wait: PERIOD * 2 });
+            if now < suspect.next_try || shared.watchdog.is_stopped() {
+                continue;
+            }
+            suspect.next_try = now + suspect.wait;
+            suspect.wait = (suspect.wait * 2).min(LONGEST_WAIT);
+            let topic = Arc::clone(topic);
+            // On a thread of its own: it may have to wait for another node, which only this thread can end.
+            let spawned = std::thread::Builder::new().name("ros-resubscribe".to_owned()).spawn(move || {
+                log::info!("{}: a connection is missing, subscribing again", topic.name());
+                topic.close();
+                if let Err(error) = topic.open() {
+                    log::warn!("{error}");
+                }
+            });
+            if let Err(error) = spawned {
+                log::warn!("cannot subscribe again: {error}");
+            }
+        }
+    }
 }
