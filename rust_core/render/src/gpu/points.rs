@@ -62,6 +62,10 @@ struct Cloud {
     padding: [f32; 2],
 }
 
+/// OpenGL draws no smaller point than a pixel, and Mesa's software rasteriser no larger one than this.
+const SMALLEST_SPRITE_PX: f32 = 1.0;
+const LARGEST_SPRITE_PX: f32 = 255.0;
+
 /// Vertex shader, vertices of an instance and fragment shader of each style, in the order of [`style_index`].
 const STYLES: [(&str, u32, &str); 6] = [
     ("vertex_sprite", 4, "fragment_sprite"),
@@ -140,8 +144,7 @@ fn constants(viewpoint: &Viewpoint<'_>, fixed_from_object: &Matrix4<f64>, points
     let mut right = Vector3::zeros();
     let mut up_direction = Vector3::zeros();
     let size = match points.style {
-        // OpenGL draws no smaller point than one pixel.
-        PointStyle::Points { diameter_px } => [diameter_px.max(1.0), 0.0, 0.0],
+        PointStyle::Points { diameter_px } => [diameter_px.clamp(SMALLEST_SPRITE_PX, LARGEST_SPRITE_PX), 0.0, 0.0],
         PointStyle::Squares { size_m: [width, height] } | PointStyle::Spheres { size_m: [width, height] } => {
             [width, height, 0.0]
         }

@@ -193,11 +193,13 @@ impl TrianglePipelines {
             *turned = turn(ribbons);
         }
         let chunks = turned.chunks.clone();
-        let material = Material { cull: CullMode::None, ..Material::unlit(ribbons.blending == Blending::Alpha) };
+        // The back is culled: where a sharp corner folds a ribbon over, the fold is not seen.
+        let material = Material::unlit(ribbons.blending == Blending::Alpha);
         let view_from_object = viewpoint.camera.view_from_object(fixed_from_object);
         let clip_from_object = viewpoint.clip_from_object(fixed_from_object);
         let surface = surface(viewpoint, clip_from_object, &view_from_object, &Matrix3::identity(), &material);
-        self.draw(device, uniforms, chunks, &surface, FixedState::new(&material, false), None)
+        let mirrored = fixed_from_object.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+        self.draw(device, uniforms, chunks, &surface, FixedState::new(&material, mirrored), None)
     }
 
     fn draw(

@@ -1,0 +1,186 @@
+//! The GPU renderer draws the CPU renderer's picture.
+//!
+//! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further.
+
+mod common;
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use common::{camera, close, draw_on, square_mesh};
+use nalgebra::{Isometry3, Matrix4, Point3, UnitQuaternion, Vector3};
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use rcs_render::{CpuRenderer, GpuRenderer};
+use rcs_scene::{
+    Blending, Camera, CullMode, DirectionalLight, Drawable, Filtering, Geometry, HorizontalAlignment, Lighting,
+    LineTopology, Lines, Material, Mesh, PointBuffer, PointColors, PointStyle, Points, RenderGroup, Rgba,
+    RibbonElement, Ribbons, Scene, Text, Texture, Vertex, VerticalAlignment, Wrapping,
+};
+
+const BACKGROUND: [u8; 3] = [30, 60, 90];
+
+/// Levels of 255 that a channel may differ by, and how far a pixel may be from where it is looked for.
+const LEVELS: u8 = 16;
+const REACH_PX: i64 = 1;
+
+/// The share of pixels with content that agree at least.
+const CLOSE_ENOUGH: f64 = 0.98;
+
+fn gpu() -> &'static Mutex<GpuRenderer> {
+    static GPU: OnceLock<Mutex<GpuRenderer>> = OnceLock::new();
+    GPU.get_or_init(|| Mutex::new(GpuRenderer::new(false).unwrap()))
+}
+
+fn place() -> impl Strategy<Value = [f32; 3]> {
+    [-1.0_f32..1.0, -1.0_f32..1.0, -1.0_f32..1.0]
+}
+
+fn blending() -> impl Strategy<Value = Blending> {
+    prop_oneof![Just(Blending::Replace), Just(Blending::Alpha)]
+}
+
+fn style() -> impl Strategy<Value = PointStyle> {
+    let side = || 0.02_f32..0.4;
+    prop_oneof![
+        (1.0_f32..30.0).prop_map(|diameter_px| PointStyle::Points { diameter_px }),
+        [side(), side()].prop_map(|size_m| PointStyle::Squares { size_m }),
+        side().prop_map(|side_m| PointStyle::FlatSquares { side_m }),
+        [side(), side()].prop_map(|size_m| PointStyle::Spheres { size_m }),
+        [side(), side(), side()].prop_map(|size_m| PointStyle::Boxes { size_m }),
+        [side(), side()].prop_map(|size_m| PointStyle::Tiles { size_m, normal: [0.0, 0.6, 0.8], up: [1.0, 0.0, 0.0] }),
+    ]
+}
+
+fn cloud() -> impl Strategy<Value = Geometry> {
+    (vec((place(), any::<[u8; 4]>()), 1..30), style(), 0.2_f32..1.0, any::<bool>()).prop_map(
+        |(points, style, alpha, blended)| {
+            let (positions, colors) = points.into_iter().unzip();
+            Geometry::Points(Points {
+                buffer: Arc::new(PointBuffer { positions, colors: PointColors::PerPoint(colors) }),
+                style,
+                alpha: if blended { alpha } else { 1.0 },
+                blended,
+                auto_size: false,
+            })
+        },
+    )
+}
+
+fn lines() -> impl Strategy<Value = Geometry> {
+    (vec((place(), any::<[u8; 4]>()), 2..12), any::<bool>(), blending()).prop_map(|(vertices, strip, blending)| {
+        let (positions, colors) = vertices.into_iter().unzip();
+        let topology = if strip { LineTopology::Strip } else { LineTopology::List };
+        Geometry::Lines(Arc::new(Lines { positions, colors, topology, blending }))
+    })
+}
+
+fn ribbons() -> impl Strategy<Value = Geometry> {
+    let element = (place(), any::<[u8; 4]>()).prop_map(|(position, color)| RibbonElement { position, color });
+    (vec(vec(element, 2..6), 1..3), 0.01_f32..0.2, blending())
+        .prop_map(|(chains, width_m, blending)| Geometry::Ribbons(Arc::new(Ribbons { chains, width_m, blending })))
+}
+
+fn texture() -> impl Strategy<Value = Texture> {
+    let filtering = prop_oneof![Just(Filtering::Nearest), Just(Filtering::Bilinear)];
+    (vec([0_u8..120, 60_u8..180, 100_u8..255, 200_u8..255], 12..13), filtering, any::<bool>()).prop_map(
+        |(rgba, filtering, repeat)| {
+            let wrapping = if repeat { Wrapping::Repeat } else { Wrapping::Clamp };
+            Texture { width: 4, height: 3, rgba, filtering, wrapping }
+        },
+    )
+}
+
+fn material() -> impl Strategy<Value = Material> {
+    let cull = prop_oneof![Just(CullMode::None), Just(CullMode::Back), Just(CullMode::Front)];
+    (any::<[bool; 3]>(), [0.0_f32..1.0, 0.0_f32..1.0, 0.2_f32..1.0], cull, proptest::option::of(texture())).prop_map(
+        |([lit, vertex_colors, translucent], [red, glow, alpha], cull, texture)| Material {
+            lighting: if lit {
+                Lighting::Lit {
+                    diffuse: Rgba::new(red, 0.5, 1.0, if translucent { alpha } else { 1.0 }),
+                    specular: Rgba::TRANSPARENT,
+                    shininess: 0.0,
+                    emissive: Rgba::new(glow, 0.1, 0.0, 1.0),
+                }
+            } else {
+                Lighting::Unlit
+            },
+            vertex_colors,
+            texture: texture.map(Arc::new),
+            cull,
+            ..Material::unlit(translucent)
+        },
+    )
+}
+
+fn mesh() -> impl Strategy<Value = Geometry> {
+    let soup = vec((place(), place(), [0.0_f32..2.0, 0.0_f32..2.0], any::<[u8; 4]>()), 3..18).prop_map(|corners| {
+        let vertices = corners.into_iter().map(|(position, normal, uv, color)| {
+            let normal = Vector3::from(normal).try_normalize(1e-3).unwrap_or(Vector3::x()).into();
+            Vertex { position, normal, uv, color }
+        });
+        let vertices: Vec<_> = vertices.collect();
+        let indices = (0..vertices.len() as u32 / 3 * 3).collect();
+        Mesh { vertices, indices }
+    });
+    (prop_oneof![soup, Just(square_mesh())], material())
+        .prop_map(|(mesh, material)| Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) })
+}
+
+fn text() -> impl Strategy<Value = Geometry> {
+    ("[a-zA-Z0-9 ]{1,8}", 0.1_f32..0.4, any::<bool>()).prop_map(|(caption, height_m, on_top)| {
+        let alignment = (HorizontalAlignment::Center, VerticalAlignment::Center);
+        let text = Text::new(&caption, height_m, Rgba::new(1.0, 0.9, 0.5, 1.0), alignment);
+        Geometry::Text(Arc::new(if on_top { text.on_top() } else { text }))
+    })
+}
+
+fn drawable() -> impl Strategy<Value = Drawable> {
+    let geometry = prop_oneof![3 => cloud(), 1 => lines(), 1 => ribbons(), 3 => mesh(), 1 => text()];
+    let group = prop_oneof![8 => Just(RenderGroup::Main), 1 => Just(RenderGroup::Above)];
+    (place(), place(), prop_oneof![3 => Just(1.0_f64), 1 => 0.3..2.0, 1 => Just(-1.0)], group, geometry).prop_map(
+        |(place, turn, scale, group, geometry)| {
+            let place = Vector3::from(place).cast::<f64>() + Vector3::new(0.0, 0.0, 2.2);
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn).cast::<f64>() * 2.0);
+            // Only meshes are ever mirrored.
+            let scale = if matches!(geometry, Geometry::Mesh { .. }) { scale } else { scale.abs() };
+            Drawable {
+                display: 0,
+                fixed_from_object: Isometry3::from_parts(place.into(), turn).to_homogeneous()
+                    * Matrix4::new_nonuniform_scaling(&Vector3::new(scale, 1.0, 1.0)),
+                sort_point: Point3::from(place),
+                group,
+                geometry,
+            }
+        },
+    )
+}
+
+proptest! {
+    // Always the same scenes: pictures of a few pixels may differ by one of them.
+    #![proptest_config(ProptestConfig {
+        cases: 80,
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn both_draw_the_same_picture(
+        drawables in vec(drawable(), 1..6),
+        size in (60_u32..200, 60_u32..200),
+        lit in any::<bool>(),
+        turn in place(),
+    ) {
+        let direction = Vector3::new(0.3, 0.4, 1.0).normalize();
+        let scene = Scene { drawables, light: lit.then_some(DirectionalLight { direction }) };
+        let straight = camera(size.0, size.1, 120.0);
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn).cast::<f64>() * 0.3);
+        let camera = Camera::new(*straight.intrinsics(), &Isometry3::from_parts(Vector3::zeros().into(), turn), 0.01);
+        let mut gpu = gpu().lock().unwrap_or_else(PoisonError::into_inner);
+        let from_gpu = draw_on(&mut *gpu, &scene, &camera, BACKGROUND).unwrap();
+        let from_cpu = draw_on(&mut CpuRenderer::new(), &scene, &camera, BACKGROUND).unwrap();
+        let score = close(&from_gpu, &from_cpu, BACKGROUND, LEVELS, REACH_PX);
+        prop_assert!(score >= CLOSE_ENOUGH, "only {score} of the pixels agree");
+    }
+}
