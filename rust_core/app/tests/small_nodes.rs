@@ -1,6 +1,8 @@
 //! The programs `projector`, `projector_window` and `publish_cloud` as a user runs them, as far as no ROS master and no
 //! display is needed: help, exit codes, errors that name the file, and an orderly end while waiting for a master.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::io::Write;
 use std::process::{Command, Output, Stdio};
 use std::thread::sleep;

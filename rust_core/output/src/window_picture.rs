@@ -76,12 +76,15 @@ pub enum PictureError {
     },
 }
 
-/// How one pixel of an encoding is read.
+/// How the pixels of an encoding are read.
 #[derive(Clone, Copy)]
 struct PixelFormat {
     bytes_per_pixel: usize,
-    to_rgb: fn(&[u8]) -> u32,
+    read_row: ReadRow,
 }
+
+/// Appends the pixels of one row's bytes.
+type ReadRow = fn(&[u8], &mut Vec<u32>);
 
 /// Packs three channels into `0x00RRGGBB`.
 fn pack([r, g, b]: [u8; 3]) -> u32 {
@@ -94,49 +97,26 @@ fn narrow(grey16: u16) -> u8 {
     u8::try_from(rounded).unwrap_or(u8::MAX)
 }
 
+/// Reads a row of pixels of `N` bytes.
+fn row<const N: usize>(bytes: &[u8], pixels: &mut Vec<u32>, to_rgb: impl Fn([u8; N]) -> [u8; 3]) {
+    pixels.extend(bytes.as_chunks().0.iter().map(|pixel| pack(to_rgb(*pixel))));
+}
+
 impl PixelFormat {
     fn of(encoding: &str, is_bigendian: bool) -> Option<Self> {
-        fn rgb(p: &[u8]) -> u32 {
-            match *p {
-                [r, g, b, ..] => pack([r, g, b]),
-                _ => 0,
+        let (bytes_per_pixel, read_row): (usize, ReadRow) = match encoding {
+            "rgb8" => (3, |bytes, pixels| row(bytes, pixels, |[r, g, b]| [r, g, b])),
+            "rgba8" => (4, |bytes, pixels| row(bytes, pixels, |[r, g, b, _]| [r, g, b])),
+            "bgr8" => (3, |bytes, pixels| row(bytes, pixels, |[b, g, r]| [r, g, b])),
+            "bgra8" => (4, |bytes, pixels| row(bytes, pixels, |[b, g, r, _]| [r, g, b])),
+            "mono8" => (1, |bytes, pixels| row(bytes, pixels, |[grey]| [grey; 3])),
+            "mono16" if is_bigendian => {
+                (2, |bytes, pixels| row(bytes, pixels, |grey| [narrow(u16::from_be_bytes(grey)); 3]))
             }
-        }
-        fn bgr(p: &[u8]) -> u32 {
-            match *p {
-                [b, g, r, ..] => pack([r, g, b]),
-                _ => 0,
-            }
-        }
-        fn grey(p: &[u8]) -> u32 {
-            match *p {
-                [v, ..] => pack([v; 3]),
-                _ => 0,
-            }
-        }
-        fn grey16_le(p: &[u8]) -> u32 {
-            match *p {
-                [low, high, ..] => pack([narrow(u16::from_le_bytes([low, high])); 3]),
-                _ => 0,
-            }
-        }
-        fn grey16_be(p: &[u8]) -> u32 {
-            match *p {
-                [high, low, ..] => pack([narrow(u16::from_be_bytes([high, low])); 3]),
-                _ => 0,
-            }
-        }
-        let (bytes_per_pixel, to_rgb): (usize, fn(&[u8]) -> u32) = match encoding {
-            "rgb8" => (3, rgb),
-            "rgba8" => (4, rgb),
-            "bgr8" => (3, bgr),
-            "bgra8" => (4, bgr),
-            "mono8" => (1, grey),
-            "mono16" if is_bigendian => (2, grey16_be),
-            "mono16" => (2, grey16_le),
+            "mono16" => (2, |bytes, pixels| row(bytes, pixels, |grey| [narrow(u16::from_le_bytes(grey)); 3])),
             _ => return None,
         };
-        Some(Self { bytes_per_pixel, to_rgb })
+        Some(Self { bytes_per_pixel, read_row })
     }
 }
 
@@ -170,8 +150,7 @@ impl ScreenPicture {
         let row_bytes = width_px as usize * format.bytes_per_pixel;
         let mut pixels = Vec::with_capacity(width_px as usize * height_px as usize);
         for row in data.chunks(step_bytes as usize).take(height_px as usize) {
-            let row = row.get(..row_bytes).unwrap_or(row);
-            pixels.extend(row.chunks_exact(format.bytes_per_pixel).map(format.to_rgb));
+            (format.read_row)(row.get(..row_bytes).unwrap_or(row), &mut pixels);
         }
         Ok(Self { width_px, height_px, pixels })
     }

@@ -4,6 +4,8 @@
 //! `window_pattern` there, reads the root window's pixels and presses keys through the XTEST extension. Debian's
 //! packages `xvfb` and `openbox` must be installed.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
