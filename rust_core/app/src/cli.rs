@@ -1,6 +1,5 @@
 //! The command line of `camera_stream`.
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -125,34 +124,17 @@ pub struct CheckArgs {
     pub config: PathBuf,
 }
 
-/// Arguments apart: those for ROS (with `:=`) and the program's own.
-pub fn split_ros_args(args: impl IntoIterator<Item = OsString>) -> (Vec<String>, Vec<OsString>) {
-    let mut ros = Vec::new();
-    let mut own = Vec::new();
-    for arg in args {
-        match arg.to_str() {
-            Some(text) if text.contains(":=") => ros.push(text.to_owned()),
-            _ => own.push(arg),
-        }
-    }
-    (ros, own)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn parse(args: &[&str]) -> (Vec<String>, Result<Cli, clap::Error>) {
-        let (ros, own) = split_ros_args(args.iter().map(OsString::from));
-        (ros, Cli::try_parse_from(own))
+    fn parse(args: &[&str]) -> Result<Cli, clap::Error> {
+        Cli::try_parse_from(args)
     }
 
     #[test]
     fn a_launch_files_arguments_for_rviz_are_taken() {
-        let args = ["camera_stream", "-d", "x.rviz", "cloud:=/points", "-f", "map", "__name:=rviz", "__log:=/l.log"];
-        let (ros, cli) = parse(&args);
-        assert_eq!(ros, ["cloud:=/points", "__name:=rviz", "__log:=/l.log"]);
-        let node = cli.unwrap().node;
+        let node = parse(&["camera_stream", "-d", "x.rviz", "-f", "map"]).unwrap().node;
         assert_eq!(node.display_config, Some(PathBuf::from("x.rviz")));
         assert_eq!(node.fixed_frame.as_deref(), Some("map"));
         let (_, cli) =
@@ -165,7 +147,7 @@ mod tests {
     #[test]
     fn render_takes_one_picture_or_a_sequence() {
         let base = ["camera_stream", "render", "-d", "x.rviz", "--bag", "x.bag"];
-        let with = |more: &[&str]| parse(&[&base[..], more].concat()).1;
+        let with = |more: &[&str]| parse(&[&base[..], more].concat());
         assert!(with(&[]).is_err());
         assert!(with(&["-o", "a.png", "--frames", "d"]).is_err());
         assert!(with(&["-o", "a.png", "--at", "1.5", "--renderer", "gpu"]).is_ok());

@@ -5,8 +5,8 @@ pub mod camera_pose;
 pub mod check;
 pub mod cli;
 pub mod logging;
-
 mod lzf;
+pub mod node;
 pub mod offline;
 pub mod pcd;
 mod pcd_header;

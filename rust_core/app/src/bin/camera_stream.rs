@@ -4,10 +4,11 @@ use std::process::ExitCode;
 
 use anyhow::{anyhow, Context, Result};
 use clap::Parser;
-use rcs_app::cli::{split_ros_args, Cli, Command, RenderArgs};
+use rcs_app::cli::{Cli, Command, RenderArgs};
 use rcs_app::offline::{self, Target};
+use rcs_app::small_node::own_arguments;
 use rcs_app::stage::Stage;
-use rcs_app::{check, logging};
+use rcs_app::{check, logging, node};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::Config;
 
@@ -15,8 +16,7 @@ use rcs_rviz_config::Config;
 const UNUSABLE: u8 = 2;
 
 fn main() -> ExitCode {
-    let (ros_args, own_args) = split_ros_args(std::env::args_os());
-    let cli = match Cli::try_parse_from(own_args) {
+    let cli = match Cli::try_parse_from(own_arguments()) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are no errors; clap prints each where it belongs. A closed pipe is nothing to report.
@@ -38,7 +38,7 @@ fn main() -> ExitCode {
         },
         None => match &cli.node.display_config {
             Some(file) => match rcs_rviz_config::load(file) {
-                Ok(_) => { let _ = &ros_args; Err(anyhow!("the node is being wired")) }
+                Ok(config) => node::run(&cli, &config).map(|()| ExitCode::SUCCESS),
                 Err(error) => return unusable(&error),
             },
             None => return unusable(&"no config: name one with -d FILE.rviz (see --help)"),

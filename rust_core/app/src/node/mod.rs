@@ -8,12 +8,14 @@ mod camera;
 mod pace;
 
 use std::collections::HashMap;
+use std::str::FromStr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
-use rcs_input::live::{NodeEvent, NodeOptions, RosNode, TopicSubscription};
-use rcs_messages::{stamp_nanos, AnyMessage, MessageKind};
+use anyhow::{anyhow, Context, Result};
+use clap::ValueEnum;
+use rcs_input::live::{NodeEvent, RosNode, TopicSubscription};
+use rcs_messages::{stamp_nanos, MessageKind};
 use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::Config;
@@ -22,7 +24,7 @@ use rcs_transforms::Time;
 
 use crate::camera_pose::Projection;
 use crate::cli::Cli;
-use crate::ending::EndRequest;
+use crate::small_node::{self, EndRequest};
 use crate::stage::Stage;
 use camera::CameraOutput;
 
@@ -33,32 +35,26 @@ const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 ///
 /// # Errors
 /// One line that names what is in the way: the master's address, a topic, the renderer.
-pub fn run(cli: &Cli, ros_args: &[String], config: &Config) -> Result<()> {
+pub fn run(cli: &Cli, config: &Config) -> Result<()> {
     for finding in &config.findings {
         log::warn!("{}: {finding}", config.source);
     }
     let end = EndRequest::watch_signals().context("signals cannot be taken")?;
-    let options = NodeOptions::new("camera_stream", ros_args);
-    let Some(ros) = RosNode::connect(options, &|| end.is_requested())? else { return Ok(()) };
+    let Some(ros) = small_node::connect("camera_stream", &end)? else { return Ok(()) };
     let result = Node::start(cli, config, &ros).and_then(|mut node| node.play(&end));
     ros.shutdown();
     result
 }
 
 /// A private parameter, where the command line says nothing.
-fn choice<T: std::str::FromStr>(ros: &RosNode, given: Option<T>, parameter: &str) -> Result<Option<T>>
+fn choice<T>(ros: &RosNode, given: Option<T>, name: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<T>
 where
-    T::Err: std::fmt::Display,
+    T: Default,
 {
-    if given.is_some() {
-        return Ok(given);
-    }
-    match ros.string_param(parameter)? {
-        Some(text) => {
-            let value = text.parse().map_err(|error| anyhow::anyhow!("parameter {parameter}: {error}"))?;
-            Ok(Some(value))
-        }
-        None => Ok(None),
+    match (given, ros.string_param(name)) {
+        (Some(given), _) => Ok(given),
+        (None, Some(text)) => parse(&text).map_err(|error| anyhow!("parameter {name}: {error}")),
+        (None, None) => Ok(T::default()),
     }
 }
 
@@ -74,13 +70,13 @@ struct Node<'a> {
     _subscriptions: Vec<TopicSubscription>,
     /// Grows with every change of the scene.
     scene_version: u64,
-    scene: Option<(u64, Scene)>,
+    scene: Option<(u64, Arc<Scene>)>,
 }
 
 impl<'a> Node<'a> {
     fn start(cli: &Cli, config: &Config, ros: &'a RosNode) -> Result<Self> {
-        let renderer_choice = choice::<RendererChoice>(ros, cli.renderer, "~renderer")?.unwrap_or_default();
-        let projection = choice::<Projection>(ros, cli.projection, "~projection")?.unwrap_or_default();
+        let renderer_choice = choice(ros, cli.renderer, "~renderer", RendererChoice::from_str)?;
+        let projection = choice(ros, cli.projection, "~projection", |text| Projection::from_str(text, true))?;
         let renderer = rcs_render::create(renderer_choice)?;
         let meshes = MeshStore::new(PackageIndex::from_env(&[]));
         let stage = Stage::new(config, cli.node.fixed_frame.as_deref(), meshes);
@@ -94,7 +90,7 @@ impl<'a> Node<'a> {
         for request in stage.topics() {
             match ros.subscribe(&request.topic, request.kind, request.queue_size) {
                 Ok(subscription) => {
-                    let full_name = Arc::from(subscription.topic());
+                    let full_name = subscription.topic().clone();
                     names.entry((full_name, request.kind)).or_default().push(request.topic);
                     subscriptions.push(subscription);
                 }
@@ -120,7 +116,7 @@ impl<'a> Node<'a> {
     }
 
     fn play(&mut self, end: &EndRequest) -> Result<()> {
-        while !end.is_requested() && self.ros.shutdown_request().is_none() {
+        while !end.is_requested() && !self.ros.is_asked_to_end() {
             let events = self.ros.events().wait(self.sleep());
             let heard = !events.is_empty();
             for event in events {
@@ -138,18 +134,14 @@ impl<'a> Node<'a> {
     /// Until something is due by itself: a camera's next picture, or a change of the scene.
     fn sleep(&self) -> Duration {
         let now = Instant::now();
-        let cameras = self.cameras.iter().filter_map(|camera| camera.due(now)).min();
+        let cameras = self.cameras.iter().filter_map(|camera| camera.until_due(now)).min();
         let change = self.stage.displays().next_change().map(|change| change.saturating_since(self.now()));
         cameras.into_iter().chain(change).min().unwrap_or(LONGEST_SLEEP).min(LONGEST_SLEEP)
     }
 
     fn take(&mut self, event: NodeEvent) {
         match event {
-            NodeEvent::Message { topic, message, publisher } => {
-                // Cameras publish their CameraInfo beside their image, which may be the very topic they listen to.
-                if matches!(message, AnyMessage::CameraInfo(_)) && *publisher == *self.ros.name() {
-                    return;
-                }
+            NodeEvent::Message { topic, message, .. } => {
                 let now = self.now();
                 for name in self.names.get(&(topic, message.kind())).into_iter().flatten() {
                     self.stage.take(name, &message, now);
@@ -177,15 +169,16 @@ impl<'a> Node<'a> {
 
     /// Draws and publishes what is due.
     fn publish(&mut self, now: Time) -> Result<()> {
+        let (stage, version, cached) = (&self.stage, self.scene_version, &mut self.scene);
         for camera in &mut self.cameras {
-            if !camera.is_due(self.scene_version, self.stage.transforms_generation()) {
-                continue;
-            }
-            let scene = match &self.scene {
-                Some((version, scene)) if *version == self.scene_version => scene,
-                _ => &self.scene.insert((self.scene_version, self.stage.scene(now))).1,
+            let scene = || {
+                let (_, scene) = match cached.take() {
+                    Some(current) if current.0 == version => cached.insert(current),
+                    _ => cached.insert((version, Arc::new(stage.scene(now)))),
+                };
+                scene.clone()
             };
-            camera.publish(&self.stage, scene, self.scene_version, self.projection, self.renderer.as_mut(), self.ros)?;
+            camera.publish_if_due(stage, version, scene, self.projection, self.renderer.as_mut(), self.ros)?;
         }
         Ok(())
     }
