@@ -204,10 +204,10 @@ fn check_points(marker: &Marker, found: &mut Findings) {
         found.error("there are no points");
     }
     match u8::try_from(marker.type_).unwrap_or(u8::MAX) {
-        Marker::TRIANGLE_LIST if count % 3 != 0 => {
+        Marker::TRIANGLE_LIST if !count.is_multiple_of(3) => {
             found.error(format!("a triangle list has three points a triangle, but there are {count}"));
         }
-        Marker::LINE_LIST if count % 2 != 0 => {
+        Marker::LINE_LIST if !count.is_multiple_of(2) => {
             found.error(format!("a line list has two points a line, but there are {count}"));
         }
         Marker::LINE_STRIP if count == 1 => found.error("a line strip has at least two points"),

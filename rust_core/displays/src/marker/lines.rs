@@ -19,8 +19,7 @@ pub(super) fn strip(marker: &Marker) -> Vec<Part> {
     let colors = point_colors(marker);
     let finite = |(i, element): (usize, RibbonElement)| {
         let color = colors.and_then(|colors| colors.get(i));
-        (element.position.iter().all(|value| value.is_finite()) && color.map_or(true, is_finite_color))
-            .then_some(element)
+        (element.position.iter().all(|value| value.is_finite()) && color.is_none_or(is_finite_color)).then_some(element)
     };
     let elements: Vec<RibbonElement> = elements(marker).enumerate().filter_map(finite).collect();
     if elements.len() < marker.points.len() {

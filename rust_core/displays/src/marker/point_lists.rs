@@ -17,7 +17,7 @@ const MAX_VERTICES: usize = 36 * 1024 * 10;
 
 /// The cloud, in pieces as rviz cuts it. Points that are not finite are left out.
 pub(super) fn parts(marker: &Marker) -> Vec<Part> {
-    let (style, vertices_per_point) = style(marker);
+    let Some((style, vertices_per_point)) = style(marker) else { return Vec::new() };
     let colors = point_colors(marker);
     let whole_color = rgba(&marker.color);
     let (alpha, blended) = match colors {
@@ -55,13 +55,19 @@ pub(super) fn parts(marker: &Marker) -> Vec<Part> {
     parts
 }
 
-/// How the points are drawn, and of how many vertices each is in rviz.
-fn style(marker: &Marker) -> (PointStyle, usize) {
+/// How the points are drawn, and of how many vertices each is in rviz. `None` for squares and discs that one negative
+/// side turns away from the eye.
+fn style(marker: &Marker) -> Option<(PointStyle, usize)> {
     let size_m = scale(marker).map(|side| side as f32);
-    let [width_m, height_m, _] = size_m;
-    match u8::try_from(marker.type_) {
-        Ok(Marker::CUBE_LIST) => (PointStyle::Boxes { size_m }, 36),
-        Ok(Marker::SPHERE_LIST) => (PointStyle::Spheres { size_m: [width_m, height_m] }, 3),
-        _ => (PointStyle::Squares { size_m: [width_m, height_m] }, 6),
+    if u8::try_from(marker.type_) == Ok(Marker::CUBE_LIST) {
+        return Some((PointStyle::Boxes { size_m }, 36));
     }
+    let [width_m, height_m, _] = size_m;
+    let is_turned_away = width_m * height_m < 0.0;
+    let size_m = [width_m.abs(), height_m.abs()];
+    (!is_turned_away).then_some(if u8::try_from(marker.type_) == Ok(Marker::SPHERE_LIST) {
+        (PointStyle::Spheres { size_m }, 3)
+    } else {
+        (PointStyle::Squares { size_m }, 6)
+    })
 }

@@ -146,7 +146,7 @@ impl MarkerStore {
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
         let before = self.markers.len();
         self.markers.retain(|id, shown| {
-            let alive = shown.expires.map_or(true, |expires| world.now < expires);
+            let alive = shown.expires.is_none_or(|expires| world.now < expires);
             if !alive {
                 set_status(id, None, statuses);
             }

@@ -56,7 +56,7 @@ impl Bench {
     }
 
     fn only(&mut self, marker: &Marker) -> Drawable {
-        let [drawable] = self.show(&[marker.clone()]).try_into().expect("one drawable");
+        let [drawable] = self.show(std::slice::from_ref(marker)).try_into().expect("one drawable");
         drawable
     }
 
@@ -270,6 +270,18 @@ fn a_translucent_list_is_drawn_twice_with_its_alpha_in_both_places() {
     let drawn = bench.show(&[list]);
     let Geometry::Points(cloud) = &drawn[0].geometry else { panic!("no points") };
     assert_eq!((cloud.alpha, cloud.blended, cloud.buffer.colors.get(1)), (1.0, true, [0, 255, 0, 255]));
+}
+
+#[test]
+fn discs_with_one_negative_side_are_seen_from_behind_which_is_not_at_all() {
+    let mut list = marker(Marker::SPHERE_LIST, 1);
+    list.points = points(&[[0.0; 3]]);
+    (list.scale.x, list.scale.y) = (-1.0, -2.0);
+    let mut bench = Bench::new();
+    let Geometry::Points(cloud) = bench.only(&list).geometry else { panic!("no points") };
+    assert_eq!(cloud.style, PointStyle::Spheres { size_m: [1.0, 2.0] });
+    list.scale.y = 2.0;
+    assert!(bench.show(&[list]).is_empty());
 }
 
 #[test]
