@@ -137,9 +137,8 @@ mod tests {
         let node = parse(&["camera_stream", "-d", "x.rviz", "-f", "map"]).unwrap().node;
         assert_eq!(node.display_config, Some(PathBuf::from("x.rviz")));
         assert_eq!(node.fixed_frame.as_deref(), Some("map"));
-        let (_, cli) =
-            parse(&["camera_stream", "--splash-screen", "", "--fullscreen", "-d", "x.rviz", "--renderer", "cpu"]);
-        let cli = cli.unwrap();
+        let args = ["camera_stream", "--splash-screen", "", "--fullscreen", "-d", "x.rviz", "--renderer", "cpu"];
+        let cli = parse(&args).unwrap();
         assert_eq!(cli.node.display_config, Some(PathBuf::from("x.rviz")));
         assert_eq!(cli.renderer, Some(RendererChoice::Cpu));
     }

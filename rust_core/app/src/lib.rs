@@ -9,7 +9,7 @@ mod lzf;
 pub mod node;
 pub mod offline;
 pub mod pcd;
-mod pcd_header;
+pub mod pcd_header;
 pub mod picture_file;
 pub mod projector_file;
 pub mod small_node;
