@@ -4,6 +4,8 @@
 //! goes to the picture at once, so that no frame buffer of the whole picture exists. Colours are 8-bit and every
 //! blend rounds, with the arithmetic of Mesa's rasteriser.
 
+use wide::{f32x4, u32x4};
+
 use super::screen::{Screen, FARTHEST};
 
 /// How fragments meet the pixels that are there.
@@ -33,11 +35,17 @@ impl Mode {
     }
 }
 
+/// Pixels that are drawn at once.
+pub(super) const LANES: usize = 4;
+
+/// Their numbers.
+pub(super) const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0];
+
 /// The buffers that a worker keeps.
 #[derive(Debug, Default)]
 pub(super) struct BandBuffers {
     color: Vec<u32>,
-    depth: Vec<u32>,
+    depth: Vec<f32>,
 }
 
 impl BandBuffers {
@@ -46,14 +54,16 @@ impl BandBuffers {
         let first_row = index * screen.band_rows();
         let rows = screen.band_rows().min((screen.height_px as usize).saturating_sub(first_row));
         let width = screen.width_px as usize;
+        let stride = width + LANES;
         self.color.clear();
-        self.color.resize(width * rows, background);
+        self.color.resize(stride * rows, background);
         self.depth.clear();
-        self.depth.resize(width * rows, FARTHEST);
+        self.depth.resize(stride * rows, FARTHEST);
         Band {
             width: width as i32,
             first_row: first_row as i32,
             end_row: (first_row + rows) as i32,
+            stride,
             color: &mut self.color,
             depth: &mut self.depth,
         }
@@ -69,8 +79,10 @@ pub(super) struct Band<'a> {
     pub first_row: i32,
     /// The row after its last.
     pub end_row: i32,
+    /// Pixels from row to row: behind each row there is room for what sticks out of it.
+    stride: usize,
     color: &'a mut [u32],
-    depth: &'a mut [u32],
+    depth: &'a mut [f32],
 }
 
 impl Band<'_> {
@@ -83,17 +95,40 @@ impl Band<'_> {
     /// Colours and depths from `begin` to before `end` of a picture row, which has to be one of the band's; what is
     /// outside of the picture is left out, and the first pixel's x comes back.
     #[inline]
-    pub(super) fn span(&mut self, row: i32, begin: i32, end: i32) -> (i32, &mut [u32], &mut [u32]) {
+    pub(super) fn span(&mut self, row: i32, begin: i32, end: i32) -> (i32, &mut [u32], &mut [f32]) {
         let begin = begin.clamp(0, self.width);
         let end = end.clamp(begin, self.width);
-        let start = (row - self.first_row) as usize * self.width as usize;
+        let start = (row - self.first_row) as usize * self.stride;
         let range = start + begin as usize..start + end as usize;
         (begin, &mut self.color[range.clone()], &mut self.depth[range])
     }
 
+    /// [`LANES`] fragments side by side, of which those count whose mask is set, meet the pixels from `begin` on of a
+    /// picture row. Both have to be the band's.
+    #[inline(always)]
+    pub(super) fn meet(&mut self, row: i32, begin: i32, mask: f32x4, depths: f32x4, colors: u32x4, mode: Mode) {
+        let start = (row - self.first_row) as usize * self.stride + begin as usize;
+        let pixels = self.color.get_mut(start..).and_then(<[u32]>::first_chunk_mut::<LANES>);
+        let pixel_depths = self.depth.get_mut(start..).and_then(<[f32]>::first_chunk_mut::<LANES>);
+        let (Some(pixels), Some(pixel_depths)) = (pixels, pixel_depths) else { return };
+        if mode == Mode::OPAQUE {
+            let behind = f32x4::new(*pixel_depths);
+            let wins = mask & depths.simd_le(behind);
+            *pixel_depths = wins.bitselect(depths, behind).to_array();
+            let wins: u32x4 = bytemuck::cast(wins);
+            *pixels = wins.bitselect(colors, u32x4::new(*pixels)).to_array();
+        } else {
+            let (mask, depths, colors) = (mask.to_bitmask(), depths.to_array(), colors.to_array());
+            for i in (0..LANES).filter(|i| mask & 1 << i != 0) {
+                meet(&mut pixels[i], &mut pixel_depths[i], depths[i], colors[i].to_ne_bytes(), mode);
+            }
+        }
+    }
+
     /// The finished rows, from the top.
     pub(super) fn pixel_rows(&self) -> impl Iterator<Item = &[[u8; 4]]> + '_ {
-        self.color.chunks_exact(self.width.max(1) as usize).map(bytemuck::cast_slice)
+        let width = self.width as usize;
+        self.color.chunks_exact(self.stride).map(move |row| bytemuck::cast_slice(&row[..width]))
     }
 }
 
@@ -105,8 +140,9 @@ pub(super) fn pack(color: [u8; 4]) -> u32 {
 
 /// A fragment meets a pixel.
 #[inline]
-pub(super) fn meet(pixel: &mut u32, pixel_depth: &mut u32, depth: u32, color: [u8; 4], mode: Mode) {
-    if mode.depth_test && depth > *pixel_depth {
+pub(super) fn meet(pixel: &mut u32, pixel_depth: &mut f32, depth: f32, color: [u8; 4], mode: Mode) {
+    // What is no number is not drawn.
+    if mode.depth_test && !(depth <= *pixel_depth) {
         return;
     }
     if mode.depth_write {
@@ -168,19 +204,19 @@ mod tests {
         let mut buffers = BandBuffers::default();
         let screen = Screen::new(2, 1);
         let mut band = buffers.begin(&screen, 0, pack([9, 9, 9, 255]));
-        let mut put = |x: i32, depth: u32, level: u8, mode: Mode| {
+        let mut put = |x: i32, depth: f32, level: u8, mode: Mode| {
             let (_, colors, depths) = band.span(0, x, x + 1);
             for (color, at) in colors.iter_mut().zip(depths) {
                 meet(color, at, depth, [level, level, level, 255], mode);
             }
         };
-        put(0, 500, 1, Mode::OPAQUE);
-        put(0, 500, 2, Mode::OPAQUE);
-        put(0, 501, 3, Mode::OPAQUE);
-        put(1, 100, 7, Mode::TRANSLUCENT);
-        put(1, 200, 8, Mode::OPAQUE);
-        put(2, 0, 9, Mode::OPAQUE);
-        put(-1, 0, 9, Mode::OPAQUE);
+        put(0, 500.0, 1, Mode::OPAQUE);
+        put(0, 500.0, 2, Mode::OPAQUE);
+        put(0, 501.0, 3, Mode::OPAQUE);
+        put(1, 100.0, 7, Mode::TRANSLUCENT);
+        put(1, 200.0, 8, Mode::OPAQUE);
+        put(2, 0.0, 9, Mode::OPAQUE);
+        put(-1, 0.0, 9, Mode::OPAQUE);
         let levels: Vec<_> = band.pixel_rows().flatten().map(|pixel| pixel[0]).collect();
         assert_eq!(levels, [2, 8]);
     }

@@ -24,7 +24,7 @@ use super::screen::Placement;
 use super::surface::{Paint, Surface};
 
 /// Brightness of the sides of a box that look along +x, +y, +z and along −x, −y, −z.
-const BRIGHTNESS: [[f32; 3]; 2] = [[0.6, 0.4, 0.9], [0.6, 1.0, 0.5]];
+pub(super) const BRIGHTNESS: [[f32; 3]; 2] = [[0.6, 0.4, 0.9], [0.6, 1.0, 0.5]];
 
 /// Whether something of this opacity is drawn at all; all styles but boxes leave out what is fainter than a 255th.
 #[inline]
@@ -41,10 +41,14 @@ pub(super) struct Faces<'a> {
 }
 
 impl<'a> Faces<'a> {
-    /// The faces of a cloud; `None` where its style has none.
-    pub(super) fn of(points: &'a Points, eye_in_object: Point3<f32>) -> Option<Self> {
-        let eye = eye_in_object.coords.into();
-        (!matches!(points.style, PointStyle::Points { .. })).then_some(Self { points, eye })
+    /// The faces of a cloud; of one that is drawn as round points there are none.
+    pub(super) fn of(points: &'a Points, eye_in_object: Point3<f32>) -> Self {
+        Self { points, eye: eye_in_object.coords.into() }
+    }
+
+    /// The eye in the cloud's frame.
+    pub(super) fn eye(&self) -> [f32; 3] {
+        self.eye
     }
 
     /// What the faces look like.
@@ -59,16 +63,16 @@ impl<'a> Faces<'a> {
         Surface { paint, mode: Mode::new(self.points.blended), cull, depth_bias: 0.0 }
     }
 
-    /// How many points there are.
-    pub(super) fn len(&self) -> usize {
-        self.points.buffer.positions.len()
-    }
-
-    /// Triangles of each point.
-    pub(super) fn triangles_each(&self) -> usize {
+    /// No face reaches farther than this from its point, in the cloud's frame and for a size factor of 1.
+    pub(super) fn reach_m(&self) -> f32 {
+        let length = |v: &[f32]| v.iter().fold(0.0, |sum: f32, c| sum.hypot(*c));
         match self.points.style {
-            PointStyle::Boxes { .. } => 12,
-            _ => 2,
+            PointStyle::Tiles { size_m, normal, up } => {
+                let right = cross(up, normal);
+                (length(&right) * size_m[0].abs() + length(&up) * size_m[1].abs()) * 0.5
+            }
+            PointStyle::Boxes { size_m } => length(&size_m) * 0.5,
+            style => length(&size_m(style)) * 0.5,
         }
     }
 
@@ -102,11 +106,7 @@ impl<'a> Faces<'a> {
                 face(center, along(right, half[0]), along(up, half[1]), color(1.0));
             }
             PointStyle::Tiles { size_m, normal, up } if is_visible(alpha) => {
-                let right = [
-                    up[1] * normal[2] - up[2] * normal[1],
-                    up[2] * normal[0] - up[0] * normal[2],
-                    up[0] * normal[1] - up[1] * normal[0],
-                ];
+                let right = cross(up, normal);
                 face(center, along(right, size_m[0] * 0.5), along(up, size_m[1] * 0.5), color(1.0));
             }
             PointStyle::Boxes { size_m } => {
@@ -126,7 +126,7 @@ impl<'a> Faces<'a> {
 
 /// Width and height of what looks at the eye.
 #[inline]
-fn size_m(style: PointStyle) -> [f32; 2] {
+pub(super) fn size_m(style: PointStyle) -> [f32; 2] {
     match style {
         PointStyle::Squares { size_m } | PointStyle::Spheres { size_m } => size_m,
         PointStyle::FlatSquares { side_m } => [side_m; 2],
@@ -134,9 +134,13 @@ fn size_m(style: PointStyle) -> [f32; 2] {
     }
 }
 
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 /// Unit vectors to the right and up of a face at `position` that looks at `eye`. Not a number where there are none.
-#[inline]
-fn upright(eye: [f32; 3], position: [f32; 3]) -> ([f32; 3], [f32; 3]) {
+#[inline(always)]
+pub(super) fn upright(eye: [f32; 3], position: [f32; 3]) -> ([f32; 3], [f32; 3]) {
     let [x, y, z] = [0, 1, 2].map(|i| eye[i] - position[i]);
     let level = x * x + z * z;
     let (right, up) = (1.0 / level.sqrt(), 1.0 / (level * (level + y * y)).sqrt());

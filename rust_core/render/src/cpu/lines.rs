@@ -8,7 +8,7 @@
 use super::band::{meet, unorm8, Band, Mode};
 use super::bins::Rows;
 use super::clip::{clip_line, ClipVertex};
-use super::screen::{depth24, snap, Screen, SUBPIXELS};
+use super::screen::{snap, Screen, FARTHEST, SUBPIXELS};
 
 /// A line that is ready to be drawn. "Along" is the axis with one pixel a step: x for a flat line, y for a steep one.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ pub(super) fn set_up(a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) 
     let forward = delta[axis] > 0.0;
     let end = |v: &ClipVertex, at: [f32; 2]| End {
         along: at[axis] - 0.5,
-        depth: v.position[2] / v.position[3] * 0.5 + 0.5,
+        depth: (v.position[2] / v.position[3] * 0.5 + 0.5) * FARTHEST,
         inverse_w: 1.0 / v.position[3],
         color: v.color,
     };
@@ -132,7 +132,7 @@ impl Line {
                     let (a, b) = (self.begin.color[i], self.end.color[i]);
                     unorm8(if a == b { a } else { mix(a * self.begin.inverse_w, b * self.end.inverse_w) * w })
                 });
-                meet(pixel, depth, depth24(mix(self.begin.depth, self.end.depth)), color, self.mode);
+                meet(pixel, depth, mix(self.begin.depth, self.end.depth), color, self.mode);
             }
         }
     }

@@ -10,7 +10,7 @@
 //!    picture does not depend on the number of threads.
 //!
 //! What is drawn is what OpenGL draws with rviz's shaders on Mesa's software rasteriser: one file for each primitive
-//! ([`round_points`], [`faces`], [`triangles`], [`lines`]) says how.
+//! ([`round_points`], [`faces`], [`quads`], [`triangles`], [`lines`]) says how.
 //!
 //! All memory that grows with the scene is kept for the next picture.
 
@@ -22,6 +22,7 @@ mod lighting;
 mod lines;
 mod plan;
 mod points;
+mod quads;
 mod round_points;
 mod screen;
 mod solids;
@@ -36,8 +37,7 @@ use rcs_scene::{Picture, MAX_SIDE_PX};
 use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
 use self::plan::{Job, Plan, Textures};
-use self::points::Block;
-use self::round_points::RoundPoint;
+use self::points::{PointRef, Scratch};
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
 use crate::{RenderError, Renderer, View};
@@ -54,15 +54,15 @@ pub struct CpuRenderer {
 #[derive(Debug, Default)]
 struct Worker {
     band: BandBuffers,
-    block: Block,
-    round_points: Vec<RoundPoint>,
+    points: Vec<PointRef>,
+    scratch: Scratch,
     vertices: VertexCache,
 }
 
 /// What a job has made; only what its kind of job makes is filled.
 #[derive(Debug, Default)]
 struct Outcome {
-    round_points: Bins<RoundPoint>,
+    points: Bins<PointRef>,
     primitives: Primitives,
 }
 
@@ -119,7 +119,7 @@ impl Renderer for CpuRenderer {
         in_parallel(&mut self.workers, bands, |worker, (index, rows)| {
             let mut band = worker.band.begin(&screen, index, background);
             for (job, outcome) in plan.jobs.iter().zip(outcomes) {
-                outcome.draw(job, &plan, index, &mut band);
+                outcome.draw(job, &plan, &screen, index, &mut worker.scratch, &mut band);
             }
             for (pixels, row) in band.pixel_rows().zip(rows.chunks_mut(step)) {
                 view.encoding.write_row(pixels, row);
@@ -157,9 +157,9 @@ impl Outcome {
         match job {
             Job::Points(index, range) => {
                 let Some(cloud) = plan.clouds.get(*index) else { return };
-                worker.round_points.clear();
-                round_points::project(cloud, screen, range.clone(), &mut worker.block, &mut worker.round_points);
-                self.round_points.fill(screen, &worker.round_points);
+                worker.points.clear();
+                cloud.select(screen, range.clone(), &mut worker.points);
+                self.points.fill(screen, &worker.points);
             }
             Job::Pieces(pieces) => {
                 self.primitives.clear();
@@ -174,11 +174,19 @@ impl Outcome {
         }
     }
 
-    fn draw(&self, job: &Job, plan: &Plan<'_>, index: usize, band: &mut Band<'_>) {
+    fn draw(
+        &self,
+        job: &Job,
+        plan: &Plan<'_>,
+        screen: &Screen,
+        index: usize,
+        scratch: &mut Scratch,
+        band: &mut Band<'_>,
+    ) {
         match job {
             Job::Points(cloud, _) => {
                 if let Some(cloud) = plan.clouds.get(*cloud) {
-                    round_points::draw(cloud, self.round_points.band(index), band);
+                    points::draw(cloud, self.points.band(index), screen, scratch, band);
                 }
             }
             Job::Pieces(_) => self.primitives.draw(&plan.solids, index, band),

@@ -11,7 +11,6 @@ use std::sync::{Arc, Weak};
 use rcs_scene::{Blending, CullMode, Drawable, Geometry, Material, Texture};
 
 use super::band::Mode;
-use super::faces::Faces;
 use super::points::Cloud;
 use super::screen::Placement;
 use super::solids::{Shape, Solid};
@@ -22,7 +21,7 @@ use crate::View;
 /// Points of a job.
 const POINTS_PER_JOB: usize = 8192;
 
-/// Triangles of a job, about.
+/// Triangles and lines of a job.
 const TRIANGLES_PER_JOB: usize = 1024;
 
 /// Mipmaps of the textures that are alive.
@@ -65,7 +64,7 @@ pub(super) struct Piece {
 /// All jobs of a picture.
 #[derive(Debug, Default)]
 pub(super) struct Plan<'a> {
-    /// Clouds that are drawn as spots.
+    /// The clouds.
     pub clouds: Vec<Cloud<'a>>,
     /// Everything else.
     pub solids: Vec<Solid<'a>>,
@@ -99,10 +98,10 @@ impl<'a> Plan<'a> {
         let mut surface_of =
             |material: &Material| Surface::of(material, material.texture.as_ref().map(|texture| textures.get(texture)));
         let (surface, shape) = match &drawable.geometry {
-            Geometry::Points(points) => match Faces::of(points, camera.eye_in_object(&drawable.fixed_from_object)) {
-                Some(faces) => (faces.surface(), Shape::Faces(faces)),
-                None => return self.add_cloud(Cloud::new(points, placement)),
-            },
+            Geometry::Points(points) => {
+                let eye = camera.eye_in_object(&drawable.fixed_from_object);
+                return self.add_cloud(Cloud::new(points, placement, eye));
+            }
             Geometry::Lines(lines) => {
                 let mode = Mode::new(lines.blending == Blending::Alpha);
                 (Surface { paint: Paint::Color, mode, cull: CullMode::None, depth_bias: 0.0 }, Shape::Lines(lines))
@@ -129,7 +128,7 @@ impl<'a> Plan<'a> {
     fn add_cloud(&mut self, cloud: Cloud<'a>) {
         self.close();
         let index = self.clouds.len();
-        let count = cloud.buffer().positions.len();
+        let count = cloud.points.buffer.positions.len();
         self.clouds.push(cloud);
         for begin in (0..count).step_by(POINTS_PER_JOB) {
             self.jobs.push(Job::Points(index, begin..count.min(begin + POINTS_PER_JOB)));
@@ -137,16 +136,16 @@ impl<'a> Plan<'a> {
     }
 
     fn add_solid(&mut self, solid: Solid<'a>) {
-        let (count, weight) = solid.shape.parts();
+        let count = solid.shape.parts();
         let index = self.solids.len();
         self.solids.push(solid);
         let mut begin = 0;
         while begin < count {
-            let room = (TRIANGLES_PER_JOB.saturating_sub(self.open_triangles) / weight).max(1);
+            let room = TRIANGLES_PER_JOB.saturating_sub(self.open_triangles).max(1);
             let end = count.min(begin + room);
             self.pieces.push(Piece { solid: index, parts: begin..end });
-            self.open_triangles += (end - begin) * weight;
-            if self.open_triangles + weight > TRIANGLES_PER_JOB {
+            self.open_triangles += end - begin;
+            if self.open_triangles >= TRIANGLES_PER_JOB {
                 self.close();
             }
             begin = end;

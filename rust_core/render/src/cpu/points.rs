@@ -1,55 +1,41 @@
-//! Point clouds, before they are pixels: projecting the points and dropping those that are not to be seen.
+//! Point clouds: which points are to be seen, and in which bands.
 //!
-//! Points are projected in blocks whose coordinates stand apart (all x, all y, …), so that the compiler can do several
-//! at once.
+//! A first pass over all points of a cloud drops those that are surely outside of the view and finds the rows that
+//! each of the others can touch, with a little to spare; only these rows and the point's index are kept. When a band
+//! is drawn, its points are gathered again in blocks and drawn by [`round_points`](super::round_points) or
+//! [`quads`](super::quads). So a cloud costs 8 bytes a point, however it is drawn.
+//!
+//! Both passes keep the coordinates of a block of points apart (all x, all y, …), so that the compiler does several
+//! points at once.
 
-use rcs_scene::{PointBuffer, Points};
+use std::ops::Range;
 
-use super::band::Mode;
-use super::faces::is_visible;
-use super::screen::{depth24, Placement, Screen};
+use rcs_scene::{PointStyle, Points};
+
+use super::band::{unorm8, Band};
+use super::bins::Rows;
+use super::faces::{is_visible, Faces};
+use super::quads::{self, Quads};
+use super::round_points;
+use super::screen::{Placement, Screen};
+use super::surface::Surface;
 
 /// Points of a block.
-pub(super) const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = 32;
 
-/// Projected points.
-#[derive(Debug)]
-pub(super) struct Block {
-    /// Window x of the centre.
-    pub x: [f32; BLOCK],
-    /// Window y of the centre.
-    pub y: [f32; BLOCK],
-    /// Depth of the centre.
-    pub depth: [u32; BLOCK],
-    /// Whether the centre lies between the near and the far plane, and not far outside of the picture's sides.
-    pub inside: [bool; BLOCK],
+/// A point of a cloud and the picture's rows that it can touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PointRef {
+    /// Its index.
+    pub index: u32,
+    y0: u16,
+    y1: u16,
 }
 
-impl Default for Block {
-    fn default() -> Self {
-        Self { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0; BLOCK], inside: [false; BLOCK] }
-    }
-}
-
-impl Block {
-    /// Projects up to [`BLOCK`] points. `side_limit` is how far outside of the picture a centre may lie, in w.
-    pub(super) fn project(&mut self, cloud: &Cloud<'_>, screen: &Screen, positions: &[[f32; 3]], side_limit: f32) {
-        let mut places = [[0.0f32; BLOCK]; 3];
-        let [px, py, pz] = &mut places;
-        for (i, position) in positions.iter().enumerate().take(BLOCK) {
-            (px[i], py[i], pz[i]) = (position[0], position[1], position[2]);
-        }
-        let rows = &cloud.placement.clip_from_object;
-        for i in 0..BLOCK {
-            let row = |r: [f32; 4]| r[0] * px[i] + r[1] * py[i] + r[2] * pz[i] + r[3];
-            let (x, y, z, w) = (row(rows[0]), row(rows[1]), row(rows[2]), row(rows[3]));
-            let inverse_w = 1.0 / w;
-            self.x[i] = screen.x(x * inverse_w);
-            self.y[i] = screen.y(y * inverse_w);
-            self.depth[i] = depth24(z * inverse_w * 0.5 + 0.5);
-            let side = side_limit * w;
-            self.inside[i] = (w > 0.0) & (z >= -w) & (z <= w) & (x.abs() <= side) & (y.abs() <= side);
-        }
+impl Rows for PointRef {
+    #[inline]
+    fn rows(&self) -> (i32, i32) {
+        (i32::from(self.y0), i32::from(self.y1))
     }
 }
 
@@ -60,26 +46,168 @@ pub(super) struct Cloud<'a> {
     pub points: &'a Points,
     /// Where it stands.
     pub placement: Placement,
-    /// How its fragments meet the pixels.
-    pub mode: Mode,
+    /// Its points' faces.
+    pub faces: Faces<'a>,
+    /// What they look like.
+    pub surface: Surface,
+    /// For each opacity of a colour that which is drawn; none where that is too faint.
+    opacities: [Option<u8>; 256],
 }
 
 impl<'a> Cloud<'a> {
-    /// A cloud at a place.
-    pub(super) fn new(points: &'a Points, placement: Placement) -> Self {
-        Self { points, placement, mode: Mode::new(points.blended) }
+    /// A cloud at a place. `eye` is in the cloud's frame.
+    pub(super) fn new(points: &'a Points, placement: Placement, eye: nalgebra::Point3<f32>) -> Self {
+        let faces = Faces::of(points, eye);
+        let is_box = matches!(points.style, PointStyle::Boxes { .. });
+        let opacities = std::array::from_fn(|level| {
+            let alpha = level as f32 / 255.0 * points.alpha;
+            (is_box || is_visible(alpha)).then(|| unorm8(alpha))
+        });
+        Self { points, placement, faces, surface: faces.surface(), opacities }
     }
 
-    /// Its points.
-    pub(super) fn buffer(&self) -> &'a PointBuffer {
-        &self.points.buffer
+    /// The points of a range that may be seen, in their order, appended to `out`.
+    pub(super) fn select(&self, screen: &Screen, range: Range<usize>, out: &mut Vec<PointRef>) {
+        let reach = Reach::of(self);
+        let positions = self.points.buffer.positions.get(range.clone()).unwrap_or(&[]);
+        let mut rows = [[0.0f32; BLOCK]; 2];
+        let mut places = [[f32::NAN; BLOCK]; 3];
+        for (b, positions) in positions.chunks(BLOCK).enumerate() {
+            transpose(positions, &mut places);
+            self.rows(screen, &reach, &places, &mut rows);
+            for i in 0..positions.len() {
+                let (y0, y1) = (rows[0][i] as u16, rows[1][i] as u16);
+                if y0 < y1 {
+                    out.push(PointRef { index: (range.start + b * BLOCK + i) as u32, y0, y1 });
+                }
+            }
+        }
     }
 
-    /// The colour of a point with the cloud's opacity applied; `None` where it is too faint to be drawn.
     #[inline]
-    pub(super) fn color(&self, index: usize) -> Option<[u8; 4]> {
-        let [r, g, b, a] = self.buffer().colors.get(index);
-        let alpha = f32::from(a) / 255.0 * self.points.alpha;
-        is_visible(alpha).then(|| [r, g, b, super::band::unorm8(alpha)])
+    fn rows(&self, screen: &Screen, reach: &Reach, places: &[[f32; BLOCK]; 3], rows: &mut [[f32; BLOCK]; 2]) {
+        let [xs, ys, zs] = places;
+        let m = &self.placement.clip_from_object;
+        let height = screen.height_px as f32;
+        for i in 0..BLOCK {
+            let row = |r: [f32; 4]| r[0] * xs[i] + r[1] * ys[i] + r[2] * zs[i] + r[3];
+            let (x, y, z, w) = (row(m[0]), row(m[1]), row(m[2]), row(m[3]));
+            let factor = if self.points.auto_size { zs[i].abs() } else { 1.0 };
+            let [rx, ry, rz, rw] = reach.clip.map(|r| r * factor);
+            let (far_w, near_w) = (w + rw, w - rw);
+            let inside = (z + rz >= -far_w) & (z - rz <= far_w) & (x - rx <= far_w) & (x + rx >= -far_w);
+            // The smallest and the largest y over w, where w stays in front of the eye's plane.
+            let (far, near) = (1.0 / far_w, 1.0 / near_w);
+            let (low, high) = (y - ry, y + ry);
+            let low = low * if low < 0.0 { near } else { far };
+            let high = high * if high < 0.0 { far } else { near };
+            let spare = reach.pixels + 0.01;
+            let is_bounded = near_w > 1e-3 * w.abs();
+            let first = if is_bounded { screen.y(high) - spare } else { 0.0 };
+            let last = if is_bounded { screen.y(low) + spare } else { height };
+            // To the rows whose centres lie between.
+            let first = if first > 0.5 { first + 0.5 } else { 0.0 };
+            let last = if last < height - 0.5 { last + 0.5 } else { height };
+            rows[0][i] = first;
+            rows[1][i] = if inside { last } else { 0.0 };
+        }
+    }
+}
+
+/// How far a point's faces or spot reach from its place, at most.
+struct Reach {
+    /// In clip coordinates, for a size factor of 1.
+    clip: [f32; 4],
+    /// On the picture.
+    pixels: f32,
+}
+
+impl Reach {
+    fn of(cloud: &Cloud<'_>) -> Self {
+        let length = |v: [f32; 3]| v[0].hypot(v[1]).hypot(v[2]);
+        if let Some(diameter_px) = round_points::diameter_px(cloud.points) {
+            return Self { clip: [0.0; 4], pixels: diameter_px * 0.5 };
+        }
+        let radius_m = cloud.faces.reach_m();
+        let clip = cloud.placement.clip_from_object.map(|row| length([row[0], row[1], row[2]]) * radius_m);
+        Self { clip, pixels: 0.0 }
+    }
+}
+
+/// All x, all y and all z of up to [`BLOCK`] places.
+#[inline]
+fn transpose(positions: &[[f32; 3]], places: &mut [[f32; BLOCK]; 3]) {
+    let [xs, ys, zs] = places;
+    for (i, position) in positions.iter().enumerate().take(BLOCK) {
+        (xs[i], ys[i], zs[i]) = (position[0], position[1], position[2]);
+    }
+}
+
+/// Draws the rows of a band.
+pub(super) fn draw(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen, scratch: &mut Scratch, band: &mut Band<'_>) {
+    if refs.is_empty() {
+        return;
+    }
+    match cloud.points.style {
+        PointStyle::Points { .. } => round_points::draw(cloud, refs, screen, &mut scratch.points, band),
+        PointStyle::FlatSquares { .. } => quads::draw::<{ quads::PLAIN }>(cloud, refs, screen, scratch, band),
+        PointStyle::Squares { .. } => quads::draw::<{ quads::EDGED }>(cloud, refs, screen, scratch, band),
+        PointStyle::Spheres { .. } => quads::draw::<{ quads::DISC }>(cloud, refs, screen, scratch, band),
+        PointStyle::Boxes { .. } => quads::draw::<{ quads::DARK_EDGED }>(cloud, refs, screen, scratch, band),
+        PointStyle::Tiles { .. } => quads::draw_exactly(cloud, refs, screen, band),
+    }
+}
+
+/// What a worker keeps for drawing points.
+#[derive(Debug)]
+pub(super) struct Scratch {
+    /// The points of a block.
+    pub points: Gathered,
+    /// Their faces.
+    pub quads: Vec<Quads>,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self { points: Gathered::default(), quads: Quads::of_boxes() }
+    }
+}
+
+/// A block of a cloud's points, gathered by their indices.
+#[derive(Debug)]
+pub(super) struct Gathered {
+    /// How many there are.
+    pub len: usize,
+    /// Their indices.
+    pub indices: [usize; BLOCK],
+    /// Their places in the cloud's frame, all x, all y and all z.
+    pub places: [[f32; BLOCK]; 3],
+    /// Their colours.
+    pub colors: [[u8; 4]; BLOCK],
+}
+
+impl Default for Gathered {
+    fn default() -> Self {
+        Self { len: 0, indices: [0; BLOCK], places: [[0.0; BLOCK]; 3], colors: [[0; 4]; BLOCK] }
+    }
+}
+
+impl Gathered {
+    /// Replaces the content by up to [`BLOCK`] points; those that are too faint are left out.
+    #[inline]
+    pub(super) fn gather(&mut self, cloud: &Cloud<'_>, refs: &[PointRef]) {
+        self.len = 0;
+        let [xs, ys, zs] = &mut self.places;
+        for point in refs.iter().take(BLOCK) {
+            let index = point.index as usize;
+            let Some(position) = cloud.points.buffer.positions.get(index) else { continue };
+            let [r, g, b, a] = cloud.points.buffer.colors.get(index);
+            let Some(opacity) = cloud.opacities[usize::from(a)] else { continue };
+            let i = self.len;
+            self.indices[i] = index;
+            (xs[i], ys[i], zs[i]) = (position[0], position[1], position[2]);
+            self.colors[i] = [r, g, b, opacity];
+            self.len += 1;
+        }
     }
 }

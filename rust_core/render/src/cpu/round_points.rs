@@ -2,95 +2,83 @@
 //!
 //! A pixel belongs to the spot where its centre lies less than half the size from the point's place, so that a spot of
 //! 1 px can miss every pixel centre. A point whose place is outside of the picture is not drawn at all, however far
-//! its spot would reach inside.
+//! its spot would reach inside. A spot has one depth, that of its place.
 
-use rcs_scene::PointStyle;
+use rcs_scene::{PointStyle, Points};
+use wide::{f32x4, u32x4};
 
-use super::band::{meet, Band};
-use super::bins::Rows;
-use super::points::{Block, Cloud, BLOCK};
-use super::screen::Screen;
+use super::band::{pack, Band, LANE, LANES};
+use super::points::{Cloud, Gathered, PointRef, BLOCK};
+use super::screen::{Screen, FARTHEST};
 
 /// The largest spot, in pixels, as on Mesa's software rasteriser.
 const LARGEST_PX: f32 = 255.0;
 
-/// A spot.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RoundPoint {
-    x: f32,
-    y: f32,
-    depth: u32,
-    color: [u8; 4],
-    y0: u16,
-    y1: u16,
-}
-
-impl Rows for RoundPoint {
-    #[inline]
-    fn rows(&self) -> (i32, i32) {
-        (i32::from(self.y0), i32::from(self.y1))
-    }
-}
-
-/// The spots' diameter in pixels; none where they cannot be seen.
-fn diameter_px(cloud: &Cloud<'_>) -> Option<f32> {
-    match cloud.points.style {
-        PointStyle::Points { diameter_px } if diameter_px > 0.0 => Some(diameter_px.min(LARGEST_PX)),
+/// The spots' diameter in pixels; none where the cloud has another style.
+pub(super) fn diameter_px(points: &Points) -> Option<f32> {
+    match points.style {
+        PointStyle::Points { diameter_px } => Some(if diameter_px > 0.0 { diameter_px.min(LARGEST_PX) } else { 0.0 }),
         _ => None,
     }
 }
 
-/// The pixels, first and after the last, whose centres lie within `radius_px` of a window coordinate.
-#[inline]
-fn extent(center: f32, radius_px: f32) -> (i32, i32) {
-    ((center - radius_px - 0.5).ceil() as i32, (center + radius_px - 0.5).floor() as i32 + 1)
+/// Projected points.
+struct Block {
+    x: [f32; BLOCK],
+    y: [f32; BLOCK],
+    depth: [f32; BLOCK],
+    inside: [bool; BLOCK],
 }
 
-/// The spots of the points in `range`, in their order, appended to `out`.
-pub(super) fn project(
-    cloud: &Cloud<'_>,
-    screen: &Screen,
-    range: std::ops::Range<usize>,
-    block: &mut Block,
-    out: &mut Vec<RoundPoint>,
-) {
-    let Some(diameter_px) = diameter_px(cloud) else { return };
-    let radius_px = diameter_px * 0.5;
-    let height = screen.height_px as i32;
-    let positions = cloud.buffer().positions.get(range.clone()).unwrap_or(&[]);
-    for (b, positions) in positions.chunks(BLOCK).enumerate() {
-        block.project(cloud, screen, positions, 1.0);
-        for i in 0..positions.len() {
-            if !block.inside[i] {
-                continue;
-            }
-            let (x, y) = (block.x[i], block.y[i]);
-            let (y0, y1) = extent(y, radius_px);
-            let (y0, y1) = (y0.max(0), y1.min(height));
-            if y0 >= y1 {
-                continue;
-            }
-            let Some(color) = cloud.color(range.start + b * BLOCK + i) else { continue };
-            out.push(RoundPoint { x, y, depth: block.depth[i], color, y0: y0 as u16, y1: y1 as u16 });
+impl Block {
+    #[inline(always)]
+    fn project(&mut self, cloud: &Cloud<'_>, screen: &Screen, places: &[[f32; BLOCK]; 3]) {
+        let [xs, ys, zs] = places;
+        let m = &cloud.placement.clip_from_object;
+        for i in 0..BLOCK {
+            let row = |r: [f32; 4]| r[0] * xs[i] + r[1] * ys[i] + r[2] * zs[i] + r[3];
+            let (x, y, z, w) = (row(m[0]), row(m[1]), row(m[2]), row(m[3]));
+            let inverse_w = 1.0 / w;
+            self.x[i] = screen.x(x * inverse_w);
+            self.y[i] = screen.y(y * inverse_w);
+            self.depth[i] = (z * inverse_w) * (0.5 * FARTHEST) + 0.5 * FARTHEST;
+            self.inside[i] = (w > 0.0) & (z >= -w) & (z <= w) & (x.abs() <= w) & (y.abs() <= w);
         }
     }
 }
 
 /// Draws the rows of a band.
-pub(super) fn draw(cloud: &Cloud<'_>, points: &[RoundPoint], band: &mut Band<'_>) {
-    let Some(diameter_px) = diameter_px(cloud) else { return };
-    let per_px = 1.0 / diameter_px;
-    for point in points {
-        let (x0, x1) = extent(point.x, diameter_px * 0.5);
-        for y in band.rows(i32::from(point.y0), i32::from(point.y1)) {
-            let dy = (y as f32 + 0.5 - point.y) * per_px;
-            let (first, colors, depths) = band.span(y, x0, x1);
-            for ((color, depth), x) in colors.iter_mut().zip(depths).zip(first..) {
-                let dx = (x as f32 + 0.5 - point.x) * per_px;
-                if dx * dx + dy * dy < 0.25 {
-                    meet(color, depth, point.depth, point.color, cloud.mode);
+pub(super) fn draw(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen, points: &mut Gathered, band: &mut Band<'_>) {
+    let Some(diameter_px) = diameter_px(cloud.points).filter(|&diameter_px| diameter_px > 0.0) else { return };
+    let (radius_px, per_px) = (diameter_px * 0.5, 1.0 / diameter_px);
+    let mut block = Block { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], inside: [false; BLOCK] };
+    for refs in refs.chunks(BLOCK) {
+        points.gather(cloud, refs);
+        block.project(cloud, screen, &points.places);
+        for i in 0..points.len {
+            if !block.inside[i] {
+                continue;
+            }
+            let (x, y) = (block.x[i], block.y[i]);
+            let columns = ceil(x - radius_px - 0.5).max(0)..ceil(x + radius_px + 0.5).min(band.width);
+            let depths = f32x4::splat(block.depth[i]);
+            let colors = u32x4::splat(pack(points.colors[i]));
+            for row in band.rows(ceil(y - radius_px - 0.5), ceil(y + radius_px + 0.5)) {
+                let dy = (row as f32 + 0.5 - y) * per_px;
+                for begin in columns.clone().step_by(LANES) {
+                    let from = f32x4::splat(begin as f32 + 0.5 - x) + f32x4::new(LANE);
+                    let dx = from * f32x4::splat(per_px);
+                    let mask = (dx * dx + f32x4::splat(dy * dy)).simd_lt(f32x4::splat(0.25));
+                    band.meet(row, begin, mask, depths, colors, cloud.surface.mode);
                 }
             }
         }
     }
+}
+
+/// The whole number not below a window coordinate.
+#[inline(always)]
+fn ceil(value: f32) -> i32 {
+    let whole = value as i32;
+    whole + i32::from(value > whole as f32)
 }

@@ -3,7 +3,8 @@
 //! Window coordinates are pixels, x to the right and y down, (0, 0) the upper left corner of the upper left pixel, so
 //! that row 0 is the picture's top. Places are snapped to 1/256 pixel before anything is decided about coverage, as
 //! Mesa's rasteriser does; a snapped place is measured from the centre of the first pixel, so that pixel (i, j) is
-//! covered where (256 i, 256 j) is. Depth has 24 bits, 0 at the near plane, and the nearer *or equal* wins.
+//! covered where (256 i, 256 j) is. Depth is 0 at the near plane and [`FARTHEST`] at the far one; the nearer *or equal*
+//! wins.
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use rcs_scene::{Camera, DirectionalLight};
@@ -11,11 +12,11 @@ use rcs_scene::{Camera, DirectionalLight};
 /// Snapped places to a pixel.
 pub(super) const SUBPIXELS: i32 = 256;
 
-/// The depth that nothing is behind of: what the picture is cleared to.
-pub(super) const FARTHEST: u32 = (1 << 24) - 1;
-
-/// Smallest depth step, of a range of 0 to 1.
-pub(super) const DEPTH_STEP: f32 = 1.0 / FARTHEST as f32;
+/// The depth of the far plane, which the picture is cleared to: the largest of 24 bits.
+///
+/// Depths are kept as `f32`. From half of this depth on, which is 2 cm before a camera that sees from 1 cm to 100 m, an
+/// `f32` has no fraction, so that depths are rounded to whole steps just as in a depth buffer of 24 bits.
+pub(super) const FARTHEST: f32 = ((1 << 24) - 1) as f32;
 
 /// Size of the picture and how it is cut into bands of rows.
 #[derive(Clone, Copy, Debug)]
@@ -65,15 +66,12 @@ impl Screen {
     pub(super) fn y(&self, ndc: f32) -> f32 {
         self.half_height - ndc * self.half_height
     }
-}
 
-/// A depth of 0 to 1 as it is stored; NaN becomes the nearest.
-#[inline]
-pub(super) fn depth24(depth: f32) -> u32 {
-    let scaled = depth.clamp(0.0, 1.0) * FARTHEST as f32;
-    // From 2^23 on an f32 has no fraction, and adding a half would round it once more.
-    let half = if scaled < 8_388_608.0 { 0.5 } else { 0.0 };
-    (scaled + half) as i32 as u32
+    /// Half of the picture's width and height in pixels.
+    #[inline]
+    pub(super) fn half_size(&self) -> (f32, f32) {
+        (self.half_width, self.half_height)
+    }
 }
 
 /// A window coordinate in 1/256 pixel from the first pixel's centre, to the nearest. Kept within ±2^24.
@@ -109,7 +107,8 @@ impl Placement {
         let clip_from_object = [0, 1, 2, 3].map(|r| [0, 1, 2, 3].map(|c| clip[(r, c)]));
         let linear: Matrix3<f64> = view_from_object.fixed_view::<3, 3>(0, 0).into_owned();
         // A flattened object has no inverse; OpenGL (Mesa) then leaves its normals as they are.
-        let view_from_normal = linear.try_inverse().map_or_else(Matrix3::identity, |inverse| inverse.transpose()).cast();
+        let view_from_normal =
+            linear.try_inverse().map_or_else(Matrix3::identity, |inverse| inverse.transpose()).cast();
         let to_light = light.and_then(|light| {
             let direction = camera.fixed_from_view().rotation.inverse() * -light.direction;
             direction.try_normalize(0.0).map(|unit| unit.cast())
@@ -127,17 +126,6 @@ impl Placement {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn depth_is_rounded_to_24_bits() {
-        assert_eq!(depth24(0.0), 0);
-        assert_eq!(depth24(1.0), FARTHEST);
-        assert_eq!(depth24(2.0), FARTHEST);
-        assert_eq!(depth24(f32::NAN), 0);
-        assert_eq!(depth24(1.6 * DEPTH_STEP), 2);
-        let odd = 12_345_679;
-        assert_eq!(depth24(odd as f32 / FARTHEST as f32), odd);
-    }
 
     #[test]
     fn places_snap_to_the_pixel_raster() {

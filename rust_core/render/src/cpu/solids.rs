@@ -1,4 +1,4 @@
-//! Meshes, lines, ribbons, text and the faces of clouds, before they are pixels: everything that is made of triangles and
+//! Meshes, lines, ribbons, text, before they are pixels: everything that is made of triangles and
 //! lines.
 //!
 //! Their primitives are transformed, lit, clipped and made ready in the order in which they are to be drawn; then they
@@ -11,7 +11,6 @@ use rcs_scene::{Lines, Material, Mesh};
 use super::band::{Band, Mode};
 use super::bins::{Bins, Rows};
 use super::clip::ClipVertex;
-use super::faces::Faces;
 use super::lighting::vertex_color;
 use super::lines::{self, Line};
 use super::screen::{Placement, Screen};
@@ -36,17 +35,14 @@ pub(super) enum Shape<'a> {
     Mesh(Cow<'a, Mesh>, Cow<'a, Material>),
     /// Lines of a pixel.
     Lines(&'a Lines),
-    /// The faces of a cloud.
-    Faces(Faces<'a>),
 }
 
 impl Shape<'_> {
-    /// Of how many parts it consists that can be made ready apart, and about how much work each is, in triangles.
-    pub(super) fn parts(&self) -> (usize, usize) {
+    /// Of how many triangles or lines it consists.
+    pub(super) fn parts(&self) -> usize {
         match self {
-            Self::Mesh(mesh, _) => (mesh.indices.len() / 3, 1),
-            Self::Lines(lines) => (lines.segments().size_hint().0, 1),
-            Self::Faces(faces) => (faces.len(), faces.triangles_each()),
+            Self::Mesh(mesh, _) => mesh.indices.len() / 3,
+            Self::Lines(lines) => lines.segments().size_hint().0,
         }
     }
 }
@@ -127,13 +123,6 @@ impl Primitives {
                     if let (Some(a), Some(b)) = (vertex(a), vertex(b)) {
                         self.add_line(a, b, solid.surface.mode, screen);
                     }
-                }
-            }
-            Shape::Faces(faces) => {
-                for point in parts {
-                    faces.triangles(&solid.placement, point, |triangle| {
-                        self.add_triangle(triangle, &solid.surface, index, screen);
-                    });
                 }
             }
         }

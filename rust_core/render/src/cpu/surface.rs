@@ -95,7 +95,7 @@ impl Surface {
 /// How much brighter a square's edge is. A dark colour has an edge lighter by a fifth, a light one a darker edge. Dark
 /// is what, as a vector of red, green and blue, is shorter than a half.
 #[inline]
-fn contrast([r, g, b, _]: [f32; 4]) -> f32 {
+pub(super) fn contrast([r, g, b, _]: [f32; 4]) -> f32 {
     let length = (r * r + g * g + b * b).sqrt();
     if length < 0.5 {
         0.2
@@ -109,7 +109,7 @@ fn contrast([r, g, b, _]: [f32; 4]) -> f32 {
 /// How much a place belongs to the inside of a square: along each axis 1 up to 0.45 from the middle, 0 from 0.48 on,
 /// smooth between.
 #[inline]
-fn edge_shade(uv: [f32; 2]) -> f32 {
+pub(super) fn edge_shade(uv: [f32; 2]) -> f32 {
     let [u, v] = uv.map(|from_middle| {
         let t = ((0.48 - from_middle.abs()) * (1.0 / 0.03)).clamp(0.0, 1.0);
         t * t * (3.0 - 2.0 * t)

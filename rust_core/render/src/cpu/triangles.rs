@@ -9,7 +9,7 @@ use rcs_scene::CullMode;
 
 use super::band::{meet, unorm8, Band};
 use super::clip::{ClipVertex, Polygon};
-use super::screen::{depth24, first_pixel, snap, Screen, DEPTH_STEP, SUBPIXELS};
+use super::screen::{first_pixel, snap, Screen, FARTHEST, SUBPIXELS};
 use super::surface::{Paint, Surface};
 
 /// A quantity that is linear in the window: its value at the reference pixel and the change by a pixel to the right
@@ -61,7 +61,7 @@ impl Corner {
         Self {
             x: snap(screen.x(x * inverse_w)),
             y: snap(screen.y(y * inverse_w)),
-            depth: z * inverse_w * 0.5 + 0.5,
+            depth: (z * inverse_w * 0.5 + 0.5) * FARTHEST,
             inverse_w,
             color: vertex.color,
             uv: vertex.uv,
@@ -121,7 +121,7 @@ impl Triangle {
         };
         let mut depth = plane(a.depth, b.depth, c.depth);
         if surface.depth_bias != 0.0 {
-            depth.at -= surface.depth_bias * (DEPTH_STEP + depth.dx.abs().max(depth.dy.abs()));
+            depth.at -= surface.depth_bias * (1.0 + depth.dx.abs().max(depth.dy.abs()));
         }
         let flat = a.color == b.color && a.color == c.color;
         let color = if flat {
@@ -171,14 +171,15 @@ impl Triangle {
         if self.flat && matches!(surface.paint, Paint::Color) {
             let color = self.color.map(|plane| unorm8(plane.at));
             for ((pixel, depth), x) in fragments {
-                meet(pixel, depth, depth24(self.depth.value(x as f32, row)), color, surface.mode);
+                let fragment_depth = self.depth.value(x as f32, row).clamp(0.0, FARTHEST);
+                meet(pixel, depth, fragment_depth, color, surface.mode);
             }
             return;
         }
         for ((pixel, depth), x) in fragments {
             let column = x as f32;
-            let fragment_depth = depth24(self.depth.value(column, row));
-            if surface.mode.depth_test && fragment_depth > *depth {
+            let fragment_depth = self.depth.value(column, row).clamp(0.0, FARTHEST);
+            if surface.mode.depth_test && !(fragment_depth <= *depth) {
                 continue;
             }
             let w = 1.0 / self.inverse_w.value(column, row);
