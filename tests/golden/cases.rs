@@ -9,6 +9,8 @@ pub struct Case {
     pub folder: PathBuf,
     /// The lowest *close* score.
     pub min_close: f64,
+    /// The camera to draw, where the config has several.
+    pub camera: Option<String>,
 }
 
 /// A picture may differ in this share of its content: single pixels of rasterisation that lie farther than one away.
@@ -17,7 +19,8 @@ const MIN_CLOSE: f64 = 0.98;
 /// Text may: glyphs may be rasterised differently, but not stand elsewhere or in another size or colour.
 const MIN_CLOSE_TEXT: f64 = 0.90;
 
-/// The cases of the display classes that are drawn, by the beginnings of their names.
+/// The cases of the display classes that are drawn, by the beginnings of their names. Those that begin with `x_` were
+/// drawn by the same rviz for this project, to see more values than the others do.
 const DRAWN: [&str; 9] =
     ["pc2_", "cam_", "grid_default", "grid_billboards", "axes", "marker_", "path_", "nav_path_arrows", "x_"];
 
@@ -40,6 +43,7 @@ pub fn all() -> Vec<Case> {
             let name = entry.file_name().into_string().ok()?;
             let min_close = if name.contains("text") { MIN_CLOSE_TEXT } else { MIN_CLOSE };
             DRAWN.iter().any(|beginning| name.starts_with(beginning)).then(|| Case {
+                camera: camera(&entry.path()),
                 folder: entry.path(),
                 min_close,
                 name,
@@ -49,4 +53,10 @@ pub fn all() -> Vec<Case> {
     cases.sort_by(|a, b| a.name.cmp(&b.name));
     assert!(!cases.is_empty(), "there are no cases below {}", conformance().display());
     cases
+}
+
+/// The camera that `case.yaml` names.
+fn camera(folder: &Path) -> Option<String> {
+    let about = std::fs::read_to_string(folder.join("case.yaml")).ok()?;
+    about.lines().find_map(|line| Some(line.strip_prefix("camera: ")?.trim().to_owned()))
 }

@@ -39,7 +39,9 @@ fn main() {
                 all_scores.push((name, scores.clone()));
                 for case in &cases {
                     let (renderer, scores, case) = (renderer.clone(), scores.clone(), case.clone());
-                    trials.push(Trial::test(format!("{name}::{}", case.name), move || test(&case, name, &renderer, &scores)));
+                    trials.push(Trial::test(format!("{name}::{}", case.name), move || {
+                        test(&case, name, &renderer, &scores)
+                    }));
                 }
             }
             Err(error) => {
@@ -115,7 +117,7 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let target = Target::Picture { file: file.to_owned(), at_secs: None };
     let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
     let bag = case.folder.join("scene.bag");
-    offline::render(&mut stage, &bag, None, &target, renderer.as_mut(), Projection::Rviz)
+    offline::render(&mut stage, &bag, case.camera.as_deref(), &target, renderer.as_mut(), Projection::Rviz)
 }
 
 fn load(file: &Path) -> Result<Rgb, Failed> {

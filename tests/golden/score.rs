@@ -74,7 +74,11 @@ pub fn comparison(expected: &Rgb, actual: &Rgb, score: &Score) -> Rgb {
         let row = y * width..(y + 1) * width;
         pixels.extend_from_slice(&expected.pixels[row.clone()]);
         pixels.extend(row.clone().map(|i| {
-            if score.is_close[i] { actual.pixels[i].map(|channel| channel / 3) } else { [255, 0, 255] }
+            if score.is_close[i] {
+                actual.pixels[i].map(|channel| channel / 3)
+            } else {
+                [255, 0, 255]
+            }
         }));
         pixels.extend_from_slice(&actual.pixels[row]);
     }
