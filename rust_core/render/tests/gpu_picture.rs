@@ -92,6 +92,28 @@ fn a_point_whose_centre_is_off_the_picture_is_not_drawn() {
 }
 
 #[test]
+fn a_cloud_whose_centres_are_all_off_the_picture_is_left_out_whole() {
+    let style = PointStyle::FlatSquares { side_m: 1.0 };
+    let camera = camera(40, 40, 40.0);
+    let seen = |positions: &[[f32; 3]]| {
+        let cloud = at(0.0, 0.0, 0.0, Geometry::Points(points(style, RED, positions)));
+        lit_pixels(&drawn(&scene([cloud]), &camera)).iter().any(|&(x, _)| x > 30)
+    };
+    assert!(!seen(&[[0.6, 0.0, 1.0], [0.7, 0.0, 1.0]]));
+    assert!(seen(&[[0.6, 0.0, 1.0], [-0.4, 0.0, 1.0]]));
+}
+
+#[test]
+fn a_picture_of_several_bands_comes_back_whole() {
+    let place = |column: u32, row: u32| [(column as f32 - 4095.5) / 100.0, (row as f32 - 1249.5) / 100.0, 1.0];
+    let expected = [(8191, 0), (17, 2047), (17, 2048), (4000, 2499)];
+    let positions = expected.map(|(column, row)| place(column, row));
+    let cloud = points(PointStyle::Points { diameter_px: 1.0 }, RED, &positions);
+    let picture = drawn(&scene([at(0.0, 0.0, 0.0, Geometry::Points(cloud))]), &camera(8192, 2500, 100.0));
+    assert_eq!(lit_pixels(&picture), expected);
+}
+
+#[test]
 fn a_square_is_as_large_as_the_camera_says() {
     let picture = drawn(&scene([flat(2.0, RED)]), &camera(40, 40, 40.0));
     let expected: Vec<_> = (10..30).flat_map(|y| (10..30).map(move |x| (x, y))).collect();

@@ -9,12 +9,14 @@
 //! texture    images with their mipmaps
 //! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
 //! target     the picture on the GPU and the way back
+//! bounds     which clouds Ogre leaves out
 //! ```
 //!
 //! It stays within WebGL 2's limits (no storage buffers, no compute), so that GL 3.3-class graphics do. Depth is
 //! OpenGL's, moved from −1…1 to wgpu's 0…1. A device that is lost or out of memory is given up with an error, and the
 //! next picture opens it anew.
 
+mod bounds;
 mod device;
 mod geometry;
 mod lines;
@@ -186,10 +188,14 @@ impl Gpu {
 }
 
 impl Viewpoint<'_> {
+    /// From the fixed frame to wgpu's clip coordinates.
+    fn clip_from_fixed(&self) -> Matrix4<f64> {
+        self.clip_from_view * self.camera.fixed_from_view().inverse().to_homogeneous()
+    }
+
     /// From an object's frame to wgpu's clip coordinates, computed in `f64`.
     fn clip_from_object(&self, fixed_from_object: &Matrix4<f64>) -> [[f32; 4]; 4] {
-        let view_from_fixed = self.camera.fixed_from_view().inverse().to_homogeneous();
-        columns(&(self.clip_from_view * view_from_fixed * fixed_from_object).cast())
+        columns(&(self.clip_from_fixed() * fixed_from_object).cast())
     }
 
     /// Pixels in a row and rows.

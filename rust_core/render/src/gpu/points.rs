@@ -11,6 +11,7 @@ use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Vector3};
 use rcs_scene::{PointBuffer, PointStyle, Points};
 
+use super::bounds::Bounds;
 use super::device::Device;
 use super::geometry::{is_finite, Derived, Instances, MAX_CHUNK_BYTES};
 use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
@@ -21,7 +22,7 @@ use super::Viewpoint;
 #[derive(Debug)]
 pub(super) struct PointPipelines {
     styles: Vec<StylePipelines>,
-    clouds: Derived<PointBuffer, Vec<Instances>>,
+    clouds: Derived<PointBuffer, UploadedCloud>,
 }
 
 #[derive(Debug)]
@@ -29,6 +30,13 @@ struct StylePipelines {
     opaque: wgpu::RenderPipeline,
     blended: wgpu::RenderPipeline,
     vertices: u32,
+}
+
+/// A cloud on the GPU.
+#[derive(Debug)]
+struct UploadedCloud {
+    bounds: Option<Bounds>,
+    chunks: Vec<Instances>,
 }
 
 /// One cloud in one picture.
@@ -119,10 +127,14 @@ impl PointPipelines {
         points: &Points,
     ) -> Option<PointsDraw> {
         let style = self.styles.get(style_index(&points.style))?;
-        let chunks = self.clouds.get(&points.buffer, |cloud| upload(device, cloud)).clone();
-        if chunks.is_empty() {
+        let cloud = self.clouds.get(&points.buffer, |cloud| UploadedCloud {
+            bounds: Bounds::around(&cloud.positions),
+            chunks: upload(device, cloud),
+        });
+        if !cloud.bounds?.may_be_seen(&viewpoint.clip_from_fixed(), fixed_from_object) {
             return None;
         }
+        let chunks = cloud.chunks.clone();
         let slot = uniforms.push(&constants(viewpoint, fixed_from_object, points))?;
         let pipeline = if points.blended { &style.blended } else { &style.opaque }.clone();
         Some(PointsDraw { pipeline, vertices: style.vertices, chunks, slot })
