@@ -2,7 +2,8 @@
 //!
 //! Reproduces `rviz::BillboardLine` on Ogre's `BillboardChain`: at each element the ribbon spreads by half its width
 //! to both sides, perpendicular to the line's tangent there (towards the next element at the first, from the previous
-//! at the last, from previous to next between) and to the direction to the eye.
+//! at the last, from previous to next between) and to the direction to the eye. A line is drawn from its last element to
+//! its first, which shows where a translucent one crosses itself.
 
 use nalgebra::{Point3, Vector3};
 
@@ -47,11 +48,32 @@ impl Ribbons {
                     mesh.vertices.push(Vertex { color: element.color, ..Vertex::new(position.into(), [0.0; 3]) });
                 }
             }
-            for i in 0..chain.len() as u32 - 1 {
+            for i in (0..chain.len() as u32 - 1).rev() {
                 let a = base + 2 * i;
                 mesh.indices.extend([a, a + 1, a + 2, a + 1, a + 3, a + 2]);
             }
         }
         mesh
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_drawn_from_its_end_to_its_beginning_and_faces_the_eye() {
+        let element = |x: f32, color| RibbonElement { position: [x, 0.0, 0.0], color };
+        let ends = [element(0.0, [1; 4]), element(1.0, [2; 4]), element(3.0, [3; 4])];
+        let ribbons = Ribbons { chains: vec![ends.to_vec()], width_m: 0.5, blending: Blending::Alpha };
+        let mesh = ribbons.to_mesh(Point3::new(0.0, 0.0, 2.0));
+        let triangles: Vec<[&Vertex; 3]> = mesh.triangles().collect();
+        let furthest = |corners: &[&Vertex; 3]| corners.iter().map(|v| v.position[0]).fold(0.0, f32::max);
+        assert_eq!(triangles.iter().map(furthest).collect::<Vec<_>>(), [3.0, 3.0, 1.0, 1.0]);
+        for [a, b, c] in triangles {
+            let [a, b, c] = [a, b, c].map(|v| Vector3::from(v.position));
+            assert!((b - a).cross(&(c - a)).z > 0.0);
+        }
+        assert!(mesh.vertices.iter().all(|vertex| vertex.position[1].abs() == 0.25));
     }
 }
