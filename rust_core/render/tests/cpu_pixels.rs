@@ -67,6 +67,15 @@ fn a_flat_square_covers_its_side_in_pixels() {
 }
 
 #[test]
+fn a_cloud_is_left_out_when_all_its_places_are_off_one_side() {
+    let large = PointStyle::FlatSquares { side_m: 0.4 };
+    let off = [[0.6, 0.0, 1.0], [0.55, 0.3, 1.0]];
+    assert_eq!(pixels(&scene(vec![cloud(large, &off, RED)])).lit(), 0);
+    let around = [[0.6, 0.0, 1.0], [-0.6, 0.0, 1.0]];
+    assert!(pixels(&scene(vec![cloud(large, &around, RED)])).lit() > 500);
+}
+
+#[test]
 fn a_flat_square_turns_with_the_clouds_frame() {
     let mut turned = drawable(cloud(PointStyle::FlatSquares { side_m: 0.2 }, &[[0.0, 0.0, 1.0]], RED));
     turned.fixed_from_object = Matrix4::new_rotation(Vector3::new(0.0, 0.0, std::f64::consts::FRAC_PI_4));
@@ -131,7 +140,8 @@ fn faint_points_are_left_out_and_translucent_ones_blend() {
         (points.alpha, points.blended) = (alpha, true);
         pixels(&scene(vec![Geometry::Points(points)]))
     };
-    assert_eq!(with(0.003, RED).lit(), 0);
+    assert_eq!(with(0.0019, RED).lit(), 0);
+    assert_eq!(with(0.003, RED).lit(), 16);
     assert_eq!(with(1.0, [200, 100, 0, 0]).lit(), 0);
     // The farther one comes second and is not hidden.
     assert_eq!(with(0.5, RED).at(50, 50), [150, 75, 0]);

@@ -62,6 +62,11 @@ impl<T: Rows + Copy> Bins<T> {
         }
     }
 
+    /// All things, those that touch several bands several times.
+    pub(super) fn all(&self) -> &[T] {
+        &self.sorted
+    }
+
     /// The things that touch a band, in their order.
     pub(super) fn band(&self, index: usize) -> &[T] {
         match (self.starts.get(index), self.starts.get(index + 1)) {

@@ -18,7 +18,7 @@
 use nalgebra::Point3;
 use rcs_scene::{CullMode, PointStyle, Points};
 
-use super::band::Mode;
+use super::band::{unorm8, Mode};
 use super::clip::ClipVertex;
 use super::screen::Placement;
 use super::surface::{Paint, Surface};
@@ -26,10 +26,10 @@ use super::surface::{Paint, Surface};
 /// Brightness of the sides of a box that look along +x, +y, +z and along −x, −y, −z.
 pub(super) const BRIGHTNESS: [[f32; 3]; 2] = [[0.6, 0.4, 0.9], [0.6, 1.0, 0.5]];
 
-/// Whether something of this opacity is drawn at all; all styles but boxes leave out what is fainter than a 255th.
+/// Whether something of this opacity is drawn at all; all styles but boxes leave out what is nearer to 0 than to a 255th.
 #[inline]
 pub(super) fn is_visible(alpha: f32) -> bool {
-    alpha >= 1.0 / 255.0
+    unorm8(alpha) > 0
 }
 
 /// The faces of a cloud.

@@ -102,7 +102,7 @@ impl Renderer for CpuRenderer {
         }
         let screen = Screen::new(width_px, height_px);
         self.textures.forget_dead();
-        let plan = Plan::new(view, &mut self.textures);
+        let mut plan = Plan::new(view, &mut self.textures);
         let jobs = plan.jobs.len();
         if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
             self.outcomes.resize_with(jobs, Outcome::default);
@@ -110,6 +110,8 @@ impl Renderer for CpuRenderer {
 
         let jobs = plan.jobs.iter().zip(&mut self.outcomes);
         in_parallel(&mut self.workers, jobs, |worker, (job, outcome)| outcome.prepare(job, &plan, &screen, worker));
+
+        plan.cull_clouds(|job| self.outcomes.get(job).map_or(&[], |outcome| outcome.points.all()));
 
         let [r, g, b] = view.background;
         let background = pack([r, g, b, 255]);

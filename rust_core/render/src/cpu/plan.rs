@@ -11,7 +11,7 @@ use std::sync::{Arc, Weak};
 use rcs_scene::{Blending, CullMode, Drawable, Geometry, Material, Texture};
 
 use super::band::Mode;
-use super::points::Cloud;
+use super::points::{Cloud, PointRef};
 use super::screen::Placement;
 use super::solids::{Shape, Solid};
 use super::surface::{Paint, Surface};
@@ -72,6 +72,7 @@ pub(super) struct Plan<'a> {
     pub pieces: Vec<Piece>,
     /// In the order of drawing.
     pub jobs: Vec<Job>,
+    cloud_jobs: Vec<Range<usize>>,
     open_triangles: usize,
     open_piece: usize,
 }
@@ -130,9 +131,11 @@ impl<'a> Plan<'a> {
         let index = self.clouds.len();
         let count = cloud.points.buffer.positions.len();
         self.clouds.push(cloud);
+        let first_job = self.jobs.len();
         for begin in (0..count).step_by(POINTS_PER_JOB) {
             self.jobs.push(Job::Points(index, begin..count.min(begin + POINTS_PER_JOB)));
         }
+        self.cloud_jobs.push(first_job..self.jobs.len());
     }
 
     fn add_solid(&mut self, solid: Solid<'a>) {
@@ -157,5 +160,12 @@ impl<'a> Plan<'a> {
             self.jobs.push(Job::Pieces(self.open_piece..self.pieces.len()));
         }
         (self.open_piece, self.open_triangles) = (self.pieces.len(), 0);
+    }
+
+    /// Marks the clouds that Ogre would not draw, given the points that each job has selected.
+    pub(super) fn cull_clouds<'s>(&mut self, selected: impl Fn(usize) -> &'s [PointRef]) {
+        for (cloud, jobs) in self.clouds.iter_mut().zip(&self.cloud_jobs) {
+            cloud.is_culled = cloud.lies_outside(jobs.clone().flat_map(&selected));
+        }
     }
 }

@@ -50,6 +50,8 @@ pub(super) struct Cloud<'a> {
     pub faces: Faces<'a>,
     /// What they look like.
     pub surface: Surface,
+    /// It is not drawn.
+    pub is_culled: bool,
     /// For each opacity of a colour that which is drawn; none where that is too faint.
     opacities: [Option<u8>; 256],
 }
@@ -63,7 +65,7 @@ impl<'a> Cloud<'a> {
             let alpha = level as f32 / 255.0 * points.alpha;
             (is_box || is_visible(alpha)).then(|| unorm8(alpha))
         });
-        Self { points, placement, faces, surface: faces.surface(), opacities }
+        Self { points, placement, faces, surface: faces.surface(), is_culled: false, opacities }
     }
 
     /// The points of a range that may be seen, in their order, appended to `out`.
@@ -82,6 +84,39 @@ impl<'a> Cloud<'a> {
                 }
             }
         }
+    }
+
+    /// Whether Ogre leaves the whole cloud out: it looks only at the box around the points' places, so that faces that
+    /// reach into the view from outside are not seen where all places are off the same side of the view.
+    ///
+    /// `selected` are the points that may be seen; a place inside of the view settles the question at once.
+    pub(super) fn lies_outside<'s>(&self, mut selected: impl Iterator<Item = &'s PointRef>) -> bool {
+        let positions = &self.points.buffer.positions;
+        let outside = |position: [f32; 3]| {
+            let [x, y, z, w] = self.placement.clip(position);
+            [z < -w, z > w, x < -w, x > w, y < -w, y > w]
+        };
+        let is_inside = |point: &PointRef| {
+            positions.get(point.index as usize).is_some_and(|position| outside(*position) == [false; 6])
+        };
+        if selected.any(is_inside) {
+            return false;
+        }
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for position in positions {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(position[axis]);
+                high[axis] = high[axis].max(position[axis]);
+            }
+        }
+        let mut all_outside = [true; 6];
+        for corner in 0..8 {
+            let corner = [0, 1, 2].map(|axis: usize| if corner & 1 << axis == 0 { low[axis] } else { high[axis] });
+            for (all, outside) in all_outside.iter_mut().zip(outside(corner)) {
+                *all &= outside;
+            }
+        }
+        all_outside.contains(&true)
     }
 
     #[inline]
@@ -145,7 +180,7 @@ fn transpose(positions: &[[f32; 3]], places: &mut [[f32; BLOCK]; 3]) {
 
 /// Draws the rows of a band.
 pub(super) fn draw(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen, scratch: &mut Scratch, band: &mut Band<'_>) {
-    if refs.is_empty() {
+    if cloud.is_culled || refs.is_empty() {
         return;
     }
     match cloud.points.style {
