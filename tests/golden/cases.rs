@@ -19,10 +19,10 @@ const MIN_CLOSE: f64 = 0.98;
 /// Text may: glyphs may be rasterised differently, but not stand elsewhere or in another size or colour.
 const MIN_CLOSE_TEXT: f64 = 0.90;
 
-/// The cases of the display classes that are drawn, by the beginnings of their names. Those that begin with `x_` were
+/// The cases of the display classes that are drawn, by the beginnings of their names. Those that begin with `x_` or `y_` were
 /// drawn by the same rviz for this project, to see more values than the others do.
-const DRAWN: [&str; 9] =
-    ["pc2_", "cam_", "grid_default", "grid_billboards", "axes", "marker_", "path_", "nav_path_arrows", "x_"];
+const DRAWN: [&str; 10] =
+    ["pc2_", "cam_", "grid_default", "grid_billboards", "axes", "marker_", "path_", "nav_path_arrows", "x_", "y_"];
 
 /// The repository's root.
 pub fn repository() -> PathBuf {

@@ -2,7 +2,7 @@
 
 pub mod image_topic;
 pub mod png;
-mod sockets;
+pub mod sockets;
 pub mod window;
 pub mod window_monitor;
 mod window_open;

@@ -24,7 +24,7 @@ impl AsRawFd for Foreign {
 }
 
 /// Sets both for all connections that will be accepted on the process's present TCP ports.
-pub(crate) fn tune_listeners() {
+pub fn tune_listeners() {
     let Ok(entries) = std::fs::read_dir("/proc/self/fd") else {
         log::debug!("no /proc/self/fd: connections stay as they are");
         return;

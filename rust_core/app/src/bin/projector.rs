@@ -13,6 +13,7 @@ use rcs_input::live::RosNode;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::Time;
+use rcs_output::sockets::tune_listeners;
 use rosrust::Publisher;
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
@@ -134,6 +135,7 @@ impl Publishers {
             tf_static.set_latching(true);
             Some(tf_static)
         };
+        tune_listeners();
         Ok(Self { camera_info, tf_static })
     }
 

@@ -11,6 +11,7 @@ use rcs_app::pcd::PcdCloud;
 use rcs_app::small_node::{self, EndRequest};
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::PointCloud2;
+use rcs_output::sockets::tune_listeners;
 
 /// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
 ///
@@ -69,6 +70,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let topic = &arguments.topic;
     let mut publisher = rosrust::publish::<PointCloud2>(topic, 1).map_err(|error| anyhow!("topic {topic}: {error}"))?;
     publisher.set_latching(true);
+    tune_listeners();
     let PointCloud2 { width, height, .. } = message;
     log::info!(
         "{}: {width}x{height} points in frame {} on {} at {} Hz",
