@@ -42,37 +42,32 @@ fn visible_part(start: vec4f, end: vec4f) -> vec2f {
     return part;
 }
 
-// OpenGL draws a line's end pixels when the line leaves the diamond round the pixel's centre. Says whether the line
-// through `at` (along it, then across it) leaves its diamond on that side where it goes on to or comes from.
-fn leaves_diamond(at: vec2f, direction: vec2f, is_start: bool) -> bool {
-    let from_center = fract(at) - 0.5;
-    if abs(from_center.x) + abs(from_center.y) < 0.5 {
-        return is_start;
+// The diamond-exit rule: whether the pixel in which a line begins or ends is drawn. `past` is how far that end lies
+// past the pixel's centre, along the line and across it, both in the line's direction; `slope` is not negative. That
+// the slope is added, not subtracted, is Mesa's.
+fn is_drawn(past: vec2f, slope: f32, is_start: bool) -> bool {
+    let is_in_diamond = abs(past.x) + abs(past.y) < 0.5;
+    let reaches_diamond = abs(past.y + past.x * slope) < 0.5;
+    if is_start {
+        return is_in_diamond || (past.x < 0.0 && (past.y <= 0.0 || reaches_diamond));
     }
-    let before_center = (from_center.x < 0.0) == (direction.x > 0.0);
-    if before_center == is_start {
-        return false;
-    }
-    let away_from_center = (from_center.y > 0.0) != (direction.y < 0.0);
-    if away_from_center == is_start {
-        return true;
-    }
-    let crossing = fract(at.y) + from_center.x * direction.y / direction.x;
-    return crossing > 0.0 && crossing < 1.0;
+    return !is_in_diamond && past.x >= 0.0 && (past.y > 0.0 || reaches_diamond);
 }
 
-// Moves an end so that its pixel is drawn as the diamond says, where its place alone says otherwise.
-fn end_in_pixels(at: vec2f, direction: vec2f, is_start: bool) -> vec2f {
-    let from_center = fract(at.x) - 0.5;
-    var drawn = (from_center > 0.0) != (direction.x < 0.0);
-    if !is_start {
-        drawn = (from_center < 0.0) == (direction.x > 0.0) || from_center == 0.0;
-    }
-    if drawn == leaves_diamond(at, direction, is_start) {
+// Moves an end along the line to a side of its pixel where the centre that it covers is not what the rule says. Along
+// comes first, then across.
+fn end_in_pixels(at: vec2f, delta: vec2f, is_start: bool) -> vec2f {
+    let direction = select(vec2f(1.0), vec2f(-1.0), delta < vec2f(0.0));
+    let slope = delta.y / delta.x;
+    let past = (fract(at) - 0.5) * direction;
+    let drawn = is_drawn(past, abs(slope), is_start);
+    let is_centre_before = past.x > 0.0 || (past.x == 0.0 && direction.x < 0.0);
+    if drawn == (is_centre_before != is_start) {
         return at;
     }
-    let shift = 0.5 * sign(direction.x) - from_center;
-    return at + vec2f(shift, shift * direction.y / direction.x);
+    let side = select(-0.5, 0.5, drawn != is_start);
+    let shift = (side - past.x) * direction.x;
+    return at + vec2f(shift, shift * slope);
 }
 
 @vertex
