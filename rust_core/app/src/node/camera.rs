@@ -226,7 +226,8 @@ impl CameraOutput {
         let same_kind = |known: &CameraProblem| std::mem::discriminant(known) == std::mem::discriminant(&problem);
         let is_new = match (&self.problem, &problem) {
             (Some(known @ CameraProblem::NoTransform { .. }), _) => !same_kind(known),
-            (known, _) => known.as_ref() != Some(&problem),
+            // By what is said: a NaN in a problem is not equal to itself.
+            (known, _) => known.as_ref().map(ToString::to_string) != Some(problem.to_string()),
         };
         if is_new {
             match problem {
