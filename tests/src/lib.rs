@@ -1,3 +1,6 @@
 //! What the tests of the whole share.
 
+pub mod programs;
+pub mod puppet;
 pub mod ros;
+pub mod stand;

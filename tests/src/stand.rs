@@ -1,0 +1,155 @@
+//! `camera_stream` as a node of a ROS of its own, with a puppet beside it.
+
+use crate::programs::program;
+use crate::puppet::Puppet;
+use crate::ros::{RosMaster, Running, PATIENCE};
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A cloud on `/cloud` whose points are seen as squares of a metre in their colour.
+pub const CLOUD: &str = "{Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /cloud, Style: Flat Squares, \
+     Size (m): 1, Color Transformer: RGB8, Position Transformer: XYZ, Queue Size: 10, Alpha: 1, Decay Time: 0}";
+
+/// A CameraPub display of a config.
+#[derive(Clone, Debug)]
+pub struct CameraPub {
+    /// Its name.
+    pub name: &'static str,
+    /// "Image Topic".
+    pub image: &'static str,
+    /// "Camera Info Topic".
+    pub info: &'static str,
+    /// "Display namespace".
+    pub namespace: &'static str,
+    /// "Frame Rate".
+    pub rate: &'static str,
+    /// "Background Color".
+    pub background: &'static str,
+}
+
+impl Default for CameraPub {
+    fn default() -> Self {
+        Self {
+            name: "CameraPub",
+            image: "/view/image",
+            info: "/eye/camera_info",
+            namespace: "",
+            rate: "-1",
+            background: "0; 0; 0",
+        }
+    }
+}
+
+/// The text of a `.rviz` file with these displays and cameras, and `map` as fixed frame.
+pub fn config(displays: &[&str], cameras: &[CameraPub]) -> String {
+    let mut text = "Visualization Manager:\n  Displays:\n".to_owned();
+    for display in displays {
+        text += &format!("  - {display}\n");
+    }
+    for camera in cameras {
+        let CameraPub { name, image, info, namespace, rate, background } = camera;
+        let _ = writeln!(
+            text,
+            "  - {{Class: rviz_camera_stream/CameraPub, Name: {name}, Enabled: true, Image Topic: '{image}', Camera Info \
+             Topic: '{info}', Display namespace: '{namespace}', Frame Rate: {rate}, Background Color: {background}, \
+             Image Encoding: rgb8, Near Clip Distance: 0.01, Queue Size: 2, Visibility: {{Value: true}}}}"
+        );
+    }
+    text + "  Enabled: true\n  Global Options: {Fixed Frame: map, Frame Rate: 30}\n"
+}
+
+/// The node, a puppet and their master. When a test fails, the node's log is printed.
+#[derive(Debug)]
+pub struct Stand {
+    /// `camera_stream`.
+    pub node: Running,
+    /// A rospy node.
+    pub puppet: Puppet,
+    /// The master, on a port of its own.
+    pub master: RosMaster,
+    folder: PathBuf,
+}
+
+impl Stand {
+    /// Starts a master, a puppet and `camera_stream` with a config and more arguments, and waits until the node draws.
+    ///
+    /// # Errors
+    /// When one of them does not start.
+    pub fn start(config: &str, args: &[&str]) -> io::Result<Self> {
+        let master = RosMaster::start()?;
+        let puppet = Puppet::start(&master, &[])?;
+        let stand = Self::with(master, puppet, config, args)?;
+        stand.wait_for_log("drawing ")?;
+        Ok(stand)
+    }
+
+    /// Starts `camera_stream` beside a master, which may not run yet, and a puppet.
+    ///
+    /// # Errors
+    /// When it does not start.
+    pub fn with(master: RosMaster, puppet: Puppet, config: &str, args: &[&str]) -> io::Result<Self> {
+        let folder = std::env::temp_dir().join(format!("rcs_stand_{}", master.uri().replace(['/', ':'], "")));
+        fs::create_dir_all(&folder)?;
+        let file = folder.join("scene.rviz");
+        fs::write(&file, config)?;
+        let mut command = master.environment(Command::new(program("camera_stream")));
+        let node = Running::start(command.arg("-d").arg(&file).args(["--renderer", "cpu"]).args(args))?;
+        Ok(Self { node, puppet, master, folder })
+    }
+
+    /// The node's log.
+    pub fn log(&self) -> String {
+        self.node.errors().join("\n")
+    }
+
+    /// How many lines of the node's log hold all of these words.
+    pub fn log_lines(&self, words: &[&str]) -> usize {
+        self.node.errors().iter().filter(|line| words.iter().all(|word| line.contains(word))).count()
+    }
+
+    /// Waits until the node's log holds a line with this text.
+    ///
+    /// # Errors
+    /// With the log, when it does not come.
+    pub fn wait_for_log(&self, text: &str) -> io::Result<()> {
+        if crate::ros::wait_until(PATIENCE, || self.log_lines(&[text]) > 0) {
+            Ok(())
+        } else {
+            Err(io::Error::other(format!("the node does not say \"{text}\":\n{}", self.log())))
+        }
+    }
+
+    /// Runs Python in the puppet.
+    ///
+    /// # Panics
+    /// With the traceback, when it fails.
+    #[expect(clippy::panic, reason = "a test cannot go on")]
+    pub fn puppet(&self, python: impl std::fmt::Display) -> String {
+        self.puppet.run(python).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Waits until Python in the puppet is true.
+    ///
+    /// # Panics
+    /// When it does not become so, with `state` of the puppet.
+    #[expect(clippy::panic, reason = "a test cannot go on")]
+    pub fn wait_for(&self, python: impl std::fmt::Display) {
+        if !self.puppet.wait_for(PATIENCE, &python) {
+            let eye = "(eye.colors[-10:], eye.images[-3:], eye.infos[-3:]) if 'eye' in globals() else None";
+            panic!("not so after {PATIENCE:?}: {python}; the eye saw {:?}", self.puppet.run(eye));
+        }
+    }
+}
+
+impl Drop for Stand {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("--- the node's log:\n{}\n---", self.log());
+        }
+        // What is left behind is a small folder of temporary files.
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
