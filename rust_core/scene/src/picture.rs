@@ -52,16 +52,19 @@ impl Encoding {
     /// Writes one row of RGBA pixels in this encoding. `row` holds [`Self::bytes_per_pixel`] bytes for each pixel;
     /// what is past the shorter of the two is left alone.
     pub fn write_row(self, pixels: &[[u8; 4]], row: &mut [u8]) {
-        let cells = row.chunks_exact_mut(self.bytes_per_pixel()).zip(pixels);
-        match self {
-            Self::Rgb8 => cells.for_each(|(cell, p)| cell.copy_from_slice(&p[..3])),
-            Self::Rgba8 => cells.for_each(|(cell, p)| cell.copy_from_slice(&[p[0], p[1], p[2], 255])),
-            Self::Bgr8 => cells.for_each(|(cell, p)| cell.copy_from_slice(&[p[2], p[1], p[0]])),
-            Self::Bgra8 => cells.for_each(|(cell, p)| cell.copy_from_slice(&[p[2], p[1], p[0], 255])),
-            Self::Mono8 => cells.for_each(|(cell, p)| cell[0] = p[0]),
-            Self::Mono16 => {
-                cells.for_each(|(cell, p)| cell.copy_from_slice(&(u16::from(p[0]) * 257).to_le_bytes()));
+        // Cells of a fixed size are copied without a call for each.
+        fn write<const N: usize>(pixels: &[[u8; 4]], row: &mut [u8], cell: impl Fn(&[u8; 4]) -> [u8; N]) {
+            for (to, pixel) in row.as_chunks_mut::<N>().0.iter_mut().zip(pixels) {
+                *to = cell(pixel);
             }
+        }
+        match self {
+            Self::Rgb8 => write(pixels, row, |p| [p[0], p[1], p[2]]),
+            Self::Rgba8 => write(pixels, row, |p| [p[0], p[1], p[2], 255]),
+            Self::Bgr8 => write(pixels, row, |p| [p[2], p[1], p[0]]),
+            Self::Bgra8 => write(pixels, row, |p| [p[2], p[1], p[0], 255]),
+            Self::Mono8 => write(pixels, row, |p| [p[0]]),
+            Self::Mono16 => write(pixels, row, |p| (u16::from(p[0]) * 257).to_le_bytes()),
         }
     }
 }

@@ -4,6 +4,8 @@
 //! goes to the picture at once, so that no frame buffer of the whole picture exists. Colours are 8-bit and every
 //! blend rounds, with the arithmetic of Mesa's rasteriser.
 
+use std::ops::Range;
+
 use wide::{f32x4, u32x4};
 
 use super::screen::{Screen, FARTHEST};
@@ -88,7 +90,7 @@ pub(super) struct Band<'a> {
 impl Band<'_> {
     /// The part of a range of picture rows that lies in this band.
     #[inline]
-    pub(super) fn rows(&self, begin: i32, end: i32) -> std::ops::Range<i32> {
+    pub(super) fn rows(&self, begin: i32, end: i32) -> Range<i32> {
         begin.max(self.first_row)..end.min(self.end_row)
     }
 
@@ -103,32 +105,48 @@ impl Band<'_> {
         (begin, &mut self.color[range.clone()], &mut self.depth[range])
     }
 
-    /// [`LANES`] fragments side by side, of which those count whose mask is set, meet the pixels from `begin` on of a
-    /// picture row. Both have to be the band's.
+    /// [`LANES`] pixels from `begin` on of each row of a range. All have to be the band's.
     #[inline(always)]
-    pub(super) fn meet(&mut self, row: i32, begin: i32, mask: f32x4, depths: f32x4, colors: u32x4, mode: Mode) {
-        let start = (row - self.first_row) as usize * self.stride + begin as usize;
-        let pixels = self.color.get_mut(start..).and_then(<[u32]>::first_chunk_mut::<LANES>);
-        let pixel_depths = self.depth.get_mut(start..).and_then(<[f32]>::first_chunk_mut::<LANES>);
-        let (Some(pixels), Some(pixel_depths)) = (pixels, pixel_depths) else { return };
-        if mode == Mode::OPAQUE {
-            let behind = f32x4::new(*pixel_depths);
-            let wins = mask & depths.simd_le(behind);
-            *pixel_depths = wins.bitselect(depths, behind).to_array();
-            let wins: u32x4 = bytemuck::cast(wins);
-            *pixels = wins.bitselect(colors, u32x4::new(*pixels)).to_array();
-        } else {
-            let (mask, depths, colors) = (mask.to_bitmask(), depths.to_array(), colors.to_array());
-            for i in (0..LANES).filter(|i| mask & 1 << i != 0) {
-                meet(&mut pixels[i], &mut pixel_depths[i], depths[i], colors[i].to_ne_bytes(), mode);
-            }
-        }
+    pub(super) fn windows(&mut self, rows: Range<i32>, begin: i32) -> impl Iterator<Item = Window<'_>> {
+        let start = (rows.start - self.first_row) as usize * self.stride + begin as usize;
+        let colors = self.color.get_mut(start..).unwrap_or(&mut []).chunks_mut(self.stride);
+        let depths = self.depth.get_mut(start..).unwrap_or(&mut []).chunks_mut(self.stride);
+        let windows = colors.zip(depths).take(rows.len()).filter_map(|(colors, depths)| {
+            Some(Window { colors: colors.first_chunk_mut()?, depths: depths.first_chunk_mut()? })
+        });
+        windows
     }
 
     /// The finished rows, from the top.
     pub(super) fn pixel_rows(&self) -> impl Iterator<Item = &[[u8; 4]]> + '_ {
         let width = self.width as usize;
         self.color.chunks_exact(self.stride).map(move |row| bytemuck::cast_slice(&row[..width]))
+    }
+}
+
+/// Some pixels side by side.
+#[derive(Debug)]
+pub(super) struct Window<'a> {
+    colors: &'a mut [u32; LANES],
+    depths: &'a mut [f32; LANES],
+}
+
+impl Window<'_> {
+    /// Fragments side by side, of which those count whose mask is set, meet the pixels.
+    #[inline(always)]
+    pub(super) fn meet(self, mask: f32x4, depths: f32x4, colors: u32x4, mode: Mode) {
+        if mode == Mode::OPAQUE {
+            let behind = f32x4::new(*self.depths);
+            let wins = mask & depths.simd_le(behind);
+            *self.depths = wins.bitselect(depths, behind).to_array();
+            let wins: u32x4 = bytemuck::cast(wins);
+            *self.colors = wins.bitselect(colors, u32x4::new(*self.colors)).to_array();
+        } else {
+            let (mask, depths, colors) = (mask.to_bitmask(), depths.to_array(), colors.to_array());
+            for i in (0..LANES).filter(|i| mask & 1 << i != 0) {
+                meet(&mut self.colors[i], &mut self.depths[i], depths[i], colors[i].to_ne_bytes(), mode);
+            }
+        }
     }
 }
 

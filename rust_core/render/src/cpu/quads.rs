@@ -335,6 +335,7 @@ fn draw_quad<const PAINT: u8>(
     let edges = [quads.plane(0, i), quads.plane(1, i), quads.plane(2, i), quads.plane(3, i)];
     let depth = quads.plane(DEPTH, i);
     let paint = Paint::<PAINT>::new(color, side);
+    let mode = cloud.surface.mode;
     let lanes = V::new(LANE);
     for begin in (left..right).step_by(LANES) {
         let columns = V::splat((begin - left) as f32) + lanes;
@@ -351,11 +352,11 @@ fn draw_quad<const PAINT: u8>(
         }
         // A depth's steps are whole numbers, so that adding up small changes from row to row would lose them.
         let mut down = 0.0;
-        for row in top..bottom {
+        for window in band.windows(top..bottom, begin) {
             let mut mask = e0.fast_min(e1).fast_min(e2.fast_min(e3)).simd_ge(V::ZERO);
             let colors = paint.colors(place, &mut mask);
             let depths = V::splat(depth[0] + depth[2] * down) + depth_columns;
-            band.meet(row, begin, mask, depths, colors, cloud.surface.mode);
+            window.meet(mask, depths, colors, mode);
             (e0, e1, e2, e3) = (e0 + d0, e1 + d1, e2 + d2, e3 + d3);
             if PAINT != PLAIN {
                 place = [place[0] + place_down[0], place[1] + place_down[1], place[2] + place_down[2]];

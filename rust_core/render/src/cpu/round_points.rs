@@ -50,6 +50,7 @@ impl Block {
 /// Draws the rows of a band.
 pub(super) fn draw(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen, points: &mut Gathered, band: &mut Band<'_>) {
     let Some(diameter_px) = diameter_px(cloud.points).filter(|&diameter_px| diameter_px > 0.0) else { return };
+    let mode = cloud.surface.mode;
     let (radius_px, per_px) = (diameter_px * 0.5, 1.0 / diameter_px);
     let mut block = Block { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], inside: [false; BLOCK] };
     for refs in refs.chunks(BLOCK) {
@@ -63,13 +64,17 @@ pub(super) fn draw(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen, points
             let columns = ceil(x - radius_px - 0.5).max(0)..ceil(x + radius_px + 0.5).min(band.width);
             let depths = f32x4::splat(block.depth[i]);
             let colors = u32x4::splat(pack(points.colors[i]));
-            for row in band.rows(ceil(y - radius_px - 0.5), ceil(y + radius_px + 0.5)) {
-                let dy = (row as f32 + 0.5 - y) * per_px;
-                for begin in columns.clone().step_by(LANES) {
-                    let from = f32x4::splat(begin as f32 + 0.5 - x) + f32x4::new(LANE);
-                    let dx = from * f32x4::splat(per_px);
-                    let mask = (dx * dx + f32x4::splat(dy * dy)).simd_lt(f32x4::splat(0.25));
-                    band.meet(row, begin, mask, depths, colors, cloud.surface.mode);
+            let rows = band.rows(ceil(y - radius_px - 0.5), ceil(y + radius_px + 0.5));
+            for begin in columns.step_by(LANES) {
+                let from = f32x4::splat(begin as f32 + 0.5 - x) + f32x4::new(LANE);
+                let dx = from * f32x4::splat(per_px);
+                let dx_squared = dx * dx;
+                let mut from = rows.start as f32 + 0.5 - y;
+                for window in band.windows(rows.clone(), begin) {
+                    let dy = f32x4::splat(from * per_px);
+                    let mask = (dx_squared + dy * dy).simd_lt(f32x4::splat(0.25));
+                    window.meet(mask, depths, colors, mode);
+                    from += 1.0;
                 }
             }
         }
