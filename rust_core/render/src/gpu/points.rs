@@ -137,7 +137,19 @@ impl PointPipelines {
         let chunks = cloud.chunks.clone();
         let slot = uniforms.push(&constants(viewpoint, fixed_from_object, points))?;
         let pipeline = if points.blended { &style.blended } else { &style.opaque }.clone();
-        Some(PointsDraw { pipeline, vertices: style.vertices, chunks, slot })
+        let vertices = if shows_insides(points) { INSIDE_OUT_BOX_VERTICES } else { style.vertices };
+        Some(PointsDraw { pipeline, vertices, chunks, slot })
+    }
+}
+
+/// Vertices of a box that may show its far sides.
+const INSIDE_OUT_BOX_VERTICES: u32 = 36;
+
+/// Whether boxes may be mirrored by a negative size, so that not only their near sides can be seen.
+fn shows_insides(points: &Points) -> bool {
+    match points.style {
+        PointStyle::Boxes { size_m: [x, y, z] } => points.auto_size || x * y * z < 0.0,
+        _ => false,
     }
 }
 

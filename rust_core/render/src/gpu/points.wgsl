@@ -89,26 +89,35 @@ fn vertex_tile(@builtin(vertex_index) index: u32, point: Point) -> Splat {
     return Splat(cloud.clip_from_object * vec4f(position, 1.0), point.color, at);
 }
 
-// The three sides of a box that can be seen, two triangles each. An eye between two opposite sides sees neither.
+// The sides of a box that can be seen, two triangles each: first the three near ones, then the three far ones. An eye
+// between two opposite sides sees neither. A box of negative size is mirrored: it shows its insides, which are the far
+// sides, and both where the eye is between two.
 @vertex
 fn vertex_box(@builtin(vertex_index) index: u32, point: Point) -> Splat {
-    let axis = index / 6u;
+    let side = index / 6u;
+    let axis = side % 3u;
+    let is_far = side >= 3u;
     let in_side = index % 6u;
     let at = corner(select(in_side - 2u, in_side, in_side < 3u));
     let half_size = cloud.size * scale(point.position) * 0.5;
+    let is_mirrored = half_size.x * half_size.y * half_size.z < 0.0;
     let to_eye = cloud.eye - point.position;
-    let towards = select(-1.0, 1.0, to_eye[axis] > 0.0);
+    let near = select(-1.0, 1.0, to_eye[axis] > 0.0);
+    let towards = select(near, -near, is_far);
+    let reach = abs(half_size[axis]);
     var offset = vec3f(0.0);
-    offset[axis] = towards * half_size[axis];
+    offset[axis] = towards * reach;
     offset[(axis + 1u) % 3u] = 2.0 * at.x * half_size[(axis + 1u) % 3u];
     offset[(axis + 2u) % 3u] = 2.0 * at.y * half_size[(axis + 2u) % 3u];
     var place = cloud.clip_from_object * vec4f(point.position + offset, 1.0);
-    if to_eye[axis] * towards <= half_size[axis] {
+    let is_between = to_eye[axis] * near <= reach;
+    let is_seen = select(!is_far && !is_between, is_far || is_between, is_mirrored);
+    if !is_seen {
         place = NOWHERE;
     }
     var front = vec3f(0.6, 0.4, 0.9);
     var back = vec3f(0.6, 1.0, 0.5);
-    let shade = select(back[axis], front[axis], towards > 0.0);
+    let shade = select(back[axis], front[axis], towards * half_size[axis] > 0.0);
     return Splat(place, vec4f(point.color.rgb * shade, point.color.a), at);
 }
 
