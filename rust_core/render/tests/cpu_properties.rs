@@ -1,4 +1,5 @@
 //! What holds for every scene on the CPU renderer, whatever numbers are in it.
+#![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
 mod cpu_common;
 

@@ -160,7 +160,7 @@ pub(super) fn pack(color: [u8; 4]) -> u32 {
 #[inline]
 pub(super) fn meet(pixel: &mut u32, pixel_depth: &mut f32, depth: f32, color: [u8; 4], mode: Mode) {
     // What is no number is not drawn.
-    if mode.depth_test && !(depth <= *pixel_depth) {
+    if mode.depth_test && (depth > *pixel_depth || depth.is_nan()) {
         return;
     }
     if mode.depth_write {

@@ -77,8 +77,9 @@ impl<'a> Cloud<'a> {
         for (b, positions) in positions.chunks(BLOCK).enumerate() {
             transpose(positions, &mut places);
             self.rows(screen, &reach, &places, &mut rows);
-            for i in 0..positions.len() {
-                let (y0, y1) = (rows[0][i] as u16, rows[1][i] as u16);
+            let [first, last] = &rows;
+            for (i, (first, last)) in first.iter().zip(last).take(positions.len()).enumerate() {
+                let (y0, y1) = (*first as u16, *last as u16);
                 if y0 < y1 {
                     out.push(PointRef { index: (range.start + b * BLOCK + i) as u32, y0, y1 });
                 }

@@ -64,7 +64,7 @@ pub(super) struct Quads {
     planes: [Plane<[f32; BLOCK]>; PLANES],
 }
 
-const _: () = assert!(BLOCK <= u32::BITS as usize && BLOCK % LANES == 0);
+const _: () = assert!(BLOCK <= u32::BITS as usize && BLOCK.is_multiple_of(LANES));
 
 impl Quads {
     /// Room for the faces of a block of boxes.
@@ -257,7 +257,7 @@ fn draw_triangles(cloud: &Cloud<'_>, index: usize, screen: &Screen, band: &mut B
 /// The side of a box with this number: its axis and whether it looks along it or against it.
 #[inline(always)]
 const fn box_side(side: usize) -> (usize, bool) {
-    ([2, 0, 1][side / 2], side % 2 == 0)
+    ([2, 0, 1][side / 2], side.is_multiple_of(2))
 }
 
 #[inline(always)]
@@ -406,7 +406,7 @@ impl<const PAINT: u8> Paint<PAINT> {
             DARK_EDGED => (V::splat(0.5) + V::splat(0.5) * (edge_shade(u) * edge_shade(v)), V::ZERO),
             _ => {
                 let height = (V::splat(0.25) - (u * u + v * v)) * V::splat(4.0);
-                *mask = *mask & height.simd_gt(V::ZERO);
+                *mask &= height.simd_gt(V::ZERO);
                 (V::splat(0.8) + V::splat(0.2) * height, V::ZERO)
             }
         };

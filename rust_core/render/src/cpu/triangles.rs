@@ -179,7 +179,7 @@ impl Triangle {
         for ((pixel, depth), x) in fragments {
             let column = x as f32;
             let fragment_depth = self.depth.value(column, row).clamp(0.0, FARTHEST);
-            if surface.mode.depth_test && !(fragment_depth <= *depth) {
+            if surface.mode.depth_test && fragment_depth > *depth {
                 continue;
             }
             let w = 1.0 / self.inverse_w.value(column, row);

@@ -1,5 +1,6 @@
 //! Scenes, a camera and pictures for the tests of the CPU renderer.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses its part of this module")]
+#![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
 use std::sync::Arc;
 
