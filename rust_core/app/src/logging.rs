@@ -30,3 +30,32 @@ pub fn start(debug: bool) {
     // A second call keeps the first logger, which is the same one.
     let _ = log::set_logger(&StandardError);
 }
+
+/// An error with its causes in one line; a cause that the text before it tells already is left out.
+pub fn one_line(error: &anyhow::Error) -> String {
+    let mut line = String::new();
+    for cause in error.chain() {
+        let text = cause.to_string().replace('\n', " ");
+        if line.is_empty() {
+            line = text;
+        } else if !line.contains(&text) {
+            line = format!("{line}: {text}");
+        }
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::{anyhow, Context};
+
+    use super::*;
+
+    #[test]
+    fn a_cause_is_told_once() {
+        let error = anyhow!("no such file").context("a.bag: no such file").context("cannot render");
+        assert_eq!(one_line(&error), "cannot render: a.bag: no such file");
+        let parsed = "x".parse::<u8>().context("rate");
+        assert_eq!(one_line(&parsed.unwrap_err()), "rate: invalid digit found in string");
+    }
+}

@@ -25,6 +25,7 @@ fn main() -> ExitCode {
         }
     };
     logging::start(cli.node.log_level_debug);
+    quiet_graphics_libraries();
     let result = match &cli.command {
         Some(Command::Check(args)) => match rcs_rviz_config::load(&args.config) {
             Ok(config) => check::print(&config, &mut std::io::stdout().lock())
@@ -45,9 +46,18 @@ fn main() -> ExitCode {
         },
     };
     result.unwrap_or_else(|error| {
-        eprintln!("camera_stream: {error:#}");
+        eprintln!("camera_stream: {}", logging::one_line(&error));
         ExitCode::FAILURE
     })
+}
+
+/// libwayland complains on standard error where there is no session and so no XDG_RUNTIME_DIR, although a program that
+/// opens no window needs none. With an existing folder in its place it finds no socket there and stays silent.
+fn quiet_graphics_libraries() {
+    const RUNTIME_FOLDER: &str = "XDG_RUNTIME_DIR";
+    if std::env::var_os(RUNTIME_FOLDER).is_none() {
+        std::env::set_var(RUNTIME_FOLDER, std::env::temp_dir());
+    }
 }
 
 fn unusable(error: &dyn std::fmt::Display) -> ExitCode {

@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("projector: {error:#}");
+            eprintln!("projector: {}", logging::one_line(&error));
             ExitCode::FAILURE
         }
     }

@@ -52,7 +52,7 @@ fn main() -> ExitCode {
     match run(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("projector_window: {error:#}");
+            eprintln!("projector_window: {}", logging::one_line(&error));
             ExitCode::FAILURE
         }
     }

@@ -55,7 +55,7 @@ fn main() -> ExitCode {
     match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("publish_cloud: {error:#}");
+            eprintln!("publish_cloud: {}", logging::one_line(&error));
             ExitCode::FAILURE
         }
     }
