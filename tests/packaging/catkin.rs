@@ -1,0 +1,145 @@
+//! The catkin package: built by each of the three tools, found by rosrun, and clear about what is missing.
+//!
+//! All build into the test's own cargo folder, where everything is built already.
+
+use std::fs;
+use std::os::unix::fs::{symlink, PermissionsExt as _};
+use std::path::Path;
+
+use rcs_tests::programs::repository;
+
+use crate::{bash, said, succeed, target};
+
+const PROGRAMS: [&str; 4] = ["camera_stream", "projector", "projector_window", "publish_cloud"];
+
+/// A catkin workspace with the repository in it.
+fn workspace() -> tempfile::TempDir {
+    let workspace = tempfile::tempdir().unwrap();
+    fs::create_dir(workspace.path().join("src")).unwrap();
+    symlink(repository(), workspace.path().join("src/rviz_camera_stream")).unwrap();
+    workspace
+}
+
+fn cmake_argument() -> String {
+    format!("-DRVIZ_CAMERA_STREAM_TARGET_DIR={}", target().display())
+}
+
+/// After `source SETUP`: rosrun starts the program and roslaunch finds all that the launch files name.
+fn is_found_after(setup: &Path) {
+    let version = env!("CARGO_PKG_VERSION");
+    let printed = succeed(&format!(
+        "unset ROS_PACKAGE_PATH CMAKE_PREFIX_PATH; set +u; source {}; set -u
+         rosrun rviz_camera_stream camera_stream --version
+         for node in /camera_stream /projector /clusters /desired_object /projector_window; do
+           roslaunch --args=$node rviz_camera_stream projection.launch
+         done
+         roslaunch --args=/rviz rviz_camera_stream demo.launch
+         roslaunch --args=/image_view rviz_camera_stream projection.launch viewer:=image_view
+         roslaunch --args=/camera_stream rviz_camera_stream fetch.launch",
+        setup.display()
+    ));
+    assert!(printed.contains(&format!("camera_stream {version}")), "{printed}");
+    assert!(printed.contains("/rviz/fetch.rviz --fixed-frame base_link"), "{printed}");
+}
+
+#[test]
+fn catkin_make_builds_what_rosrun_finds() {
+    let workspace = workspace();
+    let at = workspace.path();
+    succeed(&format!("cd {} && catkin_make {}", at.display(), cmake_argument()));
+    is_found_after(&at.join("devel/setup.bash"));
+}
+
+#[test]
+fn catkin_build_installs_what_rosrun_finds() {
+    let workspace = workspace();
+    let at = workspace.path();
+    let cmake_argument = cmake_argument();
+    succeed(&format!(
+        "cd {} && catkin config --init --install --cmake-args {cmake_argument} && catkin build --no-status --no-notify",
+        at.display()
+    ));
+    is_found_after(&at.join("install/setup.bash"));
+}
+
+#[test]
+fn plain_cmake_installs_programs_and_all_that_users_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    succeed(&format!(
+        "mkdir {0}/build && cd {0}/build
+         cmake {1} {2} -DCMAKE_INSTALL_PREFIX={0}/prefix && make && make install",
+        at.display(),
+        repository().join("ros_pkg").display(),
+        cmake_argument()
+    ));
+    let prefix = at.join("prefix");
+    for program in PROGRAMS {
+        let mode = fs::metadata(prefix.join("lib/rviz_camera_stream").join(program)).unwrap().permissions().mode();
+        assert_eq!(mode & 0o111, 0o111, "{program}");
+    }
+    let share = prefix.join("share/rviz_camera_stream");
+    let mut installed = 0;
+    for folder in ["launch", "rviz", "config", "config/demo"] {
+        for entry in fs::read_dir(repository().join(folder)).unwrap() {
+            let name = entry.unwrap().file_name();
+            assert!(share.join(folder).join(&name).exists(), "{folder}/{} is not installed", name.to_string_lossy());
+            installed += 1;
+        }
+    }
+    assert!(installed > 10);
+    assert!(share.join("package.xml").is_file());
+}
+
+#[test]
+fn catkin_sees_one_package_in_the_repository() {
+    let printed =
+        succeed("python3 -c 'from catkin_pkg.packages import find_package_paths; print(find_package_paths(\".\"))'");
+    assert_eq!(printed.trim(), "['ros_pkg']");
+}
+
+/// What cmake says when PATH and HOME have only these programs, in one line.
+fn cmake_says(tools: &[(&str, &str)]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, script) in tools {
+        let path = folder.path().join(name);
+        fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    }
+    // The system's programs without a cargo that may be among them.
+    let output = bash(&format!(
+        "mkdir {0}/build {0}/bin && cd {0}/build
+         for program in /usr/bin/*; do
+           case $program in */cargo* | */rust*) ;; *) ln -s $program {0}/bin/ ;; esac
+         done
+         env -u CARGO_HOME HOME={0} PATH={0}:{0}/bin cmake {1}",
+        folder.path().display(),
+        repository().join("ros_pkg").display()
+    ));
+    assert!(!output.status.success());
+    let words = said(&output);
+    assert_eq!(words.matches("CMake Error").count(), 1, "{words}");
+    words.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_missing_rust_toolchain_is_one_clear_error() {
+    let words = cmake_says(&[]);
+    assert!(words.contains("No Rust toolchain") && words.contains("https://sh.rustup.rs"), "{words}");
+}
+
+#[test]
+fn an_old_rust_toolchain_is_one_clear_error_with_both_versions() {
+    let words = cmake_says(&[("cargo", "echo cargo 1.63.0"), ("rustc", "echo 'rustc 1.63.0 (4b91a6ea7 2022-08-08)'")]);
+    let manifest = fs::read_to_string(repository().join("Cargo.toml")).unwrap();
+    let needed = manifest.split("rust-version = \"").nth(1).unwrap().split('"').next().unwrap();
+    assert!(words.contains("too old") && words.contains("is 1.63.0;"), "{words}");
+    assert!(words.contains(&format!("needs Rust {needed} or newer")), "{words}");
+}
+
+#[test]
+fn a_broken_rust_toolchain_says_why() {
+    let broken = "echo 'error: rustup could not choose a version of rustc to run' >&2; exit 1";
+    let words = cmake_says(&[("cargo", broken), ("rustc", broken)]);
+    assert!(words.contains("does not work: error: rustup could not choose"), "{words}");
+}

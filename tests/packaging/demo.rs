@@ -1,0 +1,127 @@
+//! The command `./demo`: it shows the sample scene, and leaves nothing behind however it ends.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+use std::time::Duration;
+
+use rcs_tests::programs::repository;
+use rcs_tests::ros::Running;
+
+use crate::files::pixels;
+use crate::{bash, bash_command, said, succeed};
+
+/// Processes that have this in their environment.
+fn processes_with(environment: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir("/proc").unwrap().filter_map(Result::ok) {
+        // A process may end while it is looked at, and others' are not ours to read.
+        let Ok(variables) = fs::read(entry.path().join("environ")) else { continue };
+        if String::from_utf8_lossy(&variables).split('\0').any(|variable| variable == environment) {
+            let command = fs::read(entry.path().join("cmdline")).unwrap_or_default();
+            found.push(String::from_utf8_lossy(&command).replace('\0', " "));
+        }
+    }
+    found
+}
+
+fn master_of(printed: &str) -> String {
+    let line = printed.lines().find_map(|line| line.strip_prefix("master: "));
+    format!("ROS_MASTER_URI={}", line.unwrap_or_else(|| panic!("no master: {printed}")))
+}
+
+/// Runs the demo to its end; the picture that it saved, and what it said.
+fn show(folder: &Path, arguments: &str) -> (PathBuf, String) {
+    let file = folder.join("shown.png");
+    let printed = succeed(&format!("./demo --seconds 1 --renderer cpu --output {} {arguments}", file.display()));
+    assert_eq!(printed.lines().last(), file.to_str(), "{printed}");
+    assert_eq!(processes_with(&master_of(&printed)), Vec::<String>::new());
+    (file, printed)
+}
+
+#[test]
+fn the_projector_shows_what_the_bag_shows_pixel_for_pixel() {
+    let folder = tempfile::tempdir().unwrap();
+    // Twice: nothing of the first run is in the second one's way.
+    for _ in 0..2 {
+        let (shown, printed) = show(folder.path(), "");
+        assert!(pixels(&shown) == pixels(&repository().join("docs/images/demo.png")), "{printed}");
+        for measured in ["picture: 1280x800 rgb8 on /proj_view/image, ", "latency: "] {
+            assert!(printed.contains(measured), "{printed}");
+        }
+    }
+}
+
+#[test]
+fn image_view_shows_the_scene_though_not_pixel_for_pixel() {
+    let folder = tempfile::tempdir().unwrap();
+    let (shown, printed) = show(folder.path(), "--viewer image_view");
+    let (width, height, shown) = pixels(&shown);
+    assert_eq!((width, height), (1280, 800));
+    let (_, _, published) = pixels(&repository().join("docs/images/demo.png"));
+    // The object to grasp and the path, which nothing else on the screen resembles.
+    for colour in [[115, 210, 22], [0, 0, 255]] {
+        let count = |pixels: &[u8]| pixels.chunks_exact(3).filter(|pixel| *pixel == colour).count() as f64;
+        let share = count(&shown) / count(&published);
+        assert!((0.5..1.0).contains(&share), "{colour:?}: {share} of what was published; {printed}");
+    }
+}
+
+/// Interrupts the demo once it has printed `when`.
+fn interrupt(when: &str, signal: &str, status: i32) {
+    // A process group of its own, as a terminal gives it, with Ctrl-C in effect.
+    let script = "exec python3 -c 'import os, signal, sys
+os.setsid(); signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])' ./demo --seconds 3";
+    let mut demo = Running::start(&mut bash_command(script)).unwrap();
+    let seen = demo.line_with(when);
+    let printed = demo.lines().join("\n");
+    assert!(seen.is_some(), "{printed}\n{}", demo.errors().join("\n"));
+    succeed(&format!("kill -{signal} -- -{}", demo.id()));
+    let ended = demo.wait(Duration::from_secs(30));
+    assert_eq!(ended.and_then(|ended| ended.code()), Some(status), "{printed}");
+    assert_eq!(processes_with(&master_of(&printed)), Vec::<String>::new());
+}
+
+#[test]
+fn ctrl_c_leaves_no_process_behind() {
+    interrupt("master: ", "INT", 130);
+    interrupt("screen: ", "INT", 130);
+    interrupt("viewer: ", "INT", 130);
+    interrupt("viewer: ", "TERM", 143);
+}
+
+/// A run that fails: its status and its last line on standard error.
+fn failure(script: &str) -> (Option<i32>, String) {
+    let output: Output = bash(script);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success(), "{}", said(&output));
+    (output.status.code(), errors.lines().last().unwrap_or_default().to_owned())
+}
+
+#[test]
+fn unusable_arguments_are_told() {
+    for (arguments, word) in [
+        ("--viewer mirror", "--viewer mirror: it is projector_window or image_view"),
+        ("--renderer voodoo", "--renderer voodoo: it is auto, cpu or gpu"),
+        ("--seconds soon", "--seconds soon: it is a number"),
+        ("--output", "--output needs a value"),
+        ("--fast", "unknown option '--fast'"),
+    ] {
+        let (status, line) = failure(&format!("./demo {arguments}"));
+        assert_eq!(status, Some(2), "{arguments}");
+        assert!(line.starts_with("demo: ") && line.contains(word), "{line}");
+    }
+}
+
+#[test]
+fn a_part_that_fails_is_named_with_its_log() {
+    // A roscore that dies at once: it imports this in place of what it is made of.
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("roslaunch.py"), "raise SystemExit('the disk is full')\n").unwrap();
+    let (status, line) = failure(&format!("PYTHONPATH={} ./demo", folder.path().display()));
+    assert_eq!(status, Some(1));
+    assert!(line.contains("roscore ended: the disk is full (log: "), "{line}");
+    let log = line.split("(log: ").nth(1).and_then(|rest| rest.strip_suffix(')')).unwrap();
+    assert!(fs::read_to_string(log).unwrap().contains("the disk is full"));
+    fs::remove_dir_all(Path::new(log).parent().unwrap()).unwrap();
+}

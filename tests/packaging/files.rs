@@ -1,0 +1,132 @@
+//! The files that a user runs and copies are right: configs, projector files, the sample scene, the README.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use rcs_app::projector_file::ProjectorFile;
+use rcs_rviz_config::DisplaySettings;
+use rcs_tests::programs::{program, repository};
+
+use crate::{said, succeed};
+
+fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(repository().join(folder)).unwrap().map(|entry| entry.unwrap().path());
+    let found: Vec<_> = entries.filter(|path| path.extension().is_some_and(|found| found == extension)).collect();
+    assert!(!found.is_empty(), "{folder} has no .{extension}");
+    found
+}
+
+#[test]
+fn every_config_is_understood() {
+    for config in [files("config", "rviz"), files("rviz", "rviz")].concat() {
+        let output = Command::new(program("camera_stream")).arg("check").arg(&config).output().unwrap();
+        assert!(output.status.success(), "{}", said(&output));
+    }
+}
+
+#[test]
+fn the_old_packages_config_has_its_cameras_and_displays() {
+    let config = rcs_rviz_config::load(&repository().join("config/rviz_camera_stream.rviz")).unwrap();
+    let placed = config.placed_displays();
+    let cameras: Vec<_> = placed
+        .iter()
+        .filter_map(|placed| match &placed.display.settings {
+            DisplaySettings::CameraPub(camera) => Some((&*camera.image_topic, &*camera.camera_info_topic)),
+            _ => None,
+        })
+        .collect();
+    let expected = [("/rviz1/camera1/image", "/camera1/camera_info"), ("/rviz1/camera2/image", "/camera2/camera_info")];
+    assert_eq!(cameras, expected);
+    for class in ["rviz/Grid", "rviz/Axes", "rviz/TF"] {
+        assert!(placed.iter().any(|placed| placed.enabled && placed.display.class == class), "{class}");
+    }
+}
+
+#[test]
+fn every_projector_file_is_read_whole() {
+    for file in files("config", "yaml") {
+        let projector = ProjectorFile::read(&file).unwrap();
+        assert_eq!(projector.ignored_keys, Vec::<String>::new(), "{}", file.display());
+        assert!(!projector.camera_info.header.frame_id.is_empty(), "{}", file.display());
+        let placed = projector.frames.last().map(|frame| frame.child.clone());
+        assert_eq!(placed.as_ref(), Some(&projector.camera_info.header.frame_id), "{}", file.display());
+    }
+}
+
+#[test]
+fn the_demos_cameras_are_those_of_the_old_package() {
+    for (file, size, focal_length) in [("camera1.yaml", (640, 480), 500.0), ("camera2.yaml", (1280, 720), 300.0)] {
+        let info = ProjectorFile::read(&repository().join("config").join(file)).unwrap().camera_info;
+        assert_eq!((info.width, info.height), size);
+        assert_eq!((info.P[0], info.P[5]), (focal_length, focal_length));
+    }
+}
+
+#[test]
+fn a_fetchs_projector_hangs_on_its_torso() {
+    let projector = ProjectorFile::read(&repository().join("config/fetch_projector.yaml")).unwrap();
+    let frames: Vec<_> = projector.frames.iter().map(|frame| (&*frame.parent, &*frame.child)).collect();
+    assert_eq!(frames, [("torso_lift_link", "proj_link"), ("proj_link", "proj_view")]);
+}
+
+#[test]
+fn the_sample_scene_is_what_its_script_makes() {
+    let folder = tempfile::tempdir().unwrap();
+    succeed(&format!("scripts/make_demo_scene {}", folder.path().display()));
+    let committed = repository().join("config/demo");
+    for entry in fs::read_dir(&committed).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap();
+        let made = fs::read(folder.path().join(name)).unwrap();
+        assert!(made == fs::read(&path).unwrap(), "{} is not what scripts/make_demo_scene writes", path.display());
+    }
+}
+
+#[test]
+fn the_readmes_picture_is_what_the_demo_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawn = folder.path().join("demo.png");
+    succeed(&format!("./demo --offline --renderer cpu --output {}", drawn.display()));
+    assert!(pixels(&drawn) == pixels(&repository().join("docs/images/demo.png")), "make it anew: ./demo --offline");
+}
+
+#[test]
+fn the_documents_links_lead_somewhere() {
+    let mut links = 0;
+    for document in ["README.md", "docs/architecture.md", "docs/differences.md"] {
+        let path = repository().join(document);
+        let text = fs::read_to_string(&path).unwrap();
+        for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let target = target.split('#').next().unwrap();
+            if !target.contains("://") && !target.is_empty() {
+                assert!(path.parent().unwrap().join(target).exists(), "{document}: {target}");
+                links += 1;
+            }
+        }
+    }
+    assert!(links >= 4, "{links} links were looked at");
+}
+
+#[test]
+fn the_readme_names_every_option_that_it_explains() {
+    let text = fs::read_to_string(repository().join("README.md")).unwrap();
+    for (node, section) in [
+        ("camera_stream", "### `camera_stream"),
+        ("projector", "### `projector FILE"),
+        ("projector_window", "### `projector_window`"),
+        ("publish_cloud", "### `publish_cloud"),
+    ] {
+        let help = said(&Command::new(program(node)).arg("--help").output().unwrap());
+        let body = text.split(section).nth(1).unwrap().split("\n### ").next().unwrap();
+        for option in body.split('`').filter(|word| word.starts_with("--") && !word.contains(' ')) {
+            assert!(help.contains(option), "{node} has no {option}:\n{help}");
+        }
+    }
+}
+
+/// Width, height and RGB of a PNG.
+pub(crate) fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
+    let picture = image::open(path).unwrap().into_rgb8();
+    (picture.width(), picture.height(), picture.into_raw())
+}

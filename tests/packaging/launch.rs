@@ -1,0 +1,117 @@
+//! The launch files: which nodes they start, and that what they start shows its pictures.
+
+use rcs_tests::programs::repository;
+use rcs_tests::ros::{RosMaster, Running, PATIENCE};
+
+use crate::{bash_command, said, succeed, target};
+
+/// The nodes of a launch file with these arguments.
+fn nodes(launch: &str) -> Vec<String> {
+    let printed = succeed(&format!("{}\nroslaunch --nodes rviz_camera_stream {launch}", from_source()));
+    let mut nodes: Vec<_> = printed.lines().map(str::to_owned).collect();
+    nodes.sort();
+    nodes
+}
+
+/// The package as it lies in the repository.
+fn from_source() -> String {
+    format!("export ROS_PACKAGE_PATH={}:${{ROS_PACKAGE_PATH:-/usr/share}}", repository().join("ros_pkg").display())
+}
+
+#[test]
+fn demo_opens_rviz_when_asked_to() {
+    let cameras = ["/camera1/camera_info", "/camera2/camera_info", "/camera_stream"];
+    assert_eq!(nodes("demo.launch use_rviz:=false"), cameras);
+    assert_eq!(nodes("demo.launch use_rviz:=true"), [&cameras[..], &["/rviz"]].concat());
+    assert_eq!(nodes("demo.launch"), nodes("demo.launch use_rviz:=true"));
+}
+
+#[test]
+fn each_part_of_the_projection_can_be_replaced() {
+    let whole = ["/camera_stream", "/clusters", "/desired_object", "/projector", "/projector_window"];
+    let sample = ["/sample_markers", "/sample_path"];
+    assert_eq!(nodes("projection.launch"), [&whole[..], &sample].concat());
+    assert_eq!(nodes("projection.launch sample_scene:=false"), ["/camera_stream", "/projector", "/projector_window"]);
+    assert_eq!(nodes("projection.launch sample_scene:=false projector:=none viewer:=none"), ["/camera_stream"]);
+    let own_cloud = nodes("projection.launch sample_scene:=false viewer:=image_view clusters:=/my.pcd");
+    assert_eq!(own_cloud, ["/camera_stream", "/clusters", "/image_view", "/projector"]);
+    assert_eq!(nodes("fetch.launch"), ["/camera_stream", "/projector", "/projector_window"]);
+}
+
+#[test]
+fn an_unknown_viewer_is_refused() {
+    let script = format!("{}\nroslaunch --nodes rviz_camera_stream projection.launch viewer:=mirror", from_source());
+    let output = crate::bash(&script);
+    assert!(said(&output).contains("mirror"), "{}", said(&output));
+    assert!(!said(&output).contains("/camera_stream"), "{}", said(&output));
+}
+
+/// A devel space with the programs that are built already, and roslaunch in it; ended when it is dropped.
+struct Launched {
+    roslaunch: Running,
+    _space: tempfile::TempDir,
+}
+
+impl Launched {
+    fn start(master: &RosMaster, launch: &str) -> Self {
+        let space = tempfile::tempdir().unwrap();
+        // roslaunch looks for programs in lib/PACKAGE of the workspaces on CMAKE_PREFIX_PATH; .catkin marks one.
+        let script = format!(
+            "mkdir -p {0}/lib && ln -s {1} {0}/lib/rviz_camera_stream && echo {2} >{0}/.catkin
+             {3}
+             export CMAKE_PREFIX_PATH={0}:$CMAKE_PREFIX_PATH
+             exec roslaunch rviz_camera_stream {launch}",
+            space.path().display(),
+            target().join("release").display(),
+            repository().join("ros_pkg").display(),
+            from_source(),
+        );
+        let roslaunch = Running::start(&mut master.environment(bash_command(&script))).unwrap();
+        Self { roslaunch, _space: space }
+    }
+}
+
+impl Drop for Launched {
+    fn drop(&mut self) {
+        // It ends its nodes when it is interrupted.
+        self.roslaunch.signal("INT");
+        self.roslaunch.wait(PATIENCE);
+    }
+}
+
+/// Waits for one picture and returns what rostopic prints of it without its data.
+fn picture(master: &RosMaster, topic: &str, launched: &Launched) -> String {
+    let printed = master.output("rostopic", &["echo", "-n", "1", "--noarr", topic]).unwrap();
+    assert!(!printed.is_empty(), "{topic}: {:?} {:?}", launched.roslaunch.lines(), launched.roslaunch.errors());
+    printed
+}
+
+#[test]
+fn demo_shows_both_cameras() {
+    let master = RosMaster::start().unwrap();
+    let launched = Launched::start(&master, "demo.launch use_rviz:=false renderer:=cpu");
+    for (camera, height, width) in [("camera1", 480, 640), ("camera2", 720, 1280)] {
+        let picture = picture(&master, &format!("/rviz1/{camera}/image"), &launched);
+        assert!(picture.contains(&format!("height: {height}\nwidth: {width}\nencoding: \"rgb8\"")), "{picture}");
+        assert!(picture.contains(&format!("frame_id: \"{camera}\"")), "{picture}");
+    }
+}
+
+#[test]
+fn demo_without_a_display_says_why_rviz_does_not_open() {
+    let master = RosMaster::start().unwrap();
+    let launched = Launched::start(&master, "demo.launch use_rviz:=true renderer:=cpu");
+    assert!(launched.roslaunch.line_with("rviz's window does not open").is_some(), "{:?}", launched.roslaunch.lines());
+    picture(&master, "/rviz1/camera1/image", &launched);
+}
+
+#[test]
+fn projection_publishes_where_it_is_told() {
+    let master = RosMaster::start().unwrap();
+    let launched = Launched::start(
+        &master,
+        "projection.launch viewer:=none renderer:=cpu image_topic:=/wall/image camera_info_topic:=/wall/projector",
+    );
+    let picture = picture(&master, "/wall/image", &launched);
+    assert!(picture.contains("height: 800\nwidth: 1280"), "{picture}");
+}

@@ -1,0 +1,52 @@
+//! What a user gets and runs: the catkin package, the launch files and configs, and the commands `./demo` and `./test`.
+
+mod catkin;
+mod demo;
+mod files;
+mod launch;
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use rcs_tests::programs::{program, repository};
+
+/// A bash script in the repository's folder and in the environment of the project's scripts, run to its end.
+fn bash(script: &str) -> Output {
+    bash_command(script).output().unwrap()
+}
+
+fn bash_command(script: &str) -> Command {
+    let mut command = Command::new("bash");
+    command
+        .args(["-euo", "pipefail", "-c", &format!("source scripts/environment\n{script}")])
+        .current_dir(repository())
+        .env("LC_ALL", "C.UTF-8")
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .stdin(Stdio::null());
+    // What cargo tells the test is not for the cargo that the script calls.
+    for (name, _) in std::env::vars_os() {
+        if name.to_str().is_some_and(|name| name.starts_with("CARGO_") && name != "CARGO_HOME") {
+            command.env_remove(name);
+        }
+    }
+    command.env("CARGO_TARGET_DIR", target());
+    command
+}
+
+/// Standard output of a script that must succeed.
+fn succeed(script: &str) -> String {
+    let output = bash(script);
+    assert!(output.status.success(), "{script}\n{}", said(&output));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// All that a program said.
+fn said(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+/// Cargo's build folder, in which the running test lies.
+fn target() -> std::path::PathBuf {
+    program("camera_stream").ancestors().nth(2).map(Path::to_path_buf).unwrap()
+}
