@@ -6,6 +6,7 @@
 //! tests; neither knows of ROS.
 #![forbid(unsafe_code)]
 
+mod bounds;
 mod cpu;
 mod gpu;
 mod renderer;

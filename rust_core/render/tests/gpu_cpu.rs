@@ -1,6 +1,7 @@
 //! The GPU renderer draws the CPU renderer's picture.
 //!
 //! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;
 
@@ -25,7 +26,7 @@ const LEVELS: u8 = 16;
 const REACH_PX: i64 = 1;
 
 /// The share of pixels with content that agree at least.
-const CLOSE_ENOUGH: f64 = 0.98;
+const CLOSE_ENOUGH: f64 = 0.995;
 
 fn gpu() -> &'static Mutex<GpuRenderer> {
     static GPU: OnceLock<Mutex<GpuRenderer>> = OnceLock::new();
@@ -159,7 +160,7 @@ fn drawable() -> impl Strategy<Value = Drawable> {
 proptest! {
     // Always the same scenes: pictures of a few pixels may differ by one of them.
     #![proptest_config(ProptestConfig {
-        cases: 80,
+        cases: 400,
         rng_seed: RngSeed::Fixed(1),
         failure_persistence: None,
         ..ProptestConfig::default()

@@ -1,4 +1,5 @@
 //! Any scene is drawn without a panic and without a complaint of the GPU.
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;
 

@@ -100,8 +100,7 @@ impl<'a> Plan<'a> {
             |material: &Material| Surface::of(material, material.texture.as_ref().map(|texture| textures.get(texture)));
         let (surface, shape) = match &drawable.geometry {
             Geometry::Points(points) => {
-                let eye = camera.eye_in_object(&drawable.fixed_from_object);
-                return self.add_cloud(Cloud::new(points, placement, eye));
+                return self.add_cloud(Cloud::new(points, placement, camera, &drawable.fixed_from_object));
             }
             Geometry::Lines(lines) => {
                 let mode = Mode::new(lines.blending == Blending::Alpha);

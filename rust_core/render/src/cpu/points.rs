@@ -10,7 +10,8 @@
 
 use std::ops::Range;
 
-use rcs_scene::{PointStyle, Points};
+use nalgebra::Matrix4;
+use rcs_scene::{Camera, PointStyle, Points};
 
 use super::band::{unorm8, Band};
 use super::bins::Rows;
@@ -19,6 +20,7 @@ use super::quads::{self, Quads};
 use super::round_points;
 use super::screen::{Placement, Screen};
 use super::surface::Surface;
+use crate::bounds::Bounds;
 
 /// Points of a block.
 pub(super) const BLOCK: usize = 32;
@@ -50,6 +52,8 @@ pub(super) struct Cloud<'a> {
     pub faces: Faces<'a>,
     /// What they look like.
     pub surface: Surface,
+    camera: &'a Camera,
+    fixed_from_object: &'a Matrix4<f64>,
     /// It is not drawn.
     pub is_culled: bool,
     /// For each opacity of a colour that which is drawn; none where that is too faint.
@@ -57,15 +61,21 @@ pub(super) struct Cloud<'a> {
 }
 
 impl<'a> Cloud<'a> {
-    /// A cloud at a place. `eye` is in the cloud's frame.
-    pub(super) fn new(points: &'a Points, placement: Placement, eye: nalgebra::Point3<f32>) -> Self {
-        let faces = Faces::of(points, eye);
+    /// A cloud at a place, seen by a camera.
+    pub(super) fn new(
+        points: &'a Points,
+        placement: Placement,
+        camera: &'a Camera,
+        fixed_from_object: &'a Matrix4<f64>,
+    ) -> Self {
+        let faces = Faces::of(points, camera.eye_in_object(fixed_from_object));
         let is_box = matches!(points.style, PointStyle::Boxes { .. });
         let opacities = std::array::from_fn(|level| {
             let alpha = level as f32 / 255.0 * points.alpha;
             (is_box || is_visible(alpha)).then(|| unorm8(alpha))
         });
-        Self { points, placement, faces, surface: faces.surface(), is_culled: false, opacities }
+        let surface = faces.surface();
+        Self { points, placement, faces, surface, camera, fixed_from_object, is_culled: false, opacities }
     }
 
     /// The points of a range that may be seen, in their order, appended to `out`.
@@ -103,21 +113,8 @@ impl<'a> Cloud<'a> {
         if selected.any(is_inside) {
             return false;
         }
-        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-        for position in positions {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(position[axis]);
-                high[axis] = high[axis].max(position[axis]);
-            }
-        }
-        let mut all_outside = [true; 6];
-        for corner in 0..8 {
-            let corner = [0, 1, 2].map(|axis: usize| if corner & 1 << axis == 0 { low[axis] } else { high[axis] });
-            for (all, outside) in all_outside.iter_mut().zip(outside(corner)) {
-                *all &= outside;
-            }
-        }
-        all_outside.contains(&true)
+        let bounds = Bounds::around(positions);
+        bounds.is_none_or(|bounds| !bounds.may_be_seen(self.camera, self.fixed_from_object))
     }
 
     #[inline]

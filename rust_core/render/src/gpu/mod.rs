@@ -9,14 +9,12 @@
 //! texture    images with their mipmaps
 //! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
 //! target     the picture on the GPU and the way back
-//! bounds     which clouds Ogre leaves out
 //! ```
 //!
 //! It stays within WebGL 2's limits (no storage buffers, no compute), so that GL 3.3-class graphics do. Depth is
 //! OpenGL's, moved from −1…1 to wgpu's 0…1. A device that is lost or out of memory is given up with an error, and the
 //! next picture opens it anew.
 
-mod bounds;
 mod device;
 mod geometry;
 mod lines;

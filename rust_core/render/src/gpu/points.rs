@@ -11,12 +11,12 @@ use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Vector3};
 use rcs_scene::{PointBuffer, PointStyle, Points};
 
-use super::bounds::Bounds;
 use super::device::Device;
 use super::geometry::{is_finite, Derived, Instances, MAX_CHUNK_BYTES};
 use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
+use crate::bounds::Bounds;
 
 /// The pipelines of all styles, and the clouds that are on the GPU.
 #[derive(Debug)]
@@ -131,7 +131,7 @@ impl PointPipelines {
             bounds: Bounds::around(&cloud.positions),
             chunks: upload(device, cloud),
         });
-        if !cloud.bounds?.may_be_seen(&viewpoint.clip_from_fixed(), fixed_from_object) {
+        if !cloud.bounds?.may_be_seen(viewpoint.camera, fixed_from_object) {
             return None;
         }
         let chunks = cloud.chunks.clone();

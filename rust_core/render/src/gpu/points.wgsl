@@ -121,8 +121,9 @@ fn vertex_box(@builtin(vertex_index) index: u32, point: Point) -> Splat {
     return Splat(place, vec4f(point.color.rgb * shade, point.color.a), at);
 }
 
+// Alpha is rejected where its 8 bits are 0.
 fn drawn(color: vec3f, alpha: f32) -> vec4f {
-    if alpha < 1.0 / 255.0 {
+    if alpha < 0.5 / 255.0 {
         discard;
     }
     return vec4f(color, alpha);

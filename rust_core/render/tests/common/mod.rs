@@ -1,5 +1,6 @@
 //! What the renderers' tests share: scenes of a few lines, pixels, and how close two pictures are.
 #![allow(dead_code, reason = "each test file uses a part of it")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use std::sync::Arc;
 
