@@ -122,8 +122,9 @@ fn by_intensity(settings: &IntensitySettings, layout: &Layout, big_endian: bool,
     } else {
         let [low, high] = [settings.min_color, settings.max_color].map(|rgb| Rgba::from_rgb8(rgb, 1.0));
         let color = |value: &f32| {
-            // `max` and `min` prefer a number to a NaN, so that a NaN takes the colour of the smallest value.
-            let share = ((value - min) / range).max(0.0).min(1.0);
+            let share = (value - min) / range;
+            // Written so that a NaN takes the colour of the smallest value, as in rviz.
+            let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
             let mix = |low: f32, high: f32| high * share + low * (1.0 - share);
             Rgba::new(mix(low.r, high.r), mix(low.g, high.g), mix(low.b, high.b), 1.0).to_rgba8()
         };
