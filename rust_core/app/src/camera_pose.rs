@@ -40,7 +40,7 @@ pub enum CameraProblem {
         /// The config's "Camera Info Topic".
         topic: String,
         /// What is missing; it names both frames.
-        error: LookupError,
+        error: Box<LookupError>,
     },
 }
 
@@ -66,7 +66,7 @@ pub fn camera(
     };
     let fixed_from_optical = world
         .fixed_from(&info.header.frame_id, Time::ZERO)
-        .map_err(|error| CameraProblem::NoTransform { topic: topic.to_owned(), error })?;
+        .map_err(|error| CameraProblem::NoTransform { topic: topic.to_owned(), error: Box::new(error) })?;
     Ok(Camera::new(intrinsics, &fixed_from_optical, near_m))
 }
 
