@@ -28,7 +28,7 @@ pub fn print(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
         }
     }
     for finding in &config.findings {
-        writeln!(out, "{}:{finding}", config.source)?;
+        writeln!(out, "{}: {finding}", config.source)?;
     }
     Ok(!config.findings.iter().any(rcs_rviz_config::Finding::is_not_understood))
 }

@@ -97,7 +97,7 @@ pub struct RenderArgs {
     #[arg(short = 'o', long, value_name = "FILE.png", required_unless_present = "frames", conflicts_with = "frames")]
     pub output: Option<PathBuf>,
     /// Draw the moment this many seconds after the bag's first message; without it, after its last message
-    #[arg(long, value_name = "SECS", conflicts_with = "frames")]
+    #[arg(long, value_name = "SECS", conflicts_with = "frames", allow_negative_numbers = true)]
     pub at: Option<f64>,
     /// Write a numbered picture of every moment into this folder
     #[arg(long, value_name = "DIR")]

@@ -14,3 +14,4 @@ pub mod picture_file;
 pub mod projector_file;
 pub mod small_node;
 pub mod stage;
+mod status_log;

@@ -77,6 +77,7 @@ pub fn render(
         progress.inc(1);
     }
     progress.finish_and_clear();
+    stage.say_statuses(moments.last().copied().unwrap_or(end), true);
     Ok(())
 }
 
@@ -217,5 +218,6 @@ impl Player {
             }
         }
         stage.update(now);
+        stage.say_statuses(now, false);
     }
 }

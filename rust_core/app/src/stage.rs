@@ -15,6 +15,7 @@ use rcs_scene::Scene;
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use crate::camera_pose::{self, CameraProblem, Projection};
+use crate::status_log::StatusLog;
 
 /// A config with all that its messages have said so far.
 #[derive(Debug)]
@@ -25,6 +26,7 @@ pub struct Stage {
     meshes: MeshStore,
     camera_infos: HashMap<String, Arc<CameraInfo>>,
     warned: std::collections::HashSet<String>,
+    status_log: StatusLog,
 }
 
 impl Stage {
@@ -38,6 +40,7 @@ impl Stage {
             meshes,
             camera_infos: HashMap::new(),
             warned: std::collections::HashSet::new(),
+            status_log: StatusLog::default(),
         }
     }
 
@@ -100,6 +103,15 @@ impl Stage {
     pub fn update(&mut self, now: Time) -> bool {
         let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
         self.displays.update(&world)
+    }
+
+    /// Says in the log what is wrong with the displays; `is_end` when nothing more will come.
+    pub fn say_statuses(&mut self, now: Time, is_end: bool) {
+        if is_end {
+            self.status_log.conclude(&self.displays, now);
+        } else {
+            self.status_log.look(&self.displays, now);
+        }
     }
 
     /// The scene as of the last update.

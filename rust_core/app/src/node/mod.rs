@@ -127,6 +127,7 @@ impl<'a> Node<'a> {
                 self.scene_version += u64::from(self.stage.update(now));
             }
             self.publish(now)?;
+            self.stage.say_statuses(now, false);
         }
         Ok(())
     }
