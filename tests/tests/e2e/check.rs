@@ -1,0 +1,68 @@
+//! `camera_stream check`.
+
+use rcs_tests::programs::{program, repository};
+use rcs_tests::stand::{config, CameraPub, CLOUD};
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn check(file: &Path) -> Output {
+    Command::new(program("camera_stream")).arg("check").arg(file).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn file(content: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.rviz");
+    std::fs::write(&path, content).unwrap();
+    (folder, path)
+}
+
+#[test]
+fn what_is_understood_is_listed_with_class_topic_and_line_and_gives_0() {
+    let disabled = "{Class: rviz/Axes, Name: off, Enabled: false}";
+    let later = "{Class: rviz/RobotModel, Name: robot, Enabled: true}";
+    let (_folder, path) = file(&config(&[CLOUD, disabled, later], &[CameraPub::default()]));
+    let output = check(&path);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let line = |words: &[&str]| said.lines().filter(|line| words.iter().all(|word| line.contains(word))).count();
+    assert_eq!(line(&["line    3", "rviz/PointCloud2", "drawn", "cloud", "/cloud"]), 1, "{said}");
+    assert_eq!(line(&["line    4", "rviz/Axes", "disabled", "off"]), 1, "{said}");
+    assert_eq!(line(&["line    6", "CameraPub", "camera", "/view/image"]), 1, "{said}");
+    assert_eq!(line(&["line    5", "rviz/RobotModel", "robot"]), 1, "{said}");
+    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn what_is_not_understood_is_named_with_its_line_and_gives_1() {
+    let unknown_key = "{Class: rviz/Grid, Name: g, Enabled: true, Sparkle: 3}";
+    let unknown_class = "{Class: fancy_plugins/Hologram, Name: h, Enabled: true}";
+    let (_folder, path) = file(&config(&[CLOUD, unknown_key, unknown_class], &[CameraPub::default()]));
+    let output = check(&path);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let name = path.display().to_string();
+    let finding = |line: &str, word: &str| {
+        let is_it = |l: &&str| l.starts_with(&format!("{name}: line {line}:")) && l.contains(word);
+        said.lines().filter(is_it).count()
+    };
+    assert_eq!(finding("4", "Sparkle"), 1, "{said}");
+    assert_eq!(finding("5", "fancy_plugins/Hologram"), 1, "{said}");
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_one_line_and_gives_2() {
+    let (_folder, broken) = file("Visualization Manager:\n  Displays: [\n");
+    let (_other, none) = file("just: this\n");
+    for path in [broken.as_path(), none.as_path(), Path::new("/nowhere/scene.rviz"), &repository()] {
+        let output = check(path);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+        assert!(said.contains(&path.display().to_string()), "{said}");
+        assert!(output.stdout.is_empty());
+    }
+}

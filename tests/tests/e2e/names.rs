@@ -1,0 +1,72 @@
+//! ROS's names on the command line, and rviz's arguments.
+
+use rcs_tests::programs::program;
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
+use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
+use std::process::Command;
+
+#[test]
+fn topics_and_the_nodes_name_and_namespace_are_remapped() {
+    let camera = CameraPub { image: "view/image", namespace: "lamp", ..CameraPub::default() };
+    let args = ["/cloud:=/other", "__name:=projector_eye", "__ns:=/robot", "/eye/camera_info:=/lens/camera_info"];
+    let stand = Stand::start(&config(&[CLOUD], &[camera]), &args).unwrap();
+    stand.puppet("latch('/tf_static', tf('map', 'eye'))");
+    stand.puppet("latch('/lens/camera_info', info()); latch('/cloud', cloud(0x0000ff))");
+    stand.puppet("latch('/other', cloud(0xff0000)); eye = Eye('/robot/lamp/view/image')");
+    stand.wait_for("eye.middle() == (255, 0, 0)");
+    assert_eq!(
+        stand.puppet("trigger('/robot/lamp/camera_trigger')"),
+        "(True, 'New image will be published on: /robot/lamp/view/image')"
+    );
+    let nodes = stand.master.output("rosnode", &["list"]).unwrap();
+    assert!(nodes.lines().any(|node| node == "/robot/projector_eye"), "{nodes}");
+    assert_eq!(stand.puppet("{i[6] for i in eye.infos}"), "{'/robot/projector_eye'}");
+}
+
+#[test]
+fn an_image_topic_is_remapped_and_answers_with_its_new_name() {
+    let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &["/view/image:=/wall/picture"]).unwrap();
+    stand.puppet("latch('/tf_static', tf('map', 'eye'))");
+    stand.puppet("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); eye = Eye('/wall/picture')");
+    stand.wait_for("eye.middle() == (255, 0, 0)");
+    let answer = "(True, 'New image will be published on: /wall/picture')";
+    assert_eq!(stand.puppet("trigger('/camera_trigger')"), answer);
+}
+
+#[test]
+fn the_renderer_is_chosen_by_a_private_parameter() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.rviz");
+    std::fs::write(&file, config(&[], &[CameraPub::default()])).unwrap();
+    let master = RosMaster::start().unwrap();
+    let start = |name: &str, args: &[&str]| {
+        let mut command = master.environment(Command::new(program("camera_stream")));
+        Running::start(command.arg("-d").arg(&file).arg(format!("__name:={name}")).args(args)).unwrap()
+    };
+    let cpu = start("first", &["_renderer:=cpu"]);
+    let says = |node: &Running, text: &str| {
+        assert!(
+            wait_until(PATIENCE, || node.errors().iter().any(|line| line.contains(text))),
+            "{text}: {:?}",
+            node.errors()
+        );
+    };
+    says(&cpu, "with cpu");
+    let mut unknown = start("second", &["_renderer:=voodoo"]);
+    assert_eq!(unknown.wait(PATIENCE).unwrap().code(), Some(1));
+    says(&unknown, "voodoo");
+    assert_eq!(unknown.errors().len(), 1, "{:?}", unknown.errors());
+    // The command line goes before the parameter.
+    let both = start("third", &["_renderer:=voodoo", "--renderer", "cpu"]);
+    says(&both, "with cpu");
+}
+
+#[test]
+fn rvizs_arguments_of_a_launch_file_are_taken() {
+    let args = ["--splash-screen", "", "--no-stereo", "-l", "__log:=/dev/null", "--fixed-frame", "world"];
+    let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &args).unwrap();
+    stand.puppet("latch('/tf_static', tf('world', 'eye'))");
+    stand.puppet("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000, 'world'))");
+    stand.puppet("eye = Eye('/view/image')");
+    stand.wait_for("eye.middle() == (255, 0, 0)");
+}

@@ -1,0 +1,195 @@
+//! `camera_stream render`.
+
+use rcs_tests::programs::{case, program, repository};
+use rcs_tests::ros::RosMaster;
+use rcs_tests::stand::{config, CameraPub, CLOUD};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Runs `render` in a folder of its own.
+struct Render {
+    folder: tempfile::TempDir,
+}
+
+impl Render {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn run(&self, arguments: &str) -> Output {
+        let mut command = Command::new(program("camera_stream"));
+        command.arg("render").args(arguments.split_whitespace()).args(["--renderer", "cpu"]);
+        command.env_remove("ROS_PACKAGE_PATH").current_dir(self.folder.path()).output().unwrap()
+    }
+
+    /// Runs it to a good end, of which nothing is said.
+    fn good(&self, arguments: &str) {
+        let output = self.run(arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments}: {said}");
+        assert_eq!((&*said, &*output.stdout), ("", &b""[..]), "{arguments}: nothing is said on a pipe");
+    }
+
+    /// Runs it to a bad end, and returns the one line that is said.
+    fn bad(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(matches!(output.status.code(), Some(1 | 2)), "{arguments}: {:?} {said}", output.status);
+        let errors: Vec<&str> = said.lines().filter(|line| !line.starts_with("[ WARN]")).collect();
+        assert_eq!(errors.len(), 1, "{arguments}: {said}");
+        errors[0].to_owned()
+    }
+
+    fn pixel(&self, picture: &str, x: u32, y: u32) -> [u8; 3] {
+        image::open(self.path(picture)).unwrap().to_rgb8().get_pixel(x, y).0
+    }
+
+    /// Makes a bag with Python: `bag`, and what the puppet knows.
+    fn bag(&self, name: &str, script: &str) {
+        let knowledge = include_str!("../../src/puppet.py").split("\nrospy.init_node").next().unwrap();
+        let path = self.path(name);
+        let script = format!(
+            "{knowledge}\nimport rosbag\nat = rospy.Time\nbag = rosbag.Bag('{}', 'w')\n{script}\nbag.close()\n",
+            path.display()
+        );
+        let master = RosMaster::reserve().unwrap();
+        let output = master.command("python3").args(["-c", &script]).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+
+    /// A config `scene.rviz` with one camera, and `scene.bag`: red from 100 s, green from 101 s, blue from 102 s to 103 s.
+    fn with_scene() -> Self {
+        let render = Self::new();
+        fs::write(render.path("scene.rviz"), config(&[CLOUD], &[CameraPub::default()])).unwrap();
+        render.bag(
+            "scene.bag",
+            "bag.write('/tf_static', tf('map', 'eye'), at(100))\n\
+             bag.write('/eye/camera_info', info(), at(100))\n\
+             for secs, color in [(100, 0xff0000), (101, 0x00ff00), (102, 0x0000ff)]:\n\
+             \x20   bag.write('/cloud', cloud(color), at(secs))\n\
+             bag.write('/eye/camera_info', info(), at(103))",
+        );
+        render
+    }
+}
+
+fn case_arguments(case: &Path) -> String {
+    format!("-d {} --bag {}", case.join("scene.rviz").display(), case.join("scene.bag").display())
+}
+
+#[test]
+fn the_last_moment_is_drawn_or_the_one_that_is_asked_for() {
+    let render = Render::with_scene();
+    let times = [("", [0, 0, 255]), ("--at 0", [255, 0, 0]), ("--at 1.5", [0, 255, 0]), ("--at 102", [0, 0, 255])];
+    for (at, color) in times {
+        render.good(&format!("-d scene.rviz --bag scene.bag -o out.png {at}"));
+        assert_eq!(render.pixel("out.png", 32, 24), color, "{at}");
+    }
+    assert!(render.bad("-d scene.rviz --bag scene.bag -o out.png --at -1").contains("-1"));
+}
+
+#[test]
+fn a_sequence_is_numbered_and_covers_the_bag() {
+    let render = Render::with_scene();
+    render.good("-d scene.rviz --bag scene.bag --frames new/folder --rate 2");
+    let mut names: Vec<String> = fs::read_dir(render.path("new/folder"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, (0..7).map(|i| format!("frame_{i:06}.png")).collect::<Vec<_>>());
+    let colors: Vec<[u8; 3]> = names.iter().map(|name| render.pixel(&format!("new/folder/{name}"), 32, 24)).collect();
+    let (red, green, blue) = ([255, 0, 0], [0, 255, 0], [0, 0, 255]);
+    assert_eq!(colors, [red, red, green, green, blue, blue, blue]);
+    for rate in ["0", "-3", "NaN"] {
+        let said = render.bad(&format!("-d scene.rviz --bag scene.bag --frames folder --rate={rate}"));
+        assert!(said.contains("--rate"), "{said}");
+    }
+}
+
+#[test]
+fn one_of_several_cameras_is_chosen_by_name() {
+    let render = Render::with_scene();
+    let camera = |name, background| CameraPub { name, background, ..CameraPub::default() };
+    let cameras = [camera("Left", "1; 2; 3"), camera("Right", "4; 5; 6")];
+    fs::write(render.path("two.rviz"), config(&[], &cameras)).unwrap();
+    render.good("-d two.rviz --bag scene.bag -o out.png --camera Right");
+    assert_eq!(render.pixel("out.png", 0, 0), [4, 5, 6]);
+    let said = render.bad("-d two.rviz --bag scene.bag -o out.png");
+    assert!(said.contains("--camera") && said.contains("Left, Right"), "{said}");
+    let said = render.bad("-d two.rviz --bag scene.bag -o out.png --camera Up");
+    assert!(said.contains("Up") && said.contains("Left, Right"), "{said}");
+    fs::write(render.path("none.rviz"), config(&[CLOUD], &[])).unwrap();
+    assert!(render.bad("-d none.rviz --bag scene.bag -o out.png").contains("CameraPub"));
+}
+
+#[test]
+fn errors_name_the_file_the_topic_or_the_frame() {
+    let render = Render::with_scene();
+    fs::write(render.path("broken.bag"), b"#ROSBAG V2.0\nand nothing more").unwrap();
+    fs::write(render.path("text.bag"), b"no bag at all").unwrap();
+    render.bag("no_camera.bag", "bag.write('/cloud', cloud(1), at(1))");
+    render.bag("no_frame.bag", "bag.write('/eye/camera_info', info(), at(1))");
+    render.bag(
+        "bad_info.bag",
+        "bag.write('/tf_static', tf('map', 'eye'), at(1))\nbag.write('/eye/camera_info', info(width=0), at(1))",
+    );
+    render.bag("empty.bag", "");
+    let cases: [(&str, &[&str]); 12] = [
+        ("-d scene.rviz --bag missing.bag -o out.png", &["missing.bag"]),
+        ("-d missing.rviz --bag scene.bag -o out.png", &["missing.rviz"]),
+        ("-d scene.rviz --bag broken.bag -o out.png", &["broken.bag"]),
+        ("-d scene.rviz --bag text.bag -o out.png", &["text.bag"]),
+        ("-d scene.rviz --bag empty.bag -o out.png", &["empty.bag"]),
+        ("-d scene.rviz --bag no_camera.bag -o out.png", &["no_camera.bag", "/eye/camera_info"]),
+        ("-d scene.rviz --bag no_frame.bag -o out.png", &["no_frame.bag", "eye", "map"]),
+        ("-d scene.rviz --bag bad_info.bag -o out.png", &["bad_info.bag", "/eye/camera_info", "width"]),
+        ("-d scene.rviz --bag scene.bag -o no/folder/out.png", &["no/folder/out.png"]),
+        ("-d scene.rviz --bag scene.bag --frames scene.bag", &["scene.bag"]),
+        ("-d scene.rviz --bag scene.bag -o out.png -f nowhere", &["eye", "nowhere"]),
+        (
+            "-d scene.rviz --bag scene.bag -o out.png --param robot_description=no.urdf",
+            &["robot_description", "no.urdf"],
+        ),
+    ];
+    for (arguments, words) in cases {
+        let said = render.bad(arguments);
+        assert!(words.iter().all(|word| said.contains(word)), "{arguments}: {said}");
+        assert!(!render.path("out.png").exists(), "{arguments}: no picture of an error");
+    }
+}
+
+#[test]
+fn compressed_bags_are_read() {
+    let render = Render::new();
+    let case = case("pc2_flat_squares_rgb8");
+    render.good(&format!("{} -o plain.png", case_arguments(&case)));
+    let plain = fs::read(render.path("plain.png")).unwrap();
+    let master = RosMaster::reserve().unwrap();
+    for compression in ["bz2", "lz4"] {
+        let bag = render.path(&format!("{compression}.bag"));
+        fs::copy(case.join("scene.bag"), &bag).unwrap();
+        let before = fs::metadata(&bag).unwrap().len();
+        master.output("rosbag", &["compress", &format!("--{compression}"), "-q", bag.to_str().unwrap()]).unwrap();
+        assert!(fs::metadata(&bag).unwrap().len() < before, "{compression}: it was compressed");
+        render.good(&format!("-d {} --bag {} -o out.png", case.join("scene.rviz").display(), bag.display()));
+        assert!(fs::read(render.path("out.png")).unwrap() == plain, "{compression}");
+    }
+}
+
+#[test]
+fn packages_of_meshes_are_found_where_the_command_line_says() {
+    let render = Render::new();
+    let case = case("marker_mesh_stl");
+    let assets = repository().join("tests/conformance/assets");
+    render.good(&format!("{} -o with.png --package-path {}", case_arguments(&case), assets.display()));
+    let output = render.run(&format!("{} -o without.png", case_arguments(&case)));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.contains("package://"), "a mesh that is missing is told: {said}");
+    assert!(fs::read(render.path("with.png")).unwrap() != fs::read(render.path("without.png")).unwrap());
+}

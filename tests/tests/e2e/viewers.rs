@@ -1,0 +1,127 @@
+//! What others do with the picture: ROS's tools, and the projector's window.
+
+use rcs_tests::programs::program;
+use rcs_tests::puppet::Puppet;
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
+use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+const WIDTH_PX: usize = 640;
+const HEIGHT_PX: usize = 360;
+
+/// A node with a picture of that size: a scene with something of every colour.
+fn stand() -> Stand {
+    let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Color: 20; 200; 90, Plane: XY}";
+    let camera = CameraPub { background: "10; 20; 200", ..CameraPub::default() };
+    let stand = Stand::start(&config(&[CLOUD, grid], &[camera]), &[]).unwrap();
+    stand.puppet("latch('/tf_static', tf('map', 'eye', q=(0.2, 0.1, 0, 0.95 ** 0.5)))");
+    stand.puppet(format!("latch('/eye/camera_info', info(width={WIDTH_PX}, height={HEIGHT_PX}, f=300))"));
+    stand.puppet("latch('/cloud', cloud(0xff8000, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
+    stand
+}
+
+#[test]
+fn rostopic_sees_the_picture_its_rate_and_its_type() {
+    let stand = stand();
+    let said = stand.master.output("rostopic", &["type", "/view/image"]).unwrap();
+    assert_eq!(said.trim(), "sensor_msgs/Image");
+    let said = stand.master.output("rostopic", &["echo", "-n1", "--noarr", "/view/image"]).unwrap();
+    for line in ["frame_id: \"eye\"", "height: 360", "width: 640", "encoding: \"rgb8\"", "step: 1920"] {
+        assert!(said.contains(line), "{line}: {said}");
+    }
+    let said = stand.master.output("rostopic", &["echo", "-n1", "/view/camera_info"]).unwrap();
+    assert!(said.contains("frame_id: \"eye\"") && said.contains("distortion_model"), "{said}");
+    let hz = Running::start(stand.master.command("rostopic").args(["hz", "-w", "30", "/view/image"])).unwrap();
+    let average = || hz.lines().iter().rev().find_map(|line| line.split("average rate: ").nth(1)?.parse::<f64>().ok());
+    let is_steady = || average().is_some_and(|rate| (20.0..36.0).contains(&rate));
+    assert!(wait_until(PATIENCE, is_steady), "{:?} {:?}", hz.lines(), hz.errors());
+}
+
+#[test]
+fn rosbag_records_the_picture_as_it_was_sent() {
+    let stand = stand();
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("recorded.bag");
+    let mut command = stand.master.command("rosbag");
+    let mut recorder =
+        Running::start(command.args(["record", "-l", "5", "-O"]).arg(&bag).args(["/view/image", "/view/camera_info"]))
+            .unwrap();
+    assert!(recorder.wait(PATIENCE).is_some(), "{:?} {:?}", recorder.lines(), recorder.errors());
+    stand.puppet("import rosbag");
+    stand.puppet(format!("messages = list(rosbag.Bag('{}').read_messages())", bag.display()));
+    let all = "sorted({(m.topic, m.message.width, m.message.height, m.message.header.frame_id) for m in messages})";
+    let expected = "[('/view/camera_info', 640, 360, 'eye'), ('/view/image', 640, 360, 'eye')]";
+    assert_eq!(stand.puppet(all), expected);
+}
+
+/// An X server with a window manager, and what its screen shows.
+struct Screen {
+    display: String,
+    folder: tempfile::TempDir,
+    _manager: Running,
+    _server: Running,
+}
+
+impl Screen {
+    fn start() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = Command::new("Xvfb");
+        command.args(["-displayfd", "1", "-screen", "0", &format!("{WIDTH_PX}x{HEIGHT_PX}x24"), "-nolisten", "tcp"]);
+        let server = Running::start(command.arg("-fbdir").arg(folder.path())).unwrap();
+        assert!(wait_until(PATIENCE, || !server.lines().is_empty()), "{:?}", server.errors());
+        let display = format!(":{}", server.lines()[0].trim());
+        let manager = Running::start(Command::new("openbox").env("DISPLAY", &display)).unwrap();
+        Self { display, folder, _manager: manager, _server: server }
+    }
+
+    /// The screen's pixels, three bytes each: the server keeps them in a file in xwd's format.
+    fn pixels(&self) -> Vec<u8> {
+        let xwd = fs::read(self.folder.path().join("Xvfb_screen0")).unwrap();
+        let word = |index: usize| u32::from_be_bytes(xwd[index * 4..index * 4 + 4].try_into().unwrap()) as usize;
+        // Words of XWDFileHeader: size of the header, width, height, bits a pixel, bytes a line, colours.
+        let (header, bits, line, colors) = (word(0), word(11), word(12), word(19));
+        assert_eq!((word(4), word(5), bits), (WIDTH_PX, HEIGHT_PX, 32));
+        let rows = xwd[header + colors * 12..].chunks_exact(line).take(HEIGHT_PX);
+        rows.flat_map(|row| row[..WIDTH_PX * 4].chunks_exact(4).flat_map(|p| [p[2], p[1], p[0]])).collect()
+    }
+}
+
+/// Starts the window on a screen.
+fn window(master: &RosMaster, screen: &Screen, args: &[&str]) -> Running {
+    let mut command = master.environment(Command::new(program("projector_window")));
+    command.env("DISPLAY", &screen.display).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+    Running::start(command.args(args)).unwrap()
+}
+
+fn saved(puppet: &Puppet, file: &Path) -> Vec<u8> {
+    puppet.run(format!("eye.save('{}')", file.display())).unwrap();
+    fs::read(file).unwrap()
+}
+
+#[test]
+fn the_projectors_window_shows_the_picture_pixel_for_pixel_over_the_whole_screen() {
+    let screen = Screen::start();
+    let stand = stand();
+    let screenshot = screen.folder.path().join("screenshot.png");
+    let mut window =
+        window(&stand.master, &screen, &["image:=/view/image", "--screenshot", screenshot.to_str().unwrap()]);
+    stand.puppet("eye = Eye('/view/image')");
+    stand.wait_for("eye.last is not None and len({i[6] for i in eye.images[-10:]}) == 1 and len(eye.images) > 20");
+    let file = screen.folder.path().join("picture");
+    let is_shown = || saved(&stand.puppet, &file) == screen.pixels();
+    assert!(wait_until(PATIENCE, is_shown), "{:?}", window.errors());
+    let picture = saved(&stand.puppet, &file);
+    for color in [[10, 20, 200], [255, 128, 0]] {
+        assert!(picture.chunks_exact(3).filter(|pixel| *pixel == color).count() > 100, "{color:?} is in the picture");
+    }
+    // A changed scene is on the wall at once.
+    stand.puppet("latch('/cloud', cloud(0xff00ff, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
+    stand.wait_for("bytes([255, 0, 255]) * 9 in eye.last.data");
+    assert!(wait_until(PATIENCE, is_shown), "{:?}", window.errors());
+    assert!(image::open(&screenshot).unwrap().to_rgb8().into_raw().len() == WIDTH_PX * HEIGHT_PX * 3);
+    window.signal("TERM");
+    assert_eq!(window.wait(Duration::from_secs(10)).unwrap().code(), Some(0), "{:?}", window.errors());
+}
