@@ -1,4 +1,5 @@
 //! What a user gets and runs: the catkin package, the launch files and configs, and the commands `./demo` and `./test`.
+#![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
 
 mod catkin;
 mod demo;
