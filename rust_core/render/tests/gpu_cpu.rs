@@ -99,8 +99,6 @@ fn material() -> impl Strategy<Value = Material> {
             lighting: if lit {
                 Lighting::Lit {
                     diffuse: Rgba::new(red, 0.5, 1.0, if translucent { alpha } else { 1.0 }),
-                    specular: Rgba::TRANSPARENT,
-                    shininess: 0.0,
                     emissive: Rgba::new(glow, 0.1, 0.0, 1.0),
                 }
             } else {

@@ -278,12 +278,7 @@ fn a_lit_surface_is_as_bright_as_it_faces_the_light_and_black_without() {
     scene.light = None;
     assert_eq!(pixel(&drawn_on(&scene, &camera, [9; 3]), 10, 10), [0; 3]);
     let glowing = Material {
-        lighting: Lighting::Lit {
-            diffuse: color,
-            specular: Rgba::TRANSPARENT,
-            shininess: 0.0,
-            emissive: Rgba::new(0.2, 0.0, 0.4, 1.0),
-        },
+        lighting: Lighting::Lit { diffuse: color, emissive: Rgba::new(0.2, 0.0, 0.4, 1.0) },
         ..Material::lit(color)
     };
     scene.drawables = vec![at(0.0, 0.0, 2.0, colored_square(Rgba::WHITE, glowing))];

@@ -66,12 +66,7 @@ impl MeshMaterial {
     /// `double_sided` is not heeded), opaque. Specular is left out, see [`MeshMaterial::specular`].
     pub fn to_scene(&self) -> Material {
         Material {
-            lighting: Lighting::Lit {
-                diffuse: self.diffuse,
-                specular: Rgba::TRANSPARENT,
-                shininess: 0.0,
-                emissive: self.emissive,
-            },
+            lighting: Lighting::Lit { diffuse: self.diffuse, emissive: self.emissive },
             texture: self.texture.clone(),
             ..Material::lit(Rgba::WHITE)
         }

@@ -34,15 +34,11 @@ pub enum CullMode {
 pub enum Lighting {
     /// The vertex colour where the mesh has one, else white.
     Unlit,
-    /// `emissive + diffuse · max(0, n·l) + specular · max(0, n·h)^shininess` at each vertex, clamped to 1; the
-    /// diffuse alpha is the surface's alpha. Without a light, emissive alone.
+    /// `emissive + diffuse · max(0, n·l)` at each vertex, clamped to 1; the diffuse alpha is the surface's alpha.
+    /// Without a light, emissive alone. rviz's light has no specular part, so there is none here.
     Lit {
         /// Diffuse colour and opacity. Replaced by the vertex colour where [`Material::vertex_colors`] is set.
         diffuse: Rgba,
-        /// Specular colour; rviz uses black nearly everywhere.
-        specular: Rgba,
-        /// Specular exponent; specular is left out at 0.
-        shininess: f32,
         /// Colour given off in the dark.
         emissive: Rgba,
     },
@@ -112,12 +108,7 @@ impl Material {
     pub fn lit(color: Rgba) -> Self {
         let translucent = color.a < Self::OPAQUE_FROM_ALPHA;
         Self {
-            lighting: Lighting::Lit {
-                diffuse: color,
-                specular: Rgba::TRANSPARENT,
-                shininess: 0.0,
-                emissive: Rgba::TRANSPARENT,
-            },
+            lighting: Lighting::Lit { diffuse: color, emissive: Rgba::TRANSPARENT },
             vertex_colors: false,
             texture: None,
             blending: if translucent { Blending::Alpha } else { Blending::Replace },

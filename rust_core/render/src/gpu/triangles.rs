@@ -88,14 +88,12 @@ struct GpuVertex {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Surface {
     clip_from_object: [[f32; 4]; 4],
-    view_from_object: [[f32; 4]; 4],
     view_from_normal: [[f32; 4]; 3],
     to_light: [f32; 3],
-    shininess: f32,
+    _padding: f32,
     diffuse: [f32; 4],
-    specular: [f32; 3],
+    emissive: [f32; 3],
     flags: u32,
-    emissive: [f32; 4],
 }
 
 const LIT: u32 = 1;
@@ -287,24 +285,20 @@ fn surface(
     }
     let mut surface = Surface {
         clip_from_object,
-        view_from_object: columns(view_from_object),
         view_from_normal: [0, 1, 2].map(|i| {
             let [x, y, z] = [0, 1, 2].map(|row| view_from_normal[(row, i)] as f32);
             [x, y, z, 0.0]
         }),
         to_light: viewpoint.to_light.unwrap_or_default(),
-        shininess: 0.0,
+        _padding: 0.0,
         diffuse: [1.0; 4],
-        specular: [0.0; 3],
+        emissive: [0.0; 3],
         flags,
-        emissive: [0.0; 4],
     };
-    if let Lighting::Lit { diffuse, specular, shininess, emissive } = material.lighting {
+    if let Lighting::Lit { diffuse, emissive } = material.lighting {
         surface.flags |= LIT;
-        surface.shininess = shininess;
         surface.diffuse = diffuse.to_array();
-        surface.specular = [specular.r, specular.g, specular.b];
-        surface.emissive = emissive.to_array();
+        surface.emissive = [emissive.r, emissive.g, emissive.b];
     }
     surface
 }

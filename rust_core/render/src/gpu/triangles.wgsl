@@ -2,14 +2,11 @@
 
 struct Surface {
     clip_from_object: mat4x4f,
-    view_from_object: mat4x4f,
     view_from_normal: mat3x3f,
     to_light: vec3f,        // unit vector in the view frame, zero when there is no light
-    shininess: f32,
     diffuse: vec4f,
-    specular: vec3f,
-    flags: u32,
     emissive: vec3f,
+    flags: u32,
 }
 
 const LIT: u32 = 1u;
@@ -37,7 +34,7 @@ fn is(flag: u32) -> bool {
     return (surface.flags & flag) != 0u;
 }
 
-// The fixed-function light of one directional source, with a local viewer.
+// The fixed-function light of one directional source.
 fn lit(vertex: Vertex) -> vec4f {
     var normal = surface.view_from_normal * vertex.normal;
     let length_squared = dot(normal, normal);
@@ -49,11 +46,6 @@ fn lit(vertex: Vertex) -> vec4f {
     var color = surface.emissive;
     if towards_light > 0.0 {
         color += diffuse.rgb * towards_light;
-        if surface.shininess > 0.0 {
-            let position = (surface.view_from_object * vec4f(vertex.position, 1.0)).xyz;
-            let halfway = normalize(surface.to_light + normalize(-position));
-            color += surface.specular * pow(max(dot(normal, halfway), 0.0), surface.shininess);
-        }
     }
     return clamp(vec4f(color, diffuse.a), vec4f(0.0), vec4f(1.0));
 }
