@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod axes;
+mod bounds;
 mod display;
 mod frame;
 mod grid;

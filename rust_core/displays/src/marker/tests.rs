@@ -1,3 +1,5 @@
+//! Markers of every kind and action, by the drawables that they become.
+
 use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};

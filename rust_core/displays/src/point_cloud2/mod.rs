@@ -16,6 +16,7 @@ use rcs_rviz_config::{PointCloud2Settings, PointStyle as StyleSetting};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, RenderGroup};
 use rcs_transforms::Time;
 
+use crate::bounds::middle;
 use crate::display::{Display, TopicRequest};
 use crate::placed::Incoming;
 use crate::{Level, Statuses, World};
@@ -82,7 +83,7 @@ impl PointCloud2Display {
             StyleSetting::Boxes => PointStyle::Boxes { size_m: [size_m; 3] },
         };
         // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.
-        let sort_point = points::middle(&buffer.positions);
+        let sort_point = middle(buffer.positions.iter().copied());
         let points = Points {
             buffer: Arc::new(buffer),
             style,

@@ -30,16 +30,3 @@ pub(crate) fn read(cloud: &PointCloud2, layout: &Layout, coloring: &Coloring<'_>
     };
     PointBuffer { positions, colors }
 }
-
-/// The middle of the box around positions; zero without any.
-pub(crate) fn middle(positions: &[[f32; 3]]) -> [f32; 3] {
-    let Some(&first) = positions.first() else { return [0.0; 3] };
-    let (mut low, mut high) = (first, first);
-    for position in positions {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(position[axis]);
-            high[axis] = high[axis].max(position[axis]);
-        }
-    }
-    [0, 1, 2].map(|axis| low[axis] + (high[axis] - low[axis]) * 0.5)
-}
