@@ -5,8 +5,8 @@ use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
 use std::time::Duration;
 
 /// A node with one camera at `eye` in front of a red cloud, and an eye on its picture.
-fn stand(camera: CameraPub) -> Stand {
-    let stand = Stand::start(&config(&[CLOUD], &[camera.clone()]), &[]).unwrap();
+fn stand(camera: &CameraPub) -> Stand {
+    let stand = Stand::start(&config(&[CLOUD], std::slice::from_ref(camera)), &[]).unwrap();
     stand.puppet("latch('/tf_static', tf('map', 'eye'))");
     stand.puppet("latch('/cloud', cloud(0xff0000))");
     stand.puppet(format!("eye = Eye('{}')", camera.image));
@@ -15,7 +15,7 @@ fn stand(camera: CameraPub) -> Stand {
 
 #[test]
 fn image_and_camera_info_have_the_same_stamp_number_and_frame() {
-    let stand = stand(CameraPub::default());
+    let stand = stand(&CameraPub::default());
     stand.puppet("latch('/eye/camera_info', info())");
     stand.wait_for("len(eye.images) > 20 and len(eye.infos) > 20");
     // Of each pair the later message may still be on its way.
@@ -34,7 +34,7 @@ fn image_and_camera_info_have_the_same_stamp_number_and_frame() {
 
 #[test]
 fn a_camera_whose_camera_info_goes_out_on_the_topic_it_reads_does_not_feed_on_itself() {
-    let stand = stand(CameraPub { image: "/proj_view/image", info: "/proj_view/camera_info", ..CameraPub::default() });
+    let stand = stand(&CameraPub { image: "/proj_view/image", info: "/proj_view/camera_info", ..CameraPub::default() });
     stand.puppet("latch('/proj_view/camera_info', info())");
     stand.wait_for("len(eye.images) > 60");
     let rate = "(len(eye.images) - 1) / (eye.images[-1][0] - eye.images[0][0])";
@@ -54,7 +54,7 @@ fn a_camera_whose_camera_info_goes_out_on_the_topic_it_reads_does_not_feed_on_it
 
 #[test]
 fn size_p_and_frame_may_change_at_any_moment() {
-    let stand = stand(CameraPub::default());
+    let stand = stand(&CameraPub::default());
     stand.puppet("latch('/eye/camera_info', info())");
     stand.wait_for("eye.middle() == (255, 0, 0)");
     // The square of 1 m at 2 m is 25 pixels wide.
@@ -74,7 +74,7 @@ fn size_p_and_frame_may_change_at_any_moment() {
 
 #[test]
 fn a_camera_info_that_makes_no_camera_is_one_error_and_stops_the_pictures() {
-    let stand = stand(CameraPub::default());
+    let stand = stand(&CameraPub::default());
     let infinite = "info(P=[50, 0, 32, 0, 0, float('inf'), 24, 0, 0, 0, 1, 0])";
     let nan = "info(P=[50, 0, float('nan'), 0, 0, 50, 24, 0, 0, 0, 1, 0])";
     let cases = [
