@@ -30,3 +30,137 @@ pub(crate) fn read(cloud: &PointCloud2, layout: &Layout, coloring: &Coloring<'_>
     };
     PointBuffer { positions, colors }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Isometry3;
+    use proptest::prelude::*;
+    use rcs_messages::sensor_msgs::PointField;
+    use rcs_rviz_config::{ColorTransformer, PointCloud2Settings};
+
+    use super::super::fields::LayoutError;
+    use super::*;
+
+    fn field(name: &str, offset: u32, datatype: u8) -> PointField {
+        PointField { name: name.to_owned(), offset, datatype, count: 1 }
+    }
+
+    /// An organised cloud of two rows with x, y, z and rgb behind four bytes of padding.
+    fn cloud(points: &[([f32; 3], u32)]) -> PointCloud2 {
+        let mut data = Vec::new();
+        for (position, rgb) in points {
+            data.extend([0xee; 4]);
+            data.extend(position.iter().flat_map(|value| value.to_le_bytes()));
+            data.extend(rgb.to_le_bytes());
+        }
+        let mut cloud = PointCloud2::default().with_data(data);
+        (cloud.height, cloud.width) = (2, points.len() as u32 / 2);
+        (cloud.point_step, cloud.row_step) = (20, points.len() as u32 * 10);
+        cloud.fields = [("x", 4), ("y", 8), ("z", 12), ("rgb", 16)]
+            .map(|(name, offset)| field(name, offset, PointField::FLOAT32))
+            .to_vec();
+        cloud
+    }
+
+    fn read_as(cloud: &PointCloud2, transformer: ColorTransformer) -> Result<PointBuffer, LayoutError> {
+        let layout = Layout::of(cloud)?;
+        let transformer = layout.fitting_transformer(Some(transformer));
+        let settings = PointCloud2Settings::default();
+        Ok(read(cloud, &layout, &Coloring::new(&settings, transformer, &Isometry3::identity())))
+    }
+
+    #[test]
+    fn points_that_are_nowhere_are_left_out_with_their_colours() {
+        let points = [
+            ([1.0, 2.0, 3.0], 0xff_00_00),
+            ([f32::NAN, 0.0, 0.0], 0x12_34_56),
+            ([0.0, f32::INFINITY, 0.0], 0x12_34_56),
+            ([4.0, 5.0, 6.0], 0x00_80_ff),
+        ];
+        let buffer = read_as(&cloud(&points), ColorTransformer::Rgb8).unwrap();
+        assert_eq!(buffer.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        assert_eq!(buffer.colors, PointColors::PerPoint(vec![[255, 0, 0, 255], [0, 128, 255, 255]]));
+    }
+
+    #[test]
+    fn big_endian_numbers_are_read_as_such() {
+        let mut big = cloud(&[([0.0; 3], 0), ([0.0; 3], 0)]);
+        let mut data = big.data().to_vec();
+        data[4..8].copy_from_slice(&1.5_f32.to_be_bytes());
+        data[16..20].copy_from_slice(&0x00_0a_14_1e_u32.to_be_bytes());
+        big.set_data(data);
+        big.is_bigendian = true;
+        let buffer = read_as(&big, ColorTransformer::Rgb8).unwrap();
+        assert_eq!((buffer.positions[0], buffer.colors.get(0)), ([1.5, 0.0, 0.0], [10, 20, 30, 255]));
+    }
+
+    #[test]
+    fn a_cloud_whose_data_is_not_what_it_claims_is_refused() {
+        let good = cloud(&[([0.0; 3], 0), ([1.0; 3], 0)]);
+        let mut short = good.clone();
+        short.set_data(good.data()[..39].to_vec());
+        let error = read_as(&short, ColorTransformer::Rgb8).unwrap_err();
+        assert_eq!(error, LayoutError::Size { actual: 39, width: 1, height: 2, point_step: 20 });
+        let mut outside = good.clone();
+        outside.fields[3].offset = 17;
+        let error = read_as(&outside, ColorTransformer::Rgb8).unwrap_err();
+        assert!(error.to_string().starts_with("Channel rgb at offset 17 reaches past point_step (20)"), "{error}");
+        let mut flat = good.clone();
+        flat.fields.remove(2);
+        assert_eq!(read_as(&flat, ColorTransformer::Rgb8).unwrap_err(), LayoutError::NoPosition("z"));
+        let mut double = good;
+        double.fields[0].datatype = PointField::FLOAT64;
+        assert!(matches!(read_as(&double, ColorTransformer::Rgb8), Err(LayoutError::PositionType { name: "x", .. })));
+    }
+
+    #[test]
+    fn a_transformer_that_does_not_fit_gives_way_to_one_that_does() {
+        let colored = cloud(&[([0.0; 3], 0), ([1.0; 3], 0)]);
+        let layout = Layout::of(&colored).unwrap();
+        assert_eq!(layout.fitting_transformer(Some(ColorTransformer::Rgbf32)), ColorTransformer::Rgb8);
+        assert_eq!(layout.fitting_transformer(Some(ColorTransformer::FlatColor)), ColorTransformer::FlatColor);
+        let mut plain = colored;
+        plain.fields.pop();
+        let layout = Layout::of(&plain).unwrap();
+        assert_eq!(layout.fitting_transformer(Some(ColorTransformer::Mono8)), ColorTransformer::Intensity);
+        assert_eq!(layout.fitting_transformer(None), ColorTransformer::Intensity);
+    }
+
+    proptest! {
+        #[test]
+        fn no_cloud_makes_it_panic(
+            size in prop::array::uniform3(0_u32..40),
+            offsets in prop::array::uniform4(prop_oneof![0_u32..40, Just(u32::MAX)]),
+            datatypes in prop::array::uniform4(0_u8..10),
+            is_bigendian: bool,
+            data in prop::collection::vec(any::<u8>(), 0..2000),
+            fits: bool,
+        ) {
+            let [width, height, point_step] = size;
+            let mut cloud = PointCloud2::default();
+            (cloud.width, cloud.height, cloud.point_step) = (width, height, point_step);
+            cloud.is_bigendian = is_bigendian;
+            cloud.fields = ["x", "y", "z", "rgba"]
+                .iter()
+                .zip(offsets)
+                .zip(datatypes)
+                .map(|((name, offset), datatype)| field(name, offset, datatype))
+                .collect();
+            let len = if fits { (width * height * point_step) as usize } else { data.len() };
+            cloud.set_data(data.into_iter().cycle().take(len).collect());
+            for transformer in [
+                ColorTransformer::Rgb8,
+                ColorTransformer::Mono8,
+                ColorTransformer::Intensity,
+                ColorTransformer::AxisColor,
+            ] {
+                if let Ok(buffer) = read_as(&cloud, transformer) {
+                    prop_assert!(buffer.positions.iter().flatten().all(|value| value.is_finite()));
+                    if let PointColors::PerPoint(colors) = &buffer.colors {
+                        prop_assert_eq!(colors.len(), buffer.positions.len());
+                    }
+                }
+            }
+        }
+    }
+}
