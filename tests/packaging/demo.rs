@@ -6,7 +6,7 @@ use std::process::Output;
 use std::time::Duration;
 
 use rcs_tests::programs::repository;
-use rcs_tests::ros::Running;
+use rcs_tests::ros::{wait_until, Running};
 
 use crate::files::pixels;
 use crate::{bash, bash_command, said, succeed};
@@ -73,9 +73,10 @@ fn interrupt(when: &str, signal: &str, status: i32) {
     let script = "exec python3 -c 'import os, signal, sys
 os.setsid(); signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])' ./demo --seconds 3";
     let mut demo = Running::start(&mut bash_command(script)).unwrap();
-    let seen = demo.line_with(when);
+    // The demo may have to wait for another build.
+    let seen = wait_until(Duration::from_secs(600), || demo.count(when) > 0 || demo.wait(Duration::ZERO).is_some());
     let printed = demo.lines().join("\n");
-    assert!(seen.is_some(), "{printed}\n{}", demo.errors().join("\n"));
+    assert!(seen && demo.count(when) > 0, "{printed}\n{}", demo.errors().join("\n"));
     succeed(&format!("kill -{signal} -- -{}", demo.id()));
     let ended = demo.wait(Duration::from_secs(30));
     assert_eq!(ended.and_then(|ended| ended.code()), Some(status), "{printed}");
