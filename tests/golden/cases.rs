@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 /// A scene and the picture that rviz drew of it.
 #[derive(Clone, Debug)]
-pub struct Case {
-    pub name: String,
-    pub folder: PathBuf,
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) folder: PathBuf,
     /// The lowest *close* score.
-    pub min_close: f64,
+    pub(crate) min_close: f64,
     /// The camera to draw, where the config has several.
-    pub camera: Option<String>,
+    pub(crate) camera: Option<String>,
 }
 
 /// A picture may differ in this share of its content: single pixels of rasterisation that lie farther than one away.
@@ -25,18 +25,18 @@ const DRAWN: [&str; 10] =
     ["pc2_", "cam_", "grid_default", "grid_billboards", "axes", "marker_", "path_", "nav_path_arrows", "x_", "y_"];
 
 /// The repository's root.
-pub fn repository() -> PathBuf {
+pub(crate) fn repository() -> PathBuf {
     let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
     tests.parent().unwrap_or(tests).to_owned()
 }
 
 /// The folder with the cases, and with the package `conformance_assets`.
-pub fn conformance() -> PathBuf {
+pub(crate) fn conformance() -> PathBuf {
     repository().join("tests/conformance")
 }
 
 /// All cases of the drawn classes, by name.
-pub fn all() -> Vec<Case> {
+pub(crate) fn all() -> Vec<Case> {
     let folders = std::fs::read_dir(conformance().join("cases")).into_iter().flatten().flatten();
     let mut cases: Vec<Case> = folders
         .filter_map(|entry| {

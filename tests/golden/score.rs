@@ -9,19 +9,19 @@ use std::collections::HashMap;
 
 /// A colour picture; grey ones have three equal channels.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rgb {
-    pub width: usize,
-    pub height: usize,
-    pub pixels: Vec<[u8; 3]>,
+pub(crate) struct Rgb {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) pixels: Vec<[u8; 3]>,
 }
 
 /// The result of a comparison.
 #[derive(Clone, Debug)]
-pub struct Score {
-    pub strict: f64,
-    pub close: f64,
+pub(crate) struct Score {
+    pub(crate) strict: f64,
+    pub(crate) close: f64,
     /// For each pixel whether it is close.
-    pub is_close: Vec<bool>,
+    pub(crate) is_close: Vec<bool>,
 }
 
 const STRICT_LEVELS: u8 = 2;
@@ -40,7 +40,7 @@ impl Rgb {
 }
 
 /// Compares two pictures; `None` when their sizes differ.
-pub fn score(expected: &Rgb, actual: &Rgb) -> Option<Score> {
+pub(crate) fn score(expected: &Rgb, actual: &Rgb) -> Option<Score> {
     if (expected.width, expected.height) != (actual.width, actual.height) {
         return None;
     }
@@ -67,7 +67,7 @@ pub fn score(expected: &Rgb, actual: &Rgb) -> Option<Score> {
 }
 
 /// Expected | difference | actual, side by side; what is not close is magenta in the middle.
-pub fn comparison(expected: &Rgb, actual: &Rgb, score: &Score) -> Rgb {
+pub(crate) fn comparison(expected: &Rgb, actual: &Rgb, score: &Score) -> Rgb {
     let width = expected.width;
     let mut pixels = Vec::with_capacity(expected.pixels.len() * 3);
     for y in 0..expected.height {
