@@ -94,18 +94,18 @@ fn nothing_is_drawn_while_nobody_looks() {
     let stand = stand(&[CameraPub::default()]);
     stand.puppet("latch('/eye/camera_info', info(width=1280, height=800, f=900.0))");
     // Squares of half the picture, each before the last one, which take time.
-    stand.puppet("latch('/cloud', cloud(0xff0000, points=[(0, 0, 4 - z / 200) for z in range(400)]))");
+    stand.puppet("latch('/cloud', cloud(0xff0000, points=[(0, 0, 4 - z / 50) for z in range(100)]))");
     // A moving camera makes a new picture of every moment.
-    stand.puppet("stop = often(60, lambda i: tf('map', 'moving', xyz=(i * 1e-4, 0, 0)), '/tf')");
+    stand
+        .puppet("stop = often(60, lambda i: tf('map', 'moving', xyz=(i * 1e-4, 0, 0), stamp=rospy.Time.now()), '/tf')");
     stand.puppet("latch('/eye/camera_info', info(frame='moving', width=1280, height=800, f=900.0))");
     stand.puppet("eye = Eye('/view/image')");
-    stand.wait_for("len(eye.images) > 10");
+    stand.wait_for("len({i[6] for i in eye.images}) > 10");
     let watched = cpu_ticks_in_2_secs(&stand);
     stand.puppet("eye.close()");
     std::thread::sleep(Duration::from_secs(1));
     let unwatched = cpu_ticks_in_2_secs(&stand);
-    eprintln!("{unwatched} {watched}");
-    assert!(unwatched * 3 < watched, "{unwatched} ticks of CPU time unwatched, {watched} watched");
+    assert!(unwatched * 5 < watched, "{unwatched} ticks of CPU time unwatched, {watched} watched");
 }
 
 /// The CPU time that the node takes in two seconds.
