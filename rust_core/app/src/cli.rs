@@ -48,9 +48,8 @@ pub struct NodeArgs {
     pub log_level_debug: bool,
 }
 
-/// Options of rviz that only concern its window; launch files may hold them.
+/// Options of rviz that only concern its window: launch files may hold them, so they are taken, and have no effect.
 #[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Taken from rviz, without effect")]
 pub struct WindowArgs {
     #[arg(short = 's', long, hide = true, value_name = "FILE")]
     splash_screen: Option<String>,
