@@ -60,7 +60,7 @@ pub fn render(
         player.play_until(stage, *moment)?;
         stage.update(*moment);
         let eye = stage.camera(&camera, projection).with_context(|| bag_path.display().to_string())?;
-        let scene = stage.scene(*moment);
+        let scene = stage.scene();
         let view = View {
             scene: &scene,
             camera: &eye,

@@ -115,8 +115,8 @@ impl Stage {
     }
 
     /// The scene as of the last update.
-    pub fn scene(&self, now: Time) -> Scene {
-        self.displays.scene(&self.world(now))
+    pub fn scene(&self) -> Scene {
+        self.displays.scene()
     }
 
     /// The last CameraInfo of a camera.
@@ -132,11 +132,6 @@ impl Stage {
         let topic = &camera.settings.camera_info_topic;
         let info = self.camera_info(camera).ok_or_else(|| CameraProblem::NoCameraInfo { topic: topic.clone() })?;
         camera_pose::camera(info, topic, &self.world(Time::ZERO), f64::from(camera.settings.near_clip_m), projection)
-    }
-
-    /// Grows with every accepted transform.
-    pub fn transforms_generation(&self) -> u64 {
-        self.transforms.generation()
     }
 
     /// Forgets frames and messages: the time jumped back. CameraInfos stay, as latched topics are not sent again.

@@ -57,7 +57,9 @@ struct Entry {
 pub struct DisplaySet {
     entries: Vec<Entry>,
     cameras: Vec<CameraView>,
-    light: Option<ViewConfig>,
+    /// rviz's main view, where the default light is on.
+    lit_by: Option<ViewConfig>,
+    light: Option<DirectionalLight>,
 }
 
 impl std::fmt::Debug for DisplaySet {
@@ -80,7 +82,8 @@ impl DisplaySet {
             let display = create(id as DisplayId, &placed.display.settings);
             entries.extend(display.map(|display| Entry { listed, display }));
         }
-        Self { entries, cameras: cameras(&placed), light: config.global.default_light.then(|| config.view.clone()) }
+        let lit_by = config.global.default_light.then(|| config.view.clone());
+        Self { entries, cameras: cameras(&placed), lit_by, light: None }
     }
 
     /// The cameras, in the config's order.
@@ -112,7 +115,9 @@ impl DisplaySet {
 
     /// Brings all displays up to date. Returns whether the scene changed.
     pub fn update(&mut self, world: &World<'_>) -> bool {
-        let mut changed = false;
+        let light = self.lit_by.as_ref().map(|view| light(view, world));
+        let mut changed = light != self.light;
+        self.light = light;
         for entry in &mut self.entries {
             changed |= entry.display.update(world);
         }
@@ -125,10 +130,10 @@ impl DisplaySet {
     }
 
     /// The scene as it is since the last update.
-    pub fn scene(&self, world: &World<'_>) -> Scene {
+    pub fn scene(&self) -> Scene {
         Scene {
             drawables: self.entries.iter().flat_map(|entry| entry.display.drawables()).cloned().collect(),
-            light: self.light.as_ref().map(|view| light(view, world)),
+            light: self.light,
         }
     }
 

@@ -51,6 +51,17 @@ fn main() -> ExitCode {
     })
 }
 
+/// A parameter's file, by its path or its `package://` address, must be there.
+fn check_parameters(parameters: &[String], packages: &PackageIndex) -> Result<()> {
+    for parameter in parameters {
+        let (name, file) =
+            parameter.split_once('=').with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
+        let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
+        std::fs::metadata(&path).with_context(|| format!("--param {name}: {}", path.display()))?;
+    }
+    Ok(())
+}
+
 /// libwayland complains on standard error where there is no session and so no XDG_RUNTIME_DIR, although a program that
 /// opens no window needs none. With an existing folder in its place it finds no socket there and stays silent.
 fn quiet_graphics_libraries() {
@@ -66,15 +77,12 @@ fn unusable(error: &dyn std::fmt::Display) -> ExitCode {
 }
 
 fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
-    for parameter in &args.param {
-        let (name, file) =
-            parameter.split_once('=').with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
-        std::fs::metadata(file).with_context(|| format!("--param {name}: {file}"))?;
-    }
     for finding in config.findings.iter().filter(|finding| finding.is_not_understood()) {
         log::warn!("{}: {finding}", config.source);
     }
-    let meshes = MeshStore::new(PackageIndex::from_env(&args.package_path));
+    let packages = PackageIndex::from_env(&args.package_path);
+    check_parameters(&args.param, &packages)?;
+    let meshes = MeshStore::new(packages);
     let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
     let target = match (&args.output, &args.frames) {
         (_, Some(folder)) => Target::Sequence { folder: folder.clone(), rate_hz: args.rate },

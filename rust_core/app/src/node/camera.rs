@@ -118,6 +118,11 @@ impl CameraOutput {
         }
     }
 
+    /// The display's name.
+    pub(super) fn name(&self) -> &str {
+        &self.view.name
+    }
+
     /// Whether this is the camera of a trigger service.
     pub(super) fn serves(&self, service: &str) -> bool {
         self.service.as_deref() == Some(service)
@@ -177,6 +182,8 @@ impl CameraOutput {
         if !(self.triggered || newcomer || self.pace.is_due(self.last_published, now, changed)) {
             return Ok(());
         }
+        // Also where drawing fails: it is tried again at this pace, not at once.
+        self.last_published = Some(now);
         if changed {
             self.say_projection(&info, projection);
             self.draw(&camera, info, scene_version, &scene(), renderer)?;
@@ -185,7 +192,6 @@ impl CameraOutput {
         }
         if let (Some(publisher), Some(last)) = (&mut self.publisher, &self.last) {
             publisher.publish(&last.sent, &last.info, ros.now())?;
-            self.last_published = Some(now);
             self.triggered = false;
         }
         Ok(())

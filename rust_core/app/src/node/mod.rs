@@ -16,7 +16,7 @@ use anyhow::{anyhow, Context, Result};
 use clap::ValueEnum;
 use rcs_input::live::{NodeEvent, RosNode, TopicSubscription};
 use rcs_messages::{stamp_nanos, MessageKind};
-use rcs_render::{Renderer, RendererChoice};
+use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::Config;
 use rcs_scene::Scene;
@@ -24,6 +24,7 @@ use rcs_transforms::Time;
 
 use crate::camera_pose::Projection;
 use crate::cli::Cli;
+use crate::logging::one_line;
 use crate::small_node::{self, EndRequest};
 use crate::stage::Stage;
 use camera::CameraOutput;
@@ -41,7 +42,10 @@ pub fn run(cli: &Cli, config: &Config) -> Result<()> {
     }
     let end = EndRequest::watch_signals().context("signals cannot be taken")?;
     let Some(ros) = small_node::connect("camera_stream", &end)? else { return Ok(()) };
-    let result = Node::start(cli, config, &ros).and_then(|mut node| node.play(&end));
+    let result = Node::start(cli, config, &ros).and_then(|mut node| {
+        node.play(&end);
+        Ok(())
+    });
     ros.shutdown();
     result
 }
@@ -71,6 +75,9 @@ struct Node<'a> {
     /// Grows with every change of the scene.
     scene_version: u64,
     scene: Option<(u64, Arc<Scene>)>,
+    renderer_choice: RendererChoice,
+    /// What went wrong at the last picture.
+    fault: Option<String>,
 }
 
 impl<'a> Node<'a> {
@@ -108,6 +115,8 @@ impl<'a> Node<'a> {
             _subscriptions: subscriptions,
             scene_version: 0,
             scene: None,
+            renderer_choice,
+            fault: None,
         })
     }
 
@@ -115,7 +124,7 @@ impl<'a> Node<'a> {
         Time::from_nanos(stamp_nanos(self.ros.now()))
     }
 
-    fn play(&mut self, end: &EndRequest) -> Result<()> {
+    fn play(&mut self, end: &EndRequest) {
         while !end.is_requested() && !self.ros.is_asked_to_end() {
             let events = self.ros.events().wait(self.sleep());
             let heard = !events.is_empty();
@@ -126,10 +135,9 @@ impl<'a> Node<'a> {
             if heard || self.stage.displays().next_change().is_some_and(|change| change <= now) {
                 self.scene_version += u64::from(self.stage.update(now));
             }
-            self.publish(now)?;
+            self.publish();
             self.stage.say_statuses(now, false);
         }
-        Ok(())
     }
 
     /// Until something is due by itself: a camera's next picture, or a change of the scene.
@@ -168,19 +176,34 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// Draws and publishes what is due.
-    fn publish(&mut self, now: Time) -> Result<()> {
+    /// Draws and publishes what is due. What goes wrong is said once, and does not end the node; a GPU that `auto` chose
+    /// and that fails gives way to the CPU.
+    fn publish(&mut self) {
         let (stage, version, cached) = (&self.stage, self.scene_version, &mut self.scene);
         for camera in &mut self.cameras {
             let scene = || {
                 let (_, scene) = match cached.take() {
                     Some(current) if current.0 == version => cached.insert(current),
-                    _ => cached.insert((version, Arc::new(stage.scene(now)))),
+                    _ => cached.insert((version, Arc::new(stage.scene()))),
                 };
                 scene.clone()
             };
-            camera.publish_if_due(stage, version, scene, self.projection, self.renderer.as_mut(), self.ros)?;
+            let done = camera.publish_if_due(stage, version, scene, self.projection, self.renderer.as_mut(), self.ros);
+            match done {
+                Ok(()) => self.fault = None,
+                Err(error) => {
+                    let text = format!("camera {}: {}", camera.name(), one_line(&error));
+                    if self.fault.as_ref() != Some(&text) {
+                        log::error!("{text}");
+                        self.fault = Some(text);
+                    }
+                    let gpu_failed = matches!(error.downcast_ref(), Some(RenderError::Gpu { .. }));
+                    if gpu_failed && self.renderer_choice == RendererChoice::Auto {
+                        self.renderer = Box::new(CpuRenderer::new());
+                        log::warn!("drawing with {} from now on", self.renderer.describe());
+                    }
+                }
+            }
         }
-        Ok(())
     }
 }
