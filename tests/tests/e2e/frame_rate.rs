@@ -11,6 +11,8 @@ fn stand(cameras: &[CameraPub]) -> Stand {
     stand.puppet("latch('/tf_static', tf('map', 'eye'))");
     stand.puppet("latch('/eye/camera_info', info())");
     stand.puppet("latch('/cloud', cloud(0xff0000))");
+    // The node has heard of everything; what is latched comes with the connection.
+    stand.wait_for("all(out.get_num_connections() > 0 for out in publishers.values())");
     stand
 }
 
@@ -80,7 +82,6 @@ fn above_0_pictures_come_at_that_rate() {
 fn the_first_subscriber_gets_a_picture_at_once() {
     let stand = stand(&[CameraPub { rate: "0.02", ..CameraPub::default() }]);
     // The node has all that it needs, and nobody looks.
-    stand.wait_for("all(out.get_num_connections() > 0 for out in publishers.values())");
     std::thread::sleep(Duration::from_secs(2));
     stand.puppet("eye = Eye('/view/image')");
     stand.wait_for("len(eye.images) >= 1 and eye.middle() == (255, 0, 0)");
