@@ -226,6 +226,9 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
+        // A wrapper such as rosbag has started another program, which would live on.
+        let children = ["-KILL", "-P", &self.child.id().to_string()];
+        let _ = Command::new("pkill").args(children).status();
         // Both fail only when it has ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
