@@ -42,10 +42,7 @@ pub fn run(cli: &Cli, config: &Config) -> Result<()> {
     }
     let end = EndRequest::watch_signals().context("signals cannot be taken")?;
     let Some(ros) = small_node::connect("camera_stream", &end)? else { return Ok(()) };
-    let result = Node::start(cli, config, &ros).and_then(|mut node| {
-        node.play(&end);
-        Ok(())
-    });
+    let result = Node::start(cli, config, &ros).map(|mut node| node.play(&end));
     ros.shutdown();
     result
 }
