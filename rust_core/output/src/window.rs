@@ -187,6 +187,17 @@ impl<F> Application<F> {
         Ok(())
     }
 
+    /// Takes the newest picture, if there is a new one, and has the window painted.
+    fn take_picture(&mut self) {
+        if let Some(picture) = self.sink.take() {
+            self.picture = Some(picture);
+            self.compare_sizes();
+        }
+        if let Some(open) = &self.open {
+            open.request_redraw();
+        }
+    }
+
     /// Warns, once for each size, about a picture that is not as large as the monitor.
     fn compare_sizes(&mut self) {
         let (Some(open), Some(picture)) = (&self.open, &self.picture) else {
@@ -234,8 +245,13 @@ impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
             return;
         };
         let now = Instant::now();
-        if now >= open.next_look() && open.look(event_loop, now) {
+        let looks = now >= open.next_look();
+        if looks && open.look(event_loop, now) {
             self.compare_sizes();
+        }
+        if looks {
+            // What a busy display server lost (an exposure, a wake-up) does not stay lost.
+            self.take_picture();
         }
         if let Some(open) = &self.open {
             event_loop.set_control_flow(ControlFlow::WaitUntil(open.next_look()));
@@ -245,15 +261,7 @@ impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
     fn user_event(&mut self, event_loop: &ActiveEventLoop, wake: Wake) {
         match wake {
             Wake::Close => event_loop.exit(),
-            Wake::NewPicture => {
-                if let Some(picture) = self.sink.take() {
-                    self.picture = Some(picture);
-                    self.compare_sizes();
-                    if let Some(open) = &self.open {
-                        open.request_redraw();
-                    }
-                }
-            }
+            Wake::NewPicture => self.take_picture(),
         }
     }
 
