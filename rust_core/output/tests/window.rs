@@ -19,7 +19,7 @@ use x11rb::rust_connection::RustConnection;
 
 const WIDTH_PX: u32 = 1280;
 const HEIGHT_PX: u32 = 800;
-const PATIENCE: Duration = Duration::from_secs(20);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A process that ends with the test.
 struct Process(Child);
