@@ -2,13 +2,13 @@
 //!
 //! The list at the end of this file is the only place that names them: one line adds a type.
 
+use crate::layout::Layout;
 use crate::std_msgs::Header;
-use crate::wire::Reader;
 use crate::{Image, PointCloud2, Serialized};
 use rosrust::{Message, RosMsg};
 use std::collections::HashMap;
 use std::io;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Reads a small message; it keeps none of the bytes.
 #[expect(clippy::needless_pass_by_value, reason = "one signature for those that keep the bytes and those that do not")]
@@ -22,18 +22,6 @@ fn cloud(bytes: Vec<u8>) -> io::Result<PointCloud2> {
 
 fn image(bytes: Vec<u8>) -> io::Result<Image> {
     Ok(Image::from_bytes(Arc::new(bytes))?)
-}
-
-/// The generated type allocates whatever length `D` announces, so that is looked at first.
-#[expect(clippy::needless_pass_by_value, reason = "one signature for those that keep the bytes and those that do not")]
-fn camera_info(bytes: Vec<u8>) -> io::Result<crate::sensor_msgs::CameraInfo> {
-    let mut reader = Reader::new(&bytes);
-    reader.header()?;
-    reader.u32("height")?;
-    reader.u32("width")?;
-    reader.string("distortion_model")?;
-    reader.count(size_of::<f64>(), "D")?;
-    crate::decode(&bytes)
 }
 
 macro_rules! any_message {
@@ -103,7 +91,11 @@ macro_rules! any_message {
             /// Reads a message; big ones keep the bytes and copy nothing.
             pub fn decode_owned(self, bytes: Vec<u8>) -> io::Result<AnyMessage> {
                 match self {
-                    $(Self::$variant => $decode(bytes).map(|m: $type| AnyMessage::$variant(Arc::new(m))),)*
+                    $(Self::$variant => {
+                        static LAYOUT: OnceLock<Layout> = OnceLock::new();
+                        LAYOUT.get_or_init(|| Layout::of(&<$type as Message>::msg_definition())).check(&bytes)?;
+                        $decode(bytes).map(|m: $type| AnyMessage::$variant(Arc::new(m)))
+                    })*
                 }
             }
         }
@@ -146,7 +138,7 @@ impl MessageKind {
 any_message! {
     PointCloud2(crate::PointCloud2) "sensor_msgs/PointCloud2" cloud, |m| Some(&m.header);
     Image(crate::Image) "sensor_msgs/Image" image, |m| Some(&m.header);
-    CameraInfo(crate::sensor_msgs::CameraInfo) "sensor_msgs/CameraInfo" camera_info, |m| Some(&m.header);
+    CameraInfo(crate::sensor_msgs::CameraInfo) "sensor_msgs/CameraInfo" small, |m| Some(&m.header);
     Marker(crate::visualization_msgs::Marker) "visualization_msgs/Marker" small, |m| Some(&m.header);
     MarkerArray(crate::visualization_msgs::MarkerArray) "visualization_msgs/MarkerArray" small, |m| m.markers.first().map(|m| &m.header);
     Path(crate::nav_msgs::Path) "nav_msgs/Path" small, |m| Some(&m.header);
@@ -154,6 +146,25 @@ any_message! {
     PoseArray(crate::geometry_msgs::PoseArray) "geometry_msgs/PoseArray" small, |m| Some(&m.header);
     PointStamped(crate::geometry_msgs::PointStamped) "geometry_msgs/PointStamped" small, |m| Some(&m.header);
     PolygonStamped(crate::geometry_msgs::PolygonStamped) "geometry_msgs/PolygonStamped" small, |m| Some(&m.header);
+    PoseWithCovarianceStamped(crate::geometry_msgs::PoseWithCovarianceStamped) "geometry_msgs/PoseWithCovarianceStamped" small, |m| Some(&m.header);
+    WrenchStamped(crate::geometry_msgs::WrenchStamped) "geometry_msgs/WrenchStamped" small, |m| Some(&m.header);
+    TwistStamped(crate::geometry_msgs::TwistStamped) "geometry_msgs/TwistStamped" small, |m| Some(&m.header);
+    AccelStamped(crate::geometry_msgs::AccelStamped) "geometry_msgs/AccelStamped" small, |m| Some(&m.header);
+    Odometry(crate::nav_msgs::Odometry) "nav_msgs/Odometry" small, |m| Some(&m.header);
+    GridCells(crate::nav_msgs::GridCells) "nav_msgs/GridCells" small, |m| Some(&m.header);
+    OccupancyGrid(crate::nav_msgs::OccupancyGrid) "nav_msgs/OccupancyGrid" small, |m| Some(&m.header);
+    OccupancyGridUpdate(crate::map_msgs::OccupancyGridUpdate) "map_msgs/OccupancyGridUpdate" small, |m| Some(&m.header);
+    PointCloud(crate::sensor_msgs::PointCloud) "sensor_msgs/PointCloud" small, |m| Some(&m.header);
+    LaserScan(crate::sensor_msgs::LaserScan) "sensor_msgs/LaserScan" small, |m| Some(&m.header);
+    Range(crate::sensor_msgs::Range) "sensor_msgs/Range" small, |m| Some(&m.header);
+    FluidPressure(crate::sensor_msgs::FluidPressure) "sensor_msgs/FluidPressure" small, |m| Some(&m.header);
+    Illuminance(crate::sensor_msgs::Illuminance) "sensor_msgs/Illuminance" small, |m| Some(&m.header);
+    RelativeHumidity(crate::sensor_msgs::RelativeHumidity) "sensor_msgs/RelativeHumidity" small, |m| Some(&m.header);
+    Temperature(crate::sensor_msgs::Temperature) "sensor_msgs/Temperature" small, |m| Some(&m.header);
+    JointState(crate::sensor_msgs::JointState) "sensor_msgs/JointState" small, |m| Some(&m.header);
+    CompressedImage(crate::sensor_msgs::CompressedImage) "sensor_msgs/CompressedImage" small, |m| Some(&m.header);
+    InteractiveMarkerInit(crate::visualization_msgs::InteractiveMarkerInit) "visualization_msgs/InteractiveMarkerInit" small, |m| m.markers.first().map(|m| &m.header);
+    InteractiveMarkerUpdate(crate::visualization_msgs::InteractiveMarkerUpdate) "visualization_msgs/InteractiveMarkerUpdate" small, |m| m.markers.first().map(|m| &m.header);
     TFMessage(crate::tf2_msgs::TFMessage) "tf2_msgs/TFMessage" small, |m| m.transforms.first().map(|t| &t.header);
     Clock(crate::rosgraph_msgs::Clock) "rosgraph_msgs/Clock" small, |_| None;
 }
@@ -188,7 +199,7 @@ mod tests {
         // After header (16 bytes), size (8) and the empty model's length (4).
         bytes[28..32].copy_from_slice(&u32::MAX.to_le_bytes());
         let error = MessageKind::CameraInfo.decode(&bytes).unwrap_err();
-        assert!(error.to_string().contains("bytes of D"), "{error}");
+        assert!(error.to_string().contains("bytes of array elements"), "{error}");
     }
 
     proptest! {

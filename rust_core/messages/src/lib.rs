@@ -12,6 +12,7 @@
 mod any;
 mod convert;
 mod image;
+mod layout;
 mod point_cloud2;
 mod serialized;
 mod wire;
@@ -23,6 +24,8 @@ pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, Plai
 pub use image::Image;
 pub use point_cloud2::PointCloud2;
 pub use rosrust::{Duration, Message, RosMsg, ServicePair, Time};
-pub use rosrust_msg::{geometry_msgs, nav_msgs, rosgraph_msgs, std_msgs, std_srvs, tf2_msgs, visualization_msgs};
+pub use rosrust_msg::{
+    diagnostic_msgs, geometry_msgs, map_msgs, nav_msgs, rosgraph_msgs, std_msgs, std_srvs, tf2_msgs, visualization_msgs,
+};
 pub use serialized::Serialized;
 pub use wire::{decode, encode, DecodeError};

@@ -51,6 +51,8 @@ pub(crate) struct OpenWindow {
     /// Whether no window manager puts it in its place.
     placed_by_itself: bool,
     has_keyboard: bool,
+    /// Whether the window was on the screen when it had settled. From then on it is the user's to iconify.
+    was_shown: bool,
     placement: Placement,
 }
 
@@ -92,7 +94,8 @@ impl OpenWindow {
             .map_err(|error| draw_error(&monitor, &error))?;
         window.request_redraw();
         let placement = Placement::new(Instant::now());
-        Ok(Self { surface, window, monitor, x11, placed_by_itself, has_keyboard: !placed_by_itself, placement })
+        let has_keyboard = !placed_by_itself;
+        Ok(Self { surface, window, monitor, x11, placed_by_itself, has_keyboard, was_shown: false, placement })
     }
 
     /// The monitor as it was seen last.
@@ -156,6 +159,7 @@ impl OpenWindow {
         if is_changed {
             log::info!("the monitor is now {}", self.monitor);
         }
+        self.was_shown = self.was_shown || (!self.placement.is_settling(now) && self.is_shown());
         self.has_keyboard = self.has_keyboard || self.take_keyboard();
         let was_settling = self.placement.is_settling(now);
         match self.placement.look(now, geometry.is_some(), self.is_in_place()) {
@@ -181,6 +185,11 @@ impl OpenWindow {
     }
 
     fn place_again(&self, handle: Option<MonitorHandle>) {
+        if !self.is_shown() {
+            // A window manager that just starts can take a new window down again.
+            self.window.set_visible(false);
+            self.window.set_visible(true);
+        }
         if self.placed_by_itself {
             let ((x, y), (width, height)) = (self.monitor.position_px, self.monitor.size_px);
             self.window.set_outer_position(PhysicalPosition::new(x, y));
@@ -195,7 +204,9 @@ impl OpenWindow {
     }
 
     fn is_in_place(&self) -> bool {
-        self.has_monitors_size() && self.place_px().is_none_or(|place| place == self.monitor.position_px)
+        self.was_shown
+            && self.has_monitors_size()
+            && self.place_px().is_none_or(|place| place == self.monitor.position_px)
     }
 
     fn size_px(&self) -> (u32, u32) {
@@ -208,15 +219,27 @@ impl OpenWindow {
         self.window.inner_position().ok().map(|place| (place.x, place.y))
     }
 
+    /// Whether the X server has the window on the screen; other window systems do not say.
+    fn is_shown(&self) -> bool {
+        match (&self.x11, self.x11_id()) {
+            (Some(x11), Some(id)) => x11.is_viewable(id),
+            _ => true,
+        }
+    }
+
     /// Without a window manager nobody gives the window the keyboard.
     fn take_keyboard(&self) -> bool {
-        let (Some(x11), Ok(handle)) = (&self.x11, self.window.window_handle()) else {
-            return true;
-        };
-        match handle.as_raw() {
-            RawWindowHandle::Xlib(handle) => u32::try_from(handle.window).is_ok_and(|id| x11.focus(id)),
-            RawWindowHandle::Xcb(handle) => x11.focus(handle.window.get()),
+        match (&self.x11, self.x11_id()) {
+            (Some(x11), Some(id)) => x11.focus(id),
             _ => true,
+        }
+    }
+
+    fn x11_id(&self) -> Option<u32> {
+        match self.window.window_handle().ok()?.as_raw() {
+            RawWindowHandle::Xlib(handle) => u32::try_from(handle.window).ok(),
+            RawWindowHandle::Xcb(handle) => Some(handle.window.get()),
+            _ => None,
         }
     }
 }

@@ -55,14 +55,19 @@ impl X11Session {
     /// Gives a window the keyboard; false while it is not on the screen yet.
     pub(crate) fn focus(&self, window: Window) -> bool {
         let focus = || {
-            let attributes = self.connection.get_window_attributes(window).ok()?.reply().ok()?;
-            if attributes.map_state != MapState::VIEWABLE {
+            if !self.is_viewable(window) {
                 return None;
             }
             let request = self.connection.set_input_focus(InputFocus::POINTER_ROOT, window, x11rb::CURRENT_TIME);
             request.ok()?.check().ok()
         };
         focus().is_some()
+    }
+
+    /// Whether a window is on the screen, be it covered by others.
+    pub(crate) fn is_viewable(&self, window: Window) -> bool {
+        let attributes = || self.connection.get_window_attributes(window).ok()?.reply().ok();
+        attributes().is_some_and(|attributes| attributes.map_state == MapState::VIEWABLE)
     }
 
     /// Keeps the screen saver and the monitor's power saving off for as long as this session lives.

@@ -43,6 +43,18 @@ impl Drop for Process {
     }
 }
 
+/// The example program, and the file that its standard error goes to.
+struct Shown {
+    process: Process,
+    log: tempfile::NamedTempFile,
+}
+
+impl Shown {
+    fn said(&self) -> String {
+        std::fs::read_to_string(self.log.path()).unwrap()
+    }
+}
+
 /// Polls until there is an answer; fails the test when there is none in time.
 fn wait_for<T>(what: &str, mut poll: impl FnMut() -> Option<T>) -> T {
     let deadline = Instant::now() + PATIENCE;
@@ -96,15 +108,17 @@ impl Screen {
         property.reply().unwrap().value_len > 0
     }
 
-    fn show(&self, arguments: &[&str]) -> Process {
-        Process::start(
+    fn show(&self, arguments: &[&str]) -> Shown {
+        let log = tempfile::NamedTempFile::new().unwrap();
+        let process = Process::start(
             Command::new(example())
                 .args(arguments)
                 .env("DISPLAY", &self.display)
                 .env_remove("WAYLAND_DISPLAY")
                 .env_remove("WAYLAND_SOCKET")
-                .stderr(Stdio::piped()),
-        )
+                .stderr(log.reopen().unwrap()),
+        );
+        Shown { process, log }
     }
 
     /// The pixels of the root window, `0x00RRGGBB`.
@@ -129,19 +143,46 @@ impl Screen {
         }
     }
 
-    fn wait_for_pixels(&self, expected: &[u32]) {
+    fn wait_for_pixels(&self, window: &mut Shown, expected: &[u32]) {
         let deadline = Instant::now() + PATIENCE;
         loop {
             let pixels = self.pixels();
             if pixels == expected {
                 return;
             }
-            if Instant::now() > deadline {
+            let ended = window.process.0.try_wait().unwrap();
+            if ended.is_some() || Instant::now() > deadline {
                 let wrong = pixels.iter().zip(expected).filter(|(got, want)| got != want).count();
-                panic!("{wrong} of {} pixels on the screen are not the picture's", expected.len());
+                panic!(
+                    "{wrong} of {} pixels on the screen are not the picture's; the program {}; the windows are {:#?}; \
+                     it said {}",
+                    expected.len(),
+                    ended.map_or("runs".to_owned(), |status| format!("ended with {status}")),
+                    self.windows(),
+                    window.said(),
+                );
             }
             sleep(Duration::from_millis(100));
         }
+    }
+
+    /// The windows on the screen from the lowest to the topmost, one line each, for a failing test's message.
+    fn windows(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        let mut open = vec![(self.root, 0)];
+        while let Some((window, depth)) = open.pop() {
+            let attributes = self.connection.get_window_attributes(window).unwrap().reply();
+            let geometry = self.connection.get_geometry(window).unwrap().reply();
+            if let (Ok(attributes), Ok(at)) = (attributes, geometry) {
+                let (state, own_place) = (attributes.map_state, attributes.override_redirect);
+                let place = format!("{}x{}{:+}{:+}", at.width, at.height, at.x, at.y);
+                lines.push(format!("{:depth$}{window:#x} {place} {state:?} override-redirect {own_place}", ""));
+            }
+            let children = self.connection.query_tree(window).unwrap().reply();
+            let children = children.map(|tree| tree.children).unwrap_or_default();
+            open.extend(children.into_iter().rev().map(|child| (child, depth + 2)));
+        }
+        lines
     }
 }
 
@@ -176,7 +217,7 @@ fn covers_the_screen_and_quits(with_manager: bool, key: u32) {
     let screenshot = folder.path().join("shown.png");
     let mut window = screen.show(&["1280x800", "--screenshot", screenshot.to_str().unwrap()]);
     let picture = expected(1280, 800);
-    screen.wait_for_pixels(&picture);
+    screen.wait_for_pixels(&mut window, &picture);
 
     let saved = wait_for("the screenshot", || image::open(&screenshot).ok()).into_rgb8();
     assert_eq!(saved.dimensions(), (WIDTH_PX, HEIGHT_PX));
@@ -186,7 +227,7 @@ fn covers_the_screen_and_quits(with_manager: bool, key: u32) {
     // The window asks for the keyboard within its settling time.
     sleep(Duration::from_secs(1));
     screen.press(key);
-    assert!(window.wait().success());
+    assert!(window.process.wait().success());
 }
 
 #[test]
@@ -204,15 +245,14 @@ fn a_picture_of_another_size_is_unscaled_at_the_top_left_and_warned_about_once()
     for (size, width, height) in [("640x480", 640, 480), ("1300x810", 1300, 810)] {
         let screen = Screen::start(true);
         let mut window = screen.show(&[size]);
-        screen.wait_for_pixels(&expected(width, height));
+        screen.wait_for_pixels(&mut window, &expected(width, height));
         // The same size comes a second time half a second after the first.
         sleep(Duration::from_secs(2));
-        let stderr = window.0.stderr.take().unwrap();
         screen.press(ESCAPE);
-        assert!(window.wait().success());
-        let lines: Vec<String> = BufReader::new(stderr).lines().map(Result::unwrap).collect();
-        let warnings: Vec<_> = lines.iter().filter(|line| line.starts_with("WARN")).collect();
-        assert_eq!(warnings.len(), 1, "{lines:?}");
+        assert!(window.process.wait().success());
+        let said = window.said();
+        let warnings: Vec<_> = said.lines().filter(|line| line.starts_with("WARN")).collect();
+        assert_eq!(warnings.len(), 1, "{said}");
         assert!(warnings[0].contains(&format!("IS {size} PIXELS")), "{warnings:?}");
         assert!(warnings[0].contains("1280x800"), "{warnings:?}");
     }
