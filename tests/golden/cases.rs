@@ -11,6 +11,8 @@ pub(crate) struct Case {
     pub(crate) min_close: f64,
     /// The camera to draw, where the config has several.
     pub(crate) camera: Option<String>,
+    /// ROS parameters as `NAME=FILE`.
+    pub(crate) params: Vec<String>,
 }
 
 /// A picture may differ in this share of its content: single pixels of rasterisation that lie farther than one away.
@@ -42,12 +44,26 @@ pub(crate) fn all() -> Vec<Case> {
             let name = entry.file_name().into_string().ok()?;
             let is_text = name.contains("text") || TEXT.contains(&name.as_str());
             let min_close = if is_text { MIN_CLOSE_TEXT } else { MIN_CLOSE };
-            Some(Case { camera: camera(&entry.path()), folder: entry.path(), min_close, name })
+            Some(Case {
+                camera: camera(&entry.path()),
+                params: params(&entry.path()),
+                folder: entry.path(),
+                min_close,
+                name,
+            })
         })
         .collect();
     cases.sort_by(|a, b| a.name.cmp(&b.name));
     assert!(!cases.is_empty(), "there are no cases below {}", conformance().display());
     cases
+}
+
+/// The parameters that `case.yaml` names: the indented lines below `params:`.
+fn params(folder: &Path) -> Vec<String> {
+    let about = std::fs::read_to_string(folder.join("case.yaml")).unwrap_or_default();
+    let below = about.lines().skip_while(|line| *line != "params:").skip(1);
+    let entries = below.map_while(|line| line.strip_prefix("  ")?.split_once(": "));
+    entries.map(|(name, file)| format!("{name}={}", file.trim())).collect()
 }
 
 /// The camera that `case.yaml` names.

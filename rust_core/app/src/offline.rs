@@ -1,6 +1,8 @@
 //! `camera_stream render`: pictures from a config and a bag, without ROS.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{bail, Context, Result};
@@ -9,6 +11,7 @@ use rcs_displays::CameraView;
 use rcs_input::bag::{Bag, BagMessage, Connection};
 use rcs_messages::{stamp_nanos, AnyMessage, MessageKind};
 use rcs_render::{Renderer, View};
+use rcs_resources::PackageIndex;
 use rcs_scene::{Encoding, Picture};
 use rcs_transforms::Time;
 
@@ -79,6 +82,30 @@ pub fn render(
     progress.finish_and_clear();
     stage.say_statuses(moments.last().copied().unwrap_or(end), true);
     Ok(())
+}
+
+/// The texts of parameters that are given as `NAME=FILE`, the file by its path or its `package://` address.
+///
+/// # Errors
+/// One line that names the parameter and the file that cannot be read.
+pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<HashMap<String, Arc<str>>> {
+    let read = |parameter: &String| {
+        let (name, file) =
+            parameter.split_once('=').with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
+        let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
+        let bytes = std::fs::read(&path).with_context(|| format!("--param {name}: {}", path.display()))?;
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        Ok((name.trim_start_matches('/').to_owned(), text.into()))
+    };
+    given.iter().map(read).collect()
+}
+
+/// Hands the stage the parameters that it asks for; those that are not among `parameters` do not exist.
+pub fn hand_over(stage: &mut Stage, parameters: &HashMap<String, Arc<str>>) {
+    for name in stage.parameters() {
+        let text = parameters.get(name.trim_start_matches('/'));
+        stage.take_parameter(&name, text, Time::ZERO);
+    }
 }
 
 /// The encoding of a camera's pictures.

@@ -99,6 +99,17 @@ impl Stage {
         self.displays.take(topic, message, &world);
     }
 
+    /// The names of the ROS parameters that the displays want to know, as the config has them.
+    pub fn parameters(&self) -> Vec<String> {
+        self.displays.parameters()
+    }
+
+    /// Takes the text of a parameter, by its name in the config; `None` while nobody has set it.
+    pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, now: Time) {
+        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        self.displays.take_parameter(name, text, &world);
+    }
+
     /// Brings the displays up to date. Returns whether the scene changed.
     pub fn update(&mut self, now: Time) -> bool {
         let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };

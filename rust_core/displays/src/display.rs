@@ -1,5 +1,7 @@
 //! What every display does.
 
+use std::sync::Arc;
+
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_scene::Drawable;
 use rcs_transforms::Time;
@@ -34,6 +36,14 @@ pub(crate) trait Display: Send {
 
     /// Takes a message of one of its topics.
     fn take(&mut self, _message: &AnyMessage, _world: &World<'_>) {}
+
+    /// The ROS parameters that it wants to know, by their names in the config.
+    fn parameters(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Takes the text of one of its parameters; `None` while nobody has set it.
+    fn take_parameter(&mut self, _name: &str, _text: Option<&Arc<str>>, _world: &World<'_>) {}
 
     /// Brings what it shows up to date: places messages whose frames are known now, lets old things go, follows
     /// moved frames. Returns whether its drawables changed.

@@ -1,5 +1,7 @@
 //! All displays of a config, and the scene that they make together.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use rcs_messages::AnyMessage;
 use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings, PlacedDisplay, ViewConfig};
@@ -109,6 +111,23 @@ impl DisplaySet {
             let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
             if entry.display.topics().iter().any(wants) {
                 entry.display.take(message, world);
+            }
+        }
+    }
+
+    /// The names of the ROS parameters that the displays want to know, each once.
+    pub fn parameters(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.entries.iter().flat_map(|entry| entry.display.parameters()).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// Hands the text of a parameter to the displays that want it; `None` while nobody has set it.
+    pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
+        for entry in &mut self.entries {
+            if entry.display.parameters().iter().any(|wanted| wanted == name) {
+                entry.display.take_parameter(name, text, world);
             }
         }
     }

@@ -88,6 +88,7 @@ fn print_event(node: &RosNode, event: NodeEvent) {
             say(&format!("trigger {service} at {}", node.now().sec));
             reply.send(true, format!("heard by {}", node.name()));
         }
+        NodeEvent::Parameter { name, text } => say(&format!("parameter {name} {}", text.as_deref().unwrap_or("-"))),
         NodeEvent::SubscriberConnected { topic } => say(&format!("connected {topic}")),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use anyhow::{anyhow, Context, Result};
+use anyhow::{anyhow, Result};
 use clap::Parser;
 use rcs_app::cli::{Cli, Command, RenderArgs};
 use rcs_app::offline::{self, Target};
@@ -51,17 +51,6 @@ fn main() -> ExitCode {
     })
 }
 
-/// A parameter's file, by its path or its `package://` address, must be there.
-fn check_parameters(parameters: &[String], packages: &PackageIndex) -> Result<()> {
-    for parameter in parameters {
-        let (name, file) =
-            parameter.split_once('=').with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
-        let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
-        std::fs::metadata(&path).with_context(|| format!("--param {name}: {}", path.display()))?;
-    }
-    Ok(())
-}
-
 /// libwayland complains on standard error where there is no session and so no XDG_RUNTIME_DIR, although a program that
 /// opens no window needs none. With an existing folder in its place it finds no socket there and stays silent.
 fn quiet_graphics_libraries() {
@@ -81,9 +70,10 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
         log::warn!("{}: {finding}", config.source);
     }
     let packages = PackageIndex::from_env(&args.package_path);
-    check_parameters(&args.param, &packages)?;
+    let parameters = offline::read_parameters(&args.param, &packages)?;
     let meshes = MeshStore::new(packages);
     let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
+    offline::hand_over(&mut stage, &parameters);
     let target = match (&args.output, &args.frames) {
         (_, Some(folder)) => Target::Sequence { folder: folder.clone(), rate_hz: args.rate },
         (Some(file), None) => Target::Picture { file: file.clone(), at_secs: args.at },

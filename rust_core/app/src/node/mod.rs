@@ -101,6 +101,7 @@ impl<'a> Node<'a> {
                 Err(error) => log::error!("{error}"),
             }
         }
+        ros.follow_parameters(stage.parameters());
         log::info!("drawing {} of {} with {}", camera::names(&cameras), config.source, renderer.describe());
         Ok(Self {
             ros,
@@ -169,6 +170,10 @@ impl<'a> Node<'a> {
                 Some(camera) => camera.trigger(reply),
                 None => reply.send(false, "Image publisher not configured"),
             },
+            NodeEvent::Parameter { name, text } => {
+                let now = self.now();
+                self.stage.take_parameter(&name, text.as_ref(), now);
+            }
             NodeEvent::SubscriberConnected { .. } => {}
         }
     }

@@ -43,6 +43,13 @@ pub enum NodeEvent {
         /// To be answered.
         reply: TriggerReply,
     },
+    /// A parameter that was asked for.
+    Parameter {
+        /// Its name, as it was asked for.
+        name: Arc<str>,
+        /// Its text; none while it is not there.
+        text: Option<Arc<str>>,
+    },
     /// A topic that this node publishes has a new subscriber.
     SubscriberConnected {
         /// The topic's whole name.

@@ -18,6 +18,7 @@
 mod clock;
 mod events;
 mod graph;
+mod parameters;
 mod sockets;
 mod topic;
 mod watchdog;
