@@ -51,8 +51,6 @@ pub(crate) struct OpenWindow {
     /// Whether no window manager puts it in its place.
     placed_by_itself: bool,
     has_keyboard: bool,
-    /// Whether the window was on the screen when it had settled. From then on it is the user's to iconify.
-    was_shown: bool,
     placement: Placement,
 }
 
@@ -95,7 +93,7 @@ impl OpenWindow {
         window.request_redraw();
         let placement = Placement::new(Instant::now());
         let has_keyboard = !placed_by_itself;
-        Ok(Self { surface, window, monitor, x11, placed_by_itself, has_keyboard, was_shown: false, placement })
+        Ok(Self { surface, window, monitor, x11, placed_by_itself, has_keyboard, placement })
     }
 
     /// The monitor as it was seen last.
@@ -159,7 +157,6 @@ impl OpenWindow {
         if is_changed {
             log::info!("the monitor is now {}", self.monitor);
         }
-        self.was_shown = self.was_shown || (!self.placement.is_settling(now) && self.is_shown());
         self.has_keyboard = self.has_keyboard || self.take_keyboard();
         let was_settling = self.placement.is_settling(now);
         match self.placement.look(now, geometry.is_some(), self.is_in_place()) {
@@ -185,7 +182,7 @@ impl OpenWindow {
     }
 
     fn place_again(&self, handle: Option<MonitorHandle>) {
-        if !self.is_shown() {
+        if self.is_withdrawn() {
             // A window manager that just starts can take a new window down again.
             self.window.set_visible(false);
             self.window.set_visible(true);
@@ -204,7 +201,7 @@ impl OpenWindow {
     }
 
     fn is_in_place(&self) -> bool {
-        self.was_shown
+        !self.is_withdrawn()
             && self.has_monitors_size()
             && self.place_px().is_none_or(|place| place == self.monitor.position_px)
     }
@@ -219,11 +216,11 @@ impl OpenWindow {
         self.window.inner_position().ok().map(|place| (place.x, place.y))
     }
 
-    /// Whether the X server has the window on the screen; other window systems do not say.
-    fn is_shown(&self) -> bool {
+    /// Whether the X server has the window neither on the screen nor iconified; other window systems do not say.
+    fn is_withdrawn(&self) -> bool {
         match (&self.x11, self.x11_id()) {
-            (Some(x11), Some(id)) => x11.is_viewable(id),
-            _ => true,
+            (Some(x11), Some(id)) => x11.is_withdrawn(id),
+            _ => false,
         }
     }
 

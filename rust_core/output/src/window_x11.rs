@@ -55,7 +55,7 @@ impl X11Session {
     /// Gives a window the keyboard; false while it is not on the screen yet.
     pub(crate) fn focus(&self, window: Window) -> bool {
         let focus = || {
-            if !self.is_viewable(window) {
+            if self.map_state(window)? != MapState::VIEWABLE {
                 return None;
             }
             let request = self.connection.set_input_focus(InputFocus::POINTER_ROOT, window, x11rb::CURRENT_TIME);
@@ -64,10 +64,15 @@ impl X11Session {
         focus().is_some()
     }
 
-    /// Whether a window is on the screen, be it covered by others.
-    pub(crate) fn is_viewable(&self, window: Window) -> bool {
-        let attributes = || self.connection.get_window_attributes(window).ok()?.reply().ok();
-        attributes().is_some_and(|attributes| attributes.map_state == MapState::VIEWABLE)
+    /// Whether a window is neither on the screen nor managed: one that the user iconified, or left on another desktop,
+    /// carries the property `WM_STATE` with another value than 0 (ICCCM, section 4.1.3.1).
+    pub(crate) fn is_withdrawn(&self, window: Window) -> bool {
+        let state = || self.property(window, self.atom("WM_STATE")?, AtomEnum::ANY)?.first().copied();
+        self.map_state(window) == Some(MapState::UNMAPPED) && state().unwrap_or(0) == 0
+    }
+
+    fn map_state(&self, window: Window) -> Option<MapState> {
+        Some(self.connection.get_window_attributes(window).ok()?.reply().ok()?.map_state)
     }
 
     /// Keeps the screen saver and the monitor's power saving off for as long as this session lives.
