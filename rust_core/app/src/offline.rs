@@ -176,7 +176,12 @@ struct Player {
     messages: std::iter::Peekable<rcs_input::bag::Messages>,
     /// The config's names of each topic of the bag, and what the config expects there.
     wanted: Vec<(String, String, MessageKind)>,
+    /// When the first and the last of the transforms came that the displays have not seen yet.
+    unseen_transforms: Option<(Time, Time)>,
 }
+
+/// The displays see the transforms of so much time at once, as in rviz those of one of its pictures.
+const LOOK_PERIOD: Duration = Duration::from_millis(33);
 
 /// A topic's full name in a bag or a config, without remapping: names without a slash are below the root.
 fn full_name(topic: &str) -> String {
@@ -202,7 +207,7 @@ impl Player {
         let names: Vec<String> = wanted.iter().map(|(name, ..)| name.clone()).collect();
         let messages =
             bag.messages(|connection| is_transforms(connection) || names.contains(&full_name(&connection.topic)));
-        Ok(Self { messages: messages.peekable(), wanted })
+        Ok(Self { messages: messages.peekable(), wanted, unseen_transforms: None })
     }
 
     /// Plays all messages up to a time.
@@ -217,14 +222,28 @@ impl Player {
                 None => break,
             }
         }
+        self.show_transforms(stage);
         Ok(())
     }
 
-    fn play(&self, stage: &mut Stage, message: &BagMessage) {
+    /// Lets the displays see the transforms that came since they looked last, at the time at which those came.
+    fn show_transforms(&mut self, stage: &mut Stage) {
+        if let Some((_, last)) = self.unseen_transforms.take() {
+            stage.update(last);
+        }
+    }
+
+    fn play(&mut self, stage: &mut Stage, message: &BagMessage) {
         let connection = &message.connection;
         let name = full_name(&connection.topic);
         let damaged = |error: &dyn std::fmt::Display| log::warn!("topic {name}: a message cannot be read: {error}");
+        let now = time(message.time);
+        if self.unseen_transforms.is_some_and(|(first, _)| now.saturating_since(first) >= LOOK_PERIOD) {
+            self.show_transforms(stage);
+        }
         if is_transforms(connection) {
+            let first = self.unseen_transforms.map_or(now, |(first, _)| first);
+            self.unseen_transforms = Some((first, now));
             match MessageKind::TFMessage.decode(&message.bytes) {
                 Ok(AnyMessage::TFMessage(transforms)) => {
                     stage.take_transforms(&transforms, name == "/tf_static", &connection.publisher);
@@ -234,7 +253,6 @@ impl Player {
             }
             return;
         }
-        let now = time(message.time);
         for (_, topic, kind) in self.wanted.iter().filter(|(full, ..)| *full == name) {
             if kind.ros_type() != &*connection.ros_type {
                 continue;
@@ -244,6 +262,7 @@ impl Player {
                 Err(error) => damaged(&error),
             }
         }
+        self.unseen_transforms = None;
         stage.update(now);
         stage.say_statuses(now, false);
     }

@@ -14,10 +14,12 @@ mod marker;
 mod path;
 mod placed;
 mod point_cloud2;
+mod screw;
 mod set;
 mod shapes;
 mod solids;
 mod status;
+mod tf;
 mod trail;
 mod world;
 

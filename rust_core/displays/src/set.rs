@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use rcs_messages::AnyMessage;
+use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings, PlacedDisplay, ViewConfig};
 use rcs_scene::{DirectionalLight, DisplayId, DisplayMask, Scene};
 use rcs_transforms::Time;
@@ -14,6 +14,8 @@ use crate::grid::GridDisplay;
 use crate::marker::MarkerDisplay;
 use crate::path::PathDisplay;
 use crate::point_cloud2::PointCloud2Display;
+use crate::screw::ScrewDisplay;
+use crate::tf::TfDisplay;
 use crate::{Statuses, TopicRequest, World};
 
 /// A camera of a config: an enabled CameraPub display.
@@ -46,6 +48,16 @@ fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>>
         DisplaySettings::Marker(settings) => Box::new(MarkerDisplay::single(id, settings.clone())),
         DisplaySettings::MarkerArray(settings) => Box::new(MarkerDisplay::array(id, settings.clone())),
         DisplaySettings::Path(settings) => Box::new(PathDisplay::new(id, settings.clone())),
+        DisplaySettings::WrenchStamped(settings) => {
+            Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::WrenchStamped))
+        }
+        DisplaySettings::TwistStamped(settings) => {
+            Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::TwistStamped))
+        }
+        DisplaySettings::AccelStamped(settings) => {
+            Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::AccelStamped))
+        }
+        DisplaySettings::Tf(settings) => Box::new(TfDisplay::new(id, settings.clone())),
         DisplaySettings::Group(_) | DisplaySettings::CameraPub(_) | DisplaySettings::NotDrawn { .. } => return None,
     })
 }

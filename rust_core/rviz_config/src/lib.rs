@@ -36,6 +36,8 @@ pub use displays::path::{PathSettings, PoseStyle};
 pub use displays::point_cloud2::{
     Axis, AxisColorSettings, ColorTransformer, IntensitySettings, PointCloud2Settings, PointStyle,
 };
+pub use displays::screw::ScrewSettings;
+pub use displays::tf::TfSettings;
 pub use displays::visibility::Visibility;
 pub use displays::{DisplayConfig, DisplaySettings, LineStyle};
 pub use error::ConfigError;

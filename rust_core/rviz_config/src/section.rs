@@ -21,6 +21,12 @@ impl Report {
         self.0.borrow_mut().push(Finding { line, path: path.to_owned(), kind });
     }
 
+    /// Reports a value that cannot be taken as it stands, and what counts instead.
+    pub(crate) fn add_invalid(&self, line: usize, path: &str, value: &str, used: &str) {
+        let kind = FindingKind::InvalidValue { value: value.to_owned(), used: used.to_owned() };
+        self.add(line, path, kind);
+    }
+
     /// All findings in the order of their lines.
     pub(crate) fn into_findings(self) -> Vec<Finding> {
         let mut findings = self.0.into_inner();
@@ -118,8 +124,7 @@ impl<'a> Section<'a> {
     }
 
     fn invalid(&self, line: usize, path: &str, value: &str, used: &str) {
-        let kind = FindingKind::InvalidValue { value: value.to_owned(), used: used.to_owned() };
-        self.report.add(line, path, kind);
+        self.report.add_invalid(line, path, value, used);
     }
 
     /// The value under `key`, marked as read.

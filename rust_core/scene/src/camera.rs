@@ -204,14 +204,15 @@ impl Camera {
     }
 
     /// From the frame of something that faces the camera (text), to the view frame: the object's position and scale
-    /// without its rotation.
+    /// without its rotation. What is mirrored (scaled by a negative number) stands on its head, as in Ogre.
     pub fn view_from_facing(&self, fixed_from_object: &Matrix4<f64>) -> Matrix4<f32> {
         let position = Point3::from(fixed_from_object.fixed_view::<3, 1>(0, 3).into_owned());
         let mut view_from_object = self.fixed_from_view.inverse_transform_point(&position).coords.push(1.0);
         view_from_object.w = 1.0;
+        let sign = if fixed_from_object.fixed_view::<3, 3>(0, 0).determinant() < 0.0 { -1.0 } else { 1.0 };
         let mut matrix = Matrix4::zeros();
         for i in 0..3 {
-            matrix[(i, i)] = fixed_from_object.fixed_view::<3, 1>(0, i).norm();
+            matrix[(i, i)] = sign * fixed_from_object.fixed_view::<3, 1>(0, i).norm();
         }
         matrix.set_column(3, &view_from_object);
         matrix.cast()

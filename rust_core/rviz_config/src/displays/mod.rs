@@ -9,6 +9,8 @@ pub(crate) mod grid;
 pub(crate) mod marker;
 pub(crate) mod path;
 pub(crate) mod point_cloud2;
+pub(crate) mod screw;
+pub(crate) mod tf;
 pub(crate) mod visibility;
 
 use crate::finding::FindingKind;
@@ -21,6 +23,8 @@ use grid::GridSettings;
 use marker::MarkerSettings;
 use path::PathSettings;
 use point_cloud2::PointCloud2Settings;
+use screw::ScrewSettings;
+use tf::TfSettings;
 
 /// One entry of a list of displays.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +57,14 @@ pub enum DisplaySettings {
     MarkerArray(MarkerSettings),
     /// `rviz/Path`
     Path(PathSettings),
+    /// `rviz/WrenchStamped`
+    WrenchStamped(ScrewSettings),
+    /// `rviz/TwistStamped`
+    TwistStamped(ScrewSettings),
+    /// `rviz/AccelStamped`
+    AccelStamped(ScrewSettings),
+    /// `rviz/TF`
+    Tf(TfSettings),
     /// `rviz/Group`: displays inside a display, in the file's order.
     Group(Vec<DisplayConfig>),
     /// `rviz_camera_stream/CameraPub`
@@ -81,8 +93,7 @@ pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
     [("Lines", LineStyle::Lines), ("Billboards", LineStyle::Billboards)];
 
 /// The display classes of rviz 1.14 that are not drawn yet.
-const KNOWN_NOT_DRAWN: [&str; 25] = [
-    "rviz/AccelStamped",
+const KNOWN_NOT_DRAWN: [&str; 21] = [
     "rviz/Camera",
     "rviz/DepthCloud",
     "rviz/Effort",
@@ -103,10 +114,7 @@ const KNOWN_NOT_DRAWN: [&str; 25] = [
     "rviz/Range",
     "rviz/RelativeHumidity",
     "rviz/RobotModel",
-    "rviz/TF",
     "rviz/Temperature",
-    "rviz/TwistStamped",
-    "rviz/WrenchStamped",
 ];
 
 /// The keys under which displays that are not drawn name the topic that they show, the likeliest first.
@@ -126,11 +134,15 @@ impl DisplayConfig {
             DisplaySettings::PointCloud2(settings) => &settings.topic,
             DisplaySettings::Marker(settings) | DisplaySettings::MarkerArray(settings) => &settings.topic,
             DisplaySettings::Path(settings) => &settings.topic,
+            DisplaySettings::WrenchStamped(settings)
+            | DisplaySettings::TwistStamped(settings)
+            | DisplaySettings::AccelStamped(settings) => &settings.topic,
             DisplaySettings::CameraPub(settings) => &settings.image_topic,
             DisplaySettings::NotDrawn { topic, .. } => return topic.as_deref(),
-            DisplaySettings::Grid(_) | DisplaySettings::Axes(_) | DisplaySettings::Group(_) => {
-                return None;
-            }
+            DisplaySettings::Grid(_)
+            | DisplaySettings::Axes(_)
+            | DisplaySettings::Tf(_)
+            | DisplaySettings::Group(_) => return None,
         };
         (!topic.is_empty()).then_some(topic)
     }
@@ -182,6 +194,10 @@ fn read_class(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySet
             DisplaySettings::MarkerArray(MarkerSettings::read(section, defaults))
         }
         "rviz/Path" => DisplaySettings::Path(PathSettings::read(section)),
+        "rviz/WrenchStamped" => DisplaySettings::WrenchStamped(ScrewSettings::read_wrench(section)),
+        "rviz/TwistStamped" => DisplaySettings::TwistStamped(ScrewSettings::read_motion(section)),
+        "rviz/AccelStamped" => DisplaySettings::AccelStamped(ScrewSettings::read_motion(section)),
+        "rviz/TF" => DisplaySettings::Tf(TfSettings::read(section)),
         "rviz/Group" => {
             let path = section.path().to_owned();
             DisplaySettings::Group(read_list(section, &path))

@@ -1,0 +1,104 @@
+use rcs_messages::geometry_msgs::{TwistStamped, Vector3, WrenchStamped};
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_transforms::{RawTransform, Time, TransformTree};
+
+use super::*;
+
+struct Bench {
+    transforms: TransformTree,
+    meshes: MeshStore,
+    display: ScrewDisplay,
+}
+
+impl Bench {
+    fn new(settings: ScrewSettings) -> Self {
+        let settings = ScrewSettings { topic: "/t".to_owned(), ..settings };
+        let mut bench = Self {
+            transforms: TransformTree::new(),
+            meshes: MeshStore::new(PackageIndex::new([])),
+            display: ScrewDisplay::new(0, settings, MessageKind::TwistStamped),
+        };
+        bench.place(1.0);
+        bench
+    }
+
+    /// Says where the frame of the messages is.
+    fn place(&mut self, x: f64) {
+        let said = RawTransform {
+            parent: "map",
+            child: "base",
+            stamp: Time::ZERO,
+            translation: [x, 0.0, 0.0],
+            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+        };
+        self.transforms.insert(&said, true, "/a").unwrap();
+    }
+
+    /// Sends a twist; returns whether the picture changed.
+    fn send(&mut self, linear: [f64; 3], angular: [f64; 3]) -> bool {
+        let vector = |[x, y, z]: [f64; 3]| Vector3 { x, y, z };
+        let mut twist = TwistStamped::default();
+        twist.header.frame_id = "base".to_owned();
+        (twist.twist.linear, twist.twist.angular) = (vector(linear), vector(angular));
+        let world = World {
+            transforms: &self.transforms,
+            fixed_frame: "map",
+            now: Time::from_secs_nanos(1, 0),
+            meshes: &self.meshes,
+        };
+        self.display.take(&AnyMessage::TwistStamped(Arc::new(twist)), &world);
+        self.display.update(&world)
+    }
+
+    fn status(&self) -> Vec<(Level, &str)> {
+        self.display.statuses.iter().map(|(_, status)| (status.level, status.text.as_str())).collect()
+    }
+}
+
+const LONG: [f64; 3] = [0.0, 1.0, 0.0];
+const NONE: [f64; 3] = [0.0; 3];
+
+#[test]
+fn a_part_that_is_not_longer_than_the_width_is_hidden_unless_it_shall_be_shown() {
+    for (hide_small_values, parts) in [(true, [2, 5, 7, 0]), (false, [7; 4])] {
+        let mut bench = Bench::new(ScrewSettings { hide_small_values, ..ScrewSettings::default() });
+        let sent = [(LONG, NONE), (NONE, LONG), (LONG, LONG), ([0.25, 0.0, 0.0], NONE)];
+        for ((linear, angular), parts) in sent.into_iter().zip(parts) {
+            assert!(bench.send(linear, angular));
+            assert_eq!(bench.display.drawables().len(), parts, "{linear:?} {angular:?}");
+        }
+    }
+}
+
+#[test]
+fn the_history_keeps_the_last_screws_where_their_frame_was() {
+    let mut bench = Bench::new(ScrewSettings { history_length: 2, ..ScrewSettings::default() });
+    for x in [1.0, 2.0, 3.0] {
+        bench.place(x);
+        assert!(bench.send(LONG, NONE));
+    }
+    let xs: Vec<f64> = bench.display.drawables().iter().map(|drawable| drawable.sort_point.x).collect();
+    assert_eq!(xs, [2.0, 2.0, 3.0, 3.0]);
+    bench.display.reset();
+    assert!(bench.display.drawables().is_empty() && bench.status().is_empty());
+}
+
+#[test]
+fn a_screw_with_infinity_is_an_error_and_changes_nothing() {
+    let mut bench = Bench::new(ScrewSettings::default());
+    assert!(bench.send(LONG, NONE));
+    assert!(!bench.send([0.0, f64::INFINITY, 0.0], LONG));
+    assert_eq!(bench.display.drawables().len(), 2);
+    assert!(bench.status().contains(&(
+        Level::Error,
+        "Message contained invalid floating point values (nans or infs)"
+    )));
+    assert!(bench.send(LONG, LONG));
+    assert_eq!(bench.display.statuses.level(), Level::Ok);
+}
+
+#[test]
+fn messages_of_another_kind_are_no_screws() {
+    assert!(Screw::read(&AnyMessage::WrenchStamped(Arc::new(WrenchStamped::default()))).is_some());
+    assert!(Screw::read(&AnyMessage::Path(Arc::default())).is_none());
+}

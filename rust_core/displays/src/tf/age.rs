@@ -1,0 +1,103 @@
+//! How long ago a frame was heard of, and what that does to its colours.
+
+use std::time::Duration;
+
+use rcs_scene::Rgba;
+use rcs_transforms::Time;
+
+/// The colour of frames that are old.
+const GREY: Rgba = Rgba::new(0.7, 0.7, 0.7, 1.0);
+
+/// rviz's factor for a third.
+const THIRD: f64 = 0.333_333_3;
+
+/// A colour that fades is drawn anew so often, or less often where it could not be seen.
+const FADE_STEP: Duration = Duration::from_millis(33);
+
+/// A channel of a colour has so many levels to pass through in a third of the timeout.
+const LEVELS: u32 = 256;
+
+/// What age has done to a frame's colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Fade {
+    /// Nothing.
+    Fresh,
+    /// So much is left of them (1 to 0), the rest is grey.
+    ToGrey(f32),
+    /// They are grey, with so much opacity (1 to 0).
+    Out(f32),
+    /// Nothing is left.
+    Gone,
+}
+
+impl Fade {
+    /// What a colour has become.
+    pub(super) fn apply(self, color: Rgba) -> Rgba {
+        match self {
+            Self::Fresh => color,
+            Self::ToGrey(left) => {
+                let mix = |channel: f32, grey: f32| channel * left + grey * (1.0 - left);
+                let [r, g, b, a] = color.to_array();
+                Rgba::new(mix(r, GREY.r), mix(g, GREY.g), mix(b, GREY.b), mix(a, GREY.a))
+            }
+            Self::Out(opacity) => GREY.with_alpha(opacity),
+            Self::Gone => Rgba::TRANSPARENT,
+        }
+    }
+}
+
+/// When something was last heard of a frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Age {
+    last_heard: Time,
+    /// The latest time at which the frame could be placed; zero while that is not known or does not matter.
+    last_common_time: Time,
+}
+
+impl Age {
+    /// A frame that is seen for the first time.
+    pub(super) fn new(now: Time) -> Self {
+        Self { last_heard: now, last_common_time: Time::ZERO }
+    }
+
+    /// Takes the latest time at which the frame can be placed; zero stands for always and for never.
+    pub(super) fn hear(&mut self, common_time: Time, now: Time) {
+        if common_time.is_zero() || common_time != self.last_common_time {
+            *self = Self { last_heard: now, last_common_time: common_time };
+        }
+    }
+
+    /// What the age has done to the frame's colours by now.
+    pub(super) fn fade(&self, now: Time, timeout: Duration) -> Fade {
+        let age = now.saturating_since(self.last_heard);
+        let third = timeout.mul_f64(THIRD);
+        let left = |end: Duration| (end.saturating_sub(age).as_secs_f64() / third.as_secs_f64()) as f32;
+        if age > timeout {
+            Fade::Gone
+        } else if age > third * 2 {
+            Fade::Out(left(timeout))
+        } else if age > third {
+            Fade::ToGrey(left(third * 2))
+        } else {
+            Fade::Fresh
+        }
+    }
+
+    /// When the colours will be others if nothing more is heard of the frame.
+    pub(super) fn next_change(&self, now: Time, timeout: Duration) -> Option<Time> {
+        if self.last_common_time.is_zero() {
+            return None;
+        }
+        // At the very end of a stage it still holds.
+        let after = |age: Duration| self.last_heard.saturating_add(age.saturating_add(Duration::from_nanos(1)));
+        let third = timeout.mul_f64(THIRD);
+        match self.fade(now, timeout) {
+            Fade::Fresh => Some(after(third)),
+            Fade::ToGrey(_) | Fade::Out(_) => {
+                let step = FADE_STEP.max(third / LEVELS);
+                Some(now.saturating_add(step).min(after(timeout)))
+            }
+            Fade::Gone => None,
+        }
+    }
+}
