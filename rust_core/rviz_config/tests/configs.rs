@@ -241,7 +241,7 @@ fn a_file_as_rviz_saves_it_is_understood() {
         ("Sensors/cloud", true, true),
         ("Sensors/grasps", false, true),
         ("RobotModel", false, false),
-        ("TF", true, false),
+        ("TF", true, true),
         ("Projection", true, true),
         ("Picture", false, false),
     ];
@@ -741,4 +741,54 @@ fn groups_may_be_nested_as_deep_as_a_file_may_be() {
     let config = parse(&text, "t").unwrap();
     assert_eq!(config.placed_displays().len(), depth);
     assert_eq!(messages(&config), [""; 0]);
+}
+
+#[test]
+fn the_parts_of_screws_are_named_after_what_they_are() {
+    let keys = |linear: &str, angular: &str| {
+        format!(
+            "Topic: /s\n{linear} Color: 1; 2; 3\n{angular} Color: 4; 5; 6\n{linear} Arrow Scale: 0.5\n\
+             {angular} Arrow Scale: -2\nArrow Width: 0.1\nHistory Length: 1000000\nHide Small Values: false\nAlpha: 0.5"
+        )
+    };
+    for (class, linear, angular) in [
+        ("rviz/WrenchStamped", "Force", "Torque"),
+        ("rviz/TwistStamped", "Linear", "Angular"),
+        ("rviz/AccelStamped", "Linear", "Angular"),
+    ] {
+        let config = with_display(class, &keys(linear, angular));
+        assert_eq!(not_understood(&config), [""; 0], "{class}");
+        let (DisplaySettings::WrenchStamped(screw)
+        | DisplaySettings::TwistStamped(screw)
+        | DisplaySettings::AccelStamped(screw)) = settings(&config)
+        else {
+            panic!("{class}")
+        };
+        let expected = rcs_rviz_config::ScrewSettings {
+            topic: "/s".to_owned(),
+            linear_color: [1, 2, 3],
+            angular_color: [4, 5, 6],
+            alpha: 0.5,
+            linear_scale: 0.5,
+            angular_scale: -2.0,
+            width_m: 0.1,
+            history_length: 100_000,
+            hide_small_values: false,
+            ..rcs_rviz_config::ScrewSettings::default()
+        };
+        assert_eq!(*screw, expected);
+        assert_eq!(config.displays[0].topic(), Some("/s"));
+    }
+}
+
+#[test]
+fn frames_are_switched_off_one_by_one_and_a_plain_value_counts_as_off() {
+    let frames = "Frames:\n  All Enabled: false\n  a: {Value: true}\n  b: {Value: false}\n  c: true\n  d: {}";
+    let config = with_display("rviz/TF", &format!("{frames}\nFrame Timeout: 0.5\nTree:\n  a:\n    b: {{}}"));
+    let DisplaySettings::Tf(tf) = settings(&config) else { panic!() };
+    assert_eq!(tf.hidden_frames.iter().collect::<Vec<_>>(), ["b", "c", "d"]);
+    assert_eq!(tf.frame_timeout_s, 1.0);
+    let found = messages(&config).join("\n");
+    assert!(found.contains("Frames / c: ") && found.contains("Frame Timeout: invalid value"), "{found}");
+    assert_eq!(config.findings.len(), 2, "{found}");
 }

@@ -101,6 +101,16 @@ fn check_display(display: &DisplayConfig) {
             assert!(path.buffer_length >= 1 && path.line_width_m >= 0.001);
             assert!(path.alpha.is_finite() && path.head_length_m.is_finite());
         }
+        DisplaySettings::WrenchStamped(screw)
+        | DisplaySettings::TwistStamped(screw)
+        | DisplaySettings::AccelStamped(screw) => {
+            assert!((1..=100_000).contains(&screw.history_length));
+            assert!(screw.width_m.is_finite() && screw.linear_scale.is_finite() && screw.angular_scale.is_finite());
+        }
+        DisplaySettings::Tf(tf) => {
+            assert!((0.0..=1.0).contains(&tf.marker_alpha) && tf.marker_scale.is_finite());
+            assert!(tf.frame_timeout_s >= 1.0 && tf.update_interval_s >= 0.0 && tf.update_interval_s.is_finite());
+        }
         DisplaySettings::CameraPub(camera) => {
             assert!(camera.near_clip_m >= 0.01 && camera.near_clip_m.is_finite());
             assert!(camera.frame_rate_hz >= -1.0 && camera.queue_size >= 1);
