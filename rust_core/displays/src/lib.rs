@@ -7,13 +7,19 @@
 
 mod axes;
 mod bounds;
+mod cloud;
 mod display;
 mod frame;
 mod grid;
+mod grid_cells;
+mod laser_scan;
 mod marker;
 mod path;
 mod placed;
+mod point_cloud;
 mod point_cloud2;
+mod range;
+mod scalar;
 mod screw;
 mod set;
 mod shapes;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rcs_messages::std_msgs::Header;
-use rcs_transforms::WaitingQueue;
+use rcs_transforms::{Time, WaitingQueue};
 
 use crate::world::stamp;
 use crate::{Level, Statuses, World};
@@ -23,9 +23,14 @@ impl<M> Incoming<M> {
 
     /// Takes a message that counts as received.
     pub(crate) fn push(&mut self, header: &Header, message: Arc<M>, statuses: &mut Statuses) {
+        self.push_until(header, stamp(header), message, statuses);
+    }
+
+    /// Takes a message whose frame must be known both at its stamp and at another time.
+    pub(crate) fn push_until(&mut self, header: &Header, end: Time, message: Arc<M>, statuses: &mut Statuses) {
         self.received += 1;
         statuses.set(Level::Ok, "Topic", format!("{} messages received", self.received));
-        self.queue.push(&header.frame_id, stamp(header), message);
+        self.queue.push_until(&header.frame_id, stamp(header), end, message);
     }
 
     /// The messages that can be placed now.

@@ -4,16 +4,22 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use rcs_messages::{AnyMessage, MessageKind};
-use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings, PlacedDisplay, ViewConfig};
+use rcs_rviz_config::{CameraPubSettings, CloudSettings, Config, DisplaySettings, PlacedDisplay, ViewConfig};
 use rcs_scene::{DirectionalLight, DisplayId, DisplayMask, Scene};
 use rcs_transforms::Time;
 
 use crate::axes::AxesDisplay;
+use crate::cloud::{CloudDisplay, CloudSource};
 use crate::display::Display;
 use crate::grid::GridDisplay;
+use crate::grid_cells::GridCellsDisplay;
+use crate::laser_scan::LaserScanSource;
 use crate::marker::MarkerDisplay;
 use crate::path::PathDisplay;
-use crate::point_cloud2::PointCloud2Display;
+use crate::point_cloud::PointCloudSource;
+use crate::point_cloud2::PointCloud2Source;
+use crate::range::RangeDisplay;
+use crate::scalar::{FluidPressureSource, IlluminanceSource, RelativeHumiditySource, TemperatureSource};
 use crate::screw::ScrewDisplay;
 use crate::tf::TfDisplay;
 use crate::{Statuses, TopicRequest, World};
@@ -42,7 +48,15 @@ pub struct ListedDisplay {
 /// classes that are not drawn.
 fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>> {
     Some(match settings {
-        DisplaySettings::PointCloud2(settings) => Box::new(PointCloud2Display::new(id, settings.clone())),
+        DisplaySettings::PointCloud2(settings) => clouds::<PointCloud2Source>(id, settings),
+        DisplaySettings::PointCloud(settings) => clouds::<PointCloudSource>(id, settings),
+        DisplaySettings::LaserScan(settings) => clouds::<LaserScanSource>(id, settings),
+        DisplaySettings::FluidPressure(settings) => clouds::<FluidPressureSource>(id, settings),
+        DisplaySettings::Illuminance(settings) => clouds::<IlluminanceSource>(id, settings),
+        DisplaySettings::RelativeHumidity(settings) => clouds::<RelativeHumiditySource>(id, settings),
+        DisplaySettings::Temperature(settings) => clouds::<TemperatureSource>(id, settings),
+        DisplaySettings::GridCells(settings) => Box::new(GridCellsDisplay::new(id, settings.clone())),
+        DisplaySettings::Range(settings) => Box::new(RangeDisplay::new(id, settings.clone())),
         DisplaySettings::Grid(settings) => Box::new(GridDisplay::new(id, settings.clone())),
         DisplaySettings::Axes(settings) => Box::new(AxesDisplay::new(id, settings.clone())),
         DisplaySettings::Marker(settings) => Box::new(MarkerDisplay::single(id, settings.clone())),
@@ -60,6 +74,11 @@ fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>>
         DisplaySettings::Tf(settings) => Box::new(TfDisplay::new(id, settings.clone())),
         DisplaySettings::Group(_) | DisplaySettings::CameraPub(_) | DisplaySettings::NotDrawn { .. } => return None,
     })
+}
+
+/// A display of clouds that come from messages of a type.
+fn clouds<S: CloudSource + 'static>(id: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
+    Box::new(CloudDisplay::<S>::new(id, settings.clone()))
 }
 
 struct Entry {

@@ -30,12 +30,12 @@ mod view_direction;
 pub use config::{Config, PlacedDisplay};
 pub use displays::axes::AxesSettings;
 pub use displays::camera_pub::{CameraPubSettings, ImageEncoding};
+pub use displays::cloud::{Axis, AxisColorSettings, CloudSettings, ColorTransformer, IntensitySettings, PointStyle};
 pub use displays::grid::{GridPlane, GridSettings};
+pub use displays::grid_cells::GridCellsSettings;
 pub use displays::marker::MarkerSettings;
 pub use displays::path::{PathSettings, PoseStyle};
-pub use displays::point_cloud2::{
-    Axis, AxisColorSettings, ColorTransformer, IntensitySettings, PointCloud2Settings, PointStyle,
-};
+pub use displays::range::RangeSettings;
 pub use displays::screw::ScrewSettings;
 pub use displays::tf::TfSettings;
 pub use displays::visibility::Visibility;

@@ -1,9 +1,10 @@
 //! Whole `.rviz` files: what each section and display class is read into, and what is reported.
 
 use rcs_rviz_config::{
-    parse, AxesSettings, Axis, AxisColorSettings, CameraPubSettings, ColorTransformer, Config, ConfigError,
-    DisplaySettings, FindingKind, GridPlane, GridSettings, ImageEncoding, IntensitySettings, LineStyle, MarkerSettings,
-    PathSettings, PointCloud2Settings, PointStyle, PoseStyle, ViewConfig, ViewController,
+    parse, AxesSettings, Axis, AxisColorSettings, CameraPubSettings, CloudSettings, ColorTransformer, Config,
+    ConfigError, DisplaySettings, FindingKind, GridCellsSettings, GridPlane, GridSettings, ImageEncoding,
+    IntensitySettings, LineStyle, MarkerSettings, PathSettings, PointStyle, PoseStyle, RangeSettings, ViewConfig,
+    ViewController,
 };
 
 /// The config whose only display has these keys.
@@ -286,7 +287,15 @@ fn a_config_without_any_keys_has_rvizs_defaults() {
 #[test]
 fn displays_without_keys_have_rvizs_defaults() {
     let defaults = [
-        ("rviz/PointCloud2", DisplaySettings::PointCloud2(PointCloud2Settings::default())),
+        ("rviz/PointCloud2", DisplaySettings::PointCloud2(CloudSettings::default())),
+        ("rviz/PointCloud", DisplaySettings::PointCloud(CloudSettings::default())),
+        ("rviz/LaserScan", DisplaySettings::LaserScan(CloudSettings::default())),
+        ("rviz/FluidPressure", DisplaySettings::FluidPressure(CloudSettings::fluid_pressure_default())),
+        ("rviz/Illuminance", DisplaySettings::Illuminance(CloudSettings::illuminance_default())),
+        ("rviz/RelativeHumidity", DisplaySettings::RelativeHumidity(CloudSettings::relative_humidity_default())),
+        ("rviz/Temperature", DisplaySettings::Temperature(CloudSettings::temperature_default())),
+        ("rviz/GridCells", DisplaySettings::GridCells(GridCellsSettings::default())),
+        ("rviz/Range", DisplaySettings::Range(RangeSettings::default())),
         ("rviz/Grid", DisplaySettings::Grid(GridSettings::default())),
         ("rviz/Axes", DisplaySettings::Axes(AxesSettings::default())),
         ("rviz/Marker", DisplaySettings::Marker(MarkerSettings::default())),
@@ -315,7 +324,7 @@ fn every_property_of_point_cloud2_is_read() {
          Autocompute Value Bounds:\n  Value: false\n  Min Value: -1.5\n  Max Value: 2.5",
     );
     assert_eq!(messages(&config), [""; 0]);
-    let expected = PointCloud2Settings {
+    let expected = CloudSettings {
         topic: "/c".to_owned(),
         unreliable: true,
         queue_size: 3,
@@ -346,6 +355,35 @@ fn every_property_of_point_cloud2_is_read() {
         },
     };
     assert_eq!(*settings(&config), DisplaySettings::PointCloud2(expected));
+}
+
+#[test]
+fn displays_of_single_values_have_their_own_channel_and_bounds() {
+    let keys = "Topic: /s\nInvert Rainbow: false\nMin Intensity: 10\nSize (m): 0.4";
+    let config = with_display("rviz/Temperature", keys);
+    assert_eq!(messages(&config), [""; 0]);
+    let DisplaySettings::Temperature(temperature) = settings(&config) else { panic!("a Temperature") };
+    let intensity = &temperature.intensity;
+    assert_eq!(intensity.channel_name, "temperature");
+    assert_eq!((intensity.min, intensity.max, intensity.auto_bounds), (10.0, 100.0, false));
+    assert!(!intensity.invert_rainbow && CloudSettings::temperature_default().intensity.invert_rainbow);
+    let pressure = CloudSettings::fluid_pressure_default().intensity;
+    assert_eq!((pressure.channel_name.as_str(), pressure.min, pressure.max), ("fluid_pressure", 98e3, 105e3));
+    assert_eq!(config.displays[0].topic(), Some("/s"));
+}
+
+#[test]
+fn every_property_of_grid_cells_and_range_is_read() {
+    let head = "Topic: /t\nUnreliable: true\nQueue Size: 3\nColor: 1; 2; 3\nAlpha: 1.5";
+    let config = with_display("rviz/GridCells", head);
+    assert_eq!(messages(&config).len(), 1, "Alpha is at most 1 here: {:?}", messages(&config));
+    let (topic, color) = ("/t".to_owned(), [1, 2, 3]);
+    let expected = GridCellsSettings { topic: topic.clone(), unreliable: true, queue_size: 3, color, alpha: 1.0 };
+    assert_eq!(*settings(&config), DisplaySettings::GridCells(expected));
+    let config = with_display("rviz/Range", &format!("{head}\nBuffer Length: 7"));
+    assert_eq!(messages(&config), [""; 0]);
+    let expected = RangeSettings { topic, unreliable: true, queue_size: 3, color, alpha: 1.5, buffer_length: 7 };
+    assert_eq!(*settings(&config), DisplaySettings::Range(expected));
 }
 
 #[test]
@@ -587,24 +625,16 @@ fn each_of_rvizs_other_classes_is_known_and_its_keys_are_not_reported() {
         "Camera",
         "DepthCloud",
         "Effort",
-        "FluidPressure",
-        "GridCells",
-        "Illuminance",
         "Image",
         "InteractiveMarkers",
-        "LaserScan",
         "Map",
         "Odometry",
-        "PointCloud",
         "PointStamped",
         "Polygon",
         "Pose",
         "PoseArray",
         "PoseWithCovariance",
-        "Range",
-        "RelativeHumidity",
         "RobotModel",
-        "Temperature",
     ] {
         let config = with_display(&format!("rviz/{class}"), "Topic: /t\nAnything: {At: all}");
         assert_eq!(messages(&config), [format!("line 3: Displays / it: class rviz/{class} is not drawn yet")]);

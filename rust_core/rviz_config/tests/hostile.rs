@@ -83,7 +83,13 @@ const PIECES: [&str; 36] = [
 
 fn check_display(display: &DisplayConfig) {
     match &display.settings {
-        DisplaySettings::PointCloud2(cloud) => {
+        DisplaySettings::PointCloud2(cloud)
+        | DisplaySettings::PointCloud(cloud)
+        | DisplaySettings::LaserScan(cloud)
+        | DisplaySettings::FluidPressure(cloud)
+        | DisplaySettings::Illuminance(cloud)
+        | DisplaySettings::RelativeHumidity(cloud)
+        | DisplaySettings::Temperature(cloud) => {
             assert!(cloud.size_px >= 1.0 && cloud.size_m >= 0.0001);
             assert!((0.0..=1.0).contains(&cloud.alpha) && cloud.decay_time_secs >= 0.0);
             assert!(cloud.size_px.is_finite() && cloud.size_m.is_finite());
@@ -115,6 +121,8 @@ fn check_display(display: &DisplayConfig) {
             assert!(camera.near_clip_m >= 0.01 && camera.near_clip_m.is_finite());
             assert!(camera.frame_rate_hz >= -1.0 && camera.queue_size >= 1);
         }
+        DisplaySettings::GridCells(cells) => assert!((0.0..=1.0).contains(&cells.alpha)),
+        DisplaySettings::Range(range) => assert!(range.buffer_length >= 1 && range.alpha.is_finite()),
         DisplaySettings::Marker(_)
         | DisplaySettings::MarkerArray(_)
         | DisplaySettings::Group(_)

@@ -126,8 +126,8 @@ impl History {
     }
 }
 
-/// The transform at `ratio` of the way from `a` (0) to `b` (1).
-fn interpolate(a: &Isometry3<f64>, b: &Isometry3<f64>, ratio: f64) -> Isometry3<f64> {
+/// The transform at `ratio` of the way from `a` (0) to `b` (1): straight in translation, the shorter way in rotation.
+pub fn interpolate(a: &Isometry3<f64>, b: &Isometry3<f64>, ratio: f64) -> Isometry3<f64> {
     // Not `lerp` of the difference: `b - a` may overflow where both are finite.
     let translation = a.translation.vector * (1.0 - ratio) + b.translation.vector * ratio;
     Isometry3::from_parts(Translation3::from(translation), slerp(&a.rotation, &b.rotation, ratio))

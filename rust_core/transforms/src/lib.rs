@@ -34,6 +34,7 @@ mod transform;
 mod tree;
 mod waiting;
 
+pub use history::interpolate;
 pub use lookup::{LookupError, LookupProblem};
 pub use time::Time;
 pub use transform::{InsertError, RawTransform, StampedTransform};

@@ -36,7 +36,21 @@ pub struct WaitingQueue<T> {
 struct Message<T> {
     frame: String,
     stamp: Time,
+    /// The other time at which its frame must be known; mostly the stamp.
+    end: Time,
     content: T,
+}
+
+impl<T> Message<T> {
+    /// When its frame must be known.
+    fn times(&self) -> [Time; 2] {
+        [self.stamp, self.end]
+    }
+
+    /// Why it cannot be placed.
+    fn waits_for(&self, tree: &TransformTree, target: &str) -> Option<LookupError> {
+        self.times().iter().find_map(|time| tree.lookup(target, &self.frame, *time).err())
+    }
 }
 
 /// How many messages were dropped, by reason.
@@ -139,6 +153,12 @@ impl<T> WaitingQueue<T> {
     /// out those that wait, because they may be ready; but as in a subscriber's queue there are at most
     /// queue size of them, then the oldest of them is dropped.
     pub fn push(&mut self, frame_id: &str, stamp: Time, message: T) {
+        self.push_until(frame_id, stamp, stamp, message);
+    }
+
+    /// As [`WaitingQueue::push`], for a message that was recorded from `stamp` until `end`: its frame must be known at
+    /// both, and it is too old when the older of them is.
+    pub fn push_until(&mut self, frame_id: &str, stamp: Time, end: Time, message: T) {
         let frame = strip_slash(frame_id);
         if frame.is_empty() {
             self.counts.empty_frame += 1;
@@ -154,7 +174,7 @@ impl<T> WaitingQueue<T> {
                 self.note_dropped(oldest.content, dropped);
             }
         }
-        self.messages.push_back(Message { frame: frame.to_owned(), stamp, content: message });
+        self.messages.push_back(Message { frame: frame.to_owned(), stamp, end, content: message });
         self.new += 1;
     }
 
@@ -166,7 +186,7 @@ impl<T> WaitingQueue<T> {
             let Some(message) = self.messages.pop_front() else {
                 break;
             };
-            if tree.can_transform(target, &message.frame, message.stamp) {
+            if message.times().iter().all(|time| tree.can_transform(target, &message.frame, *time)) {
                 ready.push(message.content);
             } else if let Some(latest) = forgotten_since(tree, target, &message) {
                 self.counts.too_old += 1;
@@ -182,7 +202,7 @@ impl<T> WaitingQueue<T> {
             let Some(oldest) = self.messages.pop_front() else {
                 break;
             };
-            let reason = tree.lookup(target, &oldest.frame, oldest.stamp).err();
+            let reason = oldest.waits_for(tree, target);
             self.counts.queue_full += 1;
             let dropped = Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason };
             self.note_dropped(oldest.content, dropped);
@@ -193,7 +213,7 @@ impl<T> WaitingQueue<T> {
     /// Why the newest message waits; `None` when none does.
     pub fn waiting_reason(&self, tree: &TransformTree, target: &str) -> Option<LookupError> {
         let newest = self.messages.back()?;
-        tree.lookup(target, &newest.frame, newest.stamp).err()
+        newest.waits_for(tree, target)
     }
 
     /// How many messages wait.
@@ -234,7 +254,7 @@ fn forgotten_since<T>(tree: &TransformTree, target: &str, message: &Message<T>) 
         return None;
     }
     let latest = tree.latest_common_time(target, &message.frame).ok()?;
-    let is_forgotten = message.stamp.saturating_add(tree.cache_length()) < latest;
+    let is_forgotten = message.stamp.min(message.end).saturating_add(tree.cache_length()) < latest;
     (is_forgotten && !latest.is_zero()).then_some(latest)
 }
 
@@ -281,6 +301,24 @@ mod tests {
         assert!(queue.is_empty());
         assert_eq!(queue.waiting_reason(&tree, "map"), None);
         assert_eq!(queue.dropped().total(), 0);
+    }
+
+    #[test]
+    fn a_message_of_some_duration_waits_for_both_of_its_ends() {
+        let mut tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(5);
+        place(&mut tree, "laser", 10);
+        place(&mut tree, "laser", 12);
+        queue.push_until("laser", at(11), at(13), "later");
+        queue.push_until("laser", at(11), at(9), "earlier");
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        let reason = queue.waiting_reason(&tree, "map").unwrap();
+        assert!(matches!(reason, LookupError::Extrapolation { requested, .. } if requested == at(9)), "{reason}");
+        place(&mut tree, "laser", 13);
+        assert_eq!(queue.take_ready(&tree, "map"), ["later"]);
+        place(&mut tree, "laser", 20);
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        assert_eq!((queue.len(), queue.dropped().too_old), (0, 1));
     }
 
     #[test]

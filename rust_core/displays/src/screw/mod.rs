@@ -3,9 +3,9 @@
 //! The three differ in their message and in the names of its parts. A screw stands where its frame was at its stamp,
 //! whatever the frame does later.
 
-mod visual;
 #[cfg(test)]
 mod tests;
+mod visual;
 
 use std::collections::VecDeque;
 use std::sync::Arc;

@@ -89,10 +89,7 @@ fn a_screw_with_infinity_is_an_error_and_changes_nothing() {
     assert!(bench.send(LONG, NONE));
     assert!(!bench.send([0.0, f64::INFINITY, 0.0], LONG));
     assert_eq!(bench.display.drawables().len(), 2);
-    assert!(bench.status().contains(&(
-        Level::Error,
-        "Message contained invalid floating point values (nans or infs)"
-    )));
+    assert!(bench.status().contains(&(Level::Error, "Message contained invalid floating point values (nans or infs)")));
     assert!(bench.send(LONG, LONG));
     assert_eq!(bench.display.statuses.level(), Level::Ok);
 }

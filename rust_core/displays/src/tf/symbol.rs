@@ -111,14 +111,7 @@ impl Symbol {
     }
 
     /// Draws the frame. Returns whether that is a change.
-    pub(super) fn show(
-        &mut self,
-        display: DisplayId,
-        name: &str,
-        place: Place,
-        fade: Fade,
-        symbols: &Symbols,
-    ) -> bool {
+    pub(super) fn show(&mut self, display: DisplayId, name: &str, place: Place, fade: Fade, symbols: &Symbols) -> bool {
         if self.shown == Some((place, fade)) {
             return false;
         }

@@ -5,10 +5,12 @@
 
 pub(crate) mod axes;
 pub(crate) mod camera_pub;
+pub(crate) mod cloud;
 pub(crate) mod grid;
+pub(crate) mod grid_cells;
 pub(crate) mod marker;
 pub(crate) mod path;
-pub(crate) mod point_cloud2;
+pub(crate) mod range;
 pub(crate) mod screw;
 pub(crate) mod tf;
 pub(crate) mod visibility;
@@ -19,10 +21,12 @@ use crate::section::{join, Report, Section};
 
 use axes::AxesSettings;
 use camera_pub::CameraPubSettings;
+use cloud::CloudSettings;
 use grid::GridSettings;
+use grid_cells::GridCellsSettings;
 use marker::MarkerSettings;
 use path::PathSettings;
-use point_cloud2::PointCloud2Settings;
+use range::RangeSettings;
 use screw::ScrewSettings;
 use tf::TfSettings;
 
@@ -46,7 +50,23 @@ pub struct DisplayConfig {
 #[derive(Debug, Clone, PartialEq)]
 pub enum DisplaySettings {
     /// `rviz/PointCloud2`
-    PointCloud2(PointCloud2Settings),
+    PointCloud2(CloudSettings),
+    /// `rviz/PointCloud`
+    PointCloud(CloudSettings),
+    /// `rviz/LaserScan`
+    LaserScan(CloudSettings),
+    /// `rviz/FluidPressure`
+    FluidPressure(CloudSettings),
+    /// `rviz/Illuminance`
+    Illuminance(CloudSettings),
+    /// `rviz/RelativeHumidity`
+    RelativeHumidity(CloudSettings),
+    /// `rviz/Temperature`
+    Temperature(CloudSettings),
+    /// `rviz/GridCells`
+    GridCells(GridCellsSettings),
+    /// `rviz/Range`
+    Range(RangeSettings),
     /// `rviz/Grid`
     Grid(GridSettings),
     /// `rviz/Axes`
@@ -93,28 +113,20 @@ pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
     [("Lines", LineStyle::Lines), ("Billboards", LineStyle::Billboards)];
 
 /// The display classes of rviz 1.14 that are not drawn yet.
-const KNOWN_NOT_DRAWN: [&str; 21] = [
+const KNOWN_NOT_DRAWN: &[&str] = &[
     "rviz/Camera",
     "rviz/DepthCloud",
     "rviz/Effort",
-    "rviz/FluidPressure",
-    "rviz/GridCells",
-    "rviz/Illuminance",
     "rviz/Image",
     "rviz/InteractiveMarkers",
-    "rviz/LaserScan",
     "rviz/Map",
     "rviz/Odometry",
-    "rviz/PointCloud",
     "rviz/PointStamped",
     "rviz/Polygon",
     "rviz/Pose",
     "rviz/PoseArray",
     "rviz/PoseWithCovariance",
-    "rviz/Range",
-    "rviz/RelativeHumidity",
     "rviz/RobotModel",
-    "rviz/Temperature",
 ];
 
 /// The keys under which displays that are not drawn name the topic that they show, the likeliest first.
@@ -131,7 +143,15 @@ impl DisplayConfig {
     /// empty.
     pub fn topic(&self) -> Option<&str> {
         let topic = match &self.settings {
-            DisplaySettings::PointCloud2(settings) => &settings.topic,
+            DisplaySettings::PointCloud2(settings)
+            | DisplaySettings::PointCloud(settings)
+            | DisplaySettings::LaserScan(settings)
+            | DisplaySettings::FluidPressure(settings)
+            | DisplaySettings::Illuminance(settings)
+            | DisplaySettings::RelativeHumidity(settings)
+            | DisplaySettings::Temperature(settings) => &settings.topic,
+            DisplaySettings::GridCells(settings) => &settings.topic,
+            DisplaySettings::Range(settings) => &settings.topic,
             DisplaySettings::Marker(settings) | DisplaySettings::MarkerArray(settings) => &settings.topic,
             DisplaySettings::Path(settings) => &settings.topic,
             DisplaySettings::WrenchStamped(settings)
@@ -185,7 +205,27 @@ fn read_display(node: &Node, group_path: &str, report: &Report) -> DisplayConfig
 /// The one table from class names to readers.
 fn read_class(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySettings {
     match class {
-        "rviz/PointCloud2" => DisplaySettings::PointCloud2(PointCloud2Settings::read(section)),
+        "rviz/PointCloud2" => DisplaySettings::PointCloud2(CloudSettings::read(section, CloudSettings::default())),
+        "rviz/PointCloud" => DisplaySettings::PointCloud(CloudSettings::read(section, CloudSettings::default())),
+        "rviz/LaserScan" => DisplaySettings::LaserScan(CloudSettings::read(section, CloudSettings::default())),
+        "rviz/FluidPressure" => {
+            let defaults = CloudSettings::fluid_pressure_default();
+            DisplaySettings::FluidPressure(CloudSettings::read(section, defaults))
+        }
+        "rviz/Illuminance" => {
+            let defaults = CloudSettings::illuminance_default();
+            DisplaySettings::Illuminance(CloudSettings::read(section, defaults))
+        }
+        "rviz/RelativeHumidity" => {
+            let defaults = CloudSettings::relative_humidity_default();
+            DisplaySettings::RelativeHumidity(CloudSettings::read(section, defaults))
+        }
+        "rviz/Temperature" => {
+            let defaults = CloudSettings::temperature_default();
+            DisplaySettings::Temperature(CloudSettings::read(section, defaults))
+        }
+        "rviz/GridCells" => DisplaySettings::GridCells(GridCellsSettings::read(section)),
+        "rviz/Range" => DisplaySettings::Range(RangeSettings::read(section)),
         "rviz/Grid" => DisplaySettings::Grid(GridSettings::read(section)),
         "rviz/Axes" => DisplaySettings::Axes(AxesSettings::read(section)),
         "rviz/Marker" => DisplaySettings::Marker(MarkerSettings::read(section, MarkerSettings::default())),

@@ -1,4 +1,8 @@
-//! `rviz/PointCloud2`: points of a cloud in one of five styles, coloured in one of six ways.
+//! The displays that show their messages as clouds of points: PointCloud2, PointCloud, LaserScan, and those of single
+//! values (FluidPressure, Illuminance, RelativeHumidity, Temperature). Points are drawn in one of five styles and coloured
+//! in one of six ways.
+//!
+//! All of them have the same properties; those of single values begin with other bounds and name their own channel.
 //!
 //! rviz keeps the settings of every colour transformer at all times, because a cloud that does not fit the chosen
 //! one is coloured by another; so they stand side by side here. The only position transformer that rviz has is
@@ -40,7 +44,7 @@ pub enum ColorTransformer {
     Mono8,
     /// The float fields `r`, `g` and `b`, each 0 to 1.
     Rgbf32,
-    /// One colour, [`PointCloud2Settings::flat_color`].
+    /// One colour, [`CloudSettings::flat_color`].
     FlatColor,
     /// The position along an axis, by [`AxisColorSettings`].
     AxisColor,
@@ -107,17 +111,15 @@ impl Default for IntensitySettings {
 }
 
 impl IntensitySettings {
-    fn read(section: &mut Section<'_>) -> Self {
-        let mut settings = IntensitySettings::default();
-        section.text("Channel Name", &mut settings.channel_name);
-        section.bool("Use rainbow", &mut settings.use_rainbow);
-        section.bool("Invert Rainbow", &mut settings.invert_rainbow);
-        section.color("Min Color", &mut settings.min_color);
-        section.color("Max Color", &mut settings.max_color);
-        section.bool("Autocompute Intensity Bounds", &mut settings.auto_bounds);
-        section.float("Min Intensity", ANY, &mut settings.min);
-        section.float("Max Intensity", ANY, &mut settings.max);
-        settings
+    fn read(&mut self, section: &mut Section<'_>) {
+        section.text("Channel Name", &mut self.channel_name);
+        section.bool("Use rainbow", &mut self.use_rainbow);
+        section.bool("Invert Rainbow", &mut self.invert_rainbow);
+        section.color("Min Color", &mut self.min_color);
+        section.color("Max Color", &mut self.max_color);
+        section.bool("Autocompute Intensity Bounds", &mut self.auto_bounds);
+        section.float("Min Intensity", ANY, &mut self.min);
+        section.float("Max Intensity", ANY, &mut self.max);
     }
 }
 
@@ -143,23 +145,21 @@ impl Default for AxisColorSettings {
 }
 
 impl AxisColorSettings {
-    fn read(section: &mut Section<'_>) -> Self {
-        let mut settings = AxisColorSettings::default();
-        section.choice("Axis", &AXES, &mut settings.axis);
+    fn read(&mut self, section: &mut Section<'_>) {
+        section.choice("Axis", &AXES, &mut self.axis);
         let mut bounds = section.child("Autocompute Value Bounds");
-        bounds.bool("Value", &mut settings.auto_bounds);
-        bounds.float("Min Value", ANY, &mut settings.min);
-        bounds.float("Max Value", ANY, &mut settings.max);
+        bounds.bool("Value", &mut self.auto_bounds);
+        bounds.float("Min Value", ANY, &mut self.min);
+        bounds.float("Max Value", ANY, &mut self.max);
         bounds.finish();
-        section.bool("Use Fixed Frame", &mut settings.use_fixed_frame);
-        settings
+        section.bool("Use Fixed Frame", &mut self.use_fixed_frame);
     }
 }
 
-/// The properties of a PointCloud2 display.
+/// The properties of a display of clouds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PointCloud2Settings {
-    /// Topic of `sensor_msgs/PointCloud2`; empty when none is chosen.
+pub struct CloudSettings {
+    /// Topic of the class's messages; empty when none is chosen.
     pub topic: String,
     /// Whether UDP is preferred.
     pub unreliable: bool,
@@ -188,9 +188,9 @@ pub struct PointCloud2Settings {
     pub axis_color: AxisColorSettings,
 }
 
-impl Default for PointCloud2Settings {
+impl Default for CloudSettings {
     fn default() -> Self {
-        PointCloud2Settings {
+        CloudSettings {
             topic: String::new(),
             unreliable: false,
             queue_size: 10,
@@ -208,13 +208,42 @@ impl Default for PointCloud2Settings {
     }
 }
 
-impl PointCloud2Settings {
-    pub(crate) fn read(section: &mut Section<'_>) -> Self {
-        let mut settings = PointCloud2Settings {
-            intensity: IntensitySettings::read(section),
-            axis_color: AxisColorSettings::read(section),
-            ..PointCloud2Settings::default()
-        };
+impl CloudSettings {
+    /// The defaults of a display of single values, which colours by their channel between fixed bounds.
+    fn of_values(channel_name: &str, min: f32, max: f32) -> Self {
+        let channel_name = channel_name.to_owned();
+        let intensity =
+            IntensitySettings { channel_name, auto_bounds: false, min, max, ..IntensitySettings::default() };
+        CloudSettings { intensity, ..CloudSettings::default() }
+    }
+
+    /// The defaults of FluidPressure: from low to high air pressure in pascals.
+    pub fn fluid_pressure_default() -> Self {
+        CloudSettings::of_values("fluid_pressure", 98_000.0, 105_000.0)
+    }
+
+    /// The defaults of Illuminance: from dark to 1000 lux.
+    pub fn illuminance_default() -> Self {
+        CloudSettings::of_values("illuminance", 0.0, 1000.0)
+    }
+
+    /// The defaults of RelativeHumidity: from dry to saturated, 1.
+    pub fn relative_humidity_default() -> Self {
+        CloudSettings::of_values("relative_humidity", 0.0, 1.0)
+    }
+
+    /// The defaults of Temperature: from 0 to 100 degrees Celsius, with the rainbow turned round.
+    pub fn temperature_default() -> Self {
+        let mut settings = CloudSettings::of_values("temperature", 0.0, 100.0);
+        settings.intensity.invert_rainbow = true;
+        settings
+    }
+
+    /// Reads the properties; what the section does not say is as in `defaults`.
+    pub(crate) fn read(section: &mut Section<'_>, defaults: Self) -> Self {
+        let mut settings = defaults;
+        settings.intensity.read(section);
+        settings.axis_color.read(section);
         section.text("Topic", &mut settings.topic);
         section.bool("Unreliable", &mut settings.unreliable);
         section.count("Queue Size", 0, &mut settings.queue_size);

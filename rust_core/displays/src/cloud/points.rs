@@ -6,18 +6,38 @@ use rcs_scene::{PointBuffer, PointColors};
 use super::color::{Coloring, PointColor};
 use super::fields::Layout;
 
-/// Reads the points whose position is finite.
-pub(crate) fn read(cloud: &PointCloud2, layout: &Layout, coloring: &Coloring<'_>) -> PointBuffer {
+/// What becomes of points whose position is not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Nowhere {
+    /// They are left out before anything else happens.
+    LeftOut,
+    /// They are coloured with the others, and then put where nobody sees them. They still count for the cloud's bounds.
+    FarAway,
+}
+
+/// Where rviz puts such points, in metres along each axis.
+const FAR_AWAY: [f32; 3] = [999_999.0; 3];
+
+/// Reads the points; also returns how many have no finite position.
+pub(crate) fn read(
+    cloud: &PointCloud2,
+    layout: &Layout,
+    coloring: &Coloring<'_>,
+    nowhere: Nowhere,
+) -> (PointBuffer, usize) {
     let mut positions = Vec::with_capacity(layout.point_count);
     let mut points: Vec<&[u8]> = Vec::new();
     let needs_bytes = coloring.needs_bytes();
     if needs_bytes {
         points.reserve(layout.point_count);
     }
+    let mut nowhere_count = 0;
     let [x, y, z] = &layout.position;
     for point in cloud.data().chunks_exact(layout.point_step.max(1)) {
         let position = [x, y, z].map(|channel| f32::from_bits(channel.bits(point, cloud.is_bigendian)));
-        if position.iter().all(|value| value.is_finite()) {
+        let is_somewhere = position.iter().all(|value| value.is_finite());
+        nowhere_count += usize::from(!is_somewhere);
+        if is_somewhere || nowhere == Nowhere::FarAway {
             positions.push(position);
             if needs_bytes {
                 points.push(point);
@@ -28,7 +48,12 @@ pub(crate) fn read(cloud: &PointCloud2, layout: &Layout, coloring: &Coloring<'_>
         PointColor::Uniform(color) => PointColors::Uniform(color),
         PointColor::PerPoint(colors) => PointColors::PerPoint(colors),
     };
-    PointBuffer { positions, colors }
+    for position in positions.iter_mut().filter(|_| nowhere_count > 0 && nowhere == Nowhere::FarAway) {
+        if position.iter().any(|value| !value.is_finite()) {
+            *position = FAR_AWAY;
+        }
+    }
+    (PointBuffer { positions, colors }, nowhere_count)
 }
 
 #[cfg(test)]
@@ -36,7 +61,7 @@ mod tests {
     use nalgebra::Isometry3;
     use proptest::prelude::*;
     use rcs_messages::sensor_msgs::PointField;
-    use rcs_rviz_config::{ColorTransformer, PointCloud2Settings};
+    use rcs_rviz_config::{CloudSettings, ColorTransformer};
 
     use super::super::fields::LayoutError;
     use super::*;
@@ -65,8 +90,10 @@ mod tests {
     fn read_as(cloud: &PointCloud2, transformer: ColorTransformer) -> Result<PointBuffer, LayoutError> {
         let layout = Layout::of(cloud)?;
         let transformer = layout.fitting_transformer(Some(transformer));
-        let settings = PointCloud2Settings::default();
-        Ok(read(cloud, &layout, &Coloring::new(&settings, transformer, &Isometry3::identity())))
+        let settings = CloudSettings::default();
+        let fixed_from_cloud = Isometry3::identity();
+        let coloring = Coloring::new(&settings, transformer, &fixed_from_cloud);
+        Ok(read(cloud, &layout, &coloring, Nowhere::LeftOut).0)
     }
 
     #[test]
@@ -80,6 +107,21 @@ mod tests {
         let buffer = read_as(&cloud(&points), ColorTransformer::Rgb8).unwrap();
         assert_eq!(buffer.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
         assert_eq!(buffer.colors, PointColors::PerPoint(vec![[255, 0, 0, 255], [0, 128, 255, 255]]));
+    }
+
+    #[test]
+    fn points_that_are_put_far_away_are_coloured_with_the_others() {
+        let cloud = cloud(&[([1.0, 0.0, f32::NAN], 0), ([0.0, 0.0, 1.0], 0), ([0.0, 0.0, 2.0], 0), ([0.0; 3], 0)]);
+        let layout = Layout::of(&cloud).unwrap();
+        let settings = CloudSettings::default();
+        let turned = Isometry3::rotation(nalgebra::Vector3::new(0.0, std::f64::consts::PI, 0.0));
+        for (fixed_from_cloud, low, high) in [(Isometry3::identity(), 3, 2), (turned, 2, 3)] {
+            let coloring = Coloring::new(&settings, ColorTransformer::AxisColor, &fixed_from_cloud);
+            let (buffer, nowhere_count) = read(&cloud, &layout, &coloring, Nowhere::FarAway);
+            assert_eq!((buffer.positions[0], nowhere_count), ([999_999.0; 3], 1));
+            // The bounds are those of the three others: magenta at the top, red at the bottom.
+            assert_eq!((buffer.colors.get(low), buffer.colors.get(high)), ([255, 0, 0, 255], [255, 0, 255, 255]));
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! Ogre packs them (times 255, cut off).
 
 use nalgebra::{Isometry3, Point3};
-use rcs_rviz_config::{AxisColorSettings, ColorTransformer, IntensitySettings, PointCloud2Settings};
+use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer, IntensitySettings};
 use rcs_scene::Rgba;
 
 use super::fields::{Channel, Layout};
@@ -20,7 +20,7 @@ pub(crate) enum PointColor {
 /// A chosen transformer with its settings.
 #[derive(Debug)]
 pub(crate) struct Coloring<'a> {
-    settings: &'a PointCloud2Settings,
+    settings: &'a CloudSettings,
     transformer: ColorTransformer,
     fixed_from_cloud: &'a Isometry3<f64>,
 }
@@ -30,7 +30,7 @@ const WHITE: [u8; 4] = [255; 4];
 impl<'a> Coloring<'a> {
     /// A transformer that fits the cloud, see [`Layout::fitting_transformer`].
     pub(crate) fn new(
-        settings: &'a PointCloud2Settings,
+        settings: &'a CloudSettings,
         transformer: ColorTransformer,
         fixed_from_cloud: &'a Isometry3<f64>,
     ) -> Self {
@@ -143,8 +143,13 @@ fn by_axis(settings: &AxisColorSettings, fixed_from_cloud: &Isometry3<f64>, posi
             position[axis]
         }
     };
-    let (min, max) =
-        if settings.auto_bounds { bounds(positions.iter().map(value), 9999.0) } else { (settings.min, settings.max) };
+    let (min, max) = if settings.auto_bounds {
+        let outermost = 9999.0;
+        // Unlike among intensities, a NaN is passed over.
+        positions.iter().map(value).fold((outermost, -outermost), |(min, max), value| (value.min(min), value.max(max)))
+    } else {
+        (settings.min, settings.max)
+    };
     let range = if max == min { 0.001 } else { max - min };
     positions.iter().map(|position| rainbow((1.0 - f64::from((value(position) - min) / range)) as f32)).collect()
 }

@@ -1,0 +1,193 @@
+//! What all displays of clouds share: points in one of five styles, coloured by one of six transformers.
+//!
+//! Reproduces `rviz::PointCloudCommon`. As there, whatever a display listens to becomes a `sensor_msgs/PointCloud2`
+//! ([`CloudSource`]); that is decoded and coloured once, when it is placed, and drawing it again costs no decoding. A
+//! cloud stands where its frame was at its stamp. Without a decay time the newest cloud replaces the one before it.
+
+mod color;
+mod display;
+mod fields;
+mod points;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Point3};
+use rcs_messages::sensor_msgs::PointField;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::PointCloud2;
+use rcs_rviz_config::{CloudSettings, PointStyle as StyleSetting};
+use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, RenderGroup};
+use rcs_transforms::Time;
+
+use crate::bounds::middle;
+use crate::{Level, Statuses, World};
+use fields::Layout;
+
+pub(crate) use display::{CloudDisplay, CloudSource};
+pub(crate) use points::Nowhere;
+
+/// The largest point that Mesa and Intel's drivers draw, in pixels; rviz's larger ones come out at this size.
+const MAX_POINT_PX: f32 = 255.0;
+
+/// A field of a cloud: its name, the bytes before it in a point, and its datatype (see [`PointField`]).
+pub(crate) type Field<'a> = (&'a str, u32, u8);
+
+/// A cloud of one row, from the little-endian bytes of its points.
+pub(crate) fn one_row(header: &Header, fields: &[Field<'_>], point_step: u32, data: Vec<u8>) -> PointCloud2 {
+    let field =
+        |&(name, offset, datatype): &Field<'_>| PointField { name: name.to_owned(), offset, datatype, count: 1 };
+    let mut cloud = PointCloud2::default();
+    cloud.header = header.clone();
+    cloud.fields = fields.iter().map(field).collect();
+    cloud.height = 1;
+    cloud.width = data.len().checked_div(point_step as usize).unwrap_or(0) as u32;
+    cloud.point_step = point_step;
+    cloud.row_step = data.len() as u32;
+    cloud.with_data(data)
+}
+
+/// A cloud and where it stands.
+#[derive(Clone, Debug)]
+pub(crate) struct PlacedCloud {
+    pub(crate) cloud: Arc<PointCloud2>,
+    pub(crate) fixed_from_cloud: Isometry3<f64>,
+}
+
+impl PlacedCloud {
+    /// A cloud that stands where its frame was at its stamp.
+    ///
+    /// # Errors
+    /// A sentence of rviz's when that is not known.
+    pub(crate) fn at_stamp(cloud: Arc<PointCloud2>, world: &World<'_>) -> Result<Self, String> {
+        match world.fixed_from_header(&cloud.header) {
+            Ok(fixed_from_cloud) => Ok(Self { cloud, fixed_from_cloud }),
+            Err(_) => {
+                let (frame, fixed_frame) = (&cloud.header.frame_id, world.fixed_frame);
+                Err(format!("Failed to transform from frame [{frame}] to frame [{fixed_frame}]"))
+            }
+        }
+    }
+}
+
+/// The clouds that a display shows.
+#[derive(Debug)]
+pub(crate) struct Clouds {
+    display: DisplayId,
+    settings: CloudSettings,
+    nowhere: Nowhere,
+    shown: VecDeque<Shown>,
+    drawables: Vec<Drawable>,
+}
+
+#[derive(Debug)]
+struct Shown {
+    received: Time,
+    drawable: Drawable,
+}
+
+impl Clouds {
+    pub(crate) fn new(display: DisplayId, settings: CloudSettings, nowhere: Nowhere) -> Self {
+        Self { display, settings, nowhere, shown: VecDeque::new(), drawables: Vec::new() }
+    }
+
+    pub(crate) fn drawables(&self) -> &[Drawable] {
+        &self.drawables
+    }
+
+    /// Whether only the newest cloud is seen.
+    pub(crate) fn keeps_one(&self) -> bool {
+        self.settings.decay_time_secs <= 0.0
+    }
+
+    /// The cloud as a drawable; `None`, with a status that says why, where it cannot be shown.
+    pub(crate) fn decode(&mut self, placed: &PlacedCloud, statuses: &mut Statuses) -> Option<Drawable> {
+        let PlacedCloud { cloud, fixed_from_cloud } = placed;
+        let layout = match Layout::of(cloud) {
+            Ok(layout) => layout,
+            Err(error) => {
+                statuses.set(Level::Error, "Message", format!("{error}. Dropping message."));
+                return None;
+            }
+        };
+        let transformer = layout.fitting_transformer(self.settings.color_transformer);
+        self.settings.color_transformer = Some(transformer);
+        let coloring = color::Coloring::new(&self.settings, transformer, fixed_from_cloud);
+        let (buffer, nowhere_count) = points::read(cloud, &layout, &coloring, self.nowhere);
+        let shown_count = layout.point_count - nowhere_count;
+        statuses.set(
+            Level::Ok,
+            "Points",
+            match nowhere_count {
+                0 => format!("Showing {shown_count} points"),
+                _ => format!("Showing {shown_count} points, {nowhere_count} without a finite position left out"),
+            },
+        );
+        statuses.remove("Message");
+        Some(self.drawable(buffer, layout.has_point_alpha(), fixed_from_cloud))
+    }
+
+    fn drawable(&self, buffer: PointBuffer, has_point_alpha: bool, fixed_from_cloud: &Isometry3<f64>) -> Drawable {
+        let settings = &self.settings;
+        let size_m = settings.size_m;
+        let style = match settings.style {
+            StyleSetting::Points => PointStyle::Points { diameter_px: settings.size_px.min(MAX_POINT_PX) },
+            StyleSetting::Squares => PointStyle::Squares { size_m: [size_m; 2] },
+            StyleSetting::FlatSquares => PointStyle::FlatSquares { side_m: size_m },
+            StyleSetting::Spheres => PointStyle::Spheres { size_m: [size_m; 2] },
+            StyleSetting::Boxes => PointStyle::Boxes { size_m: [size_m; 3] },
+        };
+        // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.
+        let sort_point = middle(buffer.positions.iter().copied());
+        let points = Points {
+            buffer: Arc::new(buffer),
+            style,
+            alpha: settings.alpha,
+            blended: settings.alpha < Material::OPAQUE_FROM_ALPHA || has_point_alpha,
+            auto_size: false,
+        };
+        Drawable {
+            display: self.display,
+            fixed_from_object: fixed_from_cloud.to_homogeneous(),
+            sort_point: Point3::from(sort_point).cast(),
+            group: RenderGroup::Main,
+            geometry: Geometry::Points(points),
+        }
+    }
+
+    /// Shows new clouds, oldest first, and lets old ones go. Returns whether anything changed.
+    pub(crate) fn update(&mut self, new: Vec<Drawable>, now: Time) -> bool {
+        let changed = self.expire(now, !new.is_empty()) || !new.is_empty();
+        self.shown.extend(new.into_iter().map(|drawable| Shown { received: now, drawable }));
+        if changed {
+            self.drawables.clear();
+            self.drawables.extend(self.shown.iter().map(|shown| shown.drawable.clone()));
+        }
+        changed
+    }
+
+    /// Takes away the clouds that are too old. Without a decay time that is all of them, but only once there is a new
+    /// one.
+    fn expire(&mut self, now: Time, is_followed: bool) -> bool {
+        let decay_secs = f64::from(self.settings.decay_time_secs);
+        let before = self.shown.len();
+        if decay_secs > 0.0 || is_followed {
+            while self.shown.front().is_some_and(|shown| now.secs_since(shown.received) >= decay_secs) {
+                self.shown.pop_front();
+            }
+        }
+        self.shown.len() != before
+    }
+
+    /// When the oldest cloud goes.
+    pub(crate) fn next_change(&self) -> Option<Time> {
+        let decay = std::time::Duration::try_from_secs_f32(self.settings.decay_time_secs).ok()?;
+        let oldest = self.shown.front().filter(|_| !decay.is_zero())?;
+        Some(oldest.received.saturating_add(decay))
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.shown.clear();
+        self.drawables.clear();
+    }
+}
