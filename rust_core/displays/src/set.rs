@@ -15,9 +15,15 @@ use crate::grid::GridDisplay;
 use crate::grid_cells::GridCellsDisplay;
 use crate::laser_scan::LaserScanSource;
 use crate::marker::MarkerDisplay;
+use crate::odometry::OdometryDisplay;
 use crate::path::PathDisplay;
 use crate::point_cloud::PointCloudSource;
 use crate::point_cloud2::PointCloud2Source;
+use crate::point_stamped::PointStampedDisplay;
+use crate::polygon::PolygonDisplay;
+use crate::pose::PoseDisplay;
+use crate::pose_array::PoseArrayDisplay;
+use crate::pose_with_covariance::PoseWithCovarianceDisplay;
 use crate::range::RangeDisplay;
 use crate::scalar::{FluidPressureSource, IlluminanceSource, RelativeHumiditySource, TemperatureSource};
 use crate::screw::ScrewDisplay;
@@ -72,6 +78,12 @@ fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>>
             Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::AccelStamped))
         }
         DisplaySettings::Tf(settings) => Box::new(TfDisplay::new(id, settings.clone())),
+        DisplaySettings::Odometry(settings) => Box::new(OdometryDisplay::of(id, settings)),
+        DisplaySettings::PointStamped(settings) => Box::new(PointStampedDisplay::of(id, settings)),
+        DisplaySettings::Polygon(settings) => Box::new(PolygonDisplay::of(id, settings)),
+        DisplaySettings::Pose(settings) => Box::new(PoseDisplay::of(id, settings)),
+        DisplaySettings::PoseArray(settings) => Box::new(PoseArrayDisplay::of(id, settings)),
+        DisplaySettings::PoseWithCovariance(settings) => Box::new(PoseWithCovarianceDisplay::of(id, settings)),
         DisplaySettings::Group(_) | DisplaySettings::CameraPub(_) | DisplaySettings::NotDrawn { .. } => return None,
     })
 }

@@ -94,6 +94,16 @@ pub(crate) fn arrow(
     ]
 }
 
+/// Lays an arrow along the x of a pose.
+#[rustfmt::skip]
+pub(crate) fn pose_from_arrow() -> Matrix4<f64> {
+    Matrix3::new(
+        0.0, 0.0, -1.0,
+        0.0, 1.0, 0.0,
+        1.0, 0.0, 0.0,
+    ).to_homogeneous()
+}
+
 /// The shortest turn of an arrow's −z into a direction of any length above zero; no turn for zero.
 pub(crate) fn arrow_turn(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
     let backwards = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::PI);

@@ -217,20 +217,26 @@ impl<'a> Section<'a> {
 
     /// Reads an integer; what is none counts as 0.
     pub(crate) fn int(&mut self, key: &str, setting: &mut i32) {
-        self.int_at_least(key, i32::MIN, setting);
+        self.int_in(key, i32::MIN..=i32::MAX, setting);
     }
 
     /// Reads a count, clamped to at least `min`; what is no integer counts as 0.
     pub(crate) fn count(&mut self, key: &str, min: u32, setting: &mut u32) {
-        let mut value = i32::try_from(*setting).unwrap_or(i32::MAX);
-        self.int_at_least(key, i32::try_from(min).unwrap_or(i32::MAX), &mut value);
+        self.count_in(key, min..=u32::MAX, setting);
+    }
+
+    /// Reads a count, clamped to `range`; what is no integer counts as 0.
+    pub(crate) fn count_in(&mut self, key: &str, range: RangeInclusive<u32>, setting: &mut u32) {
+        let int = |count: u32| i32::try_from(count).unwrap_or(i32::MAX);
+        let mut value = int(*setting);
+        self.int_in(key, int(*range.start())..=int(*range.end()), &mut value);
         *setting = value.unsigned_abs();
     }
 
-    fn int_at_least(&mut self, key: &str, min: i32, setting: &mut i32) {
+    fn int_in(&mut self, key: &str, range: RangeInclusive<i32>, setting: &mut i32) {
         if let Some((text, line)) = self.scalar(key) {
             let read = qt_value::to_int(text);
-            *setting = read.unwrap_or(0).max(min);
+            *setting = read.unwrap_or(0).clamp(*range.start(), *range.end());
             if read != Some(*setting) {
                 self.invalid(line, &join(&self.path, key), text, &setting.to_string());
             }

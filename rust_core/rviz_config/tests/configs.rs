@@ -2,9 +2,11 @@
 
 use rcs_rviz_config::{
     parse, AxesSettings, Axis, AxisColorSettings, CameraPubSettings, CloudSettings, ColorTransformer, Config,
-    ConfigError, DisplaySettings, FindingKind, GridCellsSettings, GridPlane, GridSettings, ImageEncoding,
-    IntensitySettings, LineStyle, MarkerSettings, PathSettings, PointStyle, PoseStyle, RangeSettings, ViewConfig,
-    ViewController,
+    ConfigError, CovarianceColorStyle, CovarianceFrame, CovarianceSettings, DisplaySettings, FindingKind,
+    GridCellsSettings, GridPlane, GridSettings, ImageEncoding, IntensitySettings, LineStyle, MarkerSettings,
+    OdometrySettings, OrientationCovarianceSettings, PathSettings, PointStampedSettings, PointStyle, PolygonSettings,
+    PoseArraySettings, PoseArrayShape, PoseSettings, PoseShape, PoseStyle, PoseSymbolSettings,
+    PoseWithCovarianceSettings, PositionCovarianceSettings, RangeSettings, ViewConfig, ViewController,
 };
 
 /// The config whose only display has these keys.
@@ -301,6 +303,12 @@ fn displays_without_keys_have_rvizs_defaults() {
         ("rviz/Marker", DisplaySettings::Marker(MarkerSettings::default())),
         ("rviz/MarkerArray", DisplaySettings::MarkerArray(MarkerSettings::array_default())),
         ("rviz/Path", DisplaySettings::Path(PathSettings::default())),
+        ("rviz/Odometry", DisplaySettings::Odometry(OdometrySettings::default())),
+        ("rviz/PointStamped", DisplaySettings::PointStamped(PointStampedSettings::default())),
+        ("rviz/Polygon", DisplaySettings::Polygon(PolygonSettings::default())),
+        ("rviz/Pose", DisplaySettings::Pose(PoseSettings::default())),
+        ("rviz/PoseArray", DisplaySettings::PoseArray(PoseArraySettings::default())),
+        ("rviz/PoseWithCovariance", DisplaySettings::PoseWithCovariance(PoseWithCovarianceSettings::default())),
         ("rviz/Group", DisplaySettings::Group(vec![])),
         ("rviz_camera_stream/CameraPub", DisplaySettings::CameraPub(CameraPubSettings::default())),
     ];
@@ -486,6 +494,152 @@ fn every_property_of_path_is_read() {
     assert_eq!(*settings(&config), DisplaySettings::Path(path));
 }
 
+/// The keys of an arrow or axes, as they stand beside or inside `Shape`.
+const SYMBOL: &str = "Color: 1; 2; 3\nAlpha: 0.5\nShaft Length: 0.1\nShaft Radius: 0.2\nHead Length: 0.3\n\
+                      Head Radius: 0.4\nAxes Length: 0.5\nAxes Radius: 0.6";
+
+const COVARIANCE: &str =
+    "Covariance:\n  Value: true\n  Position: {Value: true, Color: 4; 5; 6, Alpha: 0.25, Scale: 2}\n  \
+                          Orientation: {Value: true, Frame: Fixed, Color Style: RGB, Color: 7; 8; 9, Alpha: 0.75, \
+                          Offset: 3, Scale: 4}";
+
+fn symbol() -> PoseSymbolSettings {
+    PoseSymbolSettings {
+        shape: PoseShape::Axes,
+        color: [1, 2, 3],
+        alpha: 0.5,
+        shaft_length_m: 0.1,
+        shaft_radius_m: 0.2,
+        head_length_m: 0.3,
+        head_radius_m: 0.4,
+        axes_length_m: 0.5,
+        axes_radius_m: 0.6,
+    }
+}
+
+fn covariance() -> CovarianceSettings {
+    CovarianceSettings {
+        position: Some(PositionCovarianceSettings { color: [4, 5, 6], alpha: 0.25, scale: 2.0 }),
+        orientation: Some(OrientationCovarianceSettings {
+            frame: CovarianceFrame::Fixed,
+            color_style: CovarianceColorStyle::Rgb,
+            color: [7, 8, 9],
+            alpha: 0.75,
+            offset_m: 3.0,
+            scale: 4.0,
+        }),
+    }
+}
+
+#[test]
+fn every_property_of_poses_is_read() {
+    let keys = format!("Topic: /t\nUnreliable: true\nQueue Size: 3\nShape: Axes\n{SYMBOL}");
+    let config = with_display("rviz/Pose", &keys);
+    assert_eq!(messages(&config), [""; 0]);
+    let pose = PoseSettings { topic: "/t".to_owned(), unreliable: true, queue_size: 3, symbol: symbol() };
+    assert_eq!(*settings(&config), DisplaySettings::Pose(pose));
+
+    let config = with_display("rviz/PoseWithCovariance", &format!("{keys}\n{COVARIANCE}"));
+    assert_eq!(messages(&config), [""; 0]);
+    let pose = PoseWithCovarianceSettings {
+        topic: "/t".to_owned(),
+        unreliable: true,
+        queue_size: 3,
+        symbol: symbol(),
+        covariance: covariance(),
+    };
+    assert_eq!(*settings(&config), DisplaySettings::PoseWithCovariance(pose));
+}
+
+#[test]
+fn every_property_of_odometry_is_read_and_the_symbols_lie_inside_of_its_shape() {
+    let shape = format!("Value: Axes\n{SYMBOL}").replace('\n', ", ");
+    let keys = format!(
+        "Topic: /t\nUnreliable: true\nQueue Size: 3\nPosition Tolerance: 0.7\nAngle Tolerance: 0.8\nKeep: 9\n\
+         Shape: {{{shape}}}\n{COVARIANCE}"
+    );
+    let config = with_display("rviz/Odometry", &keys);
+    assert_eq!(messages(&config), [""; 0]);
+    let odometry = OdometrySettings {
+        topic: "/t".to_owned(),
+        unreliable: true,
+        queue_size: 3,
+        position_tolerance_m: 0.7,
+        angle_tolerance_rad: 0.8,
+        keep: 9,
+        symbol: symbol(),
+        covariance: covariance(),
+    };
+    assert_eq!(*settings(&config), DisplaySettings::Odometry(odometry));
+    // rviz does not find the symbol's keys beside Shape, where they were long ago.
+    let config = with_display("rviz/Odometry", "Shape: Arrow\nShaft Length: 3");
+    assert_eq!(*settings(&config), DisplaySettings::Odometry(OdometrySettings::default()));
+    assert_eq!(not_understood(&config).len(), 1);
+}
+
+#[test]
+fn covariances_are_switched_off_as_a_whole_or_in_parts() {
+    for (keys, position, orientation) in [
+        ("Covariance: false", false, false),
+        ("Covariance: {Value: false, Position: {Value: true}}", false, false),
+        ("Covariance: {Position: false}", false, true),
+        ("Covariance: {Orientation: {Value: false}}", true, false),
+    ] {
+        let config = with_display("rviz/PoseWithCovariance", keys);
+        let DisplaySettings::PoseWithCovariance(pose) = settings(&config) else { panic!() };
+        let shown = (pose.covariance.position.is_some(), pose.covariance.orientation.is_some());
+        assert_eq!(shown, (position, orientation), "{keys}");
+    }
+}
+
+#[test]
+fn every_property_of_pose_array_point_stamped_and_polygon_is_read() {
+    let common = "Topic: /t\nUnreliable: true\nQueue Size: 3\nColor: 1; 2; 3\nAlpha: 0.5";
+    let config = with_display(
+        "rviz/PoseArray",
+        &format!(
+            "{common}\nShape: Arrow (3D)\nArrow Length: 0.1\nShaft Length: 0.2\nShaft Radius: 0.3\nHead Length: 0.4\n\
+             Head Radius: 0.5\nAxes Length: 0.6\nAxes Radius: 0.7"
+        ),
+    );
+    assert_eq!(messages(&config), [""; 0]);
+    let poses = PoseArraySettings {
+        topic: "/t".to_owned(),
+        unreliable: true,
+        queue_size: 3,
+        shape: PoseArrayShape::Arrow3d,
+        color: [1, 2, 3],
+        alpha: 0.5,
+        flat_arrow_length_m: 0.1,
+        shaft_length_m: 0.2,
+        shaft_radius_m: 0.3,
+        head_length_m: 0.4,
+        head_radius_m: 0.5,
+        axes_length_m: 0.6,
+        axes_radius_m: 0.7,
+    };
+    assert_eq!(*settings(&config), DisplaySettings::PoseArray(poses));
+
+    let config = with_display("rviz/PointStamped", &format!("{common}\nRadius: 0.4\nHistory Length: 200000"));
+    assert_eq!(messages(&config).len(), 1, "the history is clamped");
+    let points = PointStampedSettings {
+        topic: "/t".to_owned(),
+        unreliable: true,
+        queue_size: 3,
+        color: [1, 2, 3],
+        alpha: 0.5,
+        radius_m: 0.4,
+        history_length: 100_000,
+    };
+    assert_eq!(*settings(&config), DisplaySettings::PointStamped(points));
+
+    let config = with_display("rviz/Polygon", common);
+    assert_eq!(messages(&config), [""; 0]);
+    let polygon =
+        PolygonSettings { topic: "/t".to_owned(), unreliable: true, queue_size: 3, color: [1, 2, 3], alpha: 0.5 };
+    assert_eq!(*settings(&config), DisplaySettings::Polygon(polygon));
+}
+
 #[test]
 fn every_property_of_camera_pub_is_read() {
     for (name, encoding) in [
@@ -621,21 +775,7 @@ fn an_unknown_class_is_reported_once_and_its_keys_are_not() {
 
 #[test]
 fn each_of_rvizs_other_classes_is_known_and_its_keys_are_not_reported() {
-    for class in [
-        "Camera",
-        "DepthCloud",
-        "Effort",
-        "Image",
-        "InteractiveMarkers",
-        "Map",
-        "Odometry",
-        "PointStamped",
-        "Polygon",
-        "Pose",
-        "PoseArray",
-        "PoseWithCovariance",
-        "RobotModel",
-    ] {
+    for class in ["Camera", "DepthCloud", "Effort", "Image", "InteractiveMarkers", "Map", "RobotModel"] {
         let config = with_display(&format!("rviz/{class}"), "Topic: /t\nAnything: {At: all}");
         assert_eq!(messages(&config), [format!("line 3: Displays / it: class rviz/{class} is not drawn yet")]);
         assert_eq!(not_understood(&config), [""; 0]);

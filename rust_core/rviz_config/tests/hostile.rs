@@ -123,8 +123,19 @@ fn check_display(display: &DisplayConfig) {
         }
         DisplaySettings::GridCells(cells) => assert!((0.0..=1.0).contains(&cells.alpha)),
         DisplaySettings::Range(range) => assert!(range.buffer_length >= 1 && range.alpha.is_finite()),
+        DisplaySettings::Odometry(odometry) => {
+            assert!(odometry.position_tolerance_m >= 0.0 && odometry.angle_tolerance_rad >= 0.0);
+            assert!(odometry.covariance.position.iter().all(|position| position.scale >= 0.0));
+        }
+        DisplaySettings::PointStamped(points) => {
+            assert!((1..=100_000).contains(&points.history_length) && points.radius_m.is_finite());
+        }
+        DisplaySettings::PoseArray(poses) => assert!((0.0..=1.0).contains(&poses.alpha)),
         DisplaySettings::Marker(_)
         | DisplaySettings::MarkerArray(_)
+        | DisplaySettings::Polygon(_)
+        | DisplaySettings::Pose(_)
+        | DisplaySettings::PoseWithCovariance(_)
         | DisplaySettings::Group(_)
         | DisplaySettings::NotDrawn { .. } => {}
     }

@@ -6,10 +6,18 @@
 pub(crate) mod axes;
 pub(crate) mod camera_pub;
 pub(crate) mod cloud;
+pub(crate) mod covariance;
 pub(crate) mod grid;
 pub(crate) mod grid_cells;
 pub(crate) mod marker;
+pub(crate) mod odometry;
 pub(crate) mod path;
+pub(crate) mod point_stamped;
+pub(crate) mod polygon;
+pub(crate) mod pose;
+pub(crate) mod pose_array;
+pub(crate) mod pose_symbol;
+pub(crate) mod pose_with_covariance;
 pub(crate) mod range;
 pub(crate) mod screw;
 pub(crate) mod tf;
@@ -25,7 +33,13 @@ use cloud::CloudSettings;
 use grid::GridSettings;
 use grid_cells::GridCellsSettings;
 use marker::MarkerSettings;
+use odometry::OdometrySettings;
 use path::PathSettings;
+use point_stamped::PointStampedSettings;
+use polygon::PolygonSettings;
+use pose::PoseSettings;
+use pose_array::PoseArraySettings;
+use pose_with_covariance::PoseWithCovarianceSettings;
 use range::RangeSettings;
 use screw::ScrewSettings;
 use tf::TfSettings;
@@ -85,6 +99,18 @@ pub enum DisplaySettings {
     AccelStamped(ScrewSettings),
     /// `rviz/TF`
     Tf(TfSettings),
+    /// `rviz/Odometry`
+    Odometry(OdometrySettings),
+    /// `rviz/PointStamped`
+    PointStamped(PointStampedSettings),
+    /// `rviz/Polygon`
+    Polygon(PolygonSettings),
+    /// `rviz/Pose`
+    Pose(PoseSettings),
+    /// `rviz/PoseArray`
+    PoseArray(PoseArraySettings),
+    /// `rviz/PoseWithCovariance`
+    PoseWithCovariance(PoseWithCovarianceSettings),
     /// `rviz/Group`: displays inside a display, in the file's order.
     Group(Vec<DisplayConfig>),
     /// `rviz_camera_stream/CameraPub`
@@ -120,12 +146,6 @@ const KNOWN_NOT_DRAWN: &[&str] = &[
     "rviz/Image",
     "rviz/InteractiveMarkers",
     "rviz/Map",
-    "rviz/Odometry",
-    "rviz/PointStamped",
-    "rviz/Polygon",
-    "rviz/Pose",
-    "rviz/PoseArray",
-    "rviz/PoseWithCovariance",
     "rviz/RobotModel",
 ];
 
@@ -157,6 +177,12 @@ impl DisplayConfig {
             DisplaySettings::WrenchStamped(settings)
             | DisplaySettings::TwistStamped(settings)
             | DisplaySettings::AccelStamped(settings) => &settings.topic,
+            DisplaySettings::Odometry(settings) => &settings.topic,
+            DisplaySettings::PointStamped(settings) => &settings.topic,
+            DisplaySettings::Polygon(settings) => &settings.topic,
+            DisplaySettings::Pose(settings) => &settings.topic,
+            DisplaySettings::PoseArray(settings) => &settings.topic,
+            DisplaySettings::PoseWithCovariance(settings) => &settings.topic,
             DisplaySettings::CameraPub(settings) => &settings.image_topic,
             DisplaySettings::NotDrawn { topic, .. } => return topic.as_deref(),
             DisplaySettings::Grid(_)
@@ -238,6 +264,12 @@ fn read_class(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySet
         "rviz/TwistStamped" => DisplaySettings::TwistStamped(ScrewSettings::read_motion(section)),
         "rviz/AccelStamped" => DisplaySettings::AccelStamped(ScrewSettings::read_motion(section)),
         "rviz/TF" => DisplaySettings::Tf(TfSettings::read(section)),
+        "rviz/Odometry" => DisplaySettings::Odometry(OdometrySettings::read(section)),
+        "rviz/PointStamped" => DisplaySettings::PointStamped(PointStampedSettings::read(section)),
+        "rviz/Polygon" => DisplaySettings::Polygon(PolygonSettings::read(section)),
+        "rviz/Pose" => DisplaySettings::Pose(PoseSettings::read(section)),
+        "rviz/PoseArray" => DisplaySettings::PoseArray(PoseArraySettings::read(section)),
+        "rviz/PoseWithCovariance" => DisplaySettings::PoseWithCovariance(PoseWithCovarianceSettings::read(section)),
         "rviz/Group" => {
             let path = section.path().to_owned();
             DisplaySettings::Group(read_list(section, &path))
