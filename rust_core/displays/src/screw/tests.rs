@@ -12,7 +12,6 @@ struct Bench {
 
 impl Bench {
     fn new(settings: ScrewSettings) -> Self {
-        let settings = ScrewSettings { topic: "/t".to_owned(), ..settings };
         let mut bench = Self {
             transforms: TransformTree::new(),
             meshes: MeshStore::new(PackageIndex::new([])),
