@@ -115,3 +115,113 @@ impl<V: MessageVisual> Display for MessageDisplay<V> {
         &self.statuses
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::PoseDisplay;
+    use rcs_messages::geometry_msgs::PoseStamped;
+    use rcs_resources::{MeshStore, PackageIndex};
+    use rcs_rviz_config::{PoseSettings, PoseShape, PoseSymbolSettings};
+    use rcs_transforms::{RawTransform, Time, TransformTree};
+
+    /// A Pose display of axes with the world around it. The frame `map` is fixed.
+    struct Bench {
+        display: PoseDisplay,
+        tree: TransformTree,
+        meshes: MeshStore,
+    }
+
+    impl Bench {
+        fn new() -> Self {
+            let symbol = PoseSymbolSettings { shape: PoseShape::Axes, ..PoseSymbolSettings::default() };
+            let settings = PoseSettings { topic: "/p".to_owned(), symbol, ..PoseSettings::default() };
+            let meshes = MeshStore::new(PackageIndex::new([]));
+            Self { display: PoseDisplay::of(0, &settings), tree: TransformTree::new(), meshes }
+        }
+
+        /// Sends a pose at x in the frame `robot`, without an update.
+        fn send(&mut self, secs: u32, x: f64) {
+            let mut pose = PoseStamped::default();
+            pose.header.frame_id = "robot".to_owned();
+            pose.header.stamp.sec = secs;
+            pose.pose.position.x = x;
+            let now = Time::from_secs_nanos(10, 0);
+            let world = World { transforms: &self.tree, fixed_frame: "map", now, meshes: &self.meshes };
+            self.display.take(&AnyMessage::PoseStamped(Arc::new(pose)), &world);
+        }
+
+        fn update(&mut self) -> bool {
+            let now = Time::from_secs_nanos(10, 0);
+            let world = World { transforms: &self.tree, fixed_frame: "map", now, meshes: &self.meshes };
+            self.display.update(&world)
+        }
+
+        fn place_robot(&mut self, secs: u32, x: f64) {
+            let said = RawTransform {
+                parent: "map",
+                child: "robot",
+                stamp: Time::from_secs_nanos(secs, 0),
+                translation: [x, 0.0, 0.0],
+                rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+            };
+            self.tree.insert(&said, false, "/test").unwrap();
+        }
+
+        /// Where the y axis' foot stands along x.
+        fn x(&self) -> Option<f64> {
+            self.display.drawables().get(1).map(|axis| axis.sort_point.x)
+        }
+
+        fn topic_status(&self) -> Option<(Level, &str)> {
+            let status = self.display.statuses().iter().find(|(name, _)| *name == "Topic")?.1;
+            Some((status.level, status.text.as_str()))
+        }
+    }
+
+    #[test]
+    fn a_message_waits_for_its_frame_and_stays_where_that_was_at_its_stamp() {
+        let mut bench = Bench::new();
+        bench.send(2, 0.5);
+        assert!(!bench.update());
+        bench.place_robot(1, 10.0);
+        assert!(!bench.update() && bench.x().is_none());
+        bench.place_robot(3, 20.0);
+        assert!(bench.update());
+        assert_eq!(bench.x(), Some(15.5));
+        bench.place_robot(4, 90.0);
+        assert!(!bench.update());
+        assert_eq!(bench.x(), Some(15.5));
+    }
+
+    #[test]
+    fn a_bad_message_is_an_error_until_the_next_good_one_and_what_was_shown_stays() {
+        let mut bench = Bench::new();
+        bench.place_robot(1, 0.0);
+        bench.send(1, 4.0);
+        assert!(bench.update());
+        bench.send(1, f64::NAN);
+        assert!(!bench.update());
+        assert_eq!(bench.x(), Some(4.0));
+        let text = "Message contained invalid floating point values (nans or infs)";
+        assert_eq!(bench.topic_status(), Some((Level::Error, text)));
+        bench.send(1, f64::INFINITY);
+        bench.send(1, 5.0);
+        assert!(bench.update());
+        assert_eq!(bench.x(), Some(5.0));
+        assert_eq!(bench.topic_status(), Some((Level::Ok, "4 messages received")));
+    }
+
+    #[test]
+    fn a_reset_display_shows_nothing_and_counts_anew() {
+        let mut bench = Bench::new();
+        bench.place_robot(1, 0.0);
+        bench.send(1, 4.0);
+        bench.update();
+        bench.display.reset();
+        assert_eq!((bench.x(), bench.topic_status()), (None, None));
+        bench.send(1, 6.0);
+        assert!(bench.update());
+        assert_eq!((bench.x(), bench.topic_status()), (Some(6.0), Some((Level::Ok, "1 messages received"))));
+    }
+}
