@@ -16,6 +16,7 @@ pub fn print(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
             (_, false) => "disabled",
             (DisplaySettings::CameraPub(_), _) => "camera",
             (DisplaySettings::Group(_), _) => "group",
+            (DisplaySettings::Image(_) | DisplaySettings::Camera(_), _) => "window only",
             (DisplaySettings::NotDrawn { known: true, .. }, _) => "not drawn yet",
             (DisplaySettings::NotDrawn { known: false, .. }, _) => "not drawn: unknown class",
             _ => "drawn",

@@ -14,6 +14,7 @@ mod frame;
 mod grid;
 mod grid_cells;
 mod laser_scan;
+mod map;
 mod marker;
 mod message_display;
 mod odometry;

@@ -14,6 +14,7 @@ use crate::display::Display;
 use crate::grid::GridDisplay;
 use crate::grid_cells::GridCellsDisplay;
 use crate::laser_scan::LaserScanSource;
+use crate::map::MapDisplay;
 use crate::marker::MarkerDisplay;
 use crate::odometry::OdometryDisplay;
 use crate::path::PathDisplay;
@@ -51,7 +52,7 @@ pub struct ListedDisplay {
 }
 
 /// The one place where a display class becomes a display. `None` for what draws nothing in the scene: groups, cameras,
-/// classes that are not drawn.
+/// what is seen in rviz's window only, classes that are not drawn.
 fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>> {
     Some(match settings {
         DisplaySettings::PointCloud2(settings) => clouds::<PointCloud2Source>(id, settings),
@@ -84,7 +85,12 @@ fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>>
         DisplaySettings::Pose(settings) => Box::new(PoseDisplay::of(id, settings)),
         DisplaySettings::PoseArray(settings) => Box::new(PoseArrayDisplay::of(id, settings)),
         DisplaySettings::PoseWithCovariance(settings) => Box::new(PoseWithCovarianceDisplay::of(id, settings)),
-        DisplaySettings::Group(_) | DisplaySettings::CameraPub(_) | DisplaySettings::NotDrawn { .. } => return None,
+        DisplaySettings::Map(settings) => Box::new(MapDisplay::new(id, settings.clone())),
+        DisplaySettings::Group(_)
+        | DisplaySettings::CameraPub(_)
+        | DisplaySettings::Image(_)
+        | DisplaySettings::Camera(_)
+        | DisplaySettings::NotDrawn { .. } => return None,
     })
 }
 

@@ -4,7 +4,7 @@
 
 use crate::layout::Layout;
 use crate::std_msgs::Header;
-use crate::{Image, PointCloud2, Serialized};
+use crate::{Image, OccupancyGrid, PointCloud2, Serialized};
 use rosrust::{Message, RosMsg};
 use std::collections::HashMap;
 use std::io;
@@ -22,6 +22,10 @@ fn cloud(bytes: Vec<u8>) -> io::Result<PointCloud2> {
 
 fn image(bytes: Vec<u8>) -> io::Result<Image> {
     Ok(Image::from_bytes(Arc::new(bytes))?)
+}
+
+fn occupancy_grid(bytes: Vec<u8>) -> io::Result<OccupancyGrid> {
+    Ok(OccupancyGrid::from_bytes(Arc::new(bytes))?)
 }
 
 macro_rules! any_message {
@@ -152,7 +156,7 @@ any_message! {
     AccelStamped(crate::geometry_msgs::AccelStamped) "geometry_msgs/AccelStamped" small, |m| Some(&m.header);
     Odometry(crate::nav_msgs::Odometry) "nav_msgs/Odometry" small, |m| Some(&m.header);
     GridCells(crate::nav_msgs::GridCells) "nav_msgs/GridCells" small, |m| Some(&m.header);
-    OccupancyGrid(crate::nav_msgs::OccupancyGrid) "nav_msgs/OccupancyGrid" small, |m| Some(&m.header);
+    OccupancyGrid(crate::OccupancyGrid) "nav_msgs/OccupancyGrid" occupancy_grid, |m| Some(&m.header);
     OccupancyGridUpdate(crate::map_msgs::OccupancyGridUpdate) "map_msgs/OccupancyGridUpdate" small, |m| Some(&m.header);
     PointCloud(crate::sensor_msgs::PointCloud) "sensor_msgs/PointCloud" small, |m| Some(&m.header);
     LaserScan(crate::sensor_msgs::LaserScan) "sensor_msgs/LaserScan" small, |m| Some(&m.header);

@@ -1,9 +1,10 @@
 //! The ROS 1 messages that the project takes and sends.
 //!
 //! The small messages are those that `rosrust_msg` generates from the installed definitions, under the names of their
-//! packages: [`geometry_msgs::Pose`], [`visualization_msgs::Marker`] and so on. The two big ones, [`PointCloud2`] and
-//! [`Image`], are types of our own, for the generated ones decode their data number by number: they keep the bytes that
-//! were received and give views of them. [`Serialized`] is a message of any type that is not decoded yet.
+//! packages: [`geometry_msgs::Pose`], [`visualization_msgs::Marker`] and so on. The big ones, [`PointCloud2`],
+//! [`Image`] and [`OccupancyGrid`], are types of our own, for the generated ones decode their data number by number: they
+//! keep the bytes that were received and give views of them. [`Serialized`] is a message of any type that is not decoded
+//! yet.
 //!
 //! Decoding never reads past the bytes given, never allocates for a length that those bytes cannot hold, and takes
 //! bytes left over for an error.
@@ -13,19 +14,22 @@ mod any;
 mod convert;
 mod image;
 mod layout;
+mod occupancy_grid;
 mod point_cloud2;
 mod serialized;
 mod wire;
 
+pub mod nav_msgs;
 pub mod sensor_msgs;
 
 pub use any::{header, AnyMessage, MessageKind};
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
 pub use image::Image;
+pub use occupancy_grid::OccupancyGrid;
 pub use point_cloud2::PointCloud2;
 pub use rosrust::{Duration, Message, RosMsg, ServicePair, Time};
 pub use rosrust_msg::{
-    diagnostic_msgs, geometry_msgs, map_msgs, nav_msgs, rosgraph_msgs, std_msgs, std_srvs, tf2_msgs, visualization_msgs,
+    diagnostic_msgs, geometry_msgs, map_msgs, rosgraph_msgs, std_msgs, std_srvs, tf2_msgs, visualization_msgs,
 };
 pub use serialized::Serialized;
 pub use wire::{decode, encode, DecodeError};

@@ -9,9 +9,9 @@ use common::{at, camera, difference, draw_on, lit_pixels, pixel, points, scene, 
 use nalgebra::{Matrix4, Vector3};
 use rcs_render::{GpuRenderer, RenderError, Renderer, View};
 use rcs_scene::{
-    Blending, Camera, CullMode, DisplayMask, Drawable, Encoding, Filtering, Geometry, HorizontalAlignment, Lighting,
-    LineTopology, Lines, Material, Picture, PointBuffer, PointColors, PointStyle, Points, RenderGroup, Rgba,
-    RibbonElement, Ribbons, Scene, Text, Texture, Vertex, VerticalAlignment, Wrapping,
+    Blending, Camera, CellSheet, Cells, CullMode, DisplayMask, Drawable, Encoding, Filtering, Geometry,
+    HorizontalAlignment, Lighting, LineTopology, Lines, Material, Picture, PointBuffer, PointColors, PointStyle,
+    Points, RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text, Texture, Vertex, VerticalAlignment, Wrapping,
 };
 
 const RED: [u8; 4] = [255, 0, 0, 255];
@@ -416,6 +416,31 @@ fn a_new_geometry_is_drawn_where_an_old_one_was() {
     for i in 0..200_u8 {
         let scene = scene([flat(1.0, [i, 255 - i, 7, 255])]);
         assert_eq!(pixel(&drawn(&scene, &camera), 5, 5), [i, 255 - i, 7]);
+    }
+}
+
+#[test]
+fn cells_that_change_are_drawn_changed_and_the_others_as_before() {
+    let side = rcs_scene::TILE_SIDE;
+    let camera = camera(4, 4, 8.0);
+    let palette = Arc::new(std::array::from_fn(|value| [value as u8, 0, 0, 255]));
+    let mut cells = Cells::new(2 * side, side, &[]);
+    for left in 0..3 {
+        cells.write([0, 0], side, &vec![left; (side * side) as usize]);
+        if left == 1 {
+            cells.write([side, 0], side, &vec![100; (side * side) as usize]);
+        }
+        let sheet = CellSheet {
+            cells: Arc::new(cells.clone()),
+            palette: Arc::clone(&palette),
+            alpha: 1.0,
+            blending: Blending::Replace,
+            depth_write: true,
+        };
+        let scene = scene([at(-0.5, -0.5, 2.0, Geometry::Cells(sheet))]);
+        let picture = drawn(&scene, &camera);
+        let right = if left == 0 { rcs_scene::UNSET_CELL } else { 100 };
+        assert_eq!([pixel(&picture, 1, 1), pixel(&picture, 2, 1)], [[left, 0, 0], [right, 0, 0]]);
     }
 }
 

@@ -37,6 +37,8 @@ pub use displays::covariance::{
 };
 pub use displays::grid::{GridPlane, GridSettings};
 pub use displays::grid_cells::GridCellsSettings;
+pub use displays::image::ImageSettings;
+pub use displays::map::{MapPalette, MapSettings};
 pub use displays::marker::MarkerSettings;
 pub use displays::odometry::OdometrySettings;
 pub use displays::path::{PathSettings, PoseStyle};

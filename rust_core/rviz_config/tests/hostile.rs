@@ -117,6 +117,7 @@ fn check_display(display: &DisplayConfig) {
             assert!((0.0..=1.0).contains(&tf.marker_alpha) && tf.marker_scale.is_finite());
             assert!(tf.frame_timeout_s >= 1.0 && tf.update_interval_s >= 0.0 && tf.update_interval_s.is_finite());
         }
+        DisplaySettings::Map(map) => assert!((0.0..=1.0).contains(&map.alpha)),
         DisplaySettings::CameraPub(camera) => {
             assert!(camera.near_clip_m >= 0.01 && camera.near_clip_m.is_finite());
             assert!(camera.frame_rate_hz >= -1.0 && camera.queue_size >= 1);
@@ -137,6 +138,8 @@ fn check_display(display: &DisplayConfig) {
         | DisplaySettings::Pose(_)
         | DisplaySettings::PoseWithCovariance(_)
         | DisplaySettings::Group(_)
+        | DisplaySettings::Image(_)
+        | DisplaySettings::Camera(_)
         | DisplaySettings::NotDrawn { .. } => {}
     }
 }

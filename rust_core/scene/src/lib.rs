@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod camera;
+mod cells;
 mod color;
 mod font;
 mod lines;
@@ -23,6 +24,7 @@ mod scene;
 mod text;
 
 pub use camera::{require_finite, Camera, CameraError, Intrinsics, FAR_CLIP_M, MAX_SIDE_PX};
+pub use cells::{CellSheet, CellTile, Cells, TILE_SIDE, UNSET_CELL};
 pub use color::Rgba;
 pub use font::{glyph_atlas, GlyphAtlas, GlyphBox, GLYPH_COUNT};
 pub use lines::{LineTopology, Lines};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Vector3};
 
-use crate::{Blending, Lines, Material, Mesh, Points, Ribbons, Text};
+use crate::{Blending, CellSheet, Lines, Material, Mesh, Points, Ribbons, Text};
 
 /// Which display a drawable came from: its index in the config's tree order.
 pub type DisplayId = u32;
@@ -66,6 +66,8 @@ pub enum Geometry {
     },
     /// Text that turns to the eye.
     Text(Arc<Text>),
+    /// Cells coloured by a palette.
+    Cells(CellSheet),
 }
 
 impl Geometry {
@@ -80,6 +82,7 @@ impl Geometry {
                 material.blending == Blending::Alpha && (!material.depth_write || !material.depth_test)
             }
             Self::Text(_) => true,
+            Self::Cells(sheet) => sheet.blending == Blending::Alpha && !sheet.depth_write,
         }
     }
 }
@@ -118,7 +121,7 @@ pub struct Scene {
 
 impl Scene {
     /// The drawables that a camera shows, in the order in which Ogre draws them: by group; in a group the opaque ones
-    /// in the scene's order, but clouds (which have shaders) after the others; then the translucent ones from far to
+    /// in the scene's order, but clouds and cells (which have shaders) after the others; then the translucent ones from far to
     /// near (equally far ones in the scene's order), with text, which Ogre takes for infinitely near, at the end.
     ///
     /// `eye` is the camera's position in the fixed frame.
@@ -130,7 +133,7 @@ impl Scene {
             .map(|drawable| {
                 let translucent = drawable.geometry.is_translucent();
                 let rank = match (&drawable.geometry, translucent) {
-                    (Geometry::Points(_), false) => 1.0,
+                    (Geometry::Points(_) | Geometry::Cells(_), false) => 1.0,
                     (_, false) | (Geometry::Text(_), true) => 0.0,
                     (_, true) => -(drawable.sort_point - eye).norm_squared(),
                 };

@@ -21,7 +21,7 @@ use rcs_scene::{CullMode, PointStyle, Points};
 use super::band::{unorm8, Mode};
 use super::clip::ClipVertex;
 use super::screen::Placement;
-use super::surface::{Paint, Surface};
+use super::surface::{DepthBias, Paint, Surface};
 
 /// Brightness of the sides of a box that look along +x, +y, +z and along −x, −y, −z.
 pub(super) const BRIGHTNESS: [[f32; 3]; 2] = [[0.6, 0.4, 0.9], [0.6, 1.0, 0.5]];
@@ -60,7 +60,7 @@ impl<'a> Faces<'a> {
             PointStyle::Tiles { .. } => (Paint::Edged, CullMode::None),
             PointStyle::FlatSquares { .. } | PointStyle::Points { .. } => (Paint::Color, CullMode::Back),
         };
-        Surface { paint, mode: Mode::new(self.points.blended), cull, depth_bias: 0.0 }
+        Surface { paint, mode: Mode::new(self.points.blended), cull, depth_bias: DepthBias::NONE }
     }
 
     /// No face reaches farther than this from its point, in the cloud's frame and for a size factor of 1.

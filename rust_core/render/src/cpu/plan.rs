@@ -8,13 +8,13 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Weak};
 
-use rcs_scene::{Blending, CullMode, Drawable, Geometry, Material, Texture};
+use rcs_scene::{Blending, CellSheet, CullMode, Drawable, Geometry, Material, Mesh, Texture, Vertex};
 
 use super::band::Mode;
 use super::points::{Cloud, PointRef};
 use super::screen::Placement;
 use super::solids::{Shape, Solid};
-use super::surface::{Paint, Surface};
+use super::surface::{DepthBias, Paint, Surface};
 use super::texture::MipTexture;
 use crate::View;
 
@@ -41,6 +41,13 @@ impl Textures {
     pub(super) fn forget_dead(&mut self) {
         self.by_address.retain(|_, (texture, _)| texture.strong_count() > 1);
     }
+}
+
+/// The triangles of cells.
+fn sheet_mesh() -> Mesh {
+    let vertices = CellSheet::TRIANGLES.into_iter().flatten();
+    let vertices = vertices.map(|[x, y]| Vertex { uv: [x, y], ..Vertex::new([x, y, 0.0], [0.0, 0.0, 1.0]) });
+    Mesh { vertices: vertices.collect(), indices: (0..6).collect() }
 }
 
 /// One job.
@@ -104,7 +111,10 @@ impl<'a> Plan<'a> {
             }
             Geometry::Lines(lines) => {
                 let mode = Mode::new(lines.blending == Blending::Alpha);
-                (Surface { paint: Paint::Color, mode, cull: CullMode::None, depth_bias: 0.0 }, Shape::Lines(lines))
+                (
+                    Surface { paint: Paint::Color, mode, cull: CullMode::None, depth_bias: DepthBias::NONE },
+                    Shape::Lines(lines),
+                )
             }
             Geometry::Ribbons(ribbons) => {
                 let material = Material::unlit(ribbons.blending == Blending::Alpha);
@@ -120,6 +130,9 @@ impl<'a> Plan<'a> {
             Geometry::Text(text) => {
                 let (mesh, material) = (text.mesh(), text.material());
                 (surface_of(material), Shape::Mesh(Cow::Borrowed(mesh), Cow::Borrowed(material)))
+            }
+            Geometry::Cells(sheet) => {
+                (Surface::of_cells(sheet), Shape::Mesh(Cow::Owned(sheet_mesh()), Cow::Owned(Material::unlit(false))))
             }
         };
         self.add_solid(Solid { placement, surface, shape });

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rcs_scene::{CullMode, Material};
+use rcs_scene::{CellSheet, CullMode, Material};
 
 use super::band::{unorm8, Mode};
 use super::texture::MipTexture;
@@ -14,6 +14,8 @@ pub(super) enum Paint {
     Color,
     /// The interpolated vertex colour times a texture.
     Texture(Arc<MipTexture>),
+    /// Cells, by the texture coordinates.
+    Cells(CellSheet),
     /// One colour with a contrasting edge. The texture coordinates reach from −0.5 to 0.5.
     Edged,
     /// One colour with an edge of half its brightness.
@@ -31,8 +33,22 @@ pub(super) struct Surface {
     pub mode: Mode,
     /// Which side is not drawn.
     pub cull: CullMode,
-    /// Smallest depth steps and slopes that it is drawn nearer.
-    pub depth_bias: f32,
+    /// How much nearer it is drawn than it is.
+    pub depth_bias: DepthBias,
+}
+
+/// A shift of depth towards the eye.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct DepthBias {
+    /// Smallest depth steps.
+    pub steps: f32,
+    /// Changes of the depth from a pixel to the next.
+    pub slopes: f32,
+}
+
+impl DepthBias {
+    /// None.
+    pub(super) const NONE: Self = Self { steps: 0.0, slopes: 0.0 };
 }
 
 impl Surface {
@@ -46,7 +62,21 @@ impl Surface {
                 depth_write: material.depth_write && material.depth_test,
             },
             cull: material.cull,
-            depth_bias: material.depth_bias,
+            depth_bias: DepthBias { steps: material.depth_bias, slopes: material.depth_bias },
+        }
+    }
+
+    /// The surface of cells.
+    pub(super) fn of_cells(sheet: &CellSheet) -> Self {
+        Self {
+            paint: Paint::Cells(sheet.clone()),
+            mode: Mode {
+                blend: sheet.blending == rcs_scene::Blending::Alpha,
+                depth_test: true,
+                depth_write: sheet.depth_write,
+            },
+            cull: CullMode::None,
+            depth_bias: DepthBias { steps: -CellSheet::DEPTH_STEPS_BACK, slopes: 0.0 },
         }
     }
 
@@ -75,6 +105,7 @@ impl Surface {
                 let texel = texture.sample(uv, footprint);
                 [0, 1, 2, 3].map(|i| unorm8(color[i] * texel[i]))
             }
+            Paint::Cells(sheet) => cell_color(sheet, uv),
             Paint::Edged => {
                 let added = contrast(color) * (1.0 - edge_shade(uv));
                 [0, 1, 2, 3].map(|i| unorm8(if i < 3 { color[i] + added } else { color[i] }))
@@ -90,6 +121,20 @@ impl Surface {
         };
         Some(bytes)
     }
+}
+
+/// The colour of the cell at a place. The cells repeat outside of 0 to 1, which shows where an edge runs through a pixel.
+#[inline]
+fn cell_color(sheet: &CellSheet, [u, v]: [f32; 2]) -> [u8; 4] {
+    let index = |place: f32, count: u32| {
+        // Within the picture places are hardly outside of 0 to 1, so that this fits.
+        let cell = (place * count as f32).floor() as i64;
+        cell.rem_euclid(i64::from(count.max(1))) as u32
+    };
+    let cells = &sheet.cells;
+    let value = cells.get(index(u, cells.width()), index(v, cells.height()));
+    let [r, g, b, a] = sheet.palette[usize::from(value)];
+    [r, g, b, unorm8(f32::from(a) / 255.0 * sheet.alpha)]
 }
 
 /// How much brighter a square's edge is. A dark colour has an edge lighter by a fifth, a light one a darker edge. Dark
@@ -130,7 +175,7 @@ mod tests {
     use super::*;
 
     fn fragment(paint: Paint, color: [u8; 4], uv: [f32; 2]) -> Option<[u8; 4]> {
-        let surface = Surface { paint, mode: Mode::OPAQUE, cull: CullMode::None, depth_bias: 0.0 };
+        let surface = Surface { paint, mode: Mode::OPAQUE, cull: CullMode::None, depth_bias: DepthBias::NONE };
         surface.fragment(color.map(|c| f32::from(c) / 255.0), uv, || [[0.0; 2]; 2])
     }
 

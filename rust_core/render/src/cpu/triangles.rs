@@ -10,7 +10,7 @@ use rcs_scene::CullMode;
 use super::band::{meet, unorm8, Band};
 use super::clip::{ClipVertex, Polygon};
 use super::screen::{first_pixel, snap, Screen, FARTHEST, SUBPIXELS};
-use super::surface::{Paint, Surface};
+use super::surface::{DepthBias, Paint, Surface};
 
 /// A quantity that is linear in the window: its value at the reference pixel and the change by a pixel to the right
 /// and by a pixel down.
@@ -120,8 +120,9 @@ impl Triangle {
             Plane { at: va - dx * x - dy * y, dx, dy }
         };
         let mut depth = plane(a.depth, b.depth, c.depth);
-        if surface.depth_bias != 0.0 {
-            depth.at -= surface.depth_bias * (1.0 + depth.dx.abs().max(depth.dy.abs()));
+        if surface.depth_bias != DepthBias::NONE {
+            let DepthBias { steps, slopes } = surface.depth_bias;
+            depth.at -= steps + slopes * depth.dx.abs().max(depth.dy.abs());
         }
         let flat = a.color == b.color && a.color == c.color;
         let color = if flat {

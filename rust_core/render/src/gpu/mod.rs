@@ -4,7 +4,8 @@
 //! device     an adapter (Vulkan before GL, hardware before software) and what it complains of
 //! points     ┐ one file for each kind of primitive, with a shader of the same name: an immutable set of pipelines,
 //! lines      │ made when the device is opened, and the draw data of one drawable in one picture
-//! triangles  ┘
+//! triangles  │
+//! cells      ┘
 //! geometry   buffers and textures that live as long as the scene's `Arc` they were made from
 //! texture    images with their mipmaps
 //! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
@@ -15,6 +16,7 @@
 //! OpenGL's, moved from −1…1 to wgpu's 0…1. A device that is lost or out of memory is given up with an error, and the
 //! next picture opens it anew.
 
+mod cells;
 mod device;
 mod geometry;
 mod lines;
@@ -27,6 +29,7 @@ mod uniforms;
 use nalgebra::Matrix4;
 use rcs_scene::{Camera, Drawable, Geometry, Picture};
 
+use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
 use self::lines::{LinePipelines, LinesDraw};
 use self::points::{PointPipelines, PointsDraw};
@@ -51,6 +54,7 @@ struct Gpu {
     points: PointPipelines,
     lines: LinePipelines,
     triangles: TrianglePipelines,
+    cells: CellPipelines,
     target: Option<Target>,
 }
 
@@ -59,6 +63,7 @@ enum Draw {
     Points(PointsDraw),
     Lines(LinesDraw),
     Triangles(TrianglesDraw),
+    Cells(CellsDraw),
 }
 
 /// What all drawables of a picture have in common.
@@ -108,8 +113,9 @@ impl Gpu {
         let points = PointPipelines::new(&device, uniforms.layout());
         let lines = LinePipelines::new(&device, uniforms.layout());
         let triangles = TrianglePipelines::new(&device, uniforms.layout());
+        let cells = CellPipelines::new(&device, uniforms.layout());
         device.check()?;
-        Ok(Self { device, uniforms, points, lines, triangles, target: None })
+        Ok(Self { device, uniforms, points, lines, triangles, cells, target: None })
     }
 
     fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
@@ -134,6 +140,7 @@ impl Gpu {
                     Draw::Points(draw) => draw.record(&mut pass, bind_group),
                     Draw::Lines(draw) => draw.record(&mut pass, bind_group),
                     Draw::Triangles(draw) => draw.record(&mut pass, bind_group),
+                    Draw::Cells(draw) => draw.record(&mut pass, bind_group),
                 }
             }
         }
@@ -148,6 +155,7 @@ impl Gpu {
         self.points.forget_dead();
         self.lines.forget_dead();
         self.triangles.forget_dead();
+        self.cells.forget_dead();
         self.uniforms.clear();
         let camera = view.camera;
         let viewpoint = Viewpoint {
@@ -180,6 +188,9 @@ impl Gpu {
             }
             Geometry::Text(text) => {
                 self.triangles.prepare_text(device, uniforms, viewpoint, placement, text).map(Draw::Triangles)
+            }
+            Geometry::Cells(sheet) => {
+                self.cells.prepare(device, uniforms, viewpoint, placement, sheet).map(Draw::Cells)
             }
         }
     }

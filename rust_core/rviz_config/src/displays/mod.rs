@@ -9,6 +9,8 @@ pub(crate) mod cloud;
 pub(crate) mod covariance;
 pub(crate) mod grid;
 pub(crate) mod grid_cells;
+pub(crate) mod image;
+pub(crate) mod map;
 pub(crate) mod marker;
 pub(crate) mod odometry;
 pub(crate) mod path;
@@ -32,6 +34,8 @@ use camera_pub::CameraPubSettings;
 use cloud::CloudSettings;
 use grid::GridSettings;
 use grid_cells::GridCellsSettings;
+use image::ImageSettings;
+use map::MapSettings;
 use marker::MarkerSettings;
 use odometry::OdometrySettings;
 use path::PathSettings;
@@ -111,6 +115,12 @@ pub enum DisplaySettings {
     PoseArray(PoseArraySettings),
     /// `rviz/PoseWithCovariance`
     PoseWithCovariance(PoseWithCovarianceSettings),
+    /// `rviz/Map`
+    Map(MapSettings),
+    /// `rviz/Image`
+    Image(ImageSettings),
+    /// `rviz/Camera`
+    Camera(ImageSettings),
     /// `rviz/Group`: displays inside a display, in the file's order.
     Group(Vec<DisplayConfig>),
     /// `rviz_camera_stream/CameraPub`
@@ -139,22 +149,14 @@ pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
     [("Lines", LineStyle::Lines), ("Billboards", LineStyle::Billboards)];
 
 /// The display classes of rviz 1.14 that are not drawn yet.
-const KNOWN_NOT_DRAWN: &[&str] = &[
-    "rviz/Camera",
-    "rviz/DepthCloud",
-    "rviz/Effort",
-    "rviz/Image",
-    "rviz/InteractiveMarkers",
-    "rviz/Map",
-    "rviz/RobotModel",
-];
+const KNOWN_NOT_DRAWN: &[&str] = &["rviz/DepthCloud", "rviz/Effort", "rviz/InteractiveMarkers", "rviz/RobotModel"];
 
 /// The keys under which displays that are not drawn name the topic that they show, the likeliest first.
 const TOPIC_KEYS: [&str; 5] = ["Topic", "Marker Topic", "Image Topic", "Depth Map Topic", "Update Topic"];
 
 impl DisplayConfig {
-    /// Whether this display is drawn. True of a group, whose displays are drawn or not each for itself, and of a
-    /// CameraPub, which is what draws.
+    /// Whether all is shown of this display that a camera could see. True of a group, whose displays are drawn or not
+    /// each for itself, of a CameraPub, which is what draws, and of what is not in the scene (an Image or a Camera).
     pub fn is_drawn(&self) -> bool {
         !matches!(self.settings, DisplaySettings::NotDrawn { .. })
     }
@@ -183,6 +185,8 @@ impl DisplayConfig {
             DisplaySettings::Pose(settings) => &settings.topic,
             DisplaySettings::PoseArray(settings) => &settings.topic,
             DisplaySettings::PoseWithCovariance(settings) => &settings.topic,
+            DisplaySettings::Map(settings) => &settings.topic,
+            DisplaySettings::Image(settings) | DisplaySettings::Camera(settings) => &settings.topic,
             DisplaySettings::CameraPub(settings) => &settings.image_topic,
             DisplaySettings::NotDrawn { topic, .. } => return topic.as_deref(),
             DisplaySettings::Grid(_)
@@ -270,6 +274,9 @@ fn read_class(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySet
         "rviz/Pose" => DisplaySettings::Pose(PoseSettings::read(section)),
         "rviz/PoseArray" => DisplaySettings::PoseArray(PoseArraySettings::read(section)),
         "rviz/PoseWithCovariance" => DisplaySettings::PoseWithCovariance(PoseWithCovarianceSettings::read(section)),
+        "rviz/Map" => DisplaySettings::Map(MapSettings::read(section)),
+        "rviz/Image" => DisplaySettings::Image(ImageSettings::read_image(section)),
+        "rviz/Camera" => DisplaySettings::Camera(ImageSettings::read_camera(section)),
         "rviz/Group" => {
             let path = section.path().to_owned();
             DisplaySettings::Group(read_list(section, &path))

@@ -1,0 +1,345 @@
+//! Cells: a rectangle with a byte a cell in an array texture, coloured by a palette in the shader.
+//!
+//! A tile of the cells is a part of a layer. Where the cells of a display change, the ones before them are gone by then;
+//! their texture is taken over, and only those tiles are brought to the GPU that are not the same as before.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Weak};
+
+use bytemuck::{Pod, Zeroable};
+use nalgebra::Matrix4;
+use rcs_scene::{Blending, CellSheet, CellTile, Cells, TILE_SIDE};
+
+use super::device::Device;
+use super::geometry::Derived;
+use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
+use super::uniforms::{Slot, Uniforms};
+use super::Viewpoint;
+
+/// The pipelines, and the cells and palettes that are on the GPU.
+#[derive(Debug)]
+pub(super) struct CellPipelines {
+    shader: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    pipelines: HashMap<FixedState, wgpu::RenderPipeline>,
+    content_layout: wgpu::BindGroupLayout,
+    corners: wgpu::Buffer,
+    values: HashMap<usize, Uploaded>,
+    palettes: Derived<[[u8; 4]; 256], wgpu::TextureView>,
+}
+
+/// Cells in one picture.
+pub(super) struct CellsDraw {
+    pipeline: wgpu::RenderPipeline,
+    content: wgpu::BindGroup,
+    corners: wgpu::Buffer,
+    slot: Slot,
+}
+
+/// What of a sheet is part of a pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct FixedState {
+    blended: bool,
+    depth_write: bool,
+}
+
+/// The values of cells on the GPU.
+#[derive(Debug)]
+struct Uploaded {
+    /// Keeps the address from being used again.
+    cells: Weak<Cells>,
+    /// The cells were gone when the last picture began.
+    was_dead: bool,
+    /// What the texture holds.
+    tiles: Vec<Weak<Vec<u8>>>,
+    texture: wgpu::Texture,
+    layers: Layers,
+}
+
+/// How cells are spread over the layers of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Layers {
+    /// Cells in a row, rows.
+    size: [u32; 2],
+    /// Cells on a side of a layer; a multiple of the tiles' side.
+    side: u32,
+    /// Layers side by side.
+    columns: u32,
+    count: u32,
+}
+
+/// The shader's `Sheet`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Sheet {
+    clip_from_object: [[f32; 4]; 4],
+    size: [f32; 2],
+    layer_side: u32,
+    layer_columns: u32,
+    alpha: f32,
+    padding: [f32; 3],
+}
+
+impl Layers {
+    /// With the smallest layers that are not too many; `None` for no cells, and where the device has no room for so many.
+    fn of(cells: &Cells, limits: &wgpu::Limits) -> Option<Self> {
+        let (width, height) = (cells.width(), cells.height());
+        let sides = (1..=limits.max_texture_dimension_2d / TILE_SIDE).map(|tiles| tiles * TILE_SIDE);
+        let layers = sides.map(|side| {
+            let (columns, rows) = (width.div_ceil(side), height.div_ceil(side));
+            Self { size: [width, height], side, columns, count: columns.saturating_mul(rows) }
+        });
+        let mut fitting = layers.filter(|layers| (1..=limits.max_texture_array_layers).contains(&layers.count));
+        fitting.next()
+    }
+
+    /// A layer's width and height in cells.
+    fn extent(&self) -> [u32; 2] {
+        self.size.map(|side| side.min(self.side))
+    }
+
+    /// Where a tile lies: x, y and layer.
+    fn place(&self, tile: &CellTile<'_>) -> wgpu::Origin3d {
+        let layer = tile.y / self.side * self.columns + tile.x / self.side;
+        wgpu::Origin3d { x: tile.x % self.side, y: tile.y % self.side, z: layer }
+    }
+}
+
+impl Uploaded {
+    fn new(device: &Device, cells: &Arc<Cells>) -> Option<Self> {
+        let layers = Layers::of(cells, device.limits())?;
+        let [width, height] = layers.extent();
+        let texture = device.wgpu().create_texture(&wgpu::TextureDescriptor {
+            label: Some("cells"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: layers.count },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::R8Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        Some(Self { cells: Arc::downgrade(cells), was_dead: false, tiles: Vec::new(), texture, layers })
+    }
+
+    /// Brings the tiles to the GPU that are not there yet.
+    fn fill(&mut self, device: &Device, cells: &Arc<Cells>) {
+        let mut before = std::mem::take(&mut self.tiles).into_iter();
+        for tile in cells.tiles() {
+            let known = before.next().is_some_and(|known| known.as_ptr() == Arc::as_ptr(tile.values));
+            if !known {
+                device.queue().write_texture(
+                    wgpu::TexelCopyTextureInfo {
+                        texture: &self.texture,
+                        mip_level: 0,
+                        origin: self.layers.place(&tile),
+                        aspect: wgpu::TextureAspect::All,
+                    },
+                    tile.values,
+                    wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(tile.width), rows_per_image: None },
+                    wgpu::Extent3d { width: tile.width, height: tile.height, depth_or_array_layers: 1 },
+                );
+            }
+            self.tiles.push(Arc::downgrade(tile.values));
+        }
+        self.cells = Arc::downgrade(cells);
+        self.was_dead = false;
+    }
+}
+
+impl CellPipelines {
+    pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
+        let shader = device.wgpu().create_shader_module(wgpu::include_wgsl!("cells.wgsl"));
+        let content_layout = content_layout(device);
+        let layout = device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("cells"),
+            bind_group_layouts: &[Some(uniforms), Some(&content_layout)],
+            immediate_size: 0,
+        });
+        let corners = bytemuck::cast_slice(&CellSheet::TRIANGLES);
+        Self {
+            shader,
+            layout,
+            pipelines: HashMap::new(),
+            content_layout,
+            corners: device.buffer("corners of cells", wgpu::BufferUsages::VERTEX, corners),
+            values: HashMap::new(),
+            palettes: Derived::new(),
+        }
+    }
+
+    /// Lets go what was left over when this was last asked; what died since then may be of use for what comes.
+    pub(super) fn forget_dead(&mut self) {
+        self.palettes.forget_dead();
+        self.values.retain(|_, uploaded| {
+            let is_dead = uploaded.cells.strong_count() == 0;
+            !(is_dead && std::mem::replace(&mut uploaded.was_dead, is_dead))
+        });
+    }
+
+    pub(super) fn prepare(
+        &mut self,
+        device: &Device,
+        uniforms: &mut Uniforms,
+        viewpoint: &Viewpoint<'_>,
+        fixed_from_object: &Matrix4<f64>,
+        sheet: &CellSheet,
+    ) -> Option<CellsDraw> {
+        let (values, layers) = self.values(device, &sheet.cells)?;
+        let palette = self.palettes.get(&sheet.palette, |palette| upload_palette(device, palette));
+        let content = device.wgpu().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("cells"),
+            layout: &self.content_layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&values) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(palette) },
+            ],
+        });
+        let slot = uniforms.push(&Sheet {
+            clip_from_object: viewpoint.clip_from_object(fixed_from_object),
+            size: layers.size.map(|side| side as f32),
+            layer_side: layers.side,
+            layer_columns: layers.columns,
+            alpha: sheet.alpha,
+            padding: [0.0; 3],
+        })?;
+        let state = FixedState { blended: sheet.blending == Blending::Alpha, depth_write: sheet.depth_write };
+        let pipeline =
+            self.pipelines.entry(state).or_insert_with(|| pipeline(device, &self.shader, &self.layout, state)).clone();
+        Some(CellsDraw { pipeline, content, corners: self.corners.clone(), slot })
+    }
+
+    /// The texture with the values of cells.
+    fn values(&mut self, device: &Device, cells: &Arc<Cells>) -> Option<(wgpu::TextureView, Layers)> {
+        let address = Arc::as_ptr(cells) as usize;
+        if !self.values.contains_key(&address) {
+            let layers = Layers::of(cells, device.limits())?;
+            let left_over = |(address, uploaded): (&usize, &Uploaded)| {
+                (uploaded.cells.strong_count() == 0 && uploaded.layers == layers).then_some(*address)
+            };
+            let left_over = self.values.iter().find_map(left_over).and_then(|address| self.values.remove(&address));
+            let mut uploaded = match left_over {
+                Some(uploaded) => uploaded,
+                None => Uploaded::new(device, cells)?,
+            };
+            uploaded.fill(device, cells);
+            self.values.insert(address, uploaded);
+        }
+        let uploaded = self.values.get(&address)?;
+        let view = uploaded.texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        Some((view, uploaded.layers))
+    }
+}
+
+impl CellsDraw {
+    pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
+        pass.set_bind_group(1, &self.content, &[]);
+        pass.set_vertex_buffer(0, self.corners.slice(..));
+        pass.draw(0..6, 0..1);
+    }
+}
+
+fn upload_palette(device: &Device, palette: &[[u8; 4]; 256]) -> wgpu::TextureView {
+    let size = wgpu::Extent3d { width: 256, height: 1, depth_or_array_layers: 1 };
+    let texture = device.wgpu().create_texture(&wgpu::TextureDescriptor {
+        label: Some("palette"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    device.queue().write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(palette),
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256 * 4), rows_per_image: None },
+        size,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+fn content_layout(device: &Device) -> wgpu::BindGroupLayout {
+    let texture = |binding, sample_type, view_dimension| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false },
+        count: None,
+    };
+    device.wgpu().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("cells"),
+        entries: &[
+            texture(0, wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2Array),
+            texture(1, wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2),
+        ],
+    })
+}
+
+fn pipeline(
+    device: &Device,
+    shader: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    state: FixedState,
+) -> wgpu::RenderPipeline {
+    device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("cells"),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some("vertex_cells"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<[f32; 2]>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x2],
+            })],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(state.depth_write),
+            depth_compare: Some(wgpu::CompareFunction::LessEqual),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState { constant: CellSheet::DEPTH_STEPS_BACK as i32, slope_scale: 0.0, clamp: 0.0 },
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some("fragment_cells"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: COLOR_FORMAT,
+                blend: state.blended.then_some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_are_as_small_as_their_number_allows() {
+        let limits = wgpu::Limits::downlevel_webgl2_defaults();
+        let of = |width, height, max_side| {
+            let limits = wgpu::Limits { max_texture_dimension_2d: max_side, ..limits.clone() };
+            Layers::of(&Cells::new(width, height, &[]), &limits).map(|layers| (layers.side, layers.count))
+        };
+        assert_eq!(of(60, 40, 2048), Some((1024, 1)));
+        assert_eq!(of(8000, 8000, 2048), Some((1024, 64)));
+        assert_eq!(of(16385, 16385, 2048), Some((2048, 81)));
+        assert_eq!(of(65536, 65536, 2048), None);
+        assert_eq!(of(65536, 65536, 16384), Some((4096, 256)));
+        assert_eq!(of(0, 40, 2048), None);
+    }
+}
