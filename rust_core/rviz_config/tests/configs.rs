@@ -769,19 +769,7 @@ fn an_unknown_class_is_reported_once_and_its_keys_are_not() {
 
 #[test]
 fn each_of_rvizs_other_classes_is_known_and_its_keys_are_not_reported() {
-    for class in ["Camera", "DepthCloud", "Effort", "Image", "InteractiveMarkers", "Map", "RobotModel"] {
-    for class in [
-        "DepthCloud",
-        "Effort",
-        "InteractiveMarkers",
-        "Odometry",
-        "PointStamped",
-        "Polygon",
-        "Pose",
-        "PoseArray",
-        "PoseWithCovariance",
-        "RobotModel",
-    ] {
+    for class in ["DepthCloud", "Effort", "InteractiveMarkers", "RobotModel"] {
         let config = with_display(&format!("rviz/{class}"), "Topic: /t\nAnything: {At: all}");
         assert_eq!(messages(&config), [format!("line 3: Displays / it: class rviz/{class} is not drawn yet")]);
         assert_eq!(not_understood(&config), [""; 0]);
