@@ -15,12 +15,10 @@ use rcs_scene::{
 };
 
 use crate::bounds::middle;
+use crate::cloud::max_points;
 use crate::display::{Display, TopicRequest};
 use crate::placed::Incoming;
 use crate::{Level, Statuses, World};
-
-/// rviz cuts the cloud into pieces of so many tiles, each of which is sorted by itself.
-const MAX_TILES: usize = 36 * 1024 * 10 / 6;
 
 /// A GridCells display.
 #[derive(Debug)]
@@ -59,8 +57,9 @@ impl GridCellsDisplay {
             }
         }
         let mut drawables = Vec::new();
-        for piece in cells.cells.chunks(MAX_TILES) {
-            let drawable = self.piece(piece, size_m, fixed_from_cells);
+        let style = PointStyle::Tiles { size_m, normal: [0.0, 0.0, 1.0], up: [0.0, 1.0, 0.0] };
+        for piece in cells.cells.chunks(max_points(&style)) {
+            let drawable = self.piece(piece, style, fixed_from_cells);
             if drawable.geometry.is_translucent() {
                 drawables.push(drawable.clone());
             }
@@ -69,14 +68,14 @@ impl GridCellsDisplay {
         drawables
     }
 
-    fn piece(&self, cells: &[Point], size_m: [f32; 2], fixed_from_cells: &Isometry3<f64>) -> Drawable {
+    fn piece(&self, cells: &[Point], style: PointStyle, fixed_from_cells: &Isometry3<f64>) -> Drawable {
         let positions: Vec<[f32; 3]> =
             cells.iter().map(|cell| [cell.x, cell.y, cell.z].map(|value| value as f32)).collect();
         let sort_point = Point3::from(middle(positions.iter().copied())).cast();
         let color = Rgba::from_rgb8(self.settings.color, 1.0).to_rgba8();
         let points = Points {
             buffer: Arc::new(PointBuffer { positions, colors: PointColors::Uniform(color) }),
-            style: PointStyle::Tiles { size_m, normal: [0.0, 0.0, 1.0], up: [0.0, 1.0, 0.0] },
+            style,
             alpha: self.settings.alpha,
             blended: self.settings.alpha < Material::OPAQUE_FROM_ALPHA,
             auto_size: false,

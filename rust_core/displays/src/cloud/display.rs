@@ -83,7 +83,7 @@ impl<S: CloudSource> Display for CloudDisplay<S> {
         let mut new = Vec::new();
         for message in ready {
             match S::place(&message, world) {
-                Ok(placed) => new.extend(self.clouds.decode(&placed, &mut self.statuses)),
+                Ok(placed) => new.extend(self.clouds.decode(placed, &mut self.statuses)),
                 Err(problem) => self.statuses.set(Level::Error, "Message", problem),
             }
             if keeps_one && !new.is_empty() {

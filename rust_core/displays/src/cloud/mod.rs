@@ -7,6 +7,7 @@
 mod color;
 mod display;
 mod fields;
+mod pieces;
 mod points;
 
 use std::collections::VecDeque;
@@ -16,7 +17,7 @@ use nalgebra::{Isometry3, Point3};
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::PointCloud2;
-use rcs_rviz_config::{CloudSettings, PointStyle as StyleSetting};
+use rcs_rviz_config::{CloudSettings, ColorTransformer, PointStyle as StyleSetting};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, RenderGroup};
 use rcs_transforms::Time;
 
@@ -25,6 +26,7 @@ use crate::{Level, Statuses, World};
 use fields::Layout;
 
 pub(crate) use display::{CloudDisplay, CloudSource};
+pub(crate) use pieces::max_points;
 pub(crate) use points::Nowhere;
 
 /// The largest point that Mesa and Intel's drivers draw, in pixels; rviz's larger ones come out at this size.
@@ -80,10 +82,19 @@ pub(crate) struct Clouds {
     drawables: Vec<Drawable>,
 }
 
+/// A cloud that can be shown.
+#[derive(Debug)]
+pub(crate) struct Decoded {
+    drawables: Vec<Drawable>,
+    transformer: ColorTransformer,
+    /// Kept where the cloud may be coloured again.
+    source: Option<PlacedCloud>,
+}
+
 #[derive(Debug)]
 struct Shown {
     received: Time,
-    drawable: Drawable,
+    decoded: Decoded,
 }
 
 impl Clouds {
@@ -100,10 +111,9 @@ impl Clouds {
         self.settings.decay_time_secs <= 0.0
     }
 
-    /// The cloud as a drawable; `None`, with a status that says why, where it cannot be shown.
-    pub(crate) fn decode(&mut self, placed: &PlacedCloud, statuses: &mut Statuses) -> Option<Drawable> {
-        let PlacedCloud { cloud, fixed_from_cloud } = placed;
-        let layout = match Layout::of(cloud) {
+    /// The cloud as it is drawn; `None`, with a status that says why, where it cannot be shown.
+    pub(crate) fn decode(&mut self, placed: PlacedCloud, statuses: &mut Statuses) -> Option<Decoded> {
+        let layout = match Layout::of(&placed.cloud) {
             Ok(layout) => layout,
             Err(error) => {
                 statuses.set(Level::Error, "Message", format!("{error}. Dropping message."));
@@ -112,22 +122,22 @@ impl Clouds {
         };
         let transformer = layout.fitting_transformer(self.settings.color_transformer);
         self.settings.color_transformer = Some(transformer);
-        let coloring = color::Coloring::new(&self.settings, transformer, fixed_from_cloud);
-        let (buffer, nowhere_count) = points::read(cloud, &layout, &coloring, self.nowhere);
+        let (drawables, nowhere_count) = self.draw(&placed, &layout, transformer);
         let shown_count = layout.point_count - nowhere_count;
-        statuses.set(
-            Level::Ok,
-            "Points",
-            match nowhere_count {
-                0 => format!("Showing {shown_count} points"),
-                _ => format!("Showing {shown_count} points, {nowhere_count} without a finite position left out"),
-            },
-        );
+        let left_out = match nowhere_count {
+            0 => String::new(),
+            _ => format!(", {nowhere_count} without a finite position left out"),
+        };
+        statuses.set(Level::Ok, "Points", format!("Showing {shown_count} points{left_out}"));
         statuses.remove("Message");
-        Some(self.drawable(buffer, layout.has_point_alpha(), fixed_from_cloud))
+        let source = (!self.keeps_one()).then_some(placed);
+        Some(Decoded { drawables, transformer, source })
     }
 
-    fn drawable(&self, buffer: PointBuffer, has_point_alpha: bool, fixed_from_cloud: &Isometry3<f64>) -> Drawable {
+    /// A cloud's drawables, and how many of its points have no finite position.
+    fn draw(&self, placed: &PlacedCloud, layout: &Layout, transformer: ColorTransformer) -> (Vec<Drawable>, usize) {
+        let coloring = color::Coloring::new(&self.settings, transformer, &placed.fixed_from_cloud);
+        let (buffer, nowhere_count) = points::read(&placed.cloud, layout, &coloring, self.nowhere);
         let settings = &self.settings;
         let size_m = settings.size_m;
         let style = match settings.style {
@@ -137,33 +147,50 @@ impl Clouds {
             StyleSetting::Spheres => PointStyle::Spheres { size_m: [size_m; 2] },
             StyleSetting::Boxes => PointStyle::Boxes { size_m: [size_m; 3] },
         };
-        // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.
-        let sort_point = middle(buffer.positions.iter().copied());
-        let points = Points {
-            buffer: Arc::new(buffer),
-            style,
-            alpha: settings.alpha,
-            blended: settings.alpha < Material::OPAQUE_FROM_ALPHA || has_point_alpha,
-            auto_size: false,
+        let blended = settings.alpha < Material::OPAQUE_FROM_ALPHA || layout.has_point_alpha();
+        // The order of the pieces does not show where nothing blends.
+        let buffers = if blended { pieces::cut(buffer, &style) } else { vec![buffer] };
+        let drawable = |buffer: PointBuffer| {
+            // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.
+            let sort_point = middle(buffer.positions.iter().copied());
+            let buffer = Arc::new(buffer);
+            Drawable {
+                display: self.display,
+                fixed_from_object: placed.fixed_from_cloud.to_homogeneous(),
+                sort_point: Point3::from(sort_point).cast(),
+                group: RenderGroup::Main,
+                geometry: Geometry::Points(Points { buffer, style, alpha: settings.alpha, blended, auto_size: false }),
+            }
         };
-        Drawable {
-            display: self.display,
-            fixed_from_object: fixed_from_cloud.to_homogeneous(),
-            sort_point: Point3::from(sort_point).cast(),
-            group: RenderGroup::Main,
-            geometry: Geometry::Points(points),
-        }
+        (buffers.into_iter().map(drawable).collect(), nowhere_count)
     }
 
     /// Shows new clouds, oldest first, and lets old ones go. Returns whether anything changed.
-    pub(crate) fn update(&mut self, new: Vec<Drawable>, now: Time) -> bool {
+    pub(crate) fn update(&mut self, new: Vec<Decoded>, now: Time) -> bool {
         let changed = self.expire(now, !new.is_empty()) || !new.is_empty();
-        self.shown.extend(new.into_iter().map(|drawable| Shown { received: now, drawable }));
+        self.shown.extend(new.into_iter().map(|decoded| Shown { received: now, decoded }));
         if changed {
+            self.recolor();
             self.drawables.clear();
-            self.drawables.extend(self.shown.iter().map(|shown| shown.drawable.clone()));
+            self.drawables.extend(self.shown.iter().flat_map(|shown| &shown.decoded.drawables).cloned());
         }
         changed
+    }
+
+    /// Colours anew what another transformer than the present one coloured: when a cloud that does not fit changes the
+    /// transformer, that goes for those before it as well.
+    fn recolor(&mut self) {
+        let Some(transformer) = self.settings.color_transformer else { return };
+        let mut shown = std::mem::take(&mut self.shown);
+        for Shown { decoded, .. } in &mut shown {
+            let Some(source) = decoded.source.as_ref().filter(|_| decoded.transformer != transformer) else { continue };
+            let Ok(layout) = Layout::of(&source.cloud) else { continue };
+            if layout.fitting_transformer(Some(transformer)) == transformer {
+                decoded.drawables = self.draw(source, &layout, transformer).0;
+                decoded.transformer = transformer;
+            }
+        }
+        self.shown = shown;
     }
 
     /// Takes away the clouds that are too old. Without a decay time that is all of them, but only once there is a new

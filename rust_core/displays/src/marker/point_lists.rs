@@ -11,13 +11,12 @@ use rcs_scene::{Geometry, Material, PointBuffer, PointColors, PointStyle, Points
 
 use super::numbers::{point_colors, position, rgba, scale};
 use super::part::Part;
-
-/// rviz cuts a cloud into pieces of so many vertices, each of which is sorted by itself.
-const MAX_VERTICES: usize = 36 * 1024 * 10;
+use crate::cloud::max_points;
 
 /// The cloud, in pieces as rviz cuts it. Points that are not finite are left out.
 pub(super) fn parts(marker: &Marker) -> Vec<Part> {
-    let Some((style, vertices_per_point)) = style(marker) else { return Vec::new() };
+    let Some(style) = style(marker) else { return Vec::new() };
+    let max_points = max_points(&style);
     let colors = point_colors(marker);
     let whole_color = rgba(&marker.color);
     let (alpha, blended) = match colors {
@@ -25,8 +24,8 @@ pub(super) fn parts(marker: &Marker) -> Vec<Part> {
         None => (whole_color.a, whole_color.a < Material::OPAQUE_FROM_ALPHA),
     };
     let mut parts = Vec::new();
-    for (chunk, points) in marker.points.chunks(MAX_VERTICES / vertices_per_point).enumerate() {
-        let first = chunk * (MAX_VERTICES / vertices_per_point);
+    for (chunk, points) in marker.points.chunks(max_points).enumerate() {
+        let first = chunk * max_points;
         let mut positions = Vec::with_capacity(points.len());
         let mut point_colors = Vec::new();
         for (i, point) in points.iter().enumerate() {
@@ -55,19 +54,19 @@ pub(super) fn parts(marker: &Marker) -> Vec<Part> {
     parts
 }
 
-/// How the points are drawn, and of how many vertices each is in rviz. `None` for squares and discs that one negative
+/// How the points are drawn. `None` for squares and discs that one negative
 /// side turns away from the eye.
-fn style(marker: &Marker) -> Option<(PointStyle, usize)> {
+fn style(marker: &Marker) -> Option<PointStyle> {
     let size_m = scale(marker).map(|side| side as f32);
     if u8::try_from(marker.type_) == Ok(Marker::CUBE_LIST) {
-        return Some((PointStyle::Boxes { size_m }, 36));
+        return Some(PointStyle::Boxes { size_m });
     }
     let [width_m, height_m, _] = size_m;
     let is_turned_away = width_m * height_m < 0.0;
     let size_m = [width_m.abs(), height_m.abs()];
     (!is_turned_away).then_some(if u8::try_from(marker.type_) == Ok(Marker::SPHERE_LIST) {
-        (PointStyle::Spheres { size_m }, 3)
+        PointStyle::Spheres { size_m }
     } else {
-        (PointStyle::Squares { size_m }, 6)
+        PointStyle::Squares { size_m }
     })
 }
