@@ -13,6 +13,7 @@ mod display;
 mod frame;
 mod grid;
 mod grid_cells;
+mod interactive_markers;
 mod laser_scan;
 mod map;
 mod marker;

@@ -13,6 +13,7 @@ use crate::cloud::{CloudDisplay, CloudSource};
 use crate::display::Display;
 use crate::grid::GridDisplay;
 use crate::grid_cells::GridCellsDisplay;
+use crate::interactive_markers::InteractiveMarkersDisplay;
 use crate::laser_scan::LaserScanSource;
 use crate::map::MapDisplay;
 use crate::marker::MarkerDisplay;
@@ -85,6 +86,7 @@ fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>>
         DisplaySettings::Pose(settings) => Box::new(PoseDisplay::of(id, settings)),
         DisplaySettings::PoseArray(settings) => Box::new(PoseArrayDisplay::of(id, settings)),
         DisplaySettings::PoseWithCovariance(settings) => Box::new(PoseWithCovarianceDisplay::of(id, settings)),
+        DisplaySettings::InteractiveMarkers(settings) => Box::new(InteractiveMarkersDisplay::new(id, settings.clone())),
         DisplaySettings::Map(settings) => Box::new(MapDisplay::new(id, settings.clone())),
         DisplaySettings::Group(_)
         | DisplaySettings::CameraPub(_)

@@ -1,7 +1,7 @@
 //! A whole `.rviz` file.
 //!
 //! Of the file's sections only `Visualization Manager` decides the picture. The others lay out rviz's windows and are
-//! passed over, as are the mouse tools.
+//! passed over, as are the mouse tools but for which is the first.
 
 use crate::displays::{self, DisplayConfig, DisplaySettings};
 use crate::error::ConfigError;
@@ -92,12 +92,13 @@ pub(crate) fn read(text: &str, source: &str) -> Result<Config, ConfigError> {
 
     // What is reported inside the manager goes by paths without it: "Displays / cloud / Style".
     let mut manager = Section::new(manager, String::new(), &report);
-    manager.skip(&["Class", "Name", "Tools"]);
+    manager.skip(&["Class", "Name"]);
     let mut enabled = true;
     manager.bool("Value", &mut enabled);
     manager.bool("Enabled", &mut enabled);
     let global = GlobalOptions::read(manager.child("Global Options"));
-    let displays = displays::read_list(&mut manager, "Displays");
+    let mut displays = displays::read_list(&mut manager, "Displays");
+    displays::interactive_markers::apply_tools(&mut displays, manager.node("Tools"));
     let mut views = manager.child("Views");
     let view = ViewConfig::read(views.child("Current"));
     views.skip(&["Saved"]);

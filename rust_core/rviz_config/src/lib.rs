@@ -38,6 +38,7 @@ pub use displays::covariance::{
 pub use displays::grid::{GridPlane, GridSettings};
 pub use displays::grid_cells::GridCellsSettings;
 pub use displays::image::ImageSettings;
+pub use displays::interactive_markers::InteractiveMarkersSettings;
 pub use displays::map::{MapPalette, MapSettings};
 pub use displays::marker::MarkerSettings;
 pub use displays::odometry::OdometrySettings;

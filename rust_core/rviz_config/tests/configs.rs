@@ -769,7 +769,7 @@ fn an_unknown_class_is_reported_once_and_its_keys_are_not() {
 
 #[test]
 fn each_of_rvizs_other_classes_is_known_and_its_keys_are_not_reported() {
-    for class in ["DepthCloud", "Effort", "InteractiveMarkers", "RobotModel"] {
+    for class in ["DepthCloud", "Effort", "RobotModel"] {
         let config = with_display(&format!("rviz/{class}"), "Topic: /t\nAnything: {At: all}");
         assert_eq!(messages(&config), [format!("line 3: Displays / it: class rviz/{class} is not drawn yet")]);
         assert_eq!(not_understood(&config), [""; 0]);
@@ -955,4 +955,32 @@ fn frames_are_switched_off_one_by_one_and_a_plain_value_counts_as_off() {
     let found = messages(&config).join("\n");
     assert!(found.contains("Frames / c: ") && found.contains("Frame Timeout: invalid value"), "{found}");
     assert_eq!(config.findings.len(), 2, "{found}");
+}
+
+#[test]
+fn interactive_markers_know_with_which_tool_rviz_starts() {
+    for (tools, enabled) in [
+        ("Tools: [{Class: rviz/Interact, Hide Inactive Objects: true}, {Class: rviz/MoveCamera}]", true),
+        ("Tools: [{Class: rviz/MoveCamera}, {Class: rviz/Interact}]", false),
+        ("Tools: []", false),
+        ("Tools: {Class: rviz/Interact}", false),
+        ("", false),
+    ] {
+        let text = format!(
+            "Visualization Manager:\n  Displays:\n  - Class: rviz/Group\n    Displays:\n    \
+             - {{Class: rviz/InteractiveMarkers, Update Topic: /a/update_full, Show Axes: true}}\n  {tools}\n"
+        );
+        let config = parse(&text, "t").unwrap();
+        assert_eq!(not_understood(&config), [""; 0], "{tools}");
+        let placed = config.placed_displays();
+        let DisplaySettings::InteractiveMarkers(settings) = &placed[1].display.settings else { panic!("{placed:?}") };
+        let expected = rcs_rviz_config::InteractiveMarkersSettings {
+            update_topic: "/a/update_full".to_owned(),
+            show_axes: true,
+            interaction_enabled: enabled,
+            ..rcs_rviz_config::InteractiveMarkersSettings::default()
+        };
+        assert_eq!(*settings, expected, "{tools}");
+        assert_eq!(settings.namespace(), Some("/a"));
+    }
 }

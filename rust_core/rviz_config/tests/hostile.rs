@@ -137,6 +137,7 @@ fn check_display(display: &DisplayConfig) {
         | DisplaySettings::Polygon(_)
         | DisplaySettings::Pose(_)
         | DisplaySettings::PoseWithCovariance(_)
+        | DisplaySettings::InteractiveMarkers(_)
         | DisplaySettings::Group(_)
         | DisplaySettings::Image(_)
         | DisplaySettings::Camera(_)

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Vector3};
 
-use crate::{Blending, CellSheet, Lines, Material, Mesh, Points, Ribbons, Text};
+use crate::{Blending, CellSheet, Facing, Lines, Material, Mesh, Points, Ribbons, Text};
 
 /// Which display a drawable came from: its index in the config's tree order.
 pub type DisplayId = u32;
@@ -68,6 +68,8 @@ pub enum Geometry {
     Text(Arc<Text>),
     /// Cells coloured by a palette.
     Cells(CellSheet),
+    /// Things that turn to the camera together; [`Scene::seen_from`] puts them in its place.
+    Facing(Arc<Facing>),
 }
 
 impl Geometry {
@@ -83,6 +85,7 @@ impl Geometry {
             }
             Self::Text(_) => true,
             Self::Cells(sheet) => sheet.blending == Blending::Alpha && !sheet.depth_write,
+            Self::Facing(_) => false,
         }
     }
 }

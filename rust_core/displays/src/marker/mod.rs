@@ -8,6 +8,7 @@
 //! Markers of a namespace that the config switches off are not kept, as in rviz. Messages that delete need no frame: as
 //! in rviz those that the queue drops are carried out all the same, at once, before what the same array adds.
 
+mod alone;
 mod arrow;
 mod checks;
 mod kind;
@@ -23,6 +24,9 @@ mod triangles;
 
 #[cfg(test)]
 mod tests;
+
+pub(crate) use alone::MarkerParts;
+pub(crate) use part::SortPoint;
 
 use std::ops::Deref;
 use std::sync::Arc;

@@ -9,7 +9,7 @@ use crate::bounds::middle;
 
 /// By which point of a translucent part its distance to the eye is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum SortPoint {
+pub(crate) enum SortPoint {
     /// Where the origin of the part stands.
     Origin,
     /// This point of the fixed frame, wherever the marker stands: for clouds and chains Ogre takes the middle of the
@@ -19,13 +19,13 @@ pub(super) enum SortPoint {
 
 /// One piece of a marker.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(crate) struct Part {
     /// Takes the geometry to the marker's own frame.
-    pub(super) marker_from_part: Matrix4<f64>,
+    pub(crate) marker_from_part: Matrix4<f64>,
     /// What is drawn; shared, so that a marker can move without being built again.
-    pub(super) geometry: Geometry,
+    pub(crate) geometry: Geometry,
     /// Its place among translucent things.
-    pub(super) sort_point: SortPoint,
+    pub(crate) sort_point: SortPoint,
 }
 
 impl Part {
@@ -46,7 +46,7 @@ impl Part {
     }
 
     /// The part of a marker that stands at a pose in the fixed frame.
-    pub(super) fn placed(&self, display: DisplayId, fixed_from_marker: &Isometry3<f64>) -> Drawable {
+    pub(crate) fn placed(&self, display: DisplayId, fixed_from_marker: &Isometry3<f64>) -> Drawable {
         let fixed_from_object = fixed_from_marker.to_homogeneous() * self.marker_from_part;
         let sort_point = match self.sort_point {
             SortPoint::Origin => Point3::from(fixed_from_object.fixed_view::<3, 1>(0, 3).into_owned()),

@@ -100,6 +100,8 @@ impl Renderer for CpuRenderer {
         if self.workers.is_empty() {
             self.workers.push(Worker::default());
         }
+        let scene = view.scene.seen_from(view.camera);
+        let view = &View { scene: &scene, ..*view };
         let screen = Screen::new(width_px, height_px);
         self.textures.forget_dead();
         let mut plan = Plan::new(view, &mut self.textures);

@@ -106,6 +106,7 @@ impl<'a> Plan<'a> {
         let mut surface_of =
             |material: &Material| Surface::of(material, material.texture.as_ref().map(|texture| textures.get(texture)));
         let (surface, shape) = match &drawable.geometry {
+            Geometry::Facing(_) => return,
             Geometry::Points(points) => {
                 return self.add_cloud(Cloud::new(points, placement, camera, &drawable.fixed_from_object));
             }

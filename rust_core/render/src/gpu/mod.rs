@@ -130,7 +130,8 @@ impl Gpu {
             _ => Target::new(&self.device, width_px, height_px),
         };
 
-        let draws = self.prepare(view);
+        let scene = view.scene.seen_from(view.camera);
+        let draws = self.prepare(&View { scene: &scene, ..*view });
         let bind_group = self.uniforms.upload(&self.device);
         let mut encoder = self.device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
@@ -192,6 +193,7 @@ impl Gpu {
             Geometry::Cells(sheet) => {
                 self.cells.prepare(device, uniforms, viewpoint, placement, sheet).map(Draw::Cells)
             }
+            Geometry::Facing(_) => None,
         }
     }
 }

@@ -10,6 +10,7 @@ pub(crate) mod covariance;
 pub(crate) mod grid;
 pub(crate) mod grid_cells;
 pub(crate) mod image;
+pub(crate) mod interactive_markers;
 pub(crate) mod map;
 pub(crate) mod marker;
 pub(crate) mod odometry;
@@ -35,6 +36,7 @@ use cloud::CloudSettings;
 use grid::GridSettings;
 use grid_cells::GridCellsSettings;
 use image::ImageSettings;
+use interactive_markers::InteractiveMarkersSettings;
 use map::MapSettings;
 use marker::MarkerSettings;
 use odometry::OdometrySettings;
@@ -121,6 +123,8 @@ pub enum DisplaySettings {
     Image(ImageSettings),
     /// `rviz/Camera`
     Camera(ImageSettings),
+    /// `rviz/InteractiveMarkers`
+    InteractiveMarkers(InteractiveMarkersSettings),
     /// `rviz/Group`: displays inside a display, in the file's order.
     Group(Vec<DisplayConfig>),
     /// `rviz_camera_stream/CameraPub`
@@ -149,7 +153,7 @@ pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
     [("Lines", LineStyle::Lines), ("Billboards", LineStyle::Billboards)];
 
 /// The display classes of rviz 1.14 that are not drawn yet.
-const KNOWN_NOT_DRAWN: &[&str] = &["rviz/DepthCloud", "rviz/Effort", "rviz/InteractiveMarkers", "rviz/RobotModel"];
+const KNOWN_NOT_DRAWN: &[&str] = &["rviz/DepthCloud", "rviz/Effort", "rviz/RobotModel"];
 
 /// The keys under which displays that are not drawn name the topic that they show, the likeliest first.
 const TOPIC_KEYS: [&str; 5] = ["Topic", "Marker Topic", "Image Topic", "Depth Map Topic", "Update Topic"];
@@ -187,6 +191,7 @@ impl DisplayConfig {
             DisplaySettings::PoseWithCovariance(settings) => &settings.topic,
             DisplaySettings::Map(settings) => &settings.topic,
             DisplaySettings::Image(settings) | DisplaySettings::Camera(settings) => &settings.topic,
+            DisplaySettings::InteractiveMarkers(settings) => &settings.update_topic,
             DisplaySettings::CameraPub(settings) => &settings.image_topic,
             DisplaySettings::NotDrawn { topic, .. } => return topic.as_deref(),
             DisplaySettings::Grid(_)
@@ -277,6 +282,7 @@ fn read_class(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySet
         "rviz/Map" => DisplaySettings::Map(MapSettings::read(section)),
         "rviz/Image" => DisplaySettings::Image(ImageSettings::read_image(section)),
         "rviz/Camera" => DisplaySettings::Camera(ImageSettings::read_camera(section)),
+        "rviz/InteractiveMarkers" => DisplaySettings::InteractiveMarkers(InteractiveMarkersSettings::read(section)),
         "rviz/Group" => {
             let path = section.path().to_owned();
             DisplaySettings::Group(read_list(section, &path))
