@@ -19,7 +19,7 @@ pub(crate) struct Covariance([f64; 36]);
 pub(crate) fn uncertain_pose(message: &PoseWithCovariance) -> Option<(Isometry3<f64>, Covariance)> {
     let pose = isometry(&PlainTransform::from(&message.pose))?;
     let finite = message.covariance.iter().all(|value| value.is_finite());
-    finite.then(|| (pose, Covariance(message.covariance)))
+    finite.then_some((pose, Covariance(message.covariance)))
 }
 
 /// What is drawn of a covariance.
@@ -35,6 +35,7 @@ pub(super) struct CovarianceShape {
 
 /// What is drawn of an orientation's covariance. Angles are two standard deviations.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "lives for one call; never stored")]
 pub(super) enum OrientationShape {
     /// In space: elliptic discs in their XZ planes for roll, pitch and yaw.
     Discs {
