@@ -1,6 +1,7 @@
 //! The command line of `camera_stream`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 use rcs_render::RendererChoice;
@@ -76,7 +77,10 @@ pub struct WindowArgs {
 pub enum Command {
     /// Draws pictures of a bag, without ROS
     Render(RenderArgs),
-    /// Prints what of a config is understood and drawn (exit status 1 when something is not understood)
+    /// Prints what of a config is understood and drawn, or with --live how its displays do in a running ROS
+    ///
+    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not, 2 the config cannot be read or there
+    /// is no ROS master.
     Check(CheckArgs),
 }
 
@@ -121,6 +125,18 @@ pub struct CheckArgs {
     /// The .rviz config
     #[arg(value_name = "FILE.rviz")]
     pub config: PathBuf,
+    /// Connect to the ROS master, listen for a while, and print each display's statuses as rviz would show them
+    #[arg(long)]
+    pub live: bool,
+    /// How long --live listens
+    #[arg(long, value_name = "SECS", default_value = "5", requires = "live", value_parser = seconds)]
+    pub listen: Duration,
+}
+
+/// Seconds on the command line: from 0 to a day.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let secs = text.parse::<f64>().ok().filter(|secs| (0.0..=86_400.0).contains(secs));
+    secs.map(Duration::from_secs_f64).ok_or_else(|| "seconds, from 0 to 86400".to_owned())
 }
 
 #[cfg(test)]
@@ -151,6 +167,27 @@ mod tests {
         assert!(with(&["-o", "a.png", "--at", "1.5", "--renderer", "gpu"]).is_ok());
         assert!(with(&["--frames", "d", "--rate", "10"]).is_ok());
         assert!(with(&["-o", "a.png", "--renderer", "voodoo"]).is_err());
+    }
+
+    #[test]
+    fn how_long_to_listen_is_seconds_and_only_for_live() {
+        let check = |more: &[&str]| {
+            parse(&[&["camera_stream", "check", "x.rviz"], more].concat()).map(|cli| match cli.command {
+                Some(Command::Check(args)) => args,
+                other => panic!("{other:?}"),
+            })
+        };
+        assert_eq!(check(&["--live"]).unwrap().listen, Duration::from_secs(5));
+        assert_eq!(check(&["--live", "--listen", "0.5"]).unwrap().listen, Duration::from_millis(500));
+        let wrong: [&[&str]; 4] = [
+            &["--listen", "2"],
+            &["--live", "--listen", "-1"],
+            &["--live", "--listen", "NaN"],
+            &["--live", "--listen", "1e9"],
+        ];
+        for args in wrong {
+            assert!(check(args).is_err(), "{args:?}");
+        }
     }
 
     #[test]

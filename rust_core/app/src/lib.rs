@@ -3,6 +3,7 @@
 
 pub mod camera_pose;
 pub mod check;
+pub mod check_live;
 pub mod cli;
 pub mod logging;
 mod lzf;
@@ -12,6 +13,7 @@ pub mod pcd;
 pub mod pcd_header;
 pub mod picture_file;
 pub mod projector_file;
+mod report;
 pub mod small_node;
 pub mod stage;
 mod status_log;

@@ -18,6 +18,7 @@ use rcs_transforms::Time;
 use crate::camera_pose::Projection;
 use crate::picture_file;
 use crate::stage::Stage;
+use crate::status_log::StatusLog;
 
 /// What is rendered, and where to.
 #[derive(Clone, Debug)]
@@ -80,7 +81,7 @@ pub fn render(
         progress.inc(1);
     }
     progress.finish_and_clear();
-    stage.say_statuses(moments.last().copied().unwrap_or(end), true);
+    player.status_log.conclude(&stage.subjects(), moments.last().copied().unwrap_or(end));
     Ok(())
 }
 
@@ -178,6 +179,7 @@ struct Player {
     wanted: Vec<(String, String, MessageKind)>,
     /// When the first and the last of the transforms came that the displays have not seen yet.
     unseen_transforms: Option<(Time, Time)>,
+    status_log: StatusLog,
 }
 
 /// The displays see the transforms of so much time at once, as in rviz those of one of its pictures.
@@ -207,7 +209,8 @@ impl Player {
         let names: Vec<String> = wanted.iter().map(|(name, ..)| name.clone()).collect();
         let messages =
             bag.messages(|connection| is_transforms(connection) || names.contains(&full_name(&connection.topic)));
-        Ok(Self { messages: messages.peekable(), wanted, unseen_transforms: None })
+        let (messages, status_log) = (messages.peekable(), StatusLog::default());
+        Ok(Self { messages, wanted, unseen_transforms: None, status_log })
     }
 
     /// Plays all messages up to a time.
@@ -217,7 +220,13 @@ impl Player {
                 break;
             }
             match self.messages.next() {
-                Some(Ok(message)) => self.play(stage, &message),
+                Some(Ok(message)) => {
+                    self.play(stage, &message);
+                    let now = time(message.time);
+                    if self.status_log.is_due(now) {
+                        self.status_log.look(&stage.subjects(), now);
+                    }
+                }
                 Some(Err(error)) => log::warn!("{error}"),
                 None => break,
             }
@@ -264,6 +273,5 @@ impl Player {
         }
         self.unseen_transforms = None;
         stage.update(now);
-        stage.say_statuses(now, false);
     }
 }

@@ -15,7 +15,7 @@ use rcs_scene::Scene;
 use rcs_transforms::{RawTransform, Time, TransformTree, RVIZ_CACHE_LENGTH};
 
 use crate::camera_pose::{self, CameraProblem, Projection};
-use crate::status_log::StatusLog;
+use crate::report::{self, Subject};
 
 /// A config with all that its messages have said so far.
 #[derive(Debug)]
@@ -26,7 +26,6 @@ pub struct Stage {
     meshes: MeshStore,
     camera_infos: HashMap<String, Arc<CameraInfo>>,
     warned: std::collections::HashSet<String>,
-    status_log: StatusLog,
 }
 
 impl Stage {
@@ -40,7 +39,6 @@ impl Stage {
             meshes,
             camera_infos: HashMap::new(),
             warned: std::collections::HashSet::new(),
-            status_log: StatusLog::default(),
         }
     }
 
@@ -116,13 +114,9 @@ impl Stage {
         self.displays.update(&world)
     }
 
-    /// Says in the log what is wrong with the displays; `is_end` when nothing more will come.
-    pub fn say_statuses(&mut self, now: Time, is_end: bool) {
-        if is_end {
-            self.status_log.conclude(&self.displays, now);
-        } else {
-            self.status_log.look(&self.displays, now);
-        }
+    /// How the whole scene and each display does.
+    pub(crate) fn subjects(&self) -> Vec<Subject<'_>> {
+        report::scene(&self.displays, &self.transforms, &self.fixed_frame)
     }
 
     /// The scene as of the last update.

@@ -1,7 +1,8 @@
-//! Displays that stand in a frame and follow it: Grid and Axes.
+//! Frames of displays: those that stand in one and follow it (Grid, Axes), and how rviz puts it that a frame cannot be
+//! found.
 
 use nalgebra::Isometry3;
-use rcs_transforms::Time;
+use rcs_transforms::{Dropped, LookupError, LookupProblem, Time};
 
 use crate::{Level, Statuses, World};
 
@@ -20,8 +21,41 @@ pub(crate) fn follow(
             Some(place)
         }
         Err(error) => {
-            statuses.set(Level::Error, "Transform", error.to_string());
+            statuses.set(Level::Error, "Transform", problem(&error, world.fixed_frame));
             last.or_else(|| Some(Isometry3::identity()))
         }
+    }
+}
+
+/// Why something cannot be placed in the fixed frame, as rviz says it in a status: first whether one of the two frames is
+/// missing.
+pub(crate) fn problem(error: &LookupError, fixed_frame: &str) -> String {
+    let (LookupError::Lookup { source: frame, .. }
+    | LookupError::Connectivity { source: frame, .. }
+    | LookupError::Extrapolation { source: frame, .. }
+    | LookupError::InvalidArgument { source: frame, .. }) = error;
+    let reason = match error {
+        LookupError::Lookup { problem: LookupProblem::MissingFrame(missing), .. } if missing == fixed_frame => {
+            format!("Fixed Frame [{missing}] does not exist")
+        }
+        LookupError::Lookup { problem: LookupProblem::MissingFrame(missing), .. } => {
+            format!("Frame [{missing}] does not exist")
+        }
+        LookupError::InvalidArgument { .. } => "Frame [] does not exist".to_owned(),
+        _ => format!("No transform to fixed frame [{fixed_frame}].  TF error: [{error}]"),
+    };
+    format!("For frame [{frame}]: {reason}")
+}
+
+/// Why a message was dropped, as rviz says it in a status.
+pub(crate) fn drop_reason(dropped: &Dropped, fixed_frame: &str) -> String {
+    match dropped {
+        Dropped::TooOld { frame, stamp, .. } => {
+            format!("Message removed because it is too old (frame=[{frame}], stamp=[{stamp}])")
+        }
+        Dropped::QueueFull { reason: Some(reason), .. } => problem(reason, fixed_frame),
+        Dropped::EmptyFrame { .. } => "For frame []: Frame [] does not exist".to_owned(),
+        // It was not even looked at, as newer messages came too fast.
+        Dropped::QueueFull { reason: None, .. } => "Unknown reason for transform failure".to_owned(),
     }
 }

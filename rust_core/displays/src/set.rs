@@ -17,6 +17,7 @@ use crate::interactive_markers::InteractiveMarkersDisplay;
 use crate::laser_scan::LaserScanSource;
 use crate::map::MapDisplay;
 use crate::marker::MarkerDisplay;
+use crate::not_drawn::NotDrawnDisplay;
 use crate::odometry::OdometryDisplay;
 use crate::path::PathDisplay;
 use crate::point_cloud::PointCloudSource;
@@ -27,16 +28,19 @@ use crate::pose::PoseDisplay;
 use crate::pose_array::PoseArrayDisplay;
 use crate::pose_with_covariance::PoseWithCovarianceDisplay;
 use crate::range::RangeDisplay;
+use crate::report::DisplayReport;
 use crate::scalar::{FluidPressureSource, IlluminanceSource, RelativeHumiditySource, TemperatureSource};
 use crate::screw::ScrewDisplay;
 use crate::tf::TfDisplay;
-use crate::{Statuses, TopicRequest, World};
+use crate::{TopicRequest, World};
 
 /// A camera of a config: an enabled CameraPub display.
 #[derive(Clone, Debug)]
 pub struct CameraView {
     /// The display's name.
     pub name: String,
+    /// The names of the groups around it and its own.
+    pub path: Vec<String>,
     /// Its properties.
     pub settings: CameraPubSettings,
     /// Which displays it shows.
@@ -50,10 +54,11 @@ pub struct ListedDisplay {
     pub path: Vec<String>,
     /// Such as `rviz/Grid`.
     pub class: String,
+    /// The topic that the config gives it, which may be empty; `None` for a class without topic.
+    pub topic: Option<String>,
 }
 
-/// The one place where a display class becomes a display. `None` for what draws nothing in the scene: groups, cameras,
-/// what is seen in rviz's window only, classes that are not drawn.
+/// The one place where a display class becomes a display. `None` for what is no display in the scene: groups and cameras.
 fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>> {
     Some(match settings {
         DisplaySettings::PointCloud2(settings) => clouds::<PointCloud2Source>(id, settings),
@@ -88,11 +93,9 @@ fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>>
         DisplaySettings::PoseWithCovariance(settings) => Box::new(PoseWithCovarianceDisplay::of(id, settings)),
         DisplaySettings::InteractiveMarkers(settings) => Box::new(InteractiveMarkersDisplay::new(id, settings.clone())),
         DisplaySettings::Map(settings) => Box::new(MapDisplay::new(id, settings.clone())),
-        DisplaySettings::Group(_)
-        | DisplaySettings::CameraPub(_)
-        | DisplaySettings::Image(_)
-        | DisplaySettings::Camera(_)
-        | DisplaySettings::NotDrawn { .. } => return None,
+        DisplaySettings::Image(_) | DisplaySettings::Camera(_) => Box::new(NotDrawnDisplay::of_window()),
+        DisplaySettings::NotDrawn { known, .. } => Box::new(NotDrawnDisplay::new(*known)),
+        DisplaySettings::Group(_) | DisplaySettings::CameraPub(_) => return None,
     })
 }
 
@@ -104,6 +107,8 @@ fn clouds<S: CloudSource + 'static>(id: DisplayId, settings: &CloudSettings) -> 
 struct Entry {
     listed: ListedDisplay,
     display: Box<dyn Display>,
+    /// How many messages it was given since the start or the last reset.
+    received: u64,
 }
 
 /// The enabled displays of a config, in its order.
@@ -129,11 +134,12 @@ impl DisplaySet {
         let mut entries = Vec::new();
         for (id, placed) in placed.iter().enumerate().filter(|(_, placed)| placed.enabled) {
             let listed = ListedDisplay {
-                path: placed.path.iter().map(|name| (*name).to_owned()).collect(),
+                path: owned(&placed.path),
                 class: placed.display.class.clone(),
+                topic: placed.display.topic_setting().map(str::to_owned),
             };
             let display = create(id as DisplayId, &placed.display.settings);
-            entries.extend(display.map(|display| Entry { listed, display }));
+            entries.extend(display.map(|display| Entry { listed, display, received: 0 }));
         }
         let lit_by = config.global.default_light.then(|| config.view.clone());
         Self { entries, cameras: cameras(&placed), lit_by, light: None }
@@ -161,6 +167,7 @@ impl DisplaySet {
         for entry in &mut self.entries {
             let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
             if entry.display.topics().iter().any(wants) {
+                entry.received += 1;
                 entry.display.take(message, world);
             }
         }
@@ -210,14 +217,19 @@ impl DisplaySet {
     /// Forgets all messages.
     pub fn reset(&mut self) {
         for entry in &mut self.entries {
+            entry.received = 0;
             entry.display.reset();
         }
     }
 
-    /// How each display does.
-    pub fn statuses(&self) -> impl Iterator<Item = (&ListedDisplay, &Statuses)> {
-        self.entries.iter().map(|entry| (&entry.listed, entry.display.statuses()))
+    /// How each display does, those of classes that are not drawn among them.
+    pub fn reports(&self) -> impl Iterator<Item = DisplayReport<'_>> {
+        self.entries.iter().map(|entry| DisplayReport::new(&entry.listed, entry.display.as_ref(), entry.received))
     }
+}
+
+fn owned(path: &[&str]) -> Vec<String> {
+    path.iter().map(|name| (*name).to_owned()).collect()
 }
 
 fn cameras(placed: &[PlacedDisplay<'_>]) -> Vec<CameraView> {
@@ -228,7 +240,8 @@ fn cameras(placed: &[PlacedDisplay<'_>]) -> Vec<CameraView> {
         for (id, other) in placed.iter().enumerate() {
             visible.set(id as DisplayId, settings.visibility.shows(&other.path));
         }
-        Some(CameraView { name: camera.display.name.clone(), settings: settings.clone(), visible })
+        let (name, path) = (camera.display.name.clone(), owned(&camera.path));
+        Some(CameraView { name, path, settings: settings.clone(), visible })
     };
     enabled.filter_map(camera).collect()
 }

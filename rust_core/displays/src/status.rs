@@ -30,6 +30,13 @@ pub struct Statuses {
 }
 
 impl Statuses {
+    /// The status that tells whether messages come.
+    pub const TOPIC: &'static str = "Topic";
+    /// The status that tells about frames.
+    pub const TRANSFORM: &'static str = "Transform";
+    /// The status of a display whose class is not drawn.
+    pub const CLASS: &'static str = "Class";
+
     /// Sets a status.
     pub fn set(&mut self, level: Level, name: &str, text: impl Into<String>) {
         self.by_name.insert(name.to_owned(), Status { level, text: text.into() });
@@ -45,12 +52,22 @@ impl Statuses {
         self.by_name.clear();
     }
 
+    /// A status by its name.
+    pub fn get(&self, name: &str) -> Option<&Status> {
+        self.by_name.get(name)
+    }
+
     /// All statuses by name, sorted.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &Status)> {
         self.by_name.iter().map(|(name, status)| (name.as_str(), status))
     }
 
-    /// The worst of them.
+    /// The worst of them, with its name; of several equally bad ones the first by name. `None` without any.
+    pub fn worst(&self) -> Option<(&str, &Status)> {
+        self.iter().reduce(|worst, next| if next.1.level > worst.1.level { next } else { worst })
+    }
+
+    /// How bad the worst of them is.
     pub fn level(&self) -> Level {
         self.by_name.values().map(|status| status.level).max().unwrap_or_default()
     }

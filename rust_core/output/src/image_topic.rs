@@ -21,7 +21,7 @@ const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// A frame that waits for the writing thread gives way to the next.
 const QUEUE_SIZE: usize = 1;
 
-/// Why a picture cannot be published.
+/// Why something cannot be published.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PublishError {
     /// The topic cannot be published.
@@ -91,10 +91,10 @@ impl ImagePublisher {
     /// `on_subscriber` is called with the name of every node that newly subscribes to either, on a thread of its own,
     /// within some twenty milliseconds.
     pub fn new(topic: &str, on_subscriber: impl Fn(&str) + Send + 'static) -> Result<Self, PublishError> {
-        let image = advertise::<Image>(topic)?;
+        let image = advertise::<Image>(topic, QUEUE_SIZE)?;
         // image_transport takes the sibling of the name as it was given, and remaps the two separately.
         let info_topic = camera_info_topic(topic);
-        let info = advertise::<Serialized<CameraInfo>>(&info_topic)?;
+        let info = advertise::<Serialized<CameraInfo>>(&info_topic, QUEUE_SIZE)?;
         tune_listeners();
         let publisher = Self {
             topic: resolved(topic),
@@ -178,12 +178,15 @@ impl Drop for ImagePublisher {
     }
 }
 
-fn advertise<T: rosrust::Message>(topic: &str) -> Result<rosrust::Publisher<T>, PublishError> {
-    rosrust::publish(topic, QUEUE_SIZE)
+pub(crate) fn advertise<T: rosrust::Message>(
+    topic: &str,
+    queue_size: usize,
+) -> Result<rosrust::Publisher<T>, PublishError> {
+    rosrust::publish(topic, queue_size)
         .map_err(|error| PublishError::Advertise { topic: topic.to_owned(), reason: reasons(&error) })
 }
 
-fn send_error(topic: &str, error: &rosrust::api::error::Error) -> PublishError {
+pub(crate) fn send_error(topic: &str, error: &rosrust::api::error::Error) -> PublishError {
     PublishError::Send { topic: topic.to_owned(), reason: reasons(error) }
 }
 

@@ -1,5 +1,6 @@
-//! Pictures on their way out: PNG files and a projector's window.
+//! Pictures on their way out: PNG files and a projector's window. And what the node says of itself.
 
+pub mod diagnostics_topic;
 pub mod image_topic;
 pub mod png;
 pub mod sockets;

@@ -4,11 +4,11 @@ use std::process::ExitCode;
 
 use anyhow::{anyhow, Result};
 use clap::Parser;
-use rcs_app::cli::{Cli, Command, RenderArgs};
+use rcs_app::cli::{CheckArgs, Cli, Command, RenderArgs};
 use rcs_app::offline::{self, Target};
 use rcs_app::small_node::own_arguments;
 use rcs_app::stage::Stage;
-use rcs_app::{check, logging, node};
+use rcs_app::{check, check_live, logging, node};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::Config;
 
@@ -27,6 +27,10 @@ fn main() -> ExitCode {
     logging::start(cli.node.log_level_debug);
     quiet_graphics_libraries();
     let result = match &cli.command {
+        Some(Command::Check(args)) if args.live => match rcs_rviz_config::load(&args.config) {
+            Ok(config) => return check_live(&cli, args, &config),
+            Err(error) => return unusable(&error),
+        },
         Some(Command::Check(args)) => match rcs_rviz_config::load(&args.config) {
             Ok(config) => check::print(&config, &mut std::io::stdout().lock())
                 .map(|understood| if understood { ExitCode::SUCCESS } else { ExitCode::FAILURE })
@@ -63,6 +67,15 @@ fn quiet_graphics_libraries() {
 fn unusable(error: &dyn std::fmt::Display) -> ExitCode {
     eprintln!("camera_stream: {error}");
     ExitCode::from(UNUSABLE)
+}
+
+fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
+    let projection = cli.projection.unwrap_or_default();
+    match check_live::run(config, args.listen, projection, &mut std::io::stdout().lock()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => unusable(&error),
+    }
 }
 
 fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {

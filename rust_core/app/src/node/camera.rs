@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use rcs_displays::CameraView;
+use rcs_displays::{CameraView, Level};
 use rcs_input::live::{RosNode, TriggerReply};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_output::image_topic::{ImagePublisher, Picture as SentPicture};
@@ -15,7 +15,9 @@ use rcs_scene::{Camera, Picture, Scene};
 
 use super::pace::Pace;
 use crate::camera_pose::{rviz_differs, CameraProblem, Projection};
+use crate::logging::one_line;
 use crate::offline::encoding;
+use crate::report::{self, Subject};
 use crate::stage::Stage;
 
 /// A camera with its publisher and its trigger service.
@@ -31,7 +33,11 @@ pub(super) struct CameraOutput {
     last_published: Option<Instant>,
     last: Option<LastPicture>,
     problem: Option<CameraProblem>,
+    /// What went wrong at the last picture.
+    fault: Option<String>,
     said_projection: bool,
+    drawn: u64,
+    published: u64,
 }
 
 /// A drawn picture and what it was drawn of.
@@ -114,13 +120,48 @@ impl CameraOutput {
             last_published: None,
             last: None,
             problem: None,
+            fault: None,
             said_projection: false,
+            drawn: 0,
+            published: 0,
         }
     }
 
-    /// The display's name.
-    pub(super) fn name(&self) -> &str {
-        &self.view.name
+    /// How it does, for those who look at its statuses.
+    pub(super) fn subject(&self, stage: &Stage, projection: Projection) -> Subject<'static> {
+        let mut subject = report::camera(stage, &self.view, projection);
+        let statuses = subject.statuses.to_mut();
+        match (&self.publisher, &self.service) {
+            (None, _) if statuses.level() < Level::Error => {
+                statuses.set(Level::Error, "Output Topic", "Image publisher not configured");
+            }
+            (_, None) => {
+                let text = "Could not create trigger. Make sure that display namespace is unique!";
+                statuses.set(Level::Warn, "Display namespace", text);
+            }
+            _ => statuses.set(Level::Ok, "Display namespace", "OK"),
+        }
+        if let Some(fault) = &self.fault {
+            statuses.set(Level::Error, "Picture", fault.clone());
+        }
+        if let Some(publisher) = &self.publisher {
+            subject.topic = publisher.topic().to_owned();
+            subject.values.push(("subscribers", publisher.subscriber_count().to_string()));
+        }
+        subject.values.push(("frames drawn", self.drawn.to_string()));
+        subject.values.push(("frames published", self.published.to_string()));
+        subject
+    }
+
+    /// Takes how drawing and publishing went. What goes wrong is said once.
+    pub(super) fn note(&mut self, done: Result<()>) {
+        self.fault = done.err().map(|error| {
+            let fault = one_line(&error);
+            if self.fault.as_ref() != Some(&fault) {
+                log::error!("camera {}: {fault}", self.view.name);
+            }
+            fault
+        });
     }
 
     /// Whether this is the camera of a trigger service.
@@ -192,6 +233,7 @@ impl CameraOutput {
         }
         if let (Some(publisher), Some(last)) = (&mut self.publisher, &self.last) {
             publisher.publish(&last.sent, &last.info, ros.now())?;
+            self.published += 1;
             self.triggered = false;
         }
         Ok(())
@@ -223,6 +265,7 @@ impl CameraOutput {
             step_bytes: picture.step() as u32,
             pixels: Arc::new(picture.data),
         };
+        self.drawn += 1;
         self.last = Some(LastPicture { sent, scene_version, camera: camera.clone(), info });
         Ok(())
     }

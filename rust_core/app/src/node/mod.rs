@@ -5,6 +5,7 @@
 //! is not drawn again: its last picture goes out with a new stamp.
 
 mod camera;
+mod diagnostics;
 mod pace;
 
 use std::collections::HashMap;
@@ -24,10 +25,10 @@ use rcs_transforms::Time;
 
 use crate::camera_pose::Projection;
 use crate::cli::Cli;
-use crate::logging::one_line;
 use crate::small_node::{self, EndRequest};
 use crate::stage::Stage;
 use camera::CameraOutput;
+use diagnostics::Diagnostics;
 
 /// How long the node sleeps at most when nothing happens.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
@@ -73,8 +74,7 @@ struct Node<'a> {
     scene_version: u64,
     scene: Option<(u64, Arc<Scene>)>,
     renderer_choice: RendererChoice,
-    /// What went wrong at the last picture.
-    fault: Option<String>,
+    diagnostics: Diagnostics,
 }
 
 impl<'a> Node<'a> {
@@ -114,7 +114,7 @@ impl<'a> Node<'a> {
             scene_version: 0,
             scene: None,
             renderer_choice,
-            fault: None,
+            diagnostics: Diagnostics::start(),
         })
     }
 
@@ -123,6 +123,7 @@ impl<'a> Node<'a> {
     }
 
     fn play(&mut self, end: &EndRequest) {
+        self.stage.update(self.now());
         while !end.is_requested() && !self.ros.is_asked_to_end() {
             let events = self.ros.events().wait(self.sleep());
             let heard = !events.is_empty();
@@ -134,7 +135,7 @@ impl<'a> Node<'a> {
                 self.scene_version += u64::from(self.stage.update(now));
             }
             self.publish();
-            self.stage.say_statuses(now, false);
+            self.tell();
         }
     }
 
@@ -143,7 +144,18 @@ impl<'a> Node<'a> {
         let now = Instant::now();
         let cameras = self.cameras.iter().filter_map(|camera| camera.until_due(now)).min();
         let change = self.stage.displays().next_change().map(|change| change.saturating_since(self.now()));
-        cameras.into_iter().chain(change).min().unwrap_or(LONGEST_SLEEP).min(LONGEST_SLEEP)
+        let diagnostics = self.diagnostics.until_due(now);
+        cameras.into_iter().chain(change).fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
+    }
+
+    /// Says how displays and cameras do.
+    fn tell(&mut self) {
+        let (stage, projection, cameras) = (&self.stage, self.projection, &self.cameras);
+        self.diagnostics.tell(self.ros, || {
+            let mut subjects = stage.subjects();
+            subjects.extend(cameras.iter().map(|camera| camera.subject(stage, projection)));
+            subjects
+        });
     }
 
     fn take(&mut self, event: NodeEvent) {
@@ -191,20 +203,12 @@ impl<'a> Node<'a> {
                 scene.clone()
             };
             let done = camera.publish_if_due(stage, version, scene, self.projection, self.renderer.as_mut(), self.ros);
-            match done {
-                Ok(()) => self.fault = None,
-                Err(error) => {
-                    let text = format!("camera {}: {}", camera.name(), one_line(&error));
-                    if self.fault.as_ref() != Some(&text) {
-                        log::error!("{text}");
-                        self.fault = Some(text);
-                    }
-                    let gpu_failed = matches!(error.downcast_ref(), Some(RenderError::Gpu { .. }));
-                    if gpu_failed && self.renderer_choice == RendererChoice::Auto {
-                        self.renderer = Box::new(CpuRenderer::new());
-                        log::warn!("drawing with {} from now on", self.renderer.describe());
-                    }
-                }
+            let gpu_failed =
+                matches!(&done, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })));
+            camera.note(done);
+            if gpu_failed && self.renderer_choice == RendererChoice::Auto {
+                self.renderer = Box::new(CpuRenderer::new());
+                log::warn!("drawing with {} from now on", self.renderer.describe());
             }
         }
     }

@@ -38,9 +38,10 @@ use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::{Time, WaitingQueue};
 
 use crate::display::{Display, TopicRequest};
+use crate::frame;
 use crate::world::stamp;
 use crate::{Level, Statuses, World};
-use store::{no_place, MarkerStore};
+use store::MarkerStore;
 
 /// A marker that arrived by itself or in an array.
 #[derive(Clone, Debug)]
@@ -113,7 +114,7 @@ impl MarkerDisplay {
     fn look_at_waiting(&mut self, world: &World<'_>) {
         self.ready.extend(self.waiting.take_ready(world.transforms, world.fixed_frame));
         for (marker, reason) in self.waiting.take_dropped() {
-            let reason = no_place(&marker.header.frame_id, &reason);
+            let reason = frame::drop_reason(&reason, world.fixed_frame);
             self.store.fail(&marker, &reason, world, &mut self.statuses);
         }
     }
@@ -164,7 +165,10 @@ impl Display for MarkerDisplay {
         self.look_at_waiting(world);
         self.process_ready(world);
         match self.waiting.waiting_reason(world.transforms, world.fixed_frame) {
-            Some(reason) => self.statuses.set(Level::Warn, "Transform", reason.to_string()),
+            Some(reason) => {
+                let problem = frame::problem(&reason, world.fixed_frame);
+                self.statuses.set(Level::Warn, "Transform", problem);
+            }
             None => self.statuses.remove("Transform"),
         }
         let changed = self.store.update(world, &mut self.statuses);

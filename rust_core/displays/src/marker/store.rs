@@ -12,6 +12,7 @@ use rcs_transforms::{LookupError, Time};
 use super::checks::check_marker;
 use super::kind::Kind;
 use super::part::Part;
+use crate::frame::problem;
 use crate::world::{isometry, stamp};
 use crate::{Level, Statuses, World};
 
@@ -136,7 +137,7 @@ impl MarkerStore {
         };
         match shown.locate(world) {
             Ok(place) => shown.fixed_from_marker = Some(place),
-            Err(error) => set_status(&id, Some((Level::Error, no_place(&shown.frame, &error))), statuses),
+            Err(error) => set_status(&id, Some((Level::Error, problem(&error, world.fixed_frame))), statuses),
         }
         self.markers.insert(id, shown);
     }
@@ -156,7 +157,7 @@ impl MarkerStore {
         for (id, shown) in self.markers.iter_mut().filter(|(_, shown)| shown.frame_locked) {
             let place = shown.locate(world);
             match &place {
-                Err(error) => set_status(id, Some((Level::Error, no_place(&shown.frame, error))), statuses),
+                Err(error) => set_status(id, Some((Level::Error, problem(error, world.fixed_frame))), statuses),
                 Ok(_) if shown.fixed_from_marker.is_none() => set_status(id, shown.finding.clone(), statuses),
                 Ok(_) => {}
             }
@@ -213,9 +214,4 @@ fn set_status((ns, id): &MarkerId, status: Option<(Level, String)>, statuses: &m
         Some((level, text)) => statuses.set(level, &name, text),
         None => statuses.remove(&name),
     }
-}
-
-/// A status for a marker whose frame cannot be found.
-pub(super) fn no_place(frame: &str, error: &dyn std::error::Error) -> String {
-    format!("For frame [{frame}]: {error}")
 }

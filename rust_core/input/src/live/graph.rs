@@ -59,6 +59,18 @@ impl Graph {
         })
     }
 
+    /// What the other nodes publish.
+    pub(super) fn publications(&self, state: &State) -> Option<Publications> {
+        let types = self.call(&self.master_uri, "getTopicTypes", vec![])?;
+        let publication = |pair: &Value| {
+            let [topic, ros_type] = array(pair)? else { return None };
+            let (topic, ros_type) = (text(topic)?, text(ros_type)?);
+            let nodes = state.publishers.get(&topic).filter(|nodes| !nodes.is_empty())?.clone();
+            Some((topic, Publication { nodes, ros_type }))
+        };
+        Some(array(&types)?.iter().filter_map(publication).collect())
+    }
+
     /// Remembers what the node publishes and serves, and tells it to a master that was restarted.
     pub(super) fn keep_registered(&self, state: &State, known: &mut Registrations) {
         if known.master_pid.is_some_and(|pid| pid != state.master_pid) {
@@ -161,6 +173,25 @@ impl Graph {
             [Value::Int(1), _, value] => Some(value.clone()),
             _ => None,
         }
+    }
+}
+
+/// What other nodes publish, by the topics' whole names.
+pub type Publications = HashMap<String, Publication>;
+
+/// Who publishes a topic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Publication {
+    /// The nodes' names; at least one.
+    pub nodes: Vec<String>,
+    /// The type as the master has it: that of the node which registered last.
+    pub ros_type: String,
+}
+
+impl Publication {
+    /// Whether its messages can be those of a type.
+    pub fn has_type(&self, ros_type: &str) -> bool {
+        self.ros_type == ros_type || self.ros_type == "*"
     }
 }
 

@@ -25,6 +25,7 @@ mod watchdog;
 
 pub use clock::RosClock;
 pub use events::{EventQueue, EventSender, NodeEvent, TriggerReply};
+pub use graph::{Publication, Publications};
 pub use topic::TopicSubscription;
 
 use graph::Graph;
@@ -54,6 +55,9 @@ pub enum NodeError {
     /// Waiting for the master was cancelled.
     #[error("gave up waiting for the ROS master at {0}")]
     Cancelled(String),
+    /// There is no master.
+    #[error("no ROS master at {0}")]
+    NoMaster(String),
     /// The master's address is none.
     #[error("'{0}' is not the address of a ROS master")]
     MasterUri(String),
@@ -104,11 +108,18 @@ struct Shared {
     clock: RosClock,
     topics: Mutex<BTreeMap<String, Arc<Topic>>>,
     watchdog: Watchdog,
+    publications: Mutex<Option<Arc<Publications>>>,
 }
 
 impl Shared {
     fn topics(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Topic>>> {
         self.topics.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn look_at_publications(&self, state: &graph::State) {
+        if let Some(publications) = self.graph.publications(state) {
+            *lock(&self.publications) = Some(Arc::new(publications));
+        }
     }
 }
 
@@ -126,17 +137,35 @@ impl RosNode {
     pub fn connect(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
         let master_uri = rosrust::api::resolve::master();
         wait_for_master(&master_uri, cancelled)?;
+        Self::start(&master_uri, default_name)
+    }
+
+    /// Starts the node as [`connect`](Self::connect) does, at a master that is there now.
+    ///
+    /// # Errors
+    /// [`NodeError::NoMaster`] when nobody listens at its address.
+    pub fn connect_now(default_name: &str) -> Result<Self, NodeError> {
+        let master_uri = rosrust::api::resolve::master();
+        let address = host_and_port(&master_uri).ok_or_else(|| NodeError::MasterUri(master_uri.clone()))?;
+        if !is_listening(&address) {
+            return Err(NodeError::NoMaster(master_uri));
+        }
+        Self::start(&master_uri, default_name)
+    }
+
+    fn start(master_uri: &str, default_name: &str) -> Result<Self, NodeError> {
         rosrust::try_init_with_options(default_name, false)
             .map_err(|error| NodeError::ros(format!("cannot start node {default_name}"), &error))?;
         let simulated = rosrust::param("/use_sim_time").is_some_and(|param| param.get().unwrap_or(false));
         let name = rosrust::name();
         let shared = Arc::new(Shared {
-            graph: Graph::new(&master_uri, &name, &rosrust::uri()),
+            graph: Graph::new(master_uri, &name, &rosrust::uri()),
             name,
             events: Arc::default(),
             clock: RosClock::new(simulated),
             topics: Mutex::default(),
             watchdog: Watchdog::default(),
+            publications: Mutex::default(),
         });
         let node = Self { shared: Arc::clone(&shared), services: Mutex::default(), kept: Mutex::default() };
         if simulated {
@@ -227,6 +256,18 @@ impl RosNode {
         .map_err(|error| NodeError::ros(format!("cannot offer service {service}"), &error))?;
         lock(&self.services).push(server);
         Ok(service)
+    }
+
+    /// What other nodes published when it was last looked at, which is every other second; `None` before the first look.
+    pub fn publications(&self) -> Option<Arc<Publications>> {
+        lock(&self.shared.publications).clone()
+    }
+
+    /// Asks the master what other nodes publish. `None` when it does not answer within seconds.
+    pub fn look_at_publications(&self) -> Option<Arc<Publications>> {
+        let state = self.shared.graph.state()?;
+        self.shared.look_at_publications(&state);
+        self.publications()
     }
 
     /// The text of a string parameter; none if it is not set or no string.

@@ -80,6 +80,7 @@ pub(super) fn run(shared: &Arc<Shared>) {
             continue;
         };
         shared.graph.keep_registered(&state, &mut memory.registrations);
+        shared.look_at_publications(&state);
         let publishers = publishers(shared, &state, &topics);
         memory.end_questions(&publishers.nodes);
         let broken = broken_topics(&state, &topics, &publishers);

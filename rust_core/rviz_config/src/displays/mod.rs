@@ -168,6 +168,11 @@ impl DisplayConfig {
     /// The topic that the display shows, or publishes in the case of a CameraPub; `None` if it has none or it is
     /// empty.
     pub fn topic(&self) -> Option<&str> {
+        self.topic_setting().filter(|topic| !topic.is_empty())
+    }
+
+    /// The same as the config has it, which may be empty; `None` for a class without topic.
+    pub fn topic_setting(&self) -> Option<&str> {
         let topic = match &self.settings {
             DisplaySettings::PointCloud2(settings)
             | DisplaySettings::PointCloud(settings)
@@ -199,7 +204,7 @@ impl DisplayConfig {
             | DisplaySettings::Tf(_)
             | DisplaySettings::Group(_) => return None,
         };
-        (!topic.is_empty()).then_some(topic)
+        Some(topic)
     }
 }
 
