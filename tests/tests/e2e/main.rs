@@ -4,6 +4,8 @@
 
 mod camera_info;
 mod check;
+mod check_live;
+mod diagnostics;
 mod frame_rate;
 mod life;
 mod live_is_offline;

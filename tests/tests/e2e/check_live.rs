@@ -1,0 +1,104 @@
+//! `camera_stream check --live`.
+
+use rcs_tests::programs::program;
+use rcs_tests::puppet::Puppet;
+use rcs_tests::ros::{RosMaster, Running, PATIENCE};
+use rcs_tests::stand::{config, CameraPub, CLOUD};
+use std::path::Path;
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+fn check(master: &RosMaster, file: &Path, args: &[&str]) -> Output {
+    let mut command = master.environment(Command::new(program("camera_stream")));
+    command.args(["check", "--live"]).arg(file).args(args).output().unwrap()
+}
+
+fn file(content: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.rviz");
+    std::fs::write(&path, content).unwrap();
+    (folder, path)
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Whether a row holds these words in this order.
+fn has_row(table: &str, words: &[&str]) -> bool {
+    table.lines().any(|line| {
+        let mut rest = line;
+        words.iter().all(|word| match rest.split_once(word) {
+            Some((_, after)) => {
+                rest = after;
+                true
+            }
+            None => false,
+        })
+    })
+}
+
+#[test]
+fn the_table_names_what_is_missing_and_gives_1_and_what_is_well_gives_0() {
+    let master = RosMaster::start().unwrap();
+    let puppet = Puppet::start(&master, &[]).unwrap();
+    puppet.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    puppet
+        .run("latch('/wrong', info()); latch('/lost', cloud(0xff0000, 'nowhere')); latch('/cloud', cloud(0xff0000))")
+        .unwrap();
+    let cloud =
+        |name: &str, topic: &str| format!("{{Class: rviz/PointCloud2, Name: {name}, Enabled: true, Topic: {topic}}}");
+    let displays = [cloud("silent", "/silent"), cloud("wrong", "/wrong"), cloud("lost", "/lost")];
+    let mut displays: Vec<&str> = displays.iter().map(String::as_str).collect();
+    displays.push("{Class: rviz/Path, Name: off, Enabled: false, Topic: /silent}");
+    displays.push(CLOUD);
+    let (_folder, path) = file(&config(&displays, &[CameraPub::default()]));
+    let output = check(&master, &path, &["--listen", "2"]);
+    let table = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{table}\n{}", text(&output.stderr));
+    let rows: [&[&str]; 8] = [
+        &["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"],
+        &["Global Status", "Ok", "Fixed Frame: OK"],
+        &["silent", "rviz/PointCloud2", "/silent", "Warn", "Topic: No messages received"],
+        &["silent", "rviz/PointCloud2", "/silent", "Warn", "No publishers on [/silent]"],
+        &["wrong", "rviz/PointCloud2", "/wrong", "Error", "sensor_msgs/CameraInfo", "sensor_msgs/PointCloud2"],
+        &["lost", "rviz/PointCloud2", "/lost", "Warn", "For frame [nowhere]: Frame [nowhere] does not exist"],
+        &["cloud", "rviz/PointCloud2", "/cloud", "Ok", "1 messages received"],
+        &["CameraPub", "rviz_camera_stream/CameraPub", "/view/image", "Ok", "Camera Info: OK"],
+    ];
+    for row in rows {
+        assert!(has_row(&table, row), "{row:?} is not in\n{table}");
+    }
+    assert!(!table.contains("off"), "{table}");
+
+    let (_folder, path) = file(&config(&[CLOUD], &[CameraPub::default()]));
+    let output = check(&master, &path, &["--listen", "2"]);
+    assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
+    // Remappings are the node's.
+    let output = check(&master, &path, &["--listen", "2", "/cloud:=/silent"]);
+    assert_eq!(output.status.code(), Some(1), "{}{}", text(&output.stdout), text(&output.stderr));
+    assert!(text(&output.stdout).contains("[/silent]"), "{}", text(&output.stdout));
+}
+
+#[test]
+fn without_a_master_or_a_config_it_gives_2_at_once_and_a_signal_ends_the_listening() {
+    let mut master = RosMaster::reserve().unwrap();
+    let (_folder, path) = file(&config(&[CLOUD], &[CameraPub::default()]));
+    let started = Instant::now();
+    let output = check(&master, &path, &["--listen", "60"]);
+    assert!(started.elapsed() < Duration::from_secs(20));
+    let said = text(&output.stderr);
+    assert_eq!((output.status.code(), said.lines().count()), (Some(2), 1), "{said}");
+    assert!(said.contains(&master.uri()), "{said}");
+    assert!(output.stdout.is_empty());
+    assert_eq!(check(&master, Path::new("/nowhere/scene.rviz"), &[]).status.code(), Some(2));
+
+    master.run().unwrap();
+    let mut command = master.environment(Command::new(program("camera_stream")));
+    let mut running = Running::start(command.args(["check", "--live", "--listen", "600"]).arg(&path)).unwrap();
+    let is_listening = || master.output("rosnode", &["list"]).is_ok_and(|nodes| nodes.contains("camera_stream_check"));
+    assert!(rcs_tests::ros::wait_until(PATIENCE, is_listening), "{:?}", running.errors());
+    running.signal("INT");
+    assert_eq!(running.wait(PATIENCE).and_then(|status| status.code()), Some(1), "{:?}", running.errors());
+    assert!(running.line_with("No messages received").is_some(), "{:?}", running.lines());
+}
