@@ -55,10 +55,12 @@ fn without_numbers(text: &str) -> String {
     text.chars().filter(|letter| !letter.is_ascii_digit()).collect()
 }
 
-fn patience_secs(status_name: &str, text: &str) -> f64 {
+fn patience_secs(status_name: &str, level: Level, text: &str) -> f64 {
     match status_name {
         Statuses::TRANSFORM | FIXED_FRAME => FRAME_PATIENCE_SECS,
-        Statuses::TOPIC | PUBLISHER => TOPIC_PATIENCE_SECS,
+        // An error of a topic is a message that is wrong, or a name.
+        Statuses::TOPIC if level == Level::Warn => TOPIC_PATIENCE_SECS,
+        PUBLISHER => TOPIC_PATIENCE_SECS,
         // Markers, robots' links and frames have statuses of their own names.
         _ if text.starts_with("For frame [") || text.starts_with("No transform") => FRAME_PATIENCE_SECS,
         _ => 0.0,
@@ -112,7 +114,9 @@ impl StatusLog {
                 let (who, text) = (&key.0, status.text.replace(" \n", "; ").replace('\n', "; "));
                 if tale.is_news(name, status.level, &text, now, is_end) {
                     match status.level {
-                        Level::Error if patience_secs(name, &text) == 0.0 => log::error!("{who}: {name}: {text}"),
+                        Level::Error if patience_secs(name, status.level, &text) == 0.0 => {
+                            log::error!("{who}: {name}: {text}")
+                        }
                         Level::Ok => log::info!("{who}: {name}: ok again: {text}"),
                         _ => log::warn!("{who}: {name}: {text}"),
                     }
@@ -147,7 +151,7 @@ impl Tale {
             return self.said.is_some() && (is_end || lasted_secs >= WELL_PATIENCE_SECS) && self.said.take().is_some();
         }
         let problem = without_numbers(text);
-        if self.said.as_ref() == Some(&problem) || (!is_end && lasted_secs < patience_secs(name, text)) {
+        if self.said.as_ref() == Some(&problem) || (!is_end && lasted_secs < patience_secs(name, level, text)) {
             return false;
         }
         if let Some(said_at) = self.said_at.filter(|said_at| *said_at <= now) {
