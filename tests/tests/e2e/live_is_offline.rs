@@ -31,6 +31,7 @@ fn a_played_bag_gives_the_picture_that_is_drawn_of_it_offline() {
         ("cam_visibility_some", "rgb8"),
         ("marker_lists", "rgb8"),
         ("path_lines", "rgb8"),
+        ("interactive_marker", "rgb8"),
         ("cam_encoding_bgr8", "bgr8"),
         ("cam_encoding_mono8", "mono8"),
     ];
