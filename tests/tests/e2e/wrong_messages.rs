@@ -25,7 +25,7 @@ fn a_cloud_shorter_than_its_header_says_is_dropped_and_said_once() {
 fn a_display_whose_frame_does_not_come_is_told() {
     let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     stand.puppet("latch('/tf_static', tf('map', 'eye')); latch('/cloud', cloud(0xff0000, 'lost'))");
-    let said = || stand.log_lines(&["WARN", "display cloud", "lost", "map"]);
+    let said = || stand.log_lines(&["WARN", "display cloud", "Frame [lost] does not exist"]);
     assert!(wait_until(PATIENCE, || said() == 1), "{}", stand.log());
 }
 
