@@ -12,7 +12,7 @@ use rcs_messages::{quaternion_xyzw, stamp_nanos, translation_xyz, AnyMessage, Me
 use rcs_resources::MeshStore;
 use rcs_rviz_config::Config;
 use rcs_scene::Scene;
-use rcs_transforms::{RawTransform, Time, TransformTree, RVIZ_CACHE_LENGTH};
+use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use crate::camera_pose::{self, CameraProblem, Projection};
 use crate::report::{self, Subject};
@@ -34,7 +34,7 @@ impl Stage {
         let fixed_frame = fixed_frame.unwrap_or(&config.global.fixed_frame);
         Self {
             displays: DisplaySet::new(config),
-            transforms: TransformTree::with_cache_length(RVIZ_CACHE_LENGTH),
+            transforms: TransformTree::new(),
             fixed_frame: fixed_frame.trim_start_matches('/').to_owned(),
             meshes,
             camera_infos: HashMap::new(),

@@ -1,7 +1,7 @@
 //! The frame tree over time, with tf2's semantics.
 //!
 //! Robots publish where a child frame is in its parent frame, again and again (`/tf`) or once and for
-//! all (`/tf_static`). [`TransformTree`] keeps what was said, ten seconds of it (or as long as one likes) for each frame that
+//! all (`/tf_static`). [`TransformTree`] keeps what was said, ten seconds of it for each frame that
 //! moves, and answers where one frame was in another at a time, interpolating between the samples and
 //! never extrapolating. [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros'
 //! message filter does for rviz's displays.
@@ -38,5 +38,5 @@ pub use history::interpolate;
 pub use lookup::{LookupError, LookupProblem};
 pub use time::Time;
 pub use transform::{InsertError, RawTransform, StampedTransform};
-pub use tree::{Inserted, TransformTree, DEFAULT_CACHE_LENGTH, RVIZ_CACHE_LENGTH};
+pub use tree::{Inserted, TransformTree, DEFAULT_CACHE_LENGTH};
 pub use waiting::{DropCounts, Dropped, WaitingQueue};

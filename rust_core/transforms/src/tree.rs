@@ -14,9 +14,6 @@ use crate::{InsertError, RawTransform, StampedTransform, Time};
 /// How long tf2 remembers moving frames unless it is told otherwise.
 pub const DEFAULT_CACHE_LENGTH: Duration = Duration::from_secs(10);
 
-/// How long rviz remembers them, so that it can place messages of the last ten minutes.
-pub const RVIZ_CACHE_LENGTH: Duration = Duration::from_secs(600);
-
 /// A frame's place among the tree's frames.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct FrameId(pub(crate) u32);
