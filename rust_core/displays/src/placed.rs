@@ -78,3 +78,59 @@ impl<M> Incoming<M> {
         self.received = 0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rcs_resources::{MeshStore, PackageIndex};
+    use rcs_transforms::{RawTransform, TransformTree};
+
+    use super::*;
+
+    fn place(tree: &mut TransformTree, secs: u32) {
+        let (translation, rotation_xyzw) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0]);
+        let stamp = Time::from_secs_nanos(secs, 0);
+        let transform = RawTransform { parent: "map", child: "arm", stamp, translation, rotation_xyzw };
+        tree.insert(&transform, false, "/a").unwrap();
+    }
+
+    fn header(secs: u32, frame: &str) -> Header {
+        let stamp = rcs_messages::Time { sec: secs, nsec: 0 };
+        Header { seq: 0, stamp, frame_id: frame.to_owned() }
+    }
+
+    #[test]
+    fn a_drop_is_an_error_until_a_message_can_be_placed_and_its_count_stays() {
+        let mut tree = TransformTree::new();
+        let meshes = MeshStore::new(PackageIndex::new([]));
+        let (mut incoming, mut statuses) = (Incoming::new(1), Statuses::default());
+        let look = |incoming: &mut Incoming<()>, tree: &TransformTree, statuses: &mut Statuses| {
+            let world = World { transforms: tree, fixed_frame: "map", now: Time::ZERO, meshes: &meshes };
+            let ready = incoming.take_ready(&world, statuses).len();
+            let status = statuses.get("Transform").unwrap();
+            (ready, status.level, status.text.clone())
+        };
+        place(&mut tree, 1000);
+        incoming.push(&header(1001, "arm"), Arc::new(()), &mut statuses);
+        let (ready, level, text) = look(&mut incoming, &tree, &mut statuses);
+        assert_eq!((ready, level), (0, Level::Warn), "{text}");
+        assert!(text.starts_with("For frame [arm]: No transform to fixed frame [map].  TF error: ["), "{text}");
+        incoming.push(&header(0, ""), Arc::new(()), &mut statuses);
+        for _ in 0..2 {
+            let dropped = (0, Level::Error, "For frame []: Frame [] does not exist".to_owned());
+            assert_eq!(look(&mut incoming, &tree, &mut statuses), dropped);
+        }
+        place(&mut tree, 1001);
+        for _ in 0..2 {
+            let (_, level, text) = look(&mut incoming, &tree, &mut statuses);
+            assert_eq!((level, text.as_str()), (Level::Ok, "Transform OK"));
+        }
+        assert_eq!(statuses.get("Dropped").unwrap().text, "1 messages dropped: 1 no frame");
+
+        place(&mut tree, 9000);
+        incoming.push(&header(7, "arm"), Arc::new(()), &mut statuses);
+        let (_, level, text) = look(&mut incoming, &tree, &mut statuses);
+        let old = "Message removed because it is too old (frame=[arm], stamp=[7.000000000])";
+        assert_eq!((level, text.as_str()), (Level::Error, old));
+        assert_eq!(statuses.get("Dropped").unwrap().text, "2 messages dropped: 1 too old, 1 no frame");
+    }
+}
