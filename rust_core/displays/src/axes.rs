@@ -11,6 +11,8 @@ use crate::solids::{axes, axes_materials};
 use crate::trail::Trail;
 use crate::{frame, Statuses, World};
 
+const TRAIL_COLOR: [u8; 4] = [0, 255, 0, 0];
+
 /// An Axes display.
 #[derive(Debug)]
 pub(crate) struct AxesDisplay {
@@ -52,7 +54,7 @@ impl Display for AxesDisplay {
             self.drawables.extend(axes(self.display, &fixed_from_axes, length_m, diameter_m, &self.materials));
             if let Some(trail) = &mut self.trail {
                 trail.follow(place.translation.vector);
-                self.drawables.extend(trail.drawable(self.display));
+                self.drawables.extend(trail.drawable(self.display, TRAIL_COLOR));
             }
         }
         true

@@ -11,6 +11,7 @@ use rcs_transforms::Time;
 use crate::axes::AxesDisplay;
 use crate::cloud::{CloudDisplay, CloudSource};
 use crate::display::Display;
+use crate::effort::EffortDisplay;
 use crate::grid::GridDisplay;
 use crate::grid_cells::GridCellsDisplay;
 use crate::interactive_markers::InteractiveMarkersDisplay;
@@ -29,6 +30,7 @@ use crate::pose_array::PoseArrayDisplay;
 use crate::pose_with_covariance::PoseWithCovarianceDisplay;
 use crate::range::RangeDisplay;
 use crate::report::DisplayReport;
+use crate::robot_model::RobotModelDisplay;
 use crate::scalar::{FluidPressureSource, IlluminanceSource, RelativeHumiditySource, TemperatureSource};
 use crate::screw::ScrewDisplay;
 use crate::tf::TfDisplay;
@@ -95,6 +97,8 @@ fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>>
         DisplaySettings::Map(settings) => Box::new(MapDisplay::new(id, settings.clone())),
         DisplaySettings::Image(_) | DisplaySettings::Camera(_) => Box::new(NotDrawnDisplay::of_window()),
         DisplaySettings::NotDrawn { known, .. } => Box::new(NotDrawnDisplay::new(*known)),
+        DisplaySettings::RobotModel(settings) => Box::new(RobotModelDisplay::new(id, settings.clone())),
+        DisplaySettings::Effort(settings) => Box::new(EffortDisplay::new(id, settings.clone())),
         DisplaySettings::Group(_) | DisplaySettings::CameraPub(_) => return None,
     })
 }

@@ -1,6 +1,6 @@
-//! The ribbon that follows a frame ("Show Trail" of Axes).
+//! The ribbon that follows a frame ("Show Trail" of Axes and of a robot's links).
 //!
-//! rviz uses an Ogre ribbon trail: two metres long, at most a hundred elements, 1 cm wide, green at the frame. An
+//! rviz uses an Ogre ribbon trail: two metres long, at most a hundred elements, 1 cm wide. An
 //! element is dropped behind each time the frame has moved by a hundredth of the length; the oldest are taken away
 //! where the trail grows longer than that.
 
@@ -15,7 +15,6 @@ use crate::solids::drawable;
 const LENGTH_M: f64 = 2.0;
 const MAX_ELEMENTS: usize = 100;
 const WIDTH_M: f32 = 0.01;
-const COLOR: [u8; 4] = [0, 255, 0, 0];
 
 /// Where a frame has been, newest first.
 #[derive(Clone, Debug, Default)]
@@ -50,10 +49,10 @@ impl Trail {
         self.places.truncate(count);
     }
 
-    /// The ribbon; `None` while there is nothing to see of it.
-    pub(crate) fn drawable(&self, display: DisplayId) -> Option<Drawable> {
+    /// The ribbon in a colour, red first; `None` while there is nothing to see of it.
+    pub(crate) fn drawable(&self, display: DisplayId, color: [u8; 4]) -> Option<Drawable> {
         let chain: Vec<RibbonElement> =
-            self.places.iter().map(|place| RibbonElement { position: place.cast().into(), color: COLOR }).collect();
+            self.places.iter().map(|place| RibbonElement { position: place.cast().into(), color }).collect();
         let ribbons = Ribbons { chains: vec![chain], width_m: WIDTH_M, blending: Blending::Replace };
         (self.places.len() > 1).then(|| drawable(display, Matrix4::identity(), Geometry::Ribbons(Arc::new(ribbons))))
     }

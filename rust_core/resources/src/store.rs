@@ -10,6 +10,8 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+
 use crate::{assemble, import, LoadedMesh, MeshFault, PackageIndex, ResourceError};
 
 type Slot = Arc<OnceLock<Result<Arc<LoadedMesh>, ResourceError>>>;
@@ -55,6 +57,15 @@ impl MeshStore {
             Ok(Arc::new(mesh))
         };
         slot.get_or_init(load).clone()
+    }
+
+    /// Loads meshes, on all processors, so that [`MeshStore::get`] has them; it also has the errors of those that fail.
+    pub fn load_all<'a>(&self, urls: impl IntoIterator<Item = &'a str>) {
+        let mut urls: Vec<&str> = urls.into_iter().collect();
+        urls.sort_unstable();
+        urls.dedup();
+        // What the result is, is asked of the store later.
+        urls.par_iter().for_each(|url| drop(self.get(url)));
     }
 
     /// Tries the meshes that failed anew when they are asked for again.

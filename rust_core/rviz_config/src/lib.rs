@@ -35,6 +35,7 @@ pub use displays::covariance::{
     CovarianceColorStyle, CovarianceFrame, CovarianceSettings, OrientationCovarianceSettings,
     PositionCovarianceSettings,
 };
+pub use displays::effort::EffortSettings;
 pub use displays::grid::{GridPlane, GridSettings};
 pub use displays::grid_cells::GridCellsSettings;
 pub use displays::image::ImageSettings;
@@ -52,6 +53,7 @@ pub use displays::pose_with_covariance::PoseWithCovarianceSettings;
 pub use displays::range::RangeSettings;
 pub use displays::screw::ScrewSettings;
 pub use displays::tf::TfSettings;
+pub use displays::robot_model::{LinkSettings, RobotModelSettings};
 pub use displays::visibility::Visibility;
 pub use displays::{DisplayConfig, DisplaySettings, LineStyle};
 pub use error::ConfigError;

@@ -23,7 +23,7 @@ fn file(content: &str) -> (tempfile::TempDir, std::path::PathBuf) {
 #[test]
 fn what_is_understood_is_listed_with_class_topic_and_line_and_gives_0() {
     let disabled = "{Class: rviz/Axes, Name: off, Enabled: false}";
-    let later = "{Class: rviz/RobotModel, Name: robot, Enabled: true}";
+    let later = "{Class: rviz/InteractiveMarkers, Name: robot, Enabled: true}";
     let (_folder, path) = file(&config(&[CLOUD, disabled, later], &[CameraPub::default()]));
     let output = check(&path);
     let said = text(&output.stdout);
@@ -32,7 +32,7 @@ fn what_is_understood_is_listed_with_class_topic_and_line_and_gives_0() {
     assert_eq!(line(&["line    3", "rviz/PointCloud2", "drawn", "cloud", "/cloud"]), 1, "{said}");
     assert_eq!(line(&["line    4", "rviz/Axes", "disabled", "off"]), 1, "{said}");
     assert_eq!(line(&["line    6", "CameraPub", "camera", "/view/image"]), 1, "{said}");
-    assert_eq!(line(&["line    5", "rviz/RobotModel", "robot"]), 1, "{said}");
+    assert_eq!(line(&["line    5", "rviz/InteractiveMarkers", "robot"]), 1, "{said}");
     assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
 }
 

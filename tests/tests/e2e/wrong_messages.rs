@@ -32,7 +32,7 @@ fn a_display_whose_frame_does_not_come_is_told() {
 #[test]
 fn displays_that_are_not_drawn_or_not_known_are_told_and_do_not_keep_the_others_from_being_drawn() {
     let displays = [
-        "{Class: rviz/RobotModel, Name: robot, Enabled: true}",
+        "{Class: rviz/InteractiveMarkers, Name: robot, Enabled: true}",
         "{Class: fancy_plugins/Hologram, Name: ghost, Enabled: true, Topic: /cloud}",
         "{Class: rviz/Group, Name: group, Enabled: true, Displays: [{Class: rviz/Map, Name: floor, Enabled: true}]}",
         CLOUD,

@@ -7,6 +7,7 @@ pub(crate) mod axes;
 pub(crate) mod camera_pub;
 pub(crate) mod cloud;
 pub(crate) mod covariance;
+pub(crate) mod effort;
 pub(crate) mod grid;
 pub(crate) mod grid_cells;
 pub(crate) mod image;
@@ -24,6 +25,7 @@ pub(crate) mod pose_with_covariance;
 pub(crate) mod range;
 pub(crate) mod screw;
 pub(crate) mod tf;
+pub(crate) mod robot_model;
 pub(crate) mod visibility;
 
 use crate::finding::FindingKind;
@@ -33,6 +35,7 @@ use crate::section::{join, Report, Section};
 use axes::AxesSettings;
 use camera_pub::CameraPubSettings;
 use cloud::CloudSettings;
+use effort::EffortSettings;
 use grid::GridSettings;
 use grid_cells::GridCellsSettings;
 use image::ImageSettings;
@@ -49,6 +52,7 @@ use pose_with_covariance::PoseWithCovarianceSettings;
 use range::RangeSettings;
 use screw::ScrewSettings;
 use tf::TfSettings;
+use robot_model::RobotModelSettings;
 
 /// One entry of a list of displays.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,6 +129,10 @@ pub enum DisplaySettings {
     Camera(ImageSettings),
     /// `rviz/InteractiveMarkers`
     InteractiveMarkers(InteractiveMarkersSettings),
+    /// `rviz/RobotModel`
+    RobotModel(RobotModelSettings),
+    /// `rviz/Effort`
+    Effort(EffortSettings),
     /// `rviz/Group`: displays inside a display, in the file's order.
     Group(Vec<DisplayConfig>),
     /// `rviz_camera_stream/CameraPub`
@@ -153,7 +161,7 @@ pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
     [("Lines", LineStyle::Lines), ("Billboards", LineStyle::Billboards)];
 
 /// The display classes of rviz 1.14 that are not drawn yet.
-const KNOWN_NOT_DRAWN: &[&str] = &["rviz/DepthCloud", "rviz/Effort", "rviz/RobotModel"];
+const KNOWN_NOT_DRAWN: &[&str] = &["rviz/DepthCloud"];
 
 /// The keys under which displays that are not drawn name the topic that they show, the likeliest first.
 const TOPIC_KEYS: [&str; 5] = ["Topic", "Marker Topic", "Image Topic", "Depth Map Topic", "Update Topic"];
@@ -197,9 +205,11 @@ impl DisplayConfig {
             DisplaySettings::Map(settings) => &settings.topic,
             DisplaySettings::Image(settings) | DisplaySettings::Camera(settings) => &settings.topic,
             DisplaySettings::InteractiveMarkers(settings) => &settings.update_topic,
+            DisplaySettings::Effort(settings) => &settings.topic,
             DisplaySettings::CameraPub(settings) => &settings.image_topic,
             DisplaySettings::NotDrawn { topic, .. } => return topic.as_deref(),
-            DisplaySettings::Grid(_)
+            DisplaySettings::RobotModel(_)
+            | DisplaySettings::Grid(_)
             | DisplaySettings::Axes(_)
             | DisplaySettings::Tf(_)
             | DisplaySettings::Group(_) => return None,
@@ -288,6 +298,8 @@ fn read_class(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySet
         "rviz/Image" => DisplaySettings::Image(ImageSettings::read_image(section)),
         "rviz/Camera" => DisplaySettings::Camera(ImageSettings::read_camera(section)),
         "rviz/InteractiveMarkers" => DisplaySettings::InteractiveMarkers(InteractiveMarkersSettings::read(section)),
+        "rviz/RobotModel" => DisplaySettings::RobotModel(RobotModelSettings::read(section)),
+        "rviz/Effort" => DisplaySettings::Effort(EffortSettings::read(section)),
         "rviz/Group" => {
             let path = section.path().to_owned();
             DisplaySettings::Group(read_list(section, &path))

@@ -1,0 +1,125 @@
+//! A small robot in frames that come and go.
+
+use super::*;
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_scene::Lighting;
+use rcs_transforms::{RawTransform, TransformTree};
+
+const ROBOT: &str = "<robot name='r'>
+    <link name='a'><visual><geometry><box size='1 1 1'/></geometry>
+      <material name='m'><color rgba='0 1 0 0.5'/></material></visual>
+      <collision><geometry><sphere radius='1'/></geometry></collision></link>
+    <link name='b'><visual><geometry><mesh filename='package://none/x.stl'/></geometry></visual>
+      <visual><geometry><cylinder radius='1' length='1'/></geometry></visual></link>
+    <joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint></robot>";
+
+struct Bench {
+    display: RobotModelDisplay,
+    tree: TransformTree,
+    meshes: MeshStore,
+    now: Time,
+}
+
+impl Bench {
+    fn new(settings: RobotModelSettings) -> Self {
+        let meshes = MeshStore::new(PackageIndex::new([]));
+        let display = RobotModelDisplay::new(0, settings);
+        let mut bench = Self { display, tree: TransformTree::new(), meshes, now: Time::from_secs_f64(10.0) };
+        let world = World { transforms: &bench.tree, fixed_frame: "map", now: bench.now, meshes: &bench.meshes };
+        bench.display.take_parameter("robot_description", Some(&ROBOT.into()), &world);
+        bench
+    }
+
+    fn place(&mut self, child: &str, x: f64) {
+        let (translation, rotation_xyzw) = ([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]);
+        let transform = RawTransform { parent: "map", child, stamp: self.now, translation, rotation_xyzw };
+        self.tree.insert(&transform, false, "test").unwrap();
+    }
+
+    fn update(&mut self) -> bool {
+        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
+        self.display.update(&world)
+    }
+
+    fn status(&self, name: &str) -> (Level, String) {
+        let status = self.display.statuses.iter().find(|(key, _)| *key == name).unwrap().1;
+        (status.level, status.text.clone())
+    }
+
+    /// Of each drawable, where it is and its material's colour; none for the white of links without a place.
+    fn shown(&self) -> Vec<(f64, Option<[f32; 4]>)> {
+        let shown = self.display.drawables().iter().map(|drawable| {
+            let Geometry::Mesh { material, .. } = &drawable.geometry else { panic!("{drawable:?}") };
+            let color = match material.lighting {
+                Lighting::Lit { diffuse, .. } => Some(diffuse.to_array()),
+                Lighting::Unlit => None,
+            };
+            (drawable.fixed_from_object[(0, 3)], color)
+        });
+        shown.collect()
+    }
+}
+
+const RED: Option<[f32; 4]> = Some([1.0, 0.0, 0.0, 1.0]);
+const GREEN: Option<[f32; 4]> = Some([0.0, 1.0, 0.0, 0.5]);
+
+#[test]
+fn links_follow_their_frames_and_are_white_until_these_are_known() {
+    let mut bench = Bench::new(RobotModelSettings::default());
+    bench.place("b", 2.0);
+    assert!(bench.update());
+    assert_eq!(bench.shown(), [(0.0, None), (2.0, RED)]);
+    assert_eq!(bench.status("a"), (Level::Error, "No transform from [a] to [map]".to_owned()));
+    assert_eq!(bench.status("b"), (Level::Ok, "Transform OK".to_owned()));
+    assert!(!bench.update(), "nothing moved");
+    bench.now = Time::from_secs_f64(11.0);
+    bench.place("a", 1.0);
+    assert!(bench.update());
+    assert_eq!(bench.shown(), [(1.0, GREEN), (2.0, RED)]);
+    assert_eq!(bench.status("a"), (Level::Ok, "Transform OK".to_owned()));
+    bench.display.reset();
+    bench.tree.clear();
+    assert!(bench.update());
+    assert_eq!(bench.shown(), [(1.0, None), (2.0, None)], "the robot stays where it was");
+}
+
+#[test]
+fn a_missing_mesh_is_named_and_the_rest_is_drawn() {
+    let bench = Bench::new(RobotModelSettings::default());
+    let (level, text) = bench.status("URDF");
+    assert_eq!(level, Level::Error);
+    let said = "Errors loading geometries:\n• for link 'b':\nCould not load mesh resource 'package://none/x.stl'";
+    assert!(text.starts_with(said), "{text}");
+}
+
+#[test]
+fn links_and_kinds_of_geometry_can_be_switched_off_and_faded() {
+    let b = LinkSettings { alpha: 0.5, show_axes: true, ..LinkSettings::default() };
+    let links = [("b".to_owned(), b.clone())].into();
+    let mut bench =
+        Bench::new(RobotModelSettings { collision_enabled: true, alpha: 0.5, links, ..RobotModelSettings::default() });
+    bench.place("a", 1.0);
+    bench.place("b", 2.0);
+    bench.update();
+    let colors: Vec<_> = bench.shown().into_iter().map(|(_, color)| color.unwrap()[3]).collect();
+    assert_eq!(colors, [0.25, 0.25, 0.25, 1.0, 1.0, 1.0], "a's box and sphere, b's cylinder, three axes");
+    let links = [("b".to_owned(), LinkSettings { enabled: false, ..b })].into();
+    let mut bench = Bench::new(RobotModelSettings { visual_enabled: false, links, ..RobotModelSettings::default() });
+    bench.update();
+    assert_eq!(bench.shown(), []);
+}
+
+#[test]
+fn links_move_once_in_an_update_interval() {
+    let mut bench = Bench::new(RobotModelSettings { update_interval_secs: 0.5, ..RobotModelSettings::default() });
+    bench.place("a", 0.0);
+    bench.place("b", 0.0);
+    bench.update();
+    for (secs, x) in [(10.2, 0.0), (10.4, 0.0), (10.6, 10.6)] {
+        bench.now = Time::from_secs_f64(secs);
+        bench.place("a", secs);
+        bench.update();
+        assert_eq!(bench.shown()[0].0, x, "at {secs}");
+    }
+    assert_eq!(bench.display.next_change(), Some(Time::from_secs_f64(11.1)));
+}
