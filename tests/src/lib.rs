@@ -1,5 +1,6 @@
 //! What the tests of the whole share.
 
+pub mod big_robot;
 pub mod programs;
 pub mod puppet;
 pub mod ros;

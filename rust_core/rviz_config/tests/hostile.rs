@@ -122,6 +122,12 @@ fn check_display(display: &DisplayConfig) {
             assert!(camera.near_clip_m >= 0.01 && camera.near_clip_m.is_finite());
             assert!(camera.frame_rate_hz >= -1.0 && camera.queue_size >= 1);
         }
+        DisplaySettings::RobotModel(robot) => {
+            assert!((0.0..=1.0).contains(&robot.alpha) && robot.update_interval_secs >= 0.0);
+        }
+        DisplaySettings::Effort(effort) => {
+            assert!((1..=100_000).contains(&effort.history_length) && effort.width_m.is_finite());
+        }
         DisplaySettings::GridCells(cells) => assert!((0.0..=1.0).contains(&cells.alpha)),
         DisplaySettings::Range(range) => assert!(range.buffer_length >= 1 && range.alpha.is_finite()),
         DisplaySettings::Odometry(odometry) => {

@@ -177,12 +177,14 @@ fn solid(shape: &UrdfShape) -> Shape {
     }
 }
 
-/// The parts of a mesh, those without a material of their own with the link's.
+/// The parts of a mesh, those without a material of their own with the link's. The last comes first, which shows where
+/// they are translucent: Ogre sorts them by distance, which is the same for all, and then by where in memory their
+/// materials are.
 fn mesh_parts<'a>(
     mesh: &'a LoadedMesh,
     plain: &'a impl Fn() -> Material,
 ) -> impl Iterator<Item = (Arc<Mesh>, Material)> + 'a {
-    mesh.parts.iter().map(|part| {
+    mesh.parts.iter().rev().map(|part| {
         let material = if part.material.embedded { part.material.to_scene() } else { plain() };
         (part.mesh.clone(), material)
     })

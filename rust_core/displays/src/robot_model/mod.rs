@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 use std::time::Duration;
 
-use nalgebra::{Isometry3, Matrix4};
+use nalgebra::{Isometry3, Matrix4, Vector3};
 use rcs_rviz_config::{LinkSettings, RobotModelSettings};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material};
 use rcs_transforms::Time;
@@ -65,7 +65,7 @@ impl ShownLink {
         let moved = place.is_some_and(|place| place != self.fixed_from_link);
         self.fixed_from_link = place.unwrap_or(self.fixed_from_link);
         if let Some(trail) = &mut self.trail {
-            if moved || was_placed.is_none() {
+            if moved {
                 trail.follow(self.fixed_from_link.translation.vector);
             }
         }
@@ -119,7 +119,7 @@ impl RobotModelDisplay {
             }
             self.links.push(ShownLink {
                 frame: link_frame(&self.settings.tf_prefix, name),
-                trail: settings.show_trail.then(Trail::default),
+                trail: settings.show_trail.then(trail_from_origin),
                 settings,
                 pieces,
                 fixed_from_link: Isometry3::identity(),
@@ -169,6 +169,13 @@ impl RobotModelDisplay {
     }
 }
 
+/// Where a link's ribbon begins: when rviz reads its config it has no frames yet.
+fn trail_from_origin() -> Trail {
+    let mut trail = Trail::default();
+    trail.follow(Vector3::zeros());
+    trail
+}
+
 fn placed(display: DisplayId, fixed_from_link: &Matrix4<f64>, piece: &Piece, material: &Arc<Material>) -> Drawable {
     let geometry = Geometry::Mesh { mesh: piece.mesh.clone(), material: material.clone() };
     drawable(display, fixed_from_link * piece.link_from_object, geometry)
@@ -215,7 +222,7 @@ impl Display for RobotModelDisplay {
         for link in &mut self.links {
             link.is_placed = None;
             if let Some(trail) = &mut link.trail {
-                *trail = Trail::default();
+                *trail = trail_from_origin();
             }
         }
     }

@@ -17,15 +17,21 @@ fn ring(segment: f32, y: f32) -> [f32; 3] {
     [RADIUS * angle.cos(), y, RADIUS * angle.sin()]
 }
 
-/// A disc at a height, facing up or down (`up` is 1 or −1).
+/// How far around a texture is at the end of a segment: it begins at three quarters.
+fn around(segment: u32) -> f32 {
+    ((segment + SEGMENTS * 3 / 4 + 1) % SEGMENTS) as f32 / SEGMENTS as f32
+}
+
+/// A disc at a height, facing up or down (`up` is 1 or −1). rviz gives it the texture's edge row.
 fn cap(mesh: &mut Mesh, y: f32, up: f32) {
     let base = mesh.vertices.len() as u32;
-    mesh.vertices.push(Vertex::new([0.0, y, 0.0], [0.0, up, 0.0]));
+    let v = y + 0.5;
+    mesh.vertices.push(Vertex { uv: [0.5, v], ..Vertex::new([0.0, y, 0.0], [0.0, up, 0.0]) });
     for segment in 0..SEGMENTS {
-        mesh.vertices.push(Vertex::new(ring(segment as f32, y), [0.0, up, 0.0]));
-    }
-    for segment in 0..SEGMENTS {
-        let (here, next) = (base + 1 + segment, base + 1 + (segment + 1) % SEGMENTS);
+        let (here, next) = (base + 1 + 2 * segment, base + 2 + 2 * segment);
+        let ends = [(segment, around(segment) - 1.0 / SEGMENTS as f32), (segment + 1, around(segment))];
+        mesh.vertices
+            .extend(ends.map(|(end, u)| Vertex { uv: [u, v], ..Vertex::new(ring(end as f32, y), [0.0, up, 0.0]) }));
         mesh.indices.extend(if up > 0.0 { [base, next, here] } else { [base, here, next] });
     }
 }
@@ -36,16 +42,16 @@ pub(super) fn cylinder() -> Mesh {
     cap(&mut mesh, -0.5, -1.0);
     cap(&mut mesh, 0.5, 1.0);
     let base = mesh.vertices.len() as u32;
-    for segment in 0..SEGMENTS {
-        let angle = angle(segment as f32);
-        let normal = [angle.cos(), 0.0, angle.sin()];
-        mesh.vertices.push(Vertex::new(ring(segment as f32, -0.5), normal));
-        mesh.vertices.push(Vertex::new(ring(segment as f32, 0.5), normal));
+    for segment in 0..=SEGMENTS {
+        let segment = segment as f32;
+        let angle = angle(segment);
+        let (normal, u) = ([angle.cos(), 0.0, angle.sin()], 0.75 + segment / SEGMENTS as f32);
+        for y in [-0.5, 0.5] {
+            mesh.vertices.push(Vertex { uv: [u, y + 0.5], ..Vertex::new(ring(segment, y), normal) });
+        }
     }
     for segment in 0..SEGMENTS {
-        let next = (segment + 1) % SEGMENTS;
-        let [bottom, top, next_bottom, next_top] =
-            [2 * segment, 2 * segment + 1, 2 * next, 2 * next + 1].map(|i| base + i);
+        let [bottom, top, next_bottom, next_top] = [0, 1, 2, 3].map(|i| base + 2 * segment + i);
         mesh.indices.extend([top, next_bottom, bottom, top, next_top, next_bottom]);
     }
     mesh
