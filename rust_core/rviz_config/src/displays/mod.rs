@@ -23,9 +23,9 @@ pub(crate) mod pose_array;
 pub(crate) mod pose_symbol;
 pub(crate) mod pose_with_covariance;
 pub(crate) mod range;
+pub(crate) mod robot_model;
 pub(crate) mod screw;
 pub(crate) mod tf;
-pub(crate) mod robot_model;
 pub(crate) mod visibility;
 
 use crate::finding::FindingKind;
@@ -50,9 +50,9 @@ use pose::PoseSettings;
 use pose_array::PoseArraySettings;
 use pose_with_covariance::PoseWithCovarianceSettings;
 use range::RangeSettings;
+use robot_model::RobotModelSettings;
 use screw::ScrewSettings;
 use tf::TfSettings;
-use robot_model::RobotModelSettings;
 
 /// One entry of a list of displays.
 #[derive(Debug, Clone, PartialEq)]
