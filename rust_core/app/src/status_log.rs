@@ -115,7 +115,7 @@ impl StatusLog {
                 if tale.is_news(name, status.level, &text, now, is_end) {
                     match status.level {
                         Level::Error if patience_secs(name, status.level, &text) == 0.0 => {
-                            log::error!("{who}: {name}: {text}")
+                            log::error!("{who}: {name}: {text}");
                         }
                         Level::Ok => log::info!("{who}: {name}: ok again: {text}"),
                         _ => log::warn!("{who}: {name}: {text}"),

@@ -80,9 +80,9 @@ impl Diagnostics {
 
 fn level(level: Level) -> i8 {
     match level {
-        Level::Ok => DiagnosticStatus::OK as i8,
-        Level::Warn => DiagnosticStatus::WARN as i8,
-        Level::Error => DiagnosticStatus::ERROR as i8,
+        Level::Ok => DiagnosticStatus::OK,
+        Level::Warn => DiagnosticStatus::WARN,
+        Level::Error => DiagnosticStatus::ERROR,
     }
 }
 
