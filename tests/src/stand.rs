@@ -61,6 +61,9 @@ pub fn config(displays: &[&str], cameras: &[CameraPub]) -> String {
     text + "  Enabled: true\n  Global Options: {Fixed Frame: map, Frame Rate: 30}\n"
 }
 
+/// Name of the config's file.
+const CONFIG: &str = "scene.rviz";
+
 /// The node, a puppet and their master. When a test fails, the node's log is printed.
 #[derive(Debug)]
 pub struct Stand {
@@ -93,11 +96,25 @@ impl Stand {
     pub fn with(master: RosMaster, puppet: Puppet, config: &str, args: &[&str]) -> io::Result<Self> {
         let folder = std::env::temp_dir().join(format!("rcs_stand_{}", master.uri().replace(['/', ':'], "")));
         fs::create_dir_all(&folder)?;
-        let file = folder.join("scene.rviz");
+        let file = folder.join(CONFIG);
         fs::write(&file, config)?;
         let mut command = master.environment(Command::new(program("camera_stream")));
         let node = Running::start(command.arg("-d").arg(&file).args(["--renderer", "cpu"]).args(args))?;
         Ok(Self { node, puppet, master, folder })
+    }
+
+    /// The config's file.
+    pub fn config_file(&self) -> PathBuf {
+        self.folder.join(CONFIG)
+    }
+
+    /// Writes the config's file again, as rviz does: in place.
+    ///
+    /// # Panics
+    /// When it cannot be written.
+    #[expect(clippy::panic, reason = "a test cannot go on")]
+    pub fn rewrite(&self, config: &str) {
+        fs::write(self.config_file(), config).unwrap_or_else(|error| panic!("{error}"));
     }
 
     /// The node's log.

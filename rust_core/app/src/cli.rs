@@ -41,6 +41,9 @@ pub struct NodeArgs {
     /// The fixed frame, instead of the config's
     #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
     pub fixed_frame: Option<String>,
+    /// Do not read the config again when its file changes
+    #[arg(long)]
+    pub no_watch: bool,
     /// Options of rviz's window: taken and without effect
     #[command(flatten)]
     pub window: WindowArgs,

@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use rcs_displays::{CameraView, DisplaySet, TopicRequest, World};
+use rcs_displays::{CameraView, DisplaySet, Reconfigured, TopicRequest, World};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{quaternion_xyzw, stamp_nanos, translation_xyz, AnyMessage, MessageKind};
@@ -16,6 +16,11 @@ use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use crate::camera_pose::{self, CameraProblem, Projection};
 use crate::report::{self, Subject};
+
+/// The frame in which the scene is built.
+fn fixed_frame_of(config: &Config, given: Option<&str>) -> String {
+    given.unwrap_or(&config.global.fixed_frame).trim_start_matches('/').to_owned()
+}
 
 /// A config with all that its messages have said so far.
 #[derive(Debug)]
@@ -31,15 +36,30 @@ pub struct Stage {
 impl Stage {
     /// An empty stage; `fixed_frame` overrides the config's.
     pub fn new(config: &Config, fixed_frame: Option<&str>, meshes: MeshStore) -> Self {
-        let fixed_frame = fixed_frame.unwrap_or(&config.global.fixed_frame);
         Self {
             displays: DisplaySet::new(config),
             transforms: TransformTree::new(),
-            fixed_frame: fixed_frame.trim_start_matches('/').to_owned(),
+            fixed_frame: fixed_frame_of(config, fixed_frame),
             meshes,
             camera_infos: HashMap::new(),
             warned: std::collections::HashSet::new(),
         }
+    }
+
+    /// Goes over to another config; `fixed_frame` overrides its own. Displays that it has, too, stay as they are, unless
+    /// the fixed frame is another one: then everything is placed anew.
+    pub fn reconfigure(&mut self, config: &Config, fixed_frame: Option<&str>, now: Time) -> Reconfigured {
+        let fixed_frame = fixed_frame_of(config, fixed_frame);
+        let is_moved = fixed_frame != self.fixed_frame;
+        self.fixed_frame = fixed_frame;
+        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        let changed = self.displays.reconfigure(config, &world);
+        if is_moved {
+            self.displays.place_anew(&world);
+        }
+        let topics = self.topics();
+        self.camera_infos.retain(|topic, _| topics.iter().any(|request| request.topic == *topic));
+        changed
     }
 
     /// The cameras, in the config's order.

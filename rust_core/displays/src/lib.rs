@@ -32,6 +32,7 @@ mod pose_array;
 mod pose_symbol;
 mod pose_with_covariance;
 mod range;
+mod recall;
 mod report;
 mod robot_description;
 mod robot_model;
@@ -48,7 +49,7 @@ mod world;
 
 pub use display::TopicRequest;
 pub use report::DisplayReport;
-pub use set::{CameraView, DisplaySet, ListedDisplay};
+pub use set::{CameraView, DisplaySet, ListedDisplay, Reconfigured};
 pub use shapes::Shape;
 pub use status::{Level, Status, Statuses};
 pub use world::World;

@@ -1,10 +1,13 @@
 //! All displays of a config, and the scene that they make together.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 use rcs_messages::{AnyMessage, MessageKind};
-use rcs_rviz_config::{CameraPubSettings, CloudSettings, Config, DisplaySettings, PlacedDisplay, ViewConfig};
+use rcs_rviz_config::{
+    CameraPubSettings, CloudSettings, Config, DisplayConfig, DisplaySettings, PlacedDisplay, ViewConfig, Visibility,
+};
 use rcs_scene::{DirectionalLight, DisplayId, DisplayMask, Scene};
 use rcs_transforms::Time;
 
@@ -29,6 +32,7 @@ use crate::pose::PoseDisplay;
 use crate::pose_array::PoseArrayDisplay;
 use crate::pose_with_covariance::PoseWithCovarianceDisplay;
 use crate::range::RangeDisplay;
+use crate::recall::Recall;
 use crate::report::DisplayReport;
 use crate::robot_model::RobotModelDisplay;
 use crate::scalar::{FluidPressureSource, IlluminanceSource, RelativeHumiditySource, TemperatureSource};
@@ -109,10 +113,24 @@ fn clouds<S: CloudSource + 'static>(id: DisplayId, settings: &CloudSettings) -> 
 }
 
 struct Entry {
+    /// Stays as long as the display does, whatever is listed around it.
+    id: DisplayId,
     listed: ListedDisplay,
+    settings: DisplaySettings,
     display: Box<dyn Display>,
     /// How many messages it was given since the start or the last reset.
     received: u64,
+}
+
+/// What reading a config again changed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Reconfigured {
+    /// How many displays stay as they are, with all that they show.
+    pub kept: usize,
+    /// How many were made, for they are new or have other settings.
+    pub made: usize,
+    /// How many are gone, those with other settings now included.
+    pub gone: usize,
 }
 
 /// The enabled displays of a config, in its order.
@@ -122,6 +140,7 @@ pub struct DisplaySet {
     /// rviz's main view, where the default light is on.
     lit_by: Option<ViewConfig>,
     light: Option<DirectionalLight>,
+    recall: Recall,
 }
 
 impl std::fmt::Debug for DisplaySet {
@@ -134,19 +153,74 @@ impl std::fmt::Debug for DisplaySet {
 impl DisplaySet {
     /// Makes the displays and the cameras of a config that are enabled, all groups around them included.
     pub fn new(config: &Config) -> Self {
-        let placed = config.placed_displays();
-        let mut entries = Vec::new();
-        for (id, placed) in placed.iter().enumerate().filter(|(_, placed)| placed.enabled) {
-            let listed = ListedDisplay {
-                path: owned(&placed.path),
-                class: placed.display.class.clone(),
-                topic: placed.display.topic_setting().map(str::to_owned),
-            };
-            let display = create(id as DisplayId, &placed.display.settings);
-            entries.extend(display.map(|display| Entry { listed, display, received: 0 }));
+        let mut set =
+            Self { entries: Vec::new(), cameras: Vec::new(), lit_by: None, light: None, recall: Recall::default() };
+        set.arrange(config);
+        set
+    }
+
+    /// Goes over to another config. A display of the same class, name, groups and settings stays as it is; another one
+    /// is made anew and told what was heard last on its topics.
+    pub fn reconfigure(&mut self, config: &Config, world: &World<'_>) -> Reconfigured {
+        let before = self.entries.len();
+        let made = self.arrange(config);
+        for entry in self.entries.iter_mut().filter(|entry| made.contains(&entry.id)) {
+            tell_parameters(entry, &self.recall, world);
+            tell_messages(entry, &self.recall, world);
         }
-        let lit_by = config.global.default_light.then(|| config.view.clone());
-        Self { entries, cameras: cameras(&placed), lit_by, light: None }
+        self.recall.limit_to(&self.topics(), &self.parameters());
+        let kept = self.entries.len() - made.len();
+        Reconfigured { kept, made: made.len(), gone: before - kept }
+    }
+
+    /// Makes the enabled displays of a config, out of those that there are where they fit. Returns which are new.
+    fn arrange(&mut self, config: &Config) -> Vec<DisplayId> {
+        let mut old = std::mem::take(&mut self.entries);
+        let mut fits = |path: &[&str], placed: &DisplayConfig| {
+            let same = |entry: &Entry| {
+                entry.listed.class == placed.class && entry.listed.path == path && entry.settings == placed.settings
+            };
+            old.iter().position(same).map(|index| old.remove(index))
+        };
+        let placed = config.placed_displays();
+        let enabled = placed.iter().filter(|placed| placed.enabled);
+        let found: Vec<_> = enabled.map(|placed| (placed, fits(&placed.path, placed.display))).collect();
+        let used: HashSet<DisplayId> = found.iter().filter_map(|(_, entry)| Some(entry.as_ref()?.id)).collect();
+        let mut free = (0..).filter(|id| !used.contains(id));
+        let mut made = Vec::new();
+        for (placed, entry) in found {
+            let new = || {
+                let id = free.next()?;
+                let display = create(id, &placed.display.settings)?;
+                let listed = ListedDisplay {
+                    path: owned(&placed.path),
+                    class: placed.display.class.clone(),
+                    topic: placed.display.topic_setting().map(str::to_owned),
+                };
+                made.push(id);
+                Some(Entry { id, listed, settings: placed.display.settings.clone(), display, received: 0 })
+            };
+            self.entries.extend(entry.or_else(new));
+        }
+        self.cameras = placed.iter().filter(|placed| placed.enabled).filter_map(|camera| self.camera(camera)).collect();
+        self.lit_by = config.global.default_light.then(|| config.view.clone());
+        made
+    }
+
+    fn camera(&self, placed: &PlacedDisplay<'_>) -> Option<CameraView> {
+        let DisplaySettings::CameraPub(settings) = &placed.display.settings else { return None };
+        let (name, path) = (placed.display.name.clone(), owned(&placed.path));
+        Some(CameraView { name, path, settings: settings.clone(), visible: self.mask(&settings.visibility) })
+    }
+
+    /// Which displays these tick boxes show.
+    pub fn mask(&self, visibility: &Visibility) -> DisplayMask {
+        let mut visible = DisplayMask::all();
+        for entry in &self.entries {
+            let path: Vec<&str> = entry.listed.path.iter().map(String::as_str).collect();
+            visible.set(entry.id, visibility.shows(&path));
+        }
+        visible
     }
 
     /// The cameras, in the config's order.
@@ -168,12 +242,17 @@ impl DisplaySet {
 
     /// Hands a message of a topic (by the name in the config) to the displays that want it.
     pub fn take(&mut self, topic: &str, message: &AnyMessage, world: &World<'_>) {
+        let mut wanted = false;
         for entry in &mut self.entries {
             let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
             if entry.display.topics().iter().any(wants) {
                 entry.received += 1;
                 entry.display.take(message, world);
+                wanted = true;
             }
+        }
+        if wanted {
+            self.recall.keep(topic, message, world.now);
         }
     }
 
@@ -187,6 +266,7 @@ impl DisplaySet {
 
     /// Hands the text of a parameter to the displays that want it; `None` while nobody has set it.
     pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
+        self.recall.keep_parameter(name, text);
         for entry in &mut self.entries {
             if entry.display.parameters().iter().any(|wanted| wanted == name) {
                 entry.display.take_parameter(name, text, world);
@@ -220,9 +300,19 @@ impl DisplaySet {
 
     /// Forgets all messages.
     pub fn reset(&mut self) {
+        self.recall.forget_messages();
         for entry in &mut self.entries {
             entry.received = 0;
             entry.display.reset();
+        }
+    }
+
+    /// Places everything anew: the fixed frame is another one.
+    pub fn place_anew(&mut self, world: &World<'_>) {
+        for entry in &mut self.entries {
+            entry.display.reset();
+            entry.received = 0;
+            tell_messages(entry, &self.recall, world);
         }
     }
 
@@ -236,18 +326,21 @@ fn owned(path: &[&str]) -> Vec<String> {
     path.iter().map(|name| (*name).to_owned()).collect()
 }
 
-fn cameras(placed: &[PlacedDisplay<'_>]) -> Vec<CameraView> {
-    let enabled = placed.iter().filter(|placed| placed.enabled);
-    let camera = |camera: &PlacedDisplay<'_>| {
-        let DisplaySettings::CameraPub(settings) = &camera.display.settings else { return None };
-        let mut visible = DisplayMask::all();
-        for (id, other) in placed.iter().enumerate() {
-            visible.set(id as DisplayId, settings.visibility.shows(&other.path));
+/// Tells a display its parameters.
+fn tell_parameters(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
+    for name in entry.display.parameters() {
+        if let Some(text) = recall.parameter(&name) {
+            entry.display.take_parameter(&name, text, world);
         }
-        let (name, path) = (camera.display.name.clone(), owned(&camera.path));
-        Some(CameraView { name, path, settings: settings.clone(), visible })
-    };
-    enabled.filter_map(camera).collect()
+    }
+}
+
+/// Tells a display what was heard on its topics.
+fn tell_messages(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
+    for message in recall.messages(&entry.display.topics(), world.now) {
+        entry.received += 1;
+        entry.display.take(&message, world);
+    }
 }
 
 /// rviz's default light shines along the main window's view.
@@ -256,4 +349,108 @@ fn light(view: &ViewConfig, world: &World<'_>) -> DirectionalLight {
         view.target_frame.as_deref().and_then(|frame| world.fixed_from(frame, Time::ZERO).ok()).unwrap_or_default();
     let rotation = fixed_from_target.rotation.into_inner().coords.into();
     DirectionalLight { direction: Vector3::from(view.direction_in_fixed_frame(rotation)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rcs_messages::nav_msgs::Path;
+    use rcs_resources::{MeshStore, PackageIndex};
+    use rcs_transforms::TransformTree;
+
+    /// Drawables of each display that a camera with these tick boxes shows, in the scene's order.
+    fn shown(set: &DisplaySet, mask: &DisplayMask) -> Vec<DisplayId> {
+        let scene = set.scene();
+        scene.drawables.iter().map(|drawable| drawable.display).filter(|id| mask.shows(*id)).collect()
+    }
+
+    fn config(displays: &str) -> Config {
+        let text = format!("Visualization Manager:\n  Displays:\n{displays}  Global Options: {{Fixed Frame: map}}\n");
+        rcs_rviz_config::parse(&text, "test").unwrap()
+    }
+
+    const PATH: &str = "  - {Class: rviz/Path, Name: path, Enabled: true, Topic: /p}\n";
+    const RED_PATH: &str = "  - {Class: rviz/Path, Name: path, Enabled: true, Topic: /p, Color: 255; 0; 0}\n";
+    const GRID: &str = "  - {Class: rviz/Grid, Name: grid, Enabled: true}\n";
+    const CAMERA: &str = "  - {Class: rviz_camera_stream/CameraPub, Name: eye, Enabled: true, Image Topic: /i, \
+         Visibility: {Value: true, grid: false}}\n";
+
+    /// A path of two poses on `/p`, in the fixed frame.
+    fn path() -> AnyMessage {
+        let mut path = Path { poses: vec![Default::default(); 2], ..Path::default() };
+        path.header.frame_id = "map".to_owned();
+        for (x, pose) in path.poses.iter_mut().enumerate() {
+            pose.pose.position.x = x as f64;
+            pose.pose.orientation.w = 1.0;
+        }
+        AnyMessage::Path(Arc::new(path))
+    }
+
+    /// Runs a test with a set of a config's displays that has heard a path, and the world that it is in.
+    fn with_set(first: &str, test: impl FnOnce(DisplaySet, World<'_>)) {
+        let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
+        let world =
+            World { transforms: &transforms, fixed_frame: "map", now: Time::from_secs_f64(10.0), meshes: &meshes };
+        let mut set = DisplaySet::new(&config(first));
+        set.take("/p", &path(), &world);
+        set.update(&world);
+        test(set, world);
+    }
+
+    #[test]
+    fn a_display_that_stays_keeps_what_it_shows_wherever_it_is_listed() {
+        with_set(&format!("{PATH}{CAMERA}"), |mut set, world| {
+            let changed = set.reconfigure(&config(&format!("{GRID}{CAMERA}{PATH}")), &world);
+            assert_eq!(changed, Reconfigured { kept: 1, made: 1, gone: 0 });
+            // Without an update: nothing is placed anew.
+            let everything = DisplayMask::all();
+            let paths = shown(&set, &everything);
+            assert_eq!(paths.len(), 1);
+            set.update(&world);
+            let mask = &set.cameras()[0].visible;
+            assert_eq!(shown(&set, mask), paths, "the camera hides the grid, whatever number it has");
+            assert!(shown(&set, &everything).len() > 1);
+            assert_eq!(shown(&set, &everything).last(), paths.last(), "in the new order");
+        });
+    }
+
+    #[test]
+    fn a_display_with_other_settings_shows_the_last_message_in_them() {
+        with_set(&format!("{PATH}{GRID}"), |mut set, world| {
+            let changed = set.reconfigure(&config(&format!("{RED_PATH}{GRID}")), &world);
+            assert_eq!(changed, Reconfigured { kept: 1, made: 1, gone: 1 });
+            set.update(&world);
+            assert!(!shown(&set, &set.mask(&hiding("grid"))).is_empty());
+        });
+    }
+
+    /// Tick boxes that hide one display.
+    fn hiding(hidden: &str) -> Visibility {
+        let mut visibility = Visibility::default();
+        visibility.set(&[hidden], false);
+        visibility
+    }
+
+    #[test]
+    fn a_display_that_was_switched_off_is_told_the_last_message_only_while_its_topic_is_heard() {
+        with_set(PATH, |mut set, world| {
+            let off = PATH.replace("true", "false");
+            assert_eq!(set.reconfigure(&config(&off), &world), Reconfigured { kept: 0, made: 0, gone: 1 });
+            assert!(set.topics().is_empty());
+            assert_eq!(set.reconfigure(&config(PATH), &world), Reconfigured { kept: 0, made: 1, gone: 0 });
+            set.update(&world);
+            assert!(shown(&set, &DisplayMask::all()).is_empty(), "it hears what its topic says from now on");
+            assert_eq!(set.topics()[0].kind, MessageKind::Path);
+        });
+    }
+
+    #[test]
+    fn equal_displays_are_kept_one_for_one() {
+        with_set(&format!("{GRID}{GRID}"), |mut set, world| {
+            let changed = set.reconfigure(&config(&format!("{GRID}{GRID}{GRID}")), &world);
+            assert_eq!(changed, Reconfigured { kept: 2, made: 1, gone: 0 });
+            let ids: HashSet<DisplayId> = set.entries.iter().map(|entry| entry.id).collect();
+            assert_eq!(ids.len(), 3);
+        });
+    }
 }

@@ -19,6 +19,7 @@ mod point_cloud2;
 mod serialized;
 mod wire;
 
+pub mod dynamic_reconfigure;
 pub mod nav_msgs;
 pub mod sensor_msgs;
 

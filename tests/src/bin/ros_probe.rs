@@ -89,6 +89,10 @@ fn print_event(node: &RosNode, event: NodeEvent) {
             reply.send(true, format!("heard by {}", node.name()));
         }
         NodeEvent::Parameter { name, text } => say(&format!("parameter {name} {}", text.as_deref().unwrap_or("-"))),
+        NodeEvent::Reconfigure { server, request, reply } => {
+            say(&format!("reconfigure {server} {} values", request.bools.len()));
+            reply.answer(request);
+        }
         NodeEvent::SubscriberConnected { topic } => say(&format!("connected {topic}")),
     }
 }

@@ -11,6 +11,7 @@ mod life;
 mod live_is_offline;
 mod names;
 mod render;
+mod settings;
 mod simulated_time;
 mod transforms;
 mod viewers;

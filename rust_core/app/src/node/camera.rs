@@ -1,19 +1,23 @@
-//! One camera of the node: its topics, its trigger, its pace, and its last picture.
+//! One camera of the node: its topics, its trigger, its settings, its pace, and its last picture.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use rcs_displays::{CameraView, Level};
+use rcs_displays::{CameraView, DisplaySet, Level};
 use rcs_input::live::{RosNode, TriggerReply};
+use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_output::image_topic::{ImagePublisher, Picture as SentPicture};
+use rcs_output::image_topic::{camera_info_topic, ImagePublisher, Picture as SentPicture, PublishError};
 use rcs_render::{Renderer, View};
-use rcs_scene::{Camera, Picture, Scene};
+use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings};
+use rcs_scene::{Camera, DisplayMask, Picture, Scene};
 
 use super::pace::Pace;
+use super::parameters::{ros_name, switches, unique, Switch};
+use super::tuning::Tuning;
 use crate::camera_pose::{rviz_differs, CameraProblem, Projection};
 use crate::logging::one_line;
 use crate::offline::encoding;
@@ -22,13 +26,15 @@ use crate::stage::Stage;
 
 /// A camera with its publisher and its trigger service.
 pub(super) struct CameraOutput {
+    /// What it is known by when the config is read again, and below which its parameters are: its name as ROS takes it.
+    id: String,
     view: CameraView,
     pace: Pace,
-    publisher: Option<ImagePublisher>,
+    global_frame_rate_hz: i32,
+    tuning: Tuning,
+    channel: Option<Channel>,
     /// The whole name of its trigger service; none where another camera has it.
     service: Option<Arc<str>>,
-    /// Somebody subscribed and has not seen a picture yet.
-    new_subscriber: Arc<AtomicBool>,
     triggered: bool,
     last_published: Option<Instant>,
     last: Option<LastPicture>,
@@ -38,6 +44,26 @@ pub(super) struct CameraOutput {
     said_projection: bool,
     drawn: u64,
     published: u64,
+}
+
+/// Where pictures go out.
+struct Channel {
+    publisher: ImagePublisher,
+    /// Somebody subscribed and has not seen a picture yet.
+    new_subscriber: Arc<AtomicBool>,
+}
+
+/// What a config wants of a camera, with all names found valid.
+pub(super) struct Plan {
+    id: String,
+    name: String,
+    /// The names of the groups around it and its own.
+    path: Vec<String>,
+    settings: CameraPubSettings,
+    /// The image topic as rosrust is to be given it, and the whole names of the image's and the CameraInfo's topic.
+    topics: Option<(String, [String; 2])>,
+    /// The whole name of the trigger service.
+    service: String,
 }
 
 /// A drawn picture and what it was drawn of.
@@ -52,7 +78,7 @@ struct LastPicture {
 pub(super) fn names(cameras: &[CameraOutput]) -> String {
     match cameras {
         [] => "no camera".to_owned(),
-        cameras => cameras.iter().map(|camera| camera.view.name.as_str()).collect::<Vec<_>>().join(", "),
+        cameras => cameras.iter().map(CameraOutput::name).collect::<Vec<_>>().join(", "),
     }
 }
 
@@ -66,56 +92,155 @@ fn in_namespace(namespace: &str, name: &str) -> String {
     }
 }
 
-/// Opens the cameras' topics and services.
-pub(super) fn outputs(ros: &RosNode, views: &[CameraView], global_frame_rate_hz: i32) -> Result<Vec<CameraOutput>> {
-    let mut services: HashMap<String, String> = HashMap::new();
-    let mut outputs = Vec::new();
-    for view in views {
-        let namespace = &view.settings.display_namespace;
-        let service_name = ros.resolve(&in_namespace(namespace, "camera_trigger"))?;
-        let service = match services.get(&service_name) {
-            Some(other) => {
+/// What a config's enabled cameras want.
+///
+/// # Errors
+/// The first name that ROS does not take.
+pub(super) fn plans(ros: &RosNode, config: &Config) -> Result<Vec<Plan>> {
+    let mut ids = HashSet::new();
+    let mut plans = Vec::new();
+    for placed in config.placed_displays().iter().filter(|placed| placed.enabled) {
+        let DisplaySettings::CameraPub(settings) = &placed.display.settings else { continue };
+        let topics = if settings.image_topic.is_empty() || settings.camera_info_topic.is_empty() {
+            None
+        } else {
+            let topic = in_namespace(&settings.display_namespace, &settings.image_topic);
+            let whole = [ros.resolve(&topic)?, ros.resolve(&camera_info_topic(&topic))?];
+            Some((topic, whole))
+        };
+        plans.push(Plan {
+            id: unique(ros_name(&placed.display.name, "camera_"), &mut ids),
+            name: placed.display.name.clone(),
+            path: placed.path.iter().map(|name| (*name).to_owned()).collect(),
+            service: ros.resolve(&in_namespace(&settings.display_namespace, "camera_trigger"))?,
+            settings: settings.clone(),
+            topics,
+        });
+    }
+    Ok(plans)
+}
+
+impl Plan {
+    /// What the camera looks at, before it is known what its tick boxes show.
+    fn view(&self) -> CameraView {
+        let (name, path, settings) = (self.name.clone(), self.path.clone(), self.settings.clone());
+        CameraView { name, path, settings, visible: DisplayMask::all() }
+    }
+}
+
+/// Makes the cameras of a config out of those that there are. Topics, services and parameters that stay are not touched.
+pub(super) fn rearrange(
+    ros: &RosNode,
+    plans: Vec<Plan>,
+    mut old: Vec<CameraOutput>,
+    config: &Config,
+    displays: &DisplaySet,
+) -> Vec<CameraOutput> {
+    let mut channels: Vec<Channel> = old.iter_mut().filter_map(|camera| camera.channel.take()).collect();
+    retain_channels(&mut channels, &plans);
+    let mut services: Vec<Arc<str>> = old.iter_mut().filter_map(|camera| camera.service.take()).collect();
+    services.retain(|service| {
+        let wanted = plans.iter().any(|plan| *plan.service == **service);
+        if !wanted {
+            ros.stop_serving(service);
+        }
+        wanted
+    });
+    // Those that are gone take their parameters with them before others may use the names.
+    old.retain(|camera| plans.iter().any(|plan| plan.id == camera.id));
+    let switches: Arc<[Switch]> = switches(config).into();
+    let mut taken: Vec<(String, String)> = Vec::new();
+    let mut cameras = Vec::new();
+    for plan in plans {
+        let service = match taken.iter().find(|(service, _)| *service == plan.service) {
+            Some((service, other)) => {
                 log::warn!(
-                    "cameras {other} and {} have the same display namespace \"{namespace}\", so {service_name} \
-                     triggers {other} only; make sure that the display namespace is unique",
-                    view.name
+                    "cameras {other} and {} have the same display namespace \"{}\", so {service} triggers {other} only; \
+                     make sure that the display namespace is unique",
+                    plan.name,
+                    plan.settings.display_namespace
                 );
                 None
             }
             None => {
-                services.insert(service_name, view.name.clone());
-                Some(ros.serve_trigger(&in_namespace(namespace, "camera_trigger"))?)
+                taken.push((plan.service.clone(), plan.name.clone()));
+                take_where(&mut services, |service| **service == *plan.service).or_else(|| serve_trigger(ros, &plan))
             }
         };
-        outputs.push(CameraOutput::new(ros, view, service, global_frame_rate_hz));
+        let channel = match &plan.topics {
+            None => {
+                log::error!("camera {}: Image Topic and Camera Info Topic must both be set", plan.name);
+                None
+            }
+            Some((topic, whole)) => take_where(&mut channels, |channel| channel.topics() == *whole).or_else(|| {
+                Channel::open(ros, topic).map_err(|error| log::error!("camera {}: {error}", plan.name)).ok()
+            }),
+        };
+        let known = take_where(&mut old, |camera| camera.id == plan.id);
+        let mut camera = known.unwrap_or_else(|| CameraOutput::new(ros, &plan, &switches));
+        camera.tuning.follow(ros, &plan.settings, &switches);
+        camera.view = plan.view();
+        (camera.channel, camera.service) = (channel, service);
+        camera.global_frame_rate_hz = config.global.frame_rate_hz;
+        camera.tune(displays);
+        cameras.push(camera);
     }
-    Ok(outputs)
+    cameras
+}
+
+fn take_where<T>(from: &mut Vec<T>, fits: impl Fn(&T) -> bool) -> Option<T> {
+    from.iter().position(fits).map(|index| from.remove(index))
+}
+
+fn serve_trigger(ros: &RosNode, plan: &Plan) -> Option<Arc<str>> {
+    let name = in_namespace(&plan.settings.display_namespace, "camera_trigger");
+    ros.serve_trigger(&name).map_err(|error| log::error!("camera {}: {error}", plan.name)).ok()
+}
+
+/// Closes the channels that no plan wants. One that shares a topic with them goes, too, to be opened again: rosrust ends
+/// a topic with the first of its publishers.
+fn retain_channels(channels: &mut Vec<Channel>, plans: &[Plan]) {
+    let mut wanted: Vec<&[String; 2]> = plans.iter().filter_map(|plan| Some(&plan.topics.as_ref()?.1)).collect();
+    let mut is_wanted = |channel: &Channel| take_where(&mut wanted, |topics| **topics == channel.topics()).is_some();
+    let (mut kept, mut gone): (Vec<Channel>, Vec<Channel>) = channels.drain(..).partition(|channel| is_wanted(channel));
+    while let Some(index) = kept.iter().position(|channel| gone.iter().any(|other| channel.shares_topic(other))) {
+        gone.push(kept.remove(index));
+    }
+    *channels = kept;
+}
+
+impl Channel {
+    fn open(ros: &RosNode, topic: &str) -> Result<Self, PublishError> {
+        let new_subscriber = Arc::new(AtomicBool::new(false));
+        let (flag, events) = (new_subscriber.clone(), ros.events().clone());
+        let on_subscriber = move |_: &str| {
+            flag.store(true, Ordering::Release);
+            events.wake();
+        };
+        Ok(Self { publisher: ImagePublisher::new(topic, on_subscriber)?, new_subscriber })
+    }
+
+    /// The whole names of its image and CameraInfo topics.
+    fn topics(&self) -> [String; 2] {
+        [self.publisher.topic(), self.publisher.info_topic()].map(str::to_owned)
+    }
+
+    fn shares_topic(&self, other: &Self) -> bool {
+        let theirs = other.topics();
+        self.topics().iter().any(|topic| theirs.contains(topic))
+    }
 }
 
 impl CameraOutput {
-    fn new(ros: &RosNode, view: &CameraView, service: Option<Arc<str>>, global_frame_rate_hz: i32) -> Self {
-        let settings = &view.settings;
-        let new_subscriber = Arc::new(AtomicBool::new(false));
-        let publisher = if settings.image_topic.is_empty() || settings.camera_info_topic.is_empty() {
-            log::error!("camera {}: Image Topic and Camera Info Topic must both be set", view.name);
-            None
-        } else {
-            let (flag, events) = (new_subscriber.clone(), ros.events().clone());
-            let on_subscriber = move |_: &str| {
-                flag.store(true, Ordering::Release);
-                events.wake();
-            };
-            let topic = in_namespace(&settings.display_namespace, &settings.image_topic);
-            ImagePublisher::new(&topic, on_subscriber)
-                .map_err(|error| log::error!("camera {}: {error}", view.name))
-                .ok()
-        };
+    fn new(ros: &RosNode, plan: &Plan, switches: &Arc<[Switch]>) -> Self {
         Self {
-            pace: Pace::new(settings.frame_rate_hz, global_frame_rate_hz),
-            view: view.clone(),
-            publisher,
-            service,
-            new_subscriber,
+            id: plan.id.clone(),
+            pace: Pace::OnTrigger,
+            global_frame_rate_hz: 0,
+            tuning: Tuning::start(ros, &plan.id, &plan.settings, switches),
+            view: plan.view(),
+            channel: None,
+            service: None,
             triggered: false,
             last_published: None,
             last: None,
@@ -131,7 +256,7 @@ impl CameraOutput {
     pub(super) fn subject(&self, stage: &Stage, projection: Projection) -> Subject<'static> {
         let mut subject = report::camera(stage, &self.view, projection);
         let statuses = subject.statuses.to_mut();
-        match (&self.publisher, &self.service) {
+        match (&self.channel, &self.service) {
             (None, _) if statuses.level() < Level::Error => {
                 statuses.set(Level::Error, "Output Topic", "Image publisher not configured");
             }
@@ -144,7 +269,7 @@ impl CameraOutput {
         if let Some(fault) = &self.fault {
             statuses.set(Level::Error, "Picture", fault.clone());
         }
-        if let Some(publisher) = &self.publisher {
+        if let Some(Channel { publisher, .. }) = &self.channel {
             subject.topic = publisher.topic().to_owned();
             subject.values.push(("subscribers", publisher.subscriber_count().to_string()));
         }
@@ -164,6 +289,31 @@ impl CameraOutput {
         });
     }
 
+    /// Goes over to the settings as they are now, with the next picture.
+    fn tune(&mut self, displays: &DisplaySet) {
+        self.tuning.write_to(&mut self.view.settings);
+        self.view.visible = displays.mask(&self.view.settings.visibility);
+        self.pace = Pace::new(self.view.settings.frame_rate_hz, self.global_frame_rate_hz);
+        self.last = None;
+    }
+
+    /// Whether its parameters are served under this name.
+    pub(super) fn has_parameters(&self, server: &str) -> bool {
+        self.tuning.serves(server)
+    }
+
+    /// Takes a user's values. Returns those that hold now.
+    pub(super) fn reconfigure(&mut self, request: &Values, displays: &DisplaySet, ros: &RosNode) -> Values {
+        let values = self.tuning.take(ros, request);
+        self.tune(displays);
+        values
+    }
+
+    /// The display's name.
+    pub(super) fn name(&self) -> &str {
+        &self.view.name
+    }
+
     /// Whether this is the camera of a trigger service.
     pub(super) fn serves(&self, service: &str) -> bool {
         self.service.as_deref() == Some(service)
@@ -171,17 +321,17 @@ impl CameraOutput {
 
     /// Answers a call of the trigger service; the picture follows.
     pub(super) fn trigger(&mut self, reply: TriggerReply) {
-        match &self.publisher {
-            Some(publisher) => {
+        match &self.channel {
+            Some(channel) => {
                 self.triggered = true;
-                reply.send(true, format!("New image will be published on: {}", publisher.topic()));
+                reply.send(true, format!("New image will be published on: {}", channel.publisher.topic()));
             }
             None => reply.send(false, "Image publisher not configured"),
         }
     }
 
     fn has_subscribers(&self) -> bool {
-        self.publisher.as_ref().is_some_and(|publisher| publisher.subscriber_count() > 0)
+        self.channel.as_ref().is_some_and(|channel| channel.publisher.subscriber_count() > 0)
     }
 
     /// How long until a picture is due by itself; `None` when that is never.
@@ -219,7 +369,8 @@ impl CameraOutput {
         let is_current = |last: &LastPicture| last.scene_version == scene_version && last.camera == camera;
         let changed = !self.last.as_ref().is_some_and(is_current);
         let now = Instant::now();
-        let newcomer = self.pace != Pace::OnTrigger && self.new_subscriber.swap(false, Ordering::AcqRel);
+        let is_new = |channel: &Channel| channel.new_subscriber.swap(false, Ordering::AcqRel);
+        let newcomer = self.pace != Pace::OnTrigger && self.channel.as_ref().is_some_and(is_new);
         if !(self.triggered || newcomer || self.pace.is_due(self.last_published, now, changed)) {
             return Ok(());
         }
@@ -231,8 +382,8 @@ impl CameraOutput {
         } else if let Some(last) = &mut self.last {
             last.info = info;
         }
-        if let (Some(publisher), Some(last)) = (&mut self.publisher, &self.last) {
-            publisher.publish(&last.sent, &last.info, ros.now())?;
+        if let (Some(channel), Some(last)) = (&mut self.channel, &self.last) {
+            channel.publisher.publish(&last.sent, &last.info, ros.now())?;
             self.published += 1;
             self.triggered = false;
         }

@@ -7,16 +7,21 @@
 mod camera;
 mod diagnostics;
 mod pace;
+mod parameters;
+mod reload;
+mod subscriptions;
+mod tuning;
+mod watch;
 
-use std::collections::HashMap;
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, Context, Result};
 use clap::ValueEnum;
-use rcs_input::live::{NodeEvent, RosNode, TopicSubscription};
-use rcs_messages::{stamp_nanos, MessageKind};
+use rcs_input::live::{NodeEvent, RosNode};
+use rcs_messages::stamp_nanos;
 use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::Config;
@@ -25,10 +30,13 @@ use rcs_transforms::Time;
 
 use crate::camera_pose::Projection;
 use crate::cli::Cli;
+use crate::logging::one_line;
 use crate::small_node::{self, EndRequest};
 use crate::stage::Stage;
 use camera::CameraOutput;
 use diagnostics::Diagnostics;
+use subscriptions::Subscriptions;
+use watch::FileWatch;
 
 /// How long the node sleeps at most when nothing happens.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
@@ -60,16 +68,29 @@ where
     }
 }
 
+/// Watches the config, unless that is not wanted.
+fn watch(cli: &Cli, ros: &RosNode) -> Result<Option<FileWatch>> {
+    let is_wanted = !cli.node.no_watch && ros.bool_param("~watch").unwrap_or(true);
+    let Some(file) = cli.node.display_config.clone().filter(|_| is_wanted) else { return Ok(None) };
+    let events = ros.events().clone();
+    FileWatch::start(file, move || events.wake()).map(Some).context("the config cannot be watched")
+}
+
 struct Node<'a> {
     ros: &'a RosNode,
     stage: Stage,
     renderer: Box<dyn Renderer>,
     projection: Projection,
     cameras: Vec<CameraOutput>,
-    /// The config's names of each subscribed topic, by its full name and kind.
-    names: HashMap<(Arc<str>, MessageKind), Vec<String>>,
-    /// Kept for as long as the node listens.
-    _subscriptions: Vec<TopicSubscription>,
+    subscriptions: Subscriptions,
+    /// As it was read last.
+    config: Config,
+    file: PathBuf,
+    /// The command line's, before the config's.
+    fixed_frame: Option<String>,
+    /// The whole name of the service that reads the config again.
+    reload_service: Arc<str>,
+    watch: Option<FileWatch>,
     /// Grows with every change of the scene.
     scene_version: u64,
     scene: Option<(u64, Arc<Scene>)>,
@@ -87,20 +108,11 @@ impl<'a> Node<'a> {
         if stage.cameras().is_empty() {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
-        let cameras = camera::outputs(ros, stage.cameras(), config.global.frame_rate_hz)?;
+        let plans = camera::plans(ros, config)?;
+        let cameras = camera::rearrange(ros, plans, Vec::new(), config, stage.displays());
         ros.subscribe_transforms()?;
-        let mut names: HashMap<(Arc<str>, MessageKind), Vec<String>> = HashMap::new();
-        let mut subscriptions = Vec::new();
-        for request in stage.topics() {
-            match ros.subscribe(&request.topic, request.kind, request.queue_size) {
-                Ok(subscription) => {
-                    let full_name = subscription.topic().clone();
-                    names.entry((full_name, request.kind)).or_default().push(request.topic);
-                    subscriptions.push(subscription);
-                }
-                Err(error) => log::error!("{error}"),
-            }
-        }
+        let mut subscriptions = Subscriptions::default();
+        subscriptions.follow(ros, stage.topics());
         ros.follow_parameters(stage.parameters());
         log::info!("drawing {} of {} with {}", camera::names(&cameras), config.source, renderer.describe());
         Ok(Self {
@@ -109,8 +121,12 @@ impl<'a> Node<'a> {
             renderer,
             projection,
             cameras,
-            names,
-            _subscriptions: subscriptions,
+            subscriptions,
+            watch: watch(cli, ros)?,
+            reload_service: ros.serve_trigger("~reload_config")?,
+            config: config.clone(),
+            file: cli.node.display_config.clone().unwrap_or_default(),
+            fixed_frame: cli.node.fixed_frame.clone(),
             scene_version: 0,
             scene: None,
             renderer_choice,
@@ -126,9 +142,13 @@ impl<'a> Node<'a> {
         self.stage.update(self.now());
         while !end.is_requested() && !self.ros.is_asked_to_end() {
             let events = self.ros.events().wait(self.sleep());
-            let heard = !events.is_empty();
+            let mut heard = !events.is_empty();
             for event in events {
                 self.take(event);
+            }
+            if self.watch.as_ref().is_some_and(FileWatch::take_change) {
+                self.follow_file();
+                heard = true;
             }
             let now = self.now();
             if heard || self.stage.displays().next_change().is_some_and(|change| change <= now) {
@@ -162,7 +182,7 @@ impl<'a> Node<'a> {
         match event {
             NodeEvent::Message { topic, message, .. } => {
                 let now = self.now();
-                for name in self.names.get(&(topic, message.kind())).into_iter().flatten() {
+                for name in self.subscriptions.names(&topic, message.kind()) {
                     self.stage.take(name, &message, now);
                 }
             }
@@ -177,6 +197,16 @@ impl<'a> Node<'a> {
                 );
                 self.stage.reset();
                 self.scene_version += 1;
+            }
+            NodeEvent::Trigger { service, reply } if service == self.reload_service => match self.reload() {
+                Ok(changed) => reply.send(true, changed.unwrap_or_else(|| "nothing changed".to_owned())),
+                Err(error) => reply.send(false, one_line(&error)),
+            },
+            NodeEvent::Reconfigure { server, request, reply } => {
+                // Without an answer, the caller gets an error.
+                if let Some(camera) = self.cameras.iter_mut().find(|camera| camera.has_parameters(&server)) {
+                    reply.answer(camera.reconfigure(&request, self.stage.displays(), self.ros));
+                }
             }
             NodeEvent::Trigger { service, reply } => match self.cameras.iter_mut().find(|c| c.serves(&service)) {
                 Some(camera) => camera.trigger(reply),

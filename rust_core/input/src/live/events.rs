@@ -1,9 +1,10 @@
 //! The queue between the threads that receive and the one that draws.
 
+use rcs_messages::dynamic_reconfigure::Config;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, Time};
 use std::collections::VecDeque;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{sync_channel, Receiver, SyncSender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -50,6 +51,15 @@ pub enum NodeEvent {
         /// Its text; none while it is not there.
         text: Option<Arc<str>>,
     },
+    /// Somebody sets parameters of a [`ReconfigureServer`](super::ReconfigureServer).
+    Reconfigure {
+        /// The server's whole name.
+        server: Arc<str>,
+        /// The parameters to be set; some or all.
+        request: Config,
+        /// To be answered with the values that hold then.
+        reply: Reply<Config>,
+    },
     /// A topic that this node publishes has a new subscriber.
     SubscriberConnected {
         /// The topic's whole name.
@@ -59,18 +69,28 @@ pub enum NodeEvent {
 
 /// The way back to a service's caller. Dropped unused, the caller gets an error.
 #[derive(Debug)]
-pub struct TriggerReply(SyncSender<(bool, String)>);
+pub struct Reply<T>(SyncSender<T>);
 
-impl TriggerReply {
-    pub(super) fn new() -> (Self, Receiver<(bool, String)>) {
+/// The way back to the caller of a trigger service.
+pub type TriggerReply = Reply<(bool, String)>;
+
+impl<T> Reply<T> {
+    pub(super) fn new() -> (Self, Receiver<T>) {
         let (sender, receiver) = sync_channel(1);
         (Self(sender), receiver)
     }
 
     /// Answers the caller.
-    pub fn send(self, success: bool, message: impl Into<String>) {
+    pub fn answer(self, answer: T) {
         // The caller may have given up; then there is nobody to tell.
-        let _ = self.0.try_send((success, message.into()));
+        let _ = self.0.try_send(answer);
+    }
+}
+
+impl TriggerReply {
+    /// Answers the caller.
+    pub fn send(self, success: bool, message: impl Into<String>) {
+        self.answer((success, message.into()));
     }
 }
 
@@ -93,7 +113,7 @@ struct State {
 pub struct EventSender {
     queue: Arc<EventQueue>,
     id: u64,
-    queue_size: usize,
+    queue_size: Arc<AtomicUsize>,
 }
 
 impl EventSender {
@@ -101,10 +121,11 @@ impl EventSender {
     /// them is dropped. Never waits.
     pub fn push(&self, event: NodeEvent) {
         let mut state = self.queue.lock();
-        if self.queue_size > 0 {
+        let queue_size = self.queue_size.load(Ordering::Relaxed);
+        if queue_size > 0 {
             let mine = || state.waiting.iter().enumerate().filter(|(_, (id, _))| *id == self.id);
             let (count, oldest) = (mine().count(), mine().next().map(|(index, _)| index));
-            if let (true, Some(index)) = (count >= self.queue_size, oldest) {
+            if let (true, Some(index)) = (count >= queue_size, oldest) {
                 state.waiting.remove(index);
             }
         }
@@ -113,15 +134,22 @@ impl EventSender {
         self.queue.changed.notify_all();
     }
 
-    pub(super) fn id(&self) -> u64 {
-        self.id
+    /// How many of its events may wait from now on (0: any number). Clones share this.
+    pub fn set_queue_size(&self, queue_size: usize) {
+        self.queue_size.store(queue_size, Ordering::Relaxed);
+    }
+
+    /// Drops those of its events that wait.
+    pub(super) fn forget(&self) {
+        self.queue.lock().waiting.retain(|(id, _)| *id != self.id);
     }
 }
 
 impl EventQueue {
     /// A new source of events, of which at most `queue_size` wait (0: any number).
     pub fn sender(self: &Arc<Self>, queue_size: usize) -> EventSender {
-        EventSender { queue: Arc::clone(self), id: self.next_id.fetch_add(1, Ordering::Relaxed), queue_size }
+        let id = self.next_id.fetch_add(1, Ordering::Relaxed);
+        EventSender { queue: Arc::clone(self), id, queue_size: Arc::new(queue_size.into()) }
     }
 
     /// Waits until there are events, [`wake`](Self::wake) is called or `timeout` is over; takes all events there are.
@@ -142,11 +170,6 @@ impl EventQueue {
     pub fn wake(&self) {
         self.lock().woken = true;
         self.changed.notify_all();
-    }
-
-    /// Drops the waiting events of one source.
-    pub(super) fn forget(&self, sender: u64) {
-        self.lock().waiting.retain(|(id, _)| *id != sender);
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -181,6 +204,10 @@ mod tests {
         large.push(jump(2));
         assert_eq!(secs(queue.drain()), [1, 12, 13, 2]);
         assert!(queue.drain().is_empty());
+        small.set_queue_size(1);
+        small.push(jump(14));
+        small.push(jump(15));
+        assert_eq!(secs(queue.drain()), [15]);
     }
 
     #[test]
@@ -201,7 +228,7 @@ mod tests {
         let (gone, stays) = (queue.sender(0), queue.sender(0));
         gone.push(jump(1));
         stays.push(jump(2));
-        queue.forget(gone.id());
+        gone.forget();
         assert_eq!(secs(queue.drain()), [2]);
     }
 

@@ -18,17 +18,21 @@
 mod clock;
 mod events;
 mod graph;
+mod param_writer;
 mod parameters;
+mod reconfigure;
 mod sockets;
 mod topic;
 mod watchdog;
 
 pub use clock::RosClock;
-pub use events::{EventQueue, EventSender, NodeEvent, TriggerReply};
+pub use events::{EventQueue, EventSender, NodeEvent, Reply, TriggerReply};
 pub use graph::{Publication, Publications};
+pub use reconfigure::ReconfigureServer;
 pub use topic::TopicSubscription;
 
 use graph::Graph;
+use param_writer::ParamWriter;
 use rcs_messages::rosgraph_msgs::Clock;
 use rcs_messages::std_srvs::{Trigger, TriggerRes};
 use rcs_messages::{AnyMessage, MessageKind, Time};
@@ -96,7 +100,8 @@ impl NodeError {
 /// rosrust has one node in a process; a second `RosNode` is an error.
 pub struct RosNode {
     shared: Arc<Shared>,
-    services: Mutex<Vec<rosrust::Service>>,
+    services: Mutex<BTreeMap<Arc<str>, rosrust::Service>>,
+    param_writer: ParamWriter,
     kept: Mutex<Vec<TopicSubscription>>,
 }
 
@@ -167,7 +172,12 @@ impl RosNode {
             watchdog: Watchdog::default(),
             publications: Mutex::default(),
         });
-        let node = Self { shared: Arc::clone(&shared), services: Mutex::default(), kept: Mutex::default() };
+        let node = Self {
+            shared: Arc::clone(&shared),
+            services: Mutex::default(),
+            param_writer: ParamWriter::default(),
+            kept: Mutex::default(),
+        };
         if simulated {
             node.follow_clock()?;
         }
@@ -210,8 +220,8 @@ impl RosNode {
     /// and the publisher.
     pub fn subscribe(&self, topic: &str, kind: MessageKind, queue_size: usize) -> Result<TopicSubscription, NodeError> {
         let sender = self.shared.events.sender(queue_size);
-        let id = sender.id();
-        self.subscribe_with(topic, kind, Some(id), move |topic, message, publisher| {
+        let waiting = sender.clone();
+        self.subscribe_with(topic, kind, Some(waiting), move |topic, message, publisher| {
             sender.push(NodeEvent::Message {
                 topic: Arc::clone(topic),
                 message: message.clone(),
@@ -240,8 +250,8 @@ impl RosNode {
         Ok(())
     }
 
-    /// Offers a service of type `std_srvs/Trigger` for as long as the node lives; each call is a
-    /// [`NodeEvent::Trigger`] to be answered. Returns the service's whole name.
+    /// Offers a service of type `std_srvs/Trigger` until [`stop_serving`](Self::stop_serving) or the node's end; each
+    /// call is a [`NodeEvent::Trigger`] to be answered. Returns the service's whole name.
     pub fn serve_trigger(&self, name: &str) -> Result<Arc<str>, NodeError> {
         let service: Arc<str> = self.resolve(name)?.into();
         let (sender, name_of_handler) = (self.shared.events.sender(0), Arc::clone(&service));
@@ -254,8 +264,15 @@ impl RosNode {
             Ok(TriggerRes { success, message })
         })
         .map_err(|error| NodeError::ros(format!("cannot offer service {service}"), &error))?;
-        lock(&self.services).push(server);
+        lock(&self.services).insert(Arc::clone(&service), server);
         Ok(service)
+    }
+
+    /// Takes back a service of this whole name, if there is one.
+    pub fn stop_serving(&self, service: &str) {
+        // Dropped without the lock: it waits for the master.
+        let server = lock(&self.services).remove(service);
+        drop(server);
     }
 
     /// What other nodes published when it was last looked at, which is every other second; `None` before the first look.
@@ -273,6 +290,11 @@ impl RosNode {
     /// The text of a string parameter; none if it is not set or no string.
     pub fn string_param(&self, name: &str) -> Option<String> {
         rosrust::param(name)?.get::<String>().ok()
+    }
+
+    /// A parameter that is true or false; none if it is not set or something else.
+    pub fn bool_param(&self, name: &str) -> Option<bool> {
+        rosrust::param(name)?.get::<bool>().ok()
     }
 
     /// Whether the node was asked from outside to end (`rosnode kill`, or another node that took its name).
@@ -322,7 +344,7 @@ impl RosNode {
         &self,
         name: &str,
         kind: MessageKind,
-        sender: Option<u64>,
+        sender: Option<EventSender>,
         on_message: impl Fn(&Arc<str>, &AnyMessage, &Arc<str>) + Send + Sync + 'static,
     ) -> Result<TopicSubscription, NodeError> {
         let whole_name = self.resolve(name)?;

@@ -3,7 +3,7 @@
 //! rosrust unregisters a topic from the master as soon as any of its subscribers is dropped, so there is only ever one.
 //! A listener that comes later gets what latching publishers have sent before, as it would from roscpp.
 
-use super::{lock, NodeError, Shared};
+use super::{lock, EventSender, NodeError, Shared};
 use rcs_messages::{AnyMessage, MessageKind};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, TryLockError, Weak};
@@ -179,18 +179,25 @@ impl Received {
 pub struct TopicSubscription {
     topic: Arc<Topic>,
     listener: u64,
-    sender: Option<u64>,
+    sender: Option<EventSender>,
     node: Weak<Shared>,
 }
 
 impl TopicSubscription {
-    pub(super) fn new(topic: Arc<Topic>, listener: u64, sender: Option<u64>, node: &Arc<Shared>) -> Self {
+    pub(super) fn new(topic: Arc<Topic>, listener: u64, sender: Option<EventSender>, node: &Arc<Shared>) -> Self {
         Self { topic, listener, sender, node: Arc::downgrade(node) }
     }
 
     /// The topic's whole name, after remapping: the one that its events carry.
     pub fn topic(&self) -> &Arc<str> {
         &self.topic.name
+    }
+
+    /// How many messages may wait to be taken from now on (0: any number).
+    pub fn set_queue_size(&self, queue_size: usize) {
+        if let Some(sender) = &self.sender {
+            sender.set_queue_size(queue_size);
+        }
     }
 }
 
@@ -201,8 +208,8 @@ impl Drop for TopicSubscription {
         let Some(node) = self.node.upgrade() else {
             return;
         };
-        if let Some(sender) = self.sender {
-            node.events.forget(sender);
+        if let Some(sender) = &self.sender {
+            sender.forget();
         }
         if unused {
             self.topic.close();

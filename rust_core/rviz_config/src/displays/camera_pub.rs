@@ -31,6 +31,16 @@ const ENCODINGS: [(&str, ImageEncoding); 6] = [
 ];
 
 impl ImageEncoding {
+    /// All of them.
+    pub fn all() -> impl Iterator<Item = Self> {
+        ENCODINGS.iter().map(|(_, encoding)| *encoding)
+    }
+
+    /// The encoding of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::all().find(|encoding| encoding.name() == name)
+    }
+
     /// The name in `sensor_msgs/Image`.
     pub fn name(self) -> &'static str {
         let named = ENCODINGS.iter().find(|(_, encoding)| *encoding == self);

@@ -44,6 +44,35 @@ impl Visibility {
         }
     }
 
+    /// Whether a display's own box is ticked, whatever is around it.
+    pub fn is_ticked(&self, path: &[&str]) -> bool {
+        match path.split_first() {
+            None => self.value,
+            Some((name, rest)) => self.children.get(*name).is_none_or(|child| child.is_ticked(rest)),
+        }
+    }
+
+    /// Ticks or unticks a display's own box.
+    pub fn set(&mut self, path: &[&str], value: bool) {
+        match path.split_first() {
+            None => self.value = value,
+            Some((name, rest)) => self.children.entry((*name).to_owned()).or_default().set(rest, value),
+        }
+    }
+
+    /// These boxes, with the new value wherever two states of a file differ.
+    #[must_use]
+    pub fn with_changes(&self, before: &Self, after: &Self) -> Self {
+        let ticked = Visibility::default();
+        let value = if after.value == before.value { self.value } else { after.value };
+        let names = self.children.keys().chain(before.children.keys()).chain(after.children.keys());
+        let child = |name: &String| {
+            let [own, before, after] = [self, before, after].map(|boxes| boxes.children.get(name).unwrap_or(&ticked));
+            (name.clone(), own.with_changes(before, after))
+        };
+        Visibility { value, children: names.map(child).collect() }
+    }
+
     pub(crate) fn read(mut section: Section<'_>) -> Self {
         let mut visibility = Visibility::default();
         section.bool(OWN_VALUE, &mut visibility.value);
@@ -92,6 +121,30 @@ mod tests {
         assert!(!group.shows(&["h", "in it"]), "a group may be a plain value");
         assert!(group.shows(&["a"]));
         assert!(!read("false").shows(&["a"]));
+    }
+
+    #[test]
+    fn a_box_is_set_alone() {
+        let mut boxes = Visibility::default();
+        boxes.set(&["g", "a"], false);
+        boxes.set(&["g"], false);
+        boxes.set(&["g"], true);
+        assert!(boxes.is_ticked(&["g"]) && boxes.is_ticked(&["g", "b"]) && !boxes.is_ticked(&["g", "a"]));
+        boxes.set(&[], false);
+        assert!(boxes.is_ticked(&["g"]) && !boxes.shows(&["g"]) && !boxes.is_ticked(&[]));
+    }
+
+    #[test]
+    fn a_file_changes_only_the_boxes_in_which_it_differs() {
+        let before = read("{Value: true, a: false, g: {Value: true, b: true}}");
+        let after = read("{Value: true, a: false, g: {Value: false, b: true}, c: false}");
+        let mut own = before.clone();
+        own.set(&["a"], true);
+        own.set(&["g", "b"], false);
+        let merged = own.with_changes(&before, &after);
+        let ticked = [&["a"][..], &["g"], &["g", "b"], &["c"]].map(|path| merged.is_ticked(path));
+        assert_eq!(ticked, [true, false, false, false]);
+        assert_eq!(own.with_changes(&after, &after).is_ticked(&["a"]), own.is_ticked(&["a"]));
     }
 
     #[test]

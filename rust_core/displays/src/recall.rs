@@ -1,0 +1,241 @@
+//! What a display that is made anew would have to be told to show what it showed before.
+//!
+//! When a config is read again, a display whose settings changed is made anew while its topics stay subscribed, so that
+//! nobody sends it again what it should show. So the last message of each topic is kept, and of markers, map updates and
+//! interactive markers all those that later ones do not replace, within limits. The messages share their memory with the
+//! displays that draw them.
+
+use std::collections::{HashMap, HashSet, VecDeque};
+use std::sync::Arc;
+
+use rcs_messages::visualization_msgs::{InteractiveMarkerUpdate, Marker, MarkerArray};
+use rcs_messages::{AnyMessage, MessageKind};
+use rcs_transforms::Time;
+
+use crate::TopicRequest;
+
+/// The messages and parameters that are kept.
+#[derive(Debug, Default)]
+pub(crate) struct Recall {
+    topics: HashMap<(String, MessageKind), VecDeque<Kept>>,
+    parameters: HashMap<String, Option<Arc<str>>>,
+    next: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Kept {
+    /// Counts all messages, so that those of several topics keep their order.
+    number: u64,
+    message: AnyMessage,
+    received: Time,
+}
+
+/// How many messages of a topic are kept, those that a later one replaces not counted.
+fn most_kept(kind: MessageKind) -> usize {
+    match kind {
+        MessageKind::Marker | MessageKind::OccupancyGridUpdate => 1000,
+        MessageKind::MarkerArray => 100,
+        // One that is missing makes the others useless.
+        MessageKind::InteractiveMarkerUpdate => 10_000,
+        _ => 1,
+    }
+}
+
+impl Recall {
+    /// Keeps a message of a topic, by its name in the config.
+    pub(crate) fn keep(&mut self, topic: &str, message: &AnyMessage, received: Time) {
+        self.forget_replaced(topic, message);
+        let kept = self.topics.entry((topic.to_owned(), message.kind())).or_default();
+        if kept.len() >= most_kept(message.kind()) {
+            kept.pop_front();
+        }
+        kept.push_back(Kept { number: self.next, message: message.clone(), received });
+        self.next += 1;
+    }
+
+    /// Drops what need not be told any more once this message is.
+    fn forget_replaced(&mut self, topic: &str, message: &AnyMessage) {
+        match message {
+            AnyMessage::Marker(new) => self.retain(topic, message.kind(), |old| match old {
+                AnyMessage::Marker(old) => !deletes_all(new) && key(old) != key(new),
+                _ => true,
+            }),
+            AnyMessage::MarkerArray(new) => {
+                let clears = new.markers.iter().any(deletes_all);
+                let keys: HashSet<_> = new.markers.iter().map(key).collect();
+                self.retain(topic, message.kind(), |old| match old {
+                    AnyMessage::MarkerArray(old) => {
+                        !clears && old.markers.iter().any(|marker| !keys.contains(&key(marker)))
+                    }
+                    _ => true,
+                });
+            }
+            AnyMessage::OccupancyGrid(_) => {
+                self.topics.remove(&(format!("{topic}_updates"), MessageKind::OccupancyGridUpdate));
+            }
+            AnyMessage::InteractiveMarkerInit(init) => {
+                let older = |update: &InteractiveMarkerUpdate| {
+                    update.server_id == init.server_id && update.seq_num <= init.seq_num
+                };
+                for kept in self.topics.values_mut() {
+                    kept.retain(|kept| match &kept.message {
+                        AnyMessage::InteractiveMarkerUpdate(update) => !older(update),
+                        _ => true,
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn retain(&mut self, topic: &str, kind: MessageKind, stays: impl Fn(&AnyMessage) -> bool) {
+        if let Some(kept) = self.topics.get_mut(&(topic.to_owned(), kind)) {
+            kept.retain(|kept| stays(&kept.message));
+        }
+    }
+
+    /// What was heard on these topics, in the order of arrival; markers whose lifetime is over not among it.
+    pub(crate) fn messages(&self, requests: &[TopicRequest], now: Time) -> Vec<AnyMessage> {
+        let of = |request: &TopicRequest| self.topics.get(&(request.topic.clone(), request.kind));
+        let mut kept: Vec<&Kept> = requests.iter().filter_map(of).flatten().collect();
+        kept.sort_by_key(|kept| kept.number);
+        kept.into_iter().filter_map(|kept| still_alive(&kept.message, now.secs_since(kept.received))).collect()
+    }
+
+    /// Keeps the text of a parameter; `None` while nobody has set it.
+    pub(crate) fn keep_parameter(&mut self, name: &str, text: Option<&Arc<str>>) {
+        self.parameters.insert(name.to_owned(), text.cloned());
+    }
+
+    /// The text of a parameter. The outer `None` is for one that nobody asked for.
+    pub(crate) fn parameter(&self, name: &str) -> Option<Option<&Arc<str>>> {
+        self.parameters.get(name).map(Option::as_ref)
+    }
+
+    /// Keeps nothing but what these displays' topics and parameters are about.
+    pub(crate) fn limit_to(&mut self, requests: &[TopicRequest], parameters: &[String]) {
+        let wanted = |(topic, kind): &(String, MessageKind)| {
+            requests.iter().any(|request| &request.topic == topic && request.kind == *kind)
+        };
+        self.topics.retain(|topic, _| wanted(topic));
+        self.parameters.retain(|name, _| parameters.contains(name));
+    }
+
+    /// Forgets all messages; parameters stay.
+    pub(crate) fn forget_messages(&mut self) {
+        self.topics.clear();
+    }
+}
+
+fn key(marker: &Marker) -> (i32, &str) {
+    (marker.id, &marker.ns)
+}
+
+fn deletes_all(marker: &Marker) -> bool {
+    marker.action == i32::from(Marker::DELETEALL)
+}
+
+/// The message without markers that have been gone for long after `age_secs`; none if that is all of it.
+fn still_alive(message: &AnyMessage, age_secs: f64) -> Option<AnyMessage> {
+    let lives = |marker: &Marker| {
+        let lifetime_secs = f64::from(marker.lifetime.sec) + f64::from(marker.lifetime.nsec) * 1e-9;
+        lifetime_secs <= 0.0 || age_secs < lifetime_secs
+    };
+    match message {
+        AnyMessage::Marker(marker) => lives(marker).then(|| message.clone()),
+        AnyMessage::MarkerArray(array) if !array.markers.iter().all(lives) => {
+            let markers: Vec<Marker> = array.markers.iter().filter(|marker| lives(marker)).cloned().collect();
+            (!markers.is_empty()).then(|| AnyMessage::MarkerArray(Arc::new(MarkerArray { markers })))
+        }
+        _ => Some(message.clone()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rcs_messages::nav_msgs::Path;
+
+    fn at(secs: f64) -> Time {
+        Time::from_secs_f64(secs)
+    }
+
+    fn marker(ns: &str, id: i32, action: u8) -> Marker {
+        Marker { ns: ns.to_owned(), id, action: action.into(), ..Marker::default() }
+    }
+
+    fn array(markers: &[(&str, i32)]) -> AnyMessage {
+        let markers = markers.iter().map(|(ns, id)| marker(ns, *id, Marker::ADD)).collect();
+        AnyMessage::MarkerArray(Arc::new(MarkerArray { markers }))
+    }
+
+    fn request(topic: &str, kind: MessageKind) -> TopicRequest {
+        TopicRequest { topic: topic.to_owned(), kind, queue_size: 1 }
+    }
+
+    /// How many messages of a topic come back.
+    fn count(recall: &Recall, topic: &str, kind: MessageKind, now: Time) -> usize {
+        recall.messages(&[request(topic, kind)], now).len()
+    }
+
+    #[test]
+    fn of_most_topics_the_last_message_counts() {
+        let mut recall = Recall::default();
+        for seq in 0..3 {
+            let mut path = Path::default();
+            path.header.seq = seq;
+            recall.keep("/p", &AnyMessage::Path(Arc::new(path)), at(1.0));
+        }
+        let messages = recall.messages(&[request("/p", MessageKind::Path)], at(2.0));
+        assert!(matches!(&messages[..], [AnyMessage::Path(path)] if path.header.seq == 2), "{messages:?}");
+        recall.limit_to(&[request("/other", MessageKind::Path)], &[]);
+        assert_eq!(count(&recall, "/p", MessageKind::Path, at(2.0)), 0);
+    }
+
+    #[test]
+    fn of_markers_all_count_that_are_not_replaced() {
+        let mut recall = Recall::default();
+        let mut keep = |marker: Marker| recall.keep("/m", &AnyMessage::Marker(Arc::new(marker)), at(1.0));
+        keep(marker("a", 1, Marker::ADD));
+        keep(marker("a", 2, Marker::ADD));
+        keep(marker("a", 1, Marker::DELETE));
+        let mut short = marker("b", 1, Marker::ADD);
+        short.lifetime.sec = 2;
+        keep(short);
+        assert_eq!(count(&recall, "/m", MessageKind::Marker, at(2.0)), 3);
+        assert_eq!(count(&recall, "/m", MessageKind::Marker, at(4.0)), 2, "one has lived its time");
+        recall.keep("/m", &AnyMessage::Marker(Arc::new(marker("", 0, Marker::DELETEALL))), at(5.0));
+        assert_eq!(count(&recall, "/m", MessageKind::Marker, at(5.0)), 1);
+    }
+
+    #[test]
+    fn an_array_replaces_those_whose_markers_it_has() {
+        let mut recall = Recall::default();
+        recall.keep("/m", &array(&[("a", 1), ("a", 2)]), at(1.0));
+        recall.keep("/m", &array(&[("a", 1)]), at(1.0));
+        assert_eq!(count(&recall, "/m", MessageKind::MarkerArray, at(1.0)), 2);
+        recall.keep("/m", &array(&[("a", 2), ("a", 1), ("b", 1)]), at(1.0));
+        assert_eq!(count(&recall, "/m", MessageKind::MarkerArray, at(1.0)), 1);
+        for id in 0..500 {
+            recall.keep("/m", &array(&[("many", id)]), at(1.0));
+        }
+        assert_eq!(count(&recall, "/m", MessageKind::MarkerArray, at(1.0)), 100, "within limits");
+    }
+
+    #[test]
+    fn a_map_comes_with_its_updates_and_in_their_order() {
+        let mut recall = Recall::default();
+        let update = || AnyMessage::OccupancyGridUpdate(Arc::default());
+        let grid = || AnyMessage::OccupancyGrid(Arc::default());
+        recall.keep("/map", &grid(), at(1.0));
+        recall.keep("/map_updates", &update(), at(1.0));
+        recall.keep("/map", &grid(), at(2.0));
+        recall.keep("/map_updates", &update(), at(3.0));
+        recall.keep("/map_updates", &update(), at(4.0));
+        let requests =
+            [request("/map_updates", MessageKind::OccupancyGridUpdate), request("/map", MessageKind::OccupancyGrid)];
+        let kinds: Vec<MessageKind> = recall.messages(&requests, at(5.0)).iter().map(AnyMessage::kind).collect();
+        let updated = MessageKind::OccupancyGridUpdate;
+        assert_eq!(kinds, [MessageKind::OccupancyGrid, updated, updated]);
+    }
+}

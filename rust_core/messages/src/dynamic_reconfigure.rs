@@ -1,0 +1,346 @@
+//! The messages of `dynamic_reconfigure`, by which rqt_reconfigure and dynparam change a running node's settings.
+//!
+//! They are types of our own, so that the programs can be built where that package is not installed. Requests are read
+//! from the connection itself, which does not say where they end: a string or an array grows with the bytes that came,
+//! never by the count that announces them, and a request past [`MAX_BYTES`] is an error.
+
+use crate::wire::{write_count, write_string, write_u32};
+use rosrust::{Message, RosMsg, ServicePair};
+use std::io::{self, Read};
+
+/// No node has settings that take more than a small part of this.
+const MAX_BYTES: u64 = 4 << 20;
+
+/// A value that can be a field of these messages.
+trait Field: Sized {
+    fn put(&self, out: &mut Vec<u8>);
+    fn get(from: &mut dyn Read) -> io::Result<Self>;
+}
+
+fn bytes<const N: usize>(from: &mut dyn Read) -> io::Result<[u8; N]> {
+    let mut bytes = [0; N];
+    from.read_exact(&mut bytes)?;
+    Ok(bytes)
+}
+
+impl Field for bool {
+    fn put(&self, out: &mut Vec<u8>) {
+        out.push(u8::from(*self));
+    }
+
+    fn get(from: &mut dyn Read) -> io::Result<Self> {
+        Ok(bytes::<1>(from)? != [0])
+    }
+}
+
+impl Field for i32 {
+    fn put(&self, out: &mut Vec<u8>) {
+        out.extend_from_slice(&self.to_le_bytes());
+    }
+
+    fn get(from: &mut dyn Read) -> io::Result<Self> {
+        bytes(from).map(Self::from_le_bytes)
+    }
+}
+
+impl Field for u32 {
+    fn put(&self, out: &mut Vec<u8>) {
+        write_u32(*self, out);
+    }
+
+    fn get(from: &mut dyn Read) -> io::Result<Self> {
+        bytes(from).map(Self::from_le_bytes)
+    }
+}
+
+impl Field for f64 {
+    fn put(&self, out: &mut Vec<u8>) {
+        out.extend_from_slice(&self.to_le_bytes());
+    }
+
+    fn get(from: &mut dyn Read) -> io::Result<Self> {
+        bytes(from).map(Self::from_le_bytes)
+    }
+}
+
+impl Field for String {
+    fn put(&self, out: &mut Vec<u8>) {
+        write_string(self, out);
+    }
+
+    fn get(from: &mut dyn Read) -> io::Result<Self> {
+        let len = u64::from(u32::get(from)?);
+        let mut text = Vec::new();
+        from.take(len).read_to_end(&mut text)?;
+        if text.len() as u64 != len {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        Ok(Self::from_utf8_lossy(&text).into_owned())
+    }
+}
+
+impl<T: Field> Field for Vec<T> {
+    fn put(&self, out: &mut Vec<u8>) {
+        write_count(self.len(), out);
+        self.iter().for_each(|element| element.put(out));
+    }
+
+    fn get(from: &mut dyn Read) -> io::Result<Self> {
+        let mut elements = Self::new();
+        for _ in 0..u32::get(from)? {
+            elements.push(T::get(from)?);
+        }
+        Ok(elements)
+    }
+}
+
+/// Structs whose fields are on the wire in the order in which they stand here.
+macro_rules! fields_in_order {
+    ($($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Debug, Default, PartialEq)]
+            pub struct $name {
+                $($(#[$field_doc])* pub $field: $type,)*
+            }
+
+            impl Field for $name {
+                fn put(&self, out: &mut Vec<u8>) {
+                    $(self.$field.put(out);)*
+                }
+
+                fn get(from: &mut dyn Read) -> io::Result<Self> {
+                    Ok(Self { $($field: Field::get(from)?,)* })
+                }
+            }
+
+            impl RosMsg for $name {
+                fn encode<W: io::Write>(&self, mut w: W) -> io::Result<()> {
+                    let mut out = Vec::new();
+                    self.put(&mut out);
+                    w.write_all(&out)
+                }
+
+                fn decode<R: io::Read>(mut r: R) -> io::Result<Self> {
+                    Self::get(&mut r.by_ref().take(MAX_BYTES))
+                }
+            }
+        )*
+    };
+}
+
+fields_in_order! {
+    /// `dynamic_reconfigure/BoolParameter`
+    BoolParameter {
+        /// Name of the parameter.
+        name: String,
+        /// Its value.
+        value: bool,
+    }
+    /// `dynamic_reconfigure/IntParameter`
+    IntParameter {
+        /// Name of the parameter.
+        name: String,
+        /// Its value.
+        value: i32,
+    }
+    /// `dynamic_reconfigure/StrParameter`
+    StrParameter {
+        /// Name of the parameter.
+        name: String,
+        /// Its value.
+        value: String,
+    }
+    /// `dynamic_reconfigure/DoubleParameter`
+    DoubleParameter {
+        /// Name of the parameter.
+        name: String,
+        /// Its value.
+        value: f64,
+    }
+    /// `dynamic_reconfigure/GroupState`
+    GroupState {
+        /// Name of the group.
+        name: String,
+        /// Whether it is open.
+        state: bool,
+        /// Its number; 0 is the group that holds all others.
+        id: i32,
+        /// The number of the group around it.
+        parent: i32,
+    }
+    /// `dynamic_reconfigure/Config`: values of parameters.
+    Config {
+        /// The switches.
+        bools: Vec<BoolParameter>,
+        /// The whole numbers.
+        ints: Vec<IntParameter>,
+        /// The texts.
+        strs: Vec<StrParameter>,
+        /// The numbers.
+        doubles: Vec<DoubleParameter>,
+        /// The groups that the parameters are in.
+        groups: Vec<GroupState>,
+    }
+    /// `dynamic_reconfigure/ParamDescription`
+    ParamDescription {
+        /// Name of the parameter.
+        name: String,
+        /// `bool`, `int`, `str` or `double`.
+        r#type: String,
+        /// Bits that tell the server's callback what changed.
+        level: u32,
+        /// What it does, for the user.
+        description: String,
+        /// A Python expression that lists the choices, or empty.
+        edit_method: String,
+    }
+    /// `dynamic_reconfigure/Group`
+    Group {
+        /// Name of the group.
+        name: String,
+        /// How it is shown; empty for a frame around its parameters.
+        r#type: String,
+        /// What is in it, besides other groups.
+        parameters: Vec<ParamDescription>,
+        /// The number of the group around it.
+        parent: i32,
+        /// Its number.
+        id: i32,
+    }
+    /// `dynamic_reconfigure/ConfigDescription`: what parameters there are, with their bounds and defaults.
+    ConfigDescription {
+        /// All groups, the outermost first.
+        groups: Vec<Group>,
+        /// The largest values.
+        max: Config,
+        /// The least values.
+        min: Config,
+        /// The values at the start.
+        dflt: Config,
+    }
+}
+
+/// `dynamic_reconfigure/Reconfigure`: sets parameters and answers with all values that hold then.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reconfigure;
+
+impl RosMsg for Reconfigure {
+    fn encode<W: io::Write>(&self, _: W) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn decode<R: io::Read>(_: R) -> io::Result<Self> {
+        Ok(Self)
+    }
+}
+
+impl ServicePair for Reconfigure {
+    // Request and response have one field each, which is such a message.
+    type Request = Config;
+    type Response = Config;
+}
+
+const CONFIG_FIELDS: &str =
+    "BoolParameter[] bools\nIntParameter[] ints\nStrParameter[] strs\nDoubleParameter[] doubles\nGroupState[] groups\n";
+
+/// The definitions that others are made of, by name.
+const PARTS: [(&str, &str); 8] = [
+    ("Group", "string name\nstring type\nParamDescription[] parameters\nint32 parent\nint32 id\n"),
+    ("ParamDescription", "string name\nstring type\nuint32 level\nstring description\nstring edit_method\n"),
+    ("Config", CONFIG_FIELDS),
+    ("BoolParameter", "string name\nbool value\n"),
+    ("IntParameter", "string name\nint32 value\n"),
+    ("StrParameter", "string name\nstring value\n"),
+    ("DoubleParameter", "string name\nfloat64 value\n"),
+    ("GroupState", "string name\nbool state\nint32 id\nint32 parent\n"),
+];
+
+/// A definition followed by those that it is made of, as ROS writes them one after another.
+fn with_parts(definition: &str, parts: &[(&str, &str)]) -> String {
+    let mut text = definition.to_owned();
+    for (name, part) in parts {
+        text += &format!("\n{}\nMSG: dynamic_reconfigure/{name}\n{part}", "=".repeat(80));
+    }
+    text
+}
+
+impl Message for Config {
+    fn msg_definition() -> String {
+        with_parts(CONFIG_FIELDS, &PARTS[3..])
+    }
+
+    fn md5sum() -> String {
+        "958f16a05573709014982821e6822580".to_owned()
+    }
+
+    fn msg_type() -> String {
+        "dynamic_reconfigure/Config".to_owned()
+    }
+}
+
+impl Message for ConfigDescription {
+    fn msg_definition() -> String {
+        with_parts("Group[] groups\nConfig max\nConfig min\nConfig dflt\n", &PARTS)
+    }
+
+    fn md5sum() -> String {
+        "757ce9d44ba8ddd801bb30bc456f946f".to_owned()
+    }
+
+    fn msg_type() -> String {
+        "dynamic_reconfigure/ConfigDescription".to_owned()
+    }
+}
+
+impl Message for Reconfigure {
+    fn msg_definition() -> String {
+        "Config config\n---\nConfig config\n".to_owned()
+    }
+
+    fn md5sum() -> String {
+        "bb125d226a21982a4a98760418dc2672".to_owned()
+    }
+
+    fn msg_type() -> String {
+        "dynamic_reconfigure/Reconfigure".to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config() -> Config {
+        Config {
+            bools: vec![BoolParameter { name: "b".to_owned(), value: true }],
+            ints: vec![IntParameter { name: "i".to_owned(), value: -2 }],
+            strs: vec![StrParameter { name: "s".to_owned(), value: "ü".to_owned() }],
+            doubles: vec![DoubleParameter { name: "d".to_owned(), value: 0.5 }],
+            groups: vec![GroupState { name: "Default".to_owned(), state: true, id: 0, parent: 0 }],
+        }
+    }
+
+    #[test]
+    fn a_message_comes_back_as_it_was() {
+        let description = ConfigDescription {
+            groups: vec![Group { name: "Default".to_owned(), ..Group::default() }],
+            max: config(),
+            ..ConfigDescription::default()
+        };
+        assert_eq!(crate::decode::<ConfigDescription>(&crate::encode(&description)).unwrap(), description);
+    }
+
+    #[test]
+    fn a_request_that_announces_more_than_it_brings_is_an_error() {
+        let bytes = crate::encode(&config());
+        for len in 0..bytes.len() {
+            assert!(Config::decode(&bytes[..len]).is_err(), "{len}");
+        }
+        // Four billion elements, and a string of four gigabytes in the first of them.
+        assert!(Config::decode(&[0xff; 9][..]).is_err());
+        // Elements that never end.
+        assert!(Config::decode(std::io::repeat(1)).is_err());
+        assert!(Config::decode(std::io::Cursor::new([0xff; 4]).chain(std::io::repeat(0))).is_err());
+    }
+}
