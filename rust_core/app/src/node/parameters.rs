@@ -68,7 +68,14 @@ pub(super) fn switches(config: &Config) -> Vec<Switch> {
     let (mut names, mut paths, mut switches) = (HashSet::new(), HashSet::new(), Vec::new());
     for placed in config.placed_displays() {
         let display = placed.display;
-        if !display.is_drawn() || matches!(display.settings, DisplaySettings::CameraPub(_)) {
+        let draws_nothing = matches!(
+            display.settings,
+            DisplaySettings::CameraPub(_)
+                | DisplaySettings::Image(_)
+                | DisplaySettings::Camera(_)
+                | DisplaySettings::NotDrawn { .. }
+        );
+        if draws_nothing {
             continue;
         }
         let path: Vec<String> = placed.path.iter().map(|name| (*name).to_owned()).collect();
@@ -253,10 +260,6 @@ mod tests {
         rcs_rviz_config::parse(&text, "test").unwrap()
     }
 
-    fn bools(values: &Values) -> Vec<(&str, bool)> {
-        values.bools.iter().map(|param| (param.name.as_str(), param.value)).collect()
-    }
-
     #[test]
     fn every_display_and_group_has_a_switch_with_a_name_of_its_own() {
         let grid = |name: &str| format!("{{Class: rviz/Grid, Name: {name}, Enabled: true}}");
@@ -272,13 +275,8 @@ mod tests {
         let request = Values { bools: vec![off], ..Values::default() };
         parameters.set(&request, &switches, &parameters.description(&switches));
         assert!(!parameters.visibility.shows(&["g", "a_b"]) && parameters.visibility.shows(&["g", "a b"]));
-        let off: Vec<_> = bools(&parameters.values(&switches))
-            .into_iter()
-            .filter(|(_, value)| !value)
-            .collect::<Vec<_>>()
-            .iter()
-            .map(|(name, _)| (*name).to_owned())
-            .collect();
+        let off = parameters.values(&switches).bools.into_iter().filter(|param| !param.value);
+        let off: Vec<String> = off.map(|param| param.name).collect();
         assert_eq!(off, ["show_g_a_b_2"]);
     }
 

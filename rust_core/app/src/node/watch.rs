@@ -143,7 +143,7 @@ mod tests {
         let file = folder.path().join("scene.rviz");
         std::fs::write(&file, "first").unwrap();
         let (sender, woken) = std::sync::mpsc::channel();
-        let watch = FileWatch::start(file.clone(), move || drop(sender.send(()))).unwrap();
+        let watch = FileWatch::start(file.clone(), move || sender.send(()).unwrap()).unwrap();
         for text in ["second", "third one"] {
             woken.recv_timeout(Duration::from_secs(20)).unwrap();
             assert!(watch.take_change() && !watch.take_change());
