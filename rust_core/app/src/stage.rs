@@ -128,6 +128,11 @@ impl Stage {
         self.displays.take_parameter(name, text, &world);
     }
 
+    /// Takes note that a publisher of a topic is gone, by the topic's name in the config.
+    pub fn publisher_left(&mut self, topic: &str) {
+        self.displays.publisher_left(topic);
+    }
+
     /// Brings the displays up to date. Returns whether the scene changed.
     pub fn update(&mut self, now: Time) -> bool {
         let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };

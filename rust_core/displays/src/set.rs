@@ -274,6 +274,15 @@ impl DisplaySet {
         }
     }
 
+    /// Tells the displays that listen to a topic (by the name in the config) that a publisher of it is gone.
+    pub fn publisher_left(&mut self, topic: &str) {
+        for entry in &mut self.entries {
+            if entry.display.topics().iter().any(|request| request.topic == topic) {
+                entry.display.publisher_left(topic);
+            }
+        }
+    }
+
     /// Brings all displays up to date. Returns whether the scene changed.
     pub fn update(&mut self, world: &World<'_>) -> bool {
         let light = self.lit_by.as_ref().map(|view| light(view, world));

@@ -93,6 +93,7 @@ fn print_event(node: &RosNode, event: NodeEvent) {
             say(&format!("reconfigure {server} {} values", request.bools.len()));
             reply.answer(request);
         }
+        NodeEvent::PublisherLeft { topic } => say(&format!("left {topic}")),
         NodeEvent::SubscriberConnected { topic } => say(&format!("connected {topic}")),
     }
 }

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use anyhow::{anyhow, Context, Result};
 use clap::ValueEnum;
 use rcs_input::live::{NodeEvent, RosNode};
-use rcs_messages::stamp_nanos;
+use rcs_messages::{stamp_nanos, MessageKind};
 use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::Config;
@@ -215,6 +215,11 @@ impl<'a> Node<'a> {
             NodeEvent::Parameter { name, text } => {
                 let now = self.now();
                 self.stage.take_parameter(&name, text.as_ref(), now);
+            }
+            NodeEvent::PublisherLeft { topic } => {
+                for name in MessageKind::ALL.iter().flat_map(|kind| self.subscriptions.names(&topic, *kind)) {
+                    self.stage.publisher_left(name);
+                }
             }
             NodeEvent::SubscriberConnected { .. } => {}
         }

@@ -89,6 +89,11 @@ impl Client {
         self.is_stopped = true;
     }
 
+    /// Whether it listens no more.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
     /// Begins anew, as if it had just subscribed.
     pub(super) fn restart(&mut self, statuses: &mut Statuses) {
         self.servers.clear();

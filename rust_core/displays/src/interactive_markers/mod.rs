@@ -207,6 +207,16 @@ impl Display for InteractiveMarkersDisplay {
         }
     }
 
+    /// rviz, too, then forgets the markers of all servers and begins anew with those that are left. An ended display
+    /// stays so.
+    fn publisher_left(&mut self, topic: &str) {
+        let is_update_topic = self.topics().first().is_some_and(|request| request.topic == topic);
+        if is_update_topic && !self.client.is_stopped() {
+            self.reset();
+            self.statuses.set(Level::Error, "General", "Server is offline. Resetting.");
+        }
+    }
+
     fn update(&mut self, world: &World<'_>) -> bool {
         for (server, step) in self.client.update(world, &mut self.statuses) {
             if let Err(fatal) = self.apply(&server, step, world) {

@@ -291,6 +291,22 @@ fn a_pose_for_no_marker_ends_it_until_a_reset() {
 }
 
 #[test]
+fn a_server_that_leaves_takes_its_markers_along_and_the_others_come_back() {
+    let mut bench = Bench::new();
+    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.send(&init("t", 40, &[ring("b", header("map", 0), 2.0)]));
+    bench.say(&keep_alive("t", 40));
+    bench.display.publisher_left("/im/update_full");
+    assert_eq!(bench.places().len(), 2, "only the topic of updates counts");
+    bench.display.publisher_left("/im/update");
+    assert!(bench.update());
+    assert!(bench.places().is_empty());
+    assert_eq!(bench.status("General"), Some((Level::Error, "Server is offline. Resetting.".into())));
+    bench.say(&keep_alive("t", 40));
+    assert_eq!(bench.places(), [[2.0, 0.0, 0.0]]);
+}
+
+#[test]
 fn the_topics_are_those_of_the_servers_namespace() {
     let topics = |topic: &str| {
         let settings = InteractiveMarkersSettings { update_topic: topic.into(), ..Default::default() };

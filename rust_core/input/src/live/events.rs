@@ -60,6 +60,11 @@ pub enum NodeEvent {
         /// To be answered with the values that hold then.
         reply: Reply<Config>,
     },
+    /// A publisher of a subscribed topic said farewell to the master.
+    PublisherLeft {
+        /// The topic's whole name, after remapping.
+        topic: Arc<str>,
+    },
     /// A topic that this node publishes has a new subscriber.
     SubscriberConnected {
         /// The topic's whole name.

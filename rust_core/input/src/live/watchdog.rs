@@ -13,7 +13,7 @@
 use super::graph::{Registrations, State};
 use super::sockets::{self, Connection};
 use super::topic::Topic;
-use super::{lock, Shared};
+use super::{lock, NodeEvent, Shared};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::net::SocketAddr;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -54,6 +54,8 @@ struct Memory {
     suspects: BTreeMap<Arc<str>, Suspect>,
     questions: HashMap<Connection, Instant>,
     registrations: Registrations,
+    /// The publishers of each subscribed topic by the master's list.
+    sources: HashMap<Arc<str>, HashSet<String>>,
 }
 
 /// What is known of a topic that was found without a connection.
@@ -81,6 +83,7 @@ pub(super) fn run(shared: &Arc<Shared>) {
         };
         shared.graph.keep_registered(&state, &mut memory.registrations);
         shared.look_at_publications(&state);
+        memory.notice_farewells(shared, &state, &topics);
         let publishers = publishers(shared, &state, &topics);
         memory.end_questions(&publishers.nodes);
         let broken = broken_topics(&state, &topics, &publishers);
@@ -136,6 +139,19 @@ impl Memory {
                 log::info!("the node at {} does not answer, going on without it", question.peer);
                 sockets::end(question);
                 self.questions.remove(&question);
+            }
+        }
+    }
+
+    /// Tells of publishers that the master listed and lists no more. A master that does not know this node's topics was
+    /// restarted, and its list says nothing yet.
+    fn notice_farewells(&mut self, shared: &Shared, state: &State, topics: &[Arc<Topic>]) {
+        self.sources.retain(|name, _| topics.iter().any(|topic| topic.name() == name));
+        for topic in topics.iter().filter(|topic| state.subscriptions.contains(&**topic.name())) {
+            let now: HashSet<String> = state.publishers.get(&**topic.name()).into_iter().flatten().cloned().collect();
+            let before = self.sources.insert(Arc::clone(topic.name()), now.clone());
+            if before.is_some_and(|before| !before.is_subset(&now)) {
+                shared.events.sender(0).push(NodeEvent::PublisherLeft { topic: Arc::clone(topic.name()) });
             }
         }
     }
