@@ -65,7 +65,27 @@ fn place(triangles: &Triangles, object_from_mesh: &Matrix4<f32>, flat: bool) -> 
         return None;
     }
     let mesh = Mesh { vertices, indices: triangles.indices.clone() };
-    Some(if flat { flat_shaded(&mesh) } else { mesh })
+    Some(welded(&if flat { flat_shaded(&mesh) } else { mesh }))
+}
+
+/// The same triangles with each vertex only once. Nothing of that is seen, but a detailed mesh has five corners in six
+/// that are the same as another one, and all are transformed for every picture.
+fn welded(mesh: &Mesh) -> Mesh {
+    let mut numbers: HashMap<[u32; 8], u32> = HashMap::with_capacity(mesh.vertices.len() / 4);
+    let mut vertices = Vec::new();
+    let new_index: Vec<u32> = mesh
+        .vertices
+        .iter()
+        .map(|vertex| {
+            let ([x, y, z], [nx, ny, nz], [u, v]) = (vertex.position, vertex.normal, vertex.uv);
+            *numbers.entry([x, y, z, nx, ny, nz, u, v].map(f32::to_bits)).or_insert_with(|| {
+                vertices.push(*vertex);
+                vertices.len() as u32 - 1
+            })
+        })
+        .collect();
+    let indices = mesh.indices.iter().filter_map(|&index| new_index.get(index as usize).copied()).collect();
+    Mesh { vertices, indices }
 }
 
 /// Each triangle with one normal, that of its last corner, which is the one that OpenGL's flat shading takes.

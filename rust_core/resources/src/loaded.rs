@@ -19,8 +19,7 @@ pub struct LoadedMesh {
 /// A part with one material.
 #[derive(Clone, Debug)]
 pub struct MeshPart {
-    /// The triangles. Corners are not shared between faces, as Assimp hands them to rviz; vertex colours are white,
-    /// because rviz does not read those of a file.
+    /// The triangles. Each vertex is there once; vertex colours are white, because rviz does not read those of a file.
     pub mesh: Arc<Mesh>,
     /// The material that the file gives this part.
     pub material: MeshMaterial,

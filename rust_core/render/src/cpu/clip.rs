@@ -53,6 +53,28 @@ fn outcode(vertex: &ClipVertex, guard: f32) -> u32 {
     (0..SIDES).fold(0, |code, side| code | u32::from(distance(side, vertex.position, guard) < 0.0) << side)
 }
 
+/// On which sides a place is outside: of the view, and of the wider one that triangles are cut at.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Outside {
+    /// One bit for each side.
+    pub view: u32,
+    /// One bit for each side; a place that is no number is outside of none and of something more.
+    pub guard: u32,
+}
+
+impl Outside {
+    /// Of clip coordinates.
+    #[inline]
+    pub(super) fn new(vertex: &ClipVertex) -> Self {
+        const NO_NUMBER: u32 = 1 << SIDES;
+        if vertex.is_finite() {
+            Self { view: outcode(vertex, 1.0), guard: outcode(vertex, GUARD) }
+        } else {
+            Self { view: 0, guard: NO_NUMBER }
+        }
+    }
+}
+
 /// A triangle that was cut.
 #[derive(Debug)]
 pub(super) struct Polygon {

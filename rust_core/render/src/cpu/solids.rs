@@ -10,12 +10,12 @@ use rcs_scene::{Lines, Material, Mesh};
 
 use super::band::{Band, Mode};
 use super::bins::{Bins, Rows};
-use super::clip::ClipVertex;
+use super::clip::{ClipVertex, Outside};
 use super::lighting::vertex_color;
 use super::lines::{self, Line};
 use super::screen::{Placement, Screen};
 use super::surface::Surface;
-use super::triangles::{self, Triangle};
+use super::triangles::{self, Spot, Triangle};
 
 /// Something made of triangles or lines.
 #[derive(Debug)]
@@ -94,21 +94,7 @@ impl Primitives {
                 cache.clear();
                 let corners = mesh.indices.get(parts.start * 3..parts.end * 3).unwrap_or(&[]);
                 for corners in corners.chunks_exact(3) {
-                    let vertex = |corner: u32, cache: &mut VertexCache| {
-                        cache.get(corner, || {
-                            let vertex = mesh.vertices.get(corner as usize)?;
-                            Some(ClipVertex {
-                                position: solid.placement.clip(vertex.position),
-                                color: vertex_color(material, &solid.placement, vertex),
-                                uv: vertex.uv,
-                            })
-                        })
-                    };
-                    if let (Some(a), Some(b), Some(c)) =
-                        (vertex(corners[0], cache), vertex(corners[1], cache), vertex(corners[2], cache))
-                    {
-                        self.add_triangle([&a, &b, &c], &solid.surface, index, screen);
-                    }
+                    self.add_corners(mesh, material, corners, solid, index, screen, cache);
                 }
             }
             Shape::Lines(lines) => {
@@ -126,6 +112,49 @@ impl Primitives {
                 }
             }
         }
+    }
+
+    /// Makes the triangle of three corners ready.
+    #[expect(clippy::too_many_arguments, reason = "the inner loop of one caller")]
+    #[inline]
+    fn add_corners(
+        &mut self,
+        mesh: &Mesh,
+        material: &Material,
+        corners: &[u32],
+        solid: &Solid<'_>,
+        index: u32,
+        screen: &Screen,
+        cache: &mut VertexCache,
+    ) {
+        let &[a, b, c] = corners else { return };
+        let mut place = |corner| cache.place(corner, mesh, &solid.placement, screen);
+        let (Some((spot_a, out_a)), Some((spot_b, out_b)), Some((spot_c, out_c))) = (place(a), place(b), place(c))
+        else {
+            return;
+        };
+        if out_a.view & out_b.view & out_c.view != 0 {
+            return;
+        }
+        let is_whole = out_a.guard | out_b.guard | out_c.guard == 0;
+        if is_whole && !triangles::may_be_seen([&spot_a, &spot_b, &spot_c], &solid.surface, screen) {
+            return;
+        }
+        let mut lit = |corner| cache.lit(corner, mesh, material, &solid.placement, screen);
+        let (Some(a), Some(b), Some(c)) = (lit(a), lit(b), lit(c)) else { return };
+        if is_whole {
+            let corners = [(spot_a, &a), (spot_b, &b), (spot_c, &c)];
+            if let Some(triangle) = triangles::set_up_whole(corners, &solid.surface, index) {
+                self.push(triangle, screen);
+            }
+        } else {
+            self.add_triangle([&a, &b, &c], &solid.surface, index, screen);
+        }
+    }
+
+    fn push(&mut self, triangle: Triangle, screen: &Screen) {
+        stage(&mut self.staged, self.triangles.len() as u32 * 2, triangle.rows(), screen);
+        self.triangles.push(triangle);
     }
 
     fn add_triangle(&mut self, corners: [&ClipVertex; 3], surface: &Surface, index: u32, screen: &Screen) {
@@ -172,16 +201,26 @@ fn stage(staged: &mut Vec<Primitive>, id: u32, (begin, end): (i32, i32), screen:
     }
 }
 
-/// The last transformed vertices, so that a vertex that neighbouring triangles share is computed once.
+/// The last transformed vertices, so that a vertex that neighbouring triangles share is computed once. Light is computed
+/// where a triangle is seen.
 #[derive(Debug)]
 pub(super) struct VertexCache {
     keys: [Option<u32>; Self::SIZE],
-    vertices: Vec<ClipVertex>,
+    vertices: Vec<CachedVertex>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct CachedVertex {
+    /// Without its colour until `is_lit`.
+    vertex: ClipVertex,
+    is_lit: bool,
+    spot: Spot,
+    outside: Outside,
 }
 
 impl Default for VertexCache {
     fn default() -> Self {
-        Self { keys: [None; Self::SIZE], vertices: vec![ClipVertex::default(); Self::SIZE] }
+        Self { keys: [None; Self::SIZE], vertices: vec![CachedVertex::default(); Self::SIZE] }
     }
 }
 
@@ -193,12 +232,40 @@ impl VertexCache {
     }
 
     #[inline]
-    fn get(&mut self, key: u32, make: impl FnOnce() -> Option<ClipVertex>) -> Option<ClipVertex> {
+    fn get(&mut self, key: u32, mesh: &Mesh, placement: &Placement, screen: &Screen) -> Option<&mut CachedVertex> {
         let slot = key as usize % Self::SIZE;
         if self.keys[slot] != Some(key) {
-            self.vertices[slot] = make()?;
+            let vertex = mesh.vertices.get(key as usize)?;
+            let position = placement.clip(vertex.position);
+            let vertex = ClipVertex { position, color: [0.0; 4], uv: vertex.uv };
+            let (spot, outside) = (Spot::new(position, screen), Outside::new(&vertex));
+            self.vertices[slot] = CachedVertex { vertex, is_lit: false, spot, outside };
             self.keys[slot] = Some(key);
         }
-        Some(self.vertices[slot])
+        Some(&mut self.vertices[slot])
+    }
+
+    /// Where a vertex is, if the mesh has it.
+    #[inline]
+    fn place(&mut self, key: u32, mesh: &Mesh, placement: &Placement, screen: &Screen) -> Option<(Spot, Outside)> {
+        self.get(key, mesh, placement, screen).map(|cached| (cached.spot, cached.outside))
+    }
+
+    /// A vertex with its colour.
+    #[inline]
+    fn lit(
+        &mut self,
+        key: u32,
+        mesh: &Mesh,
+        material: &Material,
+        placement: &Placement,
+        screen: &Screen,
+    ) -> Option<ClipVertex> {
+        let cached = self.get(key, mesh, placement, screen)?;
+        if !cached.is_lit {
+            cached.vertex.color = vertex_color(material, placement, mesh.vertices.get(key as usize)?);
+            cached.is_lit = true;
+        }
+        Some(cached.vertex)
     }
 }

@@ -43,30 +43,80 @@ pub(super) struct Triangle {
     uv: [Plane; 2],
 }
 
-/// A corner on the picture.
-#[derive(Clone, Copy)]
-struct Corner {
+/// Where a vertex is on the picture.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spot {
     x: i32,
     y: i32,
     depth: f32,
     inverse_w: f32,
-    color: [f32; 4],
-    uv: [f32; 2],
 }
 
-impl Corner {
-    fn new(vertex: &ClipVertex, screen: &Screen) -> Self {
-        let [x, y, z, w] = vertex.position;
+impl Spot {
+    /// The place of clip coordinates in front of the near plane.
+    #[inline]
+    pub(super) fn new([x, y, z, w]: [f32; 4], screen: &Screen) -> Self {
         let inverse_w = 1.0 / w;
         Self {
             x: snap(screen.x(x * inverse_w)),
             y: snap(screen.y(y * inverse_w)),
             depth: (z * inverse_w * 0.5 + 0.5) * FARTHEST,
             inverse_w,
-            color: vertex.color,
-            uv: vertex.uv,
         }
     }
+}
+
+/// Twice the area in snapped places. Window y points down, so what runs counter-clockwise to the eye has a negative one.
+#[inline]
+fn doubled_area([a, b, c]: [&Spot; 3]) -> i64 {
+    i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
+}
+
+/// Whether the sides that are not drawn include the one that is seen.
+#[inline]
+fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
+    match cull {
+        CullMode::None => doubled_area == 0,
+        CullMode::Back => doubled_area >= 0,
+        CullMode::Front => doubled_area <= 0,
+    }
+}
+
+/// Whether a triangle that needs no cutting may touch the centre of a pixel of the picture with a side that is drawn. Of a
+/// detailed mesh most do not, and are spared the light on their corners.
+#[inline]
+pub(super) fn may_be_seen([a, b, c]: [&Spot; 3], surface: &Surface, screen: &Screen) -> bool {
+    let touches = |a: i32, b: i32, c: i32, end: u32| {
+        let (first, after) = (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1));
+        first.max(0) < after.min(end as i32)
+    };
+    touches(a.x, b.x, c.x, screen.width_px)
+        && touches(a.y, b.y, c.y, screen.height_px)
+        && !is_hidden(doubled_area([a, b, c]), surface.cull)
+}
+
+/// A corner on the picture.
+#[derive(Clone, Copy)]
+struct Corner {
+    spot: Spot,
+    color: [f32; 4],
+    uv: [f32; 2],
+}
+
+impl Corner {
+    fn new(vertex: &ClipVertex, screen: &Screen) -> Self {
+        Self { spot: Spot::new(vertex.position, screen), color: vertex.color, uv: vertex.uv }
+    }
+}
+
+/// Makes a triangle ready that needs no cutting; none where nothing of it is to be drawn.
+pub(super) fn set_up_whole(
+    corners: [(Spot, &ClipVertex); 3],
+    surface: &Surface,
+    surface_index: u32,
+) -> Option<Triangle> {
+    let corners = corners.map(|(spot, vertex)| Corner { spot, color: vertex.color, uv: vertex.uv });
+    Triangle::new(corners, surface, surface_index)
 }
 
 /// Clips a triangle and appends what is to be drawn of it.
@@ -93,23 +143,16 @@ pub(super) fn set_up(
 
 impl Triangle {
     fn new([a, mut b, mut c]: [Corner; 3], surface: &Surface, surface_index: u32) -> Option<Self> {
-        let doubled_area = |b: &Corner, c: &Corner| {
-            i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
-        };
-        let mut area = doubled_area(&b, &c);
-        // Window y points down, so what runs counter-clockwise to the eye has a negative area.
-        let hidden = match surface.cull {
-            CullMode::None => area == 0,
-            CullMode::Back => area >= 0,
-            CullMode::Front => area <= 0,
-        };
-        if hidden {
+        let mut area = doubled_area([&a.spot, &b.spot, &c.spot]);
+        if is_hidden(area, surface.cull) {
             return None;
         }
         if area < 0 {
             std::mem::swap(&mut b, &mut c);
             area = -area;
         }
+        let [(a, color_a, uv_a), (b, color_b, uv_b), (c, color_c, uv_c)] =
+            [a, b, c].map(|corner| (corner.spot, corner.color, corner.uv));
         let scale = SUBPIXELS as f32;
         let [dx1, dy1, dx2, dy2] = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(|d| d as f32 / scale);
         let per_area = (scale as f64 * scale as f64 / area as f64) as f32;
@@ -124,13 +167,13 @@ impl Triangle {
             let DepthBias { steps, slopes } = surface.depth_bias;
             depth.at -= steps + slopes * depth.dx.abs().max(depth.dy.abs());
         }
-        let flat = a.color == b.color && a.color == c.color;
+        let flat = color_a == color_b && color_a == color_c;
         let color = if flat {
-            a.color.map(|at| Plane { at, dx: 0.0, dy: 0.0 })
+            color_a.map(|at| Plane { at, dx: 0.0, dy: 0.0 })
         } else {
-            [0, 1, 2, 3].map(|i| plane(a.color[i] * a.inverse_w, b.color[i] * b.inverse_w, c.color[i] * c.inverse_w))
+            [0, 1, 2, 3].map(|i| plane(color_a[i] * a.inverse_w, color_b[i] * b.inverse_w, color_c[i] * c.inverse_w))
         };
-        let uv = [0, 1].map(|i| plane(a.uv[i] * a.inverse_w, b.uv[i] * b.inverse_w, c.uv[i] * c.inverse_w));
+        let uv = [0, 1].map(|i| plane(uv_a[i] * a.inverse_w, uv_b[i] * b.inverse_w, uv_c[i] * c.inverse_w));
         Some(Self {
             corners: [[a.x, a.y], [b.x, b.y], [c.x, c.y]],
             surface: surface_index,
@@ -155,10 +198,15 @@ impl Triangle {
         let (left, right) = (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1));
         let (begin, end) = self.rows();
         for y in band.rows(begin, end) {
-            let (mut first, mut after) = (left, right);
-            for edge in &edges {
-                edge.narrow(y, &mut first, &mut after);
-            }
+            let (first, after) = if right - left <= SMALL_PX {
+                narrow_by_steps(&edges, y, left, right)
+            } else {
+                let (mut first, mut after) = (left, right);
+                for edge in &edges {
+                    edge.narrow(y, &mut first, &mut after);
+                }
+                (first, after)
+            };
             if first < after {
                 self.draw_row(surface, y, first, after, band);
             }
@@ -204,6 +252,26 @@ impl Triangle {
     }
 }
 
+/// In triangles up to this width each pixel is tried: that is faster than the divisions that find the ends of a row.
+const SMALL_PX: i32 = 6;
+
+/// The pixels of a row, from `left` to before `right`, that are on the inner side of all edges.
+#[inline]
+fn narrow_by_steps(edges: &[Edge; 3], y: i32, left: i32, right: i32) -> (i32, i32) {
+    let mut at = [0, 1, 2].map(|i: usize| edges[i].at(left, y));
+    let mut step = || {
+        let is_inside = at.iter().all(|side| *side >= 0);
+        for (side, edge) in at.iter_mut().zip(edges) {
+            *side += edge.dx;
+        }
+        is_inside
+    };
+    let first = (left..right).find(|_| step()).unwrap_or(right);
+    // The row's pixels lie side by side.
+    let after = (first + 1..right).find(|_| !step()).unwrap_or(right);
+    (first, after.max(first))
+}
+
 /// A straight edge: a pixel (x, y) is on its inner side where `c + x · dx + y · dy` is not negative.
 struct Edge {
     c: i64,
@@ -225,6 +293,11 @@ impl Edge {
             dx: -along_y * i64::from(SUBPIXELS),
             dy: along_x * i64::from(SUBPIXELS),
         }
+    }
+
+    #[inline]
+    fn at(&self, x: i32, y: i32) -> i64 {
+        self.c + self.dx * i64::from(x) + self.dy * i64::from(y)
     }
 
     /// Narrows `first..after` to the pixels of a row on the inner side.
