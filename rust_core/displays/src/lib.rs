@@ -9,6 +9,7 @@ mod axes;
 mod bounds;
 mod cloud;
 mod covariance;
+mod depth_cloud;
 mod display;
 mod effort;
 mod frame;

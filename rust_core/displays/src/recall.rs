@@ -94,12 +94,18 @@ impl Recall {
         }
     }
 
-    /// What was heard on these topics, in the order of arrival; markers whose lifetime is over not among it.
-    pub(crate) fn messages(&self, requests: &[TopicRequest], now: Time) -> Vec<AnyMessage> {
-        let of = |request: &TopicRequest| self.topics.get(&(request.topic.clone(), request.kind));
-        let mut kept: Vec<&Kept> = requests.iter().filter_map(of).flatten().collect();
-        kept.sort_by_key(|kept| kept.number);
-        kept.into_iter().filter_map(|kept| still_alive(&kept.message, now.secs_since(kept.received))).collect()
+    /// What was heard on these topics, in the order of arrival, each with its topic; markers whose lifetime is over not
+    /// among it.
+    pub(crate) fn messages<'a>(&self, requests: &'a [TopicRequest], now: Time) -> Vec<(&'a str, AnyMessage)> {
+        let of = |request: &'a TopicRequest| {
+            let kept = self.topics.get(&(request.topic.clone(), request.kind));
+            kept.into_iter().flatten().map(|kept| (request.topic.as_str(), kept))
+        };
+        let mut kept: Vec<(&str, &Kept)> = requests.iter().flat_map(of).collect();
+        kept.sort_by_key(|(_, kept)| kept.number);
+        let alive =
+            |(topic, kept): (&'a str, &Kept)| Some((topic, still_alive(&kept.message, now.secs_since(kept.received))?));
+        kept.into_iter().filter_map(alive).collect()
     }
 
     /// Keeps the text of a parameter; `None` while nobody has set it.
@@ -186,8 +192,9 @@ mod tests {
             path.header.seq = seq;
             recall.keep("/p", &AnyMessage::Path(Arc::new(path)), at(1.0));
         }
-        let messages = recall.messages(&[request("/p", MessageKind::Path)], at(2.0));
-        assert!(matches!(&messages[..], [AnyMessage::Path(path)] if path.header.seq == 2), "{messages:?}");
+        let requests = [request("/p", MessageKind::Path)];
+        let messages = recall.messages(&requests, at(2.0));
+        assert!(matches!(&messages[..], [("/p", AnyMessage::Path(path))] if path.header.seq == 2), "{messages:?}");
         recall.limit_to(&[request("/other", MessageKind::Path)], &[]);
         assert_eq!(count(&recall, "/p", MessageKind::Path, at(2.0)), 0);
     }
@@ -234,7 +241,8 @@ mod tests {
         recall.keep("/map_updates", &update(), at(4.0));
         let requests =
             [request("/map_updates", MessageKind::OccupancyGridUpdate), request("/map", MessageKind::OccupancyGrid)];
-        let kinds: Vec<MessageKind> = recall.messages(&requests, at(5.0)).iter().map(AnyMessage::kind).collect();
+        let kinds: Vec<MessageKind> =
+            recall.messages(&requests, at(5.0)).iter().map(|(_, message)| message.kind()).collect();
         let updated = MessageKind::OccupancyGridUpdate;
         assert_eq!(kinds, [MessageKind::OccupancyGrid, updated, updated]);
     }

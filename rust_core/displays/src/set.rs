@@ -13,6 +13,7 @@ use rcs_transforms::Time;
 
 use crate::axes::AxesDisplay;
 use crate::cloud::{CloudDisplay, CloudSource};
+use crate::depth_cloud::DepthCloudDisplay;
 use crate::display::Display;
 use crate::effort::EffortDisplay;
 use crate::grid::GridDisplay;
@@ -98,6 +99,7 @@ fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>>
         DisplaySettings::PoseArray(settings) => Box::new(PoseArrayDisplay::of(id, settings)),
         DisplaySettings::PoseWithCovariance(settings) => Box::new(PoseWithCovarianceDisplay::of(id, settings)),
         DisplaySettings::InteractiveMarkers(settings) => Box::new(InteractiveMarkersDisplay::new(id, settings.clone())),
+        DisplaySettings::DepthCloud(settings) => Box::new(DepthCloudDisplay::new(id, settings.clone())),
         DisplaySettings::Map(settings) => Box::new(MapDisplay::new(id, settings.clone())),
         DisplaySettings::Image(_) | DisplaySettings::Camera(_) => Box::new(NotDrawnDisplay::of_window()),
         DisplaySettings::NotDrawn { known, .. } => Box::new(NotDrawnDisplay::new(*known)),
@@ -247,7 +249,7 @@ impl DisplaySet {
             let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
             if entry.display.topics().iter().any(wants) {
                 entry.received += 1;
-                entry.display.take(message, world);
+                entry.display.take_from(topic, message, world);
                 wanted = true;
             }
         }
@@ -346,9 +348,9 @@ fn tell_parameters(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
 
 /// Tells a display what was heard on its topics.
 fn tell_messages(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
-    for message in recall.messages(&entry.display.topics(), world.now) {
+    for (topic, message) in recall.messages(&entry.display.topics(), world.now) {
         entry.received += 1;
-        entry.display.take(&message, world);
+        entry.display.take_from(topic, &message, world);
     }
 }
 

@@ -35,6 +35,7 @@ pub use displays::covariance::{
     CovarianceColorStyle, CovarianceFrame, CovarianceSettings, OrientationCovarianceSettings,
     PositionCovarianceSettings,
 };
+pub use displays::depth_cloud::DepthCloudSettings;
 pub use displays::effort::EffortSettings;
 pub use displays::grid::{GridPlane, GridSettings};
 pub use displays::grid_cells::GridCellsSettings;

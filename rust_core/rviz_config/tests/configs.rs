@@ -768,16 +768,6 @@ fn an_unknown_class_is_reported_once_and_its_keys_are_not() {
 }
 
 #[test]
-fn each_of_rvizs_other_classes_is_known_and_its_keys_are_not_reported() {
-    for class in ["DepthCloud"] {
-        let config = with_display(&format!("rviz/{class}"), "Topic: /t\nAnything: {At: all}");
-        assert_eq!(messages(&config), [format!("line 3: Displays / it: class rviz/{class} is not drawn yet")]);
-        assert_eq!(not_understood(&config), [""; 0]);
-        assert_eq!(config.displays[0].topic(), Some("/t"));
-    }
-}
-
-#[test]
 fn what_is_enabled_follows_rviz() {
     for (keys, enabled) in [
         ("{Class: rviz/Grid}", false),

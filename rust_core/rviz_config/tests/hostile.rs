@@ -117,6 +117,10 @@ fn check_display(display: &DisplayConfig) {
             assert!((0.0..=1.0).contains(&tf.marker_alpha) && tf.marker_scale.is_finite());
             assert!(tf.frame_timeout_s >= 1.0 && tf.update_interval_s >= 0.0 && tf.update_interval_s.is_finite());
         }
+        DisplaySettings::DepthCloud(depth) => {
+            assert!(depth.auto_size_factor >= 0.0001 && depth.occlusion_timeout_secs.is_finite());
+            assert!(depth.cloud.queue_size >= 1 && depth.cloud.size_m >= 0.0001);
+        }
         DisplaySettings::Map(map) => assert!((0.0..=1.0).contains(&map.alpha)),
         DisplaySettings::CameraPub(camera) => {
             assert!(camera.near_clip_m >= 0.01 && camera.near_clip_m.is_finite());

@@ -78,6 +78,8 @@ pub(crate) struct Clouds {
     display: DisplayId,
     settings: CloudSettings,
     nowhere: Nowhere,
+    /// Sizes are multiplied by each point's z.
+    auto_size: bool,
     shown: VecDeque<Shown>,
     drawables: Vec<Drawable>,
 }
@@ -99,11 +101,16 @@ struct Shown {
 
 impl Clouds {
     pub(crate) fn new(display: DisplayId, settings: CloudSettings, nowhere: Nowhere) -> Self {
-        Self { display, settings, nowhere, shown: VecDeque::new(), drawables: Vec::new() }
+        Self { display, settings, nowhere, auto_size: false, shown: VecDeque::new(), drawables: Vec::new() }
     }
 
     pub(crate) fn drawables(&self) -> &[Drawable] {
         &self.drawables
+    }
+
+    /// From now on points have a size in metres for each metre of their z, whatever the settings say.
+    pub(crate) fn set_auto_size(&mut self, size_m: f32) {
+        (self.auto_size, self.settings.size_m) = (true, size_m);
     }
 
     /// Whether only the newest cloud is seen.
@@ -159,7 +166,13 @@ impl Clouds {
                 fixed_from_object: placed.fixed_from_cloud.to_homogeneous(),
                 sort_point: Point3::from(sort_point).cast(),
                 group: RenderGroup::Main,
-                geometry: Geometry::Points(Points { buffer, style, alpha: settings.alpha, blended, auto_size: false }),
+                geometry: Geometry::Points(Points {
+                    buffer,
+                    style,
+                    alpha: settings.alpha,
+                    blended,
+                    auto_size: self.auto_size,
+                }),
             }
         };
         (buffers.into_iter().map(drawable).collect(), nowhere_count)

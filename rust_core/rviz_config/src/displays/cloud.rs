@@ -242,20 +242,25 @@ impl CloudSettings {
     /// Reads the properties; what the section does not say is as in `defaults`.
     pub(crate) fn read(section: &mut Section<'_>, defaults: Self) -> Self {
         let mut settings = defaults;
-        settings.intensity.read(section);
-        settings.axis_color.read(section);
+        settings.read_points(section);
         section.text("Topic", &mut settings.topic);
         section.bool("Unreliable", &mut settings.unreliable);
         section.count("Queue Size", 0, &mut settings.queue_size);
-        section.bool("Selectable", &mut settings.selectable);
-        section.choice("Style", &STYLES, &mut settings.style);
-        section.float("Size (Pixels)", at_least(1.0), &mut settings.size_px);
-        section.float("Size (m)", at_least(0.0001), &mut settings.size_m);
-        section.float("Alpha", 0.0..=1.0, &mut settings.alpha);
-        section.float("Decay Time", at_least(0.0), &mut settings.decay_time_secs);
-        section.choice_or_automatic("Position Transformer", &POSITION_TRANSFORMERS, &mut None);
-        section.choice_or_automatic("Color Transformer", &COLOR_TRANSFORMERS, &mut settings.color_transformer);
-        section.color("Color", &mut settings.flat_color);
         settings
+    }
+
+    /// Reads how points are drawn, without what is listened to.
+    pub(crate) fn read_points(&mut self, section: &mut Section<'_>) {
+        self.intensity.read(section);
+        self.axis_color.read(section);
+        section.bool("Selectable", &mut self.selectable);
+        section.choice("Style", &STYLES, &mut self.style);
+        section.float("Size (Pixels)", at_least(1.0), &mut self.size_px);
+        section.float("Size (m)", at_least(0.0001), &mut self.size_m);
+        section.float("Alpha", 0.0..=1.0, &mut self.alpha);
+        section.float("Decay Time", at_least(0.0), &mut self.decay_time_secs);
+        section.choice_or_automatic("Position Transformer", &POSITION_TRANSFORMERS, &mut None);
+        section.choice_or_automatic("Color Transformer", &COLOR_TRANSFORMERS, &mut self.color_transformer);
+        section.color("Color", &mut self.flat_color);
     }
 }

@@ -7,6 +7,7 @@ pub(crate) mod axes;
 pub(crate) mod camera_pub;
 pub(crate) mod cloud;
 pub(crate) mod covariance;
+pub(crate) mod depth_cloud;
 pub(crate) mod effort;
 pub(crate) mod grid;
 pub(crate) mod grid_cells;
@@ -35,6 +36,7 @@ use crate::section::{join, Report, Section};
 use axes::AxesSettings;
 use camera_pub::CameraPubSettings;
 use cloud::CloudSettings;
+use depth_cloud::DepthCloudSettings;
 use effort::EffortSettings;
 use grid::GridSettings;
 use grid_cells::GridCellsSettings;
@@ -121,6 +123,8 @@ pub enum DisplaySettings {
     PoseArray(PoseArraySettings),
     /// `rviz/PoseWithCovariance`
     PoseWithCovariance(PoseWithCovarianceSettings),
+    /// `rviz/DepthCloud`
+    DepthCloud(DepthCloudSettings),
     /// `rviz/Map`
     Map(MapSettings),
     /// `rviz/Image`
@@ -161,7 +165,7 @@ pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
     [("Lines", LineStyle::Lines), ("Billboards", LineStyle::Billboards)];
 
 /// The display classes of rviz 1.14 that are not drawn yet.
-const KNOWN_NOT_DRAWN: &[&str] = &["rviz/DepthCloud"];
+const KNOWN_NOT_DRAWN: &[&str] = &[];
 
 /// The keys under which displays that are not drawn name the topic that they show, the likeliest first.
 const TOPIC_KEYS: [&str; 5] = ["Topic", "Marker Topic", "Image Topic", "Depth Map Topic", "Update Topic"];
@@ -202,6 +206,7 @@ impl DisplayConfig {
             DisplaySettings::Pose(settings) => &settings.topic,
             DisplaySettings::PoseArray(settings) => &settings.topic,
             DisplaySettings::PoseWithCovariance(settings) => &settings.topic,
+            DisplaySettings::DepthCloud(settings) => &settings.depth_topic,
             DisplaySettings::Map(settings) => &settings.topic,
             DisplaySettings::Image(settings) | DisplaySettings::Camera(settings) => &settings.topic,
             DisplaySettings::InteractiveMarkers(settings) => &settings.update_topic,
@@ -294,6 +299,7 @@ fn read_class(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySet
         "rviz/Pose" => DisplaySettings::Pose(PoseSettings::read(section)),
         "rviz/PoseArray" => DisplaySettings::PoseArray(PoseArraySettings::read(section)),
         "rviz/PoseWithCovariance" => DisplaySettings::PoseWithCovariance(PoseWithCovarianceSettings::read(section)),
+        "rviz/DepthCloud" => DisplaySettings::DepthCloud(DepthCloudSettings::read(section)),
         "rviz/Map" => DisplaySettings::Map(MapSettings::read(section)),
         "rviz/Image" => DisplaySettings::Image(ImageSettings::read_image(section)),
         "rviz/Camera" => DisplaySettings::Camera(ImageSettings::read_camera(section)),

@@ -1,0 +1,245 @@
+//! Images as the transports `compressed` (JPEG and PNG) and `compressedDepth` (PNG and RVL) of ROS's `image_transport` send
+//! them.
+//!
+//! The format's first word is the encoding of the image that was compressed. Depth of 32-bit floats comes as 16-bit
+//! numbers that grow with the inverse of the depth, with two parameters before the data.
+
+use std::io::Cursor;
+use std::sync::Arc;
+
+use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use rcs_messages::sensor_msgs::CompressedImage;
+use rcs_messages::Image;
+
+use super::encoding::Pixel;
+
+/// The longest side of an image, in pixels.
+const MAX_SIDE_PX: u32 = 16_384;
+
+/// Bytes before the data of `compressedDepth`: a number of the format, and the two parameters.
+const HEADER_LEN: usize = 12;
+
+/// Unpacks an image of the transport `compressed`.
+///
+/// # Errors
+/// A sentence that says why that cannot be done.
+pub(super) fn unpack(message: &CompressedImage) -> Result<Image, String> {
+    let (encoding, rest) = message.format.split_once(';').unwrap_or(("", ""));
+    let is_color = encoding.starts_with("rgb") || encoding.starts_with("bgr");
+    // Old senders hand images of other orders than BGR to an encoder that takes them for BGR.
+    let is_swapped = is_color && !rest.contains("compressed bgr");
+    let picture = read(&message.data, None)?;
+    let size_px = [picture.width(), picture.height()];
+    let declared = |bits| Pixel::of(encoding) == Some(Pixel { bits, channels: 1 });
+    let (encoding, bytes) = match picture {
+        DynamicImage::ImageLuma8(grey) => (if declared(8) { encoding } else { "mono8" }, grey.into_raw()),
+        DynamicImage::ImageLuma16(grey) => {
+            (if declared(16) { encoding } else { "mono16" }, little_endian(&grey.into_raw()))
+        }
+        DynamicImage::ImageRgb16(color) => {
+            (if is_swapped { "bgr16" } else { "rgb16" }, little_endian(&color.into_raw()))
+        }
+        DynamicImage::ImageRgba8(color) => (if is_swapped { "bgra8" } else { "rgba8" }, color.into_raw()),
+        other => (if is_swapped { "bgr8" } else { "rgb8" }, other.to_rgb8().into_raw()),
+    };
+    let step = bytes.len().checked_div(size_px[1] as usize).unwrap_or(0) as u32;
+    Ok(Image::new(message.header.clone(), size_px, encoding, step, Arc::new(bytes)))
+}
+
+/// Unpacks an image of the transport `compressedDepth`.
+///
+/// # Errors
+/// A sentence that says why that cannot be done.
+pub(super) fn unpack_depth(message: &CompressedImage) -> Result<Image, String> {
+    let (encoding, rest) = message.format.split_once(';').unwrap_or((&message.format, ""));
+    let too_short = || format!("{} bytes are too few for a depth image", message.data.len());
+    let (header, data) = message.data.split_at_checked(HEADER_LEN).ok_or_else(too_short)?;
+    let (size_px, values) = if rest.contains("rvl") { read_rvl(data)? } else { read_png(data)? };
+    let header_of_image = message.header.clone();
+    match Pixel::of(encoding) {
+        Some(Pixel { bits: 16, channels: 1 }) => {
+            let bytes = Arc::new(little_endian(&values));
+            Ok(Image::new(header_of_image, size_px, encoding, size_px[0] * 2, bytes))
+        }
+        Some(Pixel { bits: 32, channels: 1 }) => {
+            let [a, b] = [4, 8].map(|at| header.get(at..at + 4).and_then(|bytes| bytes.try_into().ok()));
+            let [a, b] = [a, b].map(|bytes| f32::from_le_bytes(bytes.unwrap_or_default()));
+            let depth_m = |value: &u16| if *value == 0 { f32::NAN } else { a / (f32::from(*value) - b) };
+            let bytes = values.iter().flat_map(|value| depth_m(value).to_le_bytes()).collect();
+            Ok(Image::new(header_of_image, size_px, encoding, size_px[0] * 4, Arc::new(bytes)))
+        }
+        _ => Err(format!("format [{}] is none of depth", message.format)),
+    }
+}
+
+fn limits() -> Limits {
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE_PX), Some(MAX_SIDE_PX));
+    limits
+}
+
+fn read(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
+    let format = format.or_else(|| image::guess_format(bytes).ok());
+    let Some(format) = format.filter(|format| matches!(format, ImageFormat::Jpeg | ImageFormat::Png)) else {
+        return Err("neither JPEG nor PNG".to_owned());
+    };
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    reader.limits(limits());
+    reader.decode().map_err(|error| error.to_string())
+}
+
+fn read_png(bytes: &[u8]) -> Result<([u32; 2], Vec<u16>), String> {
+    match read(bytes, Some(ImageFormat::Png))? {
+        DynamicImage::ImageLuma16(depth) => Ok(([depth.width(), depth.height()], depth.into_raw())),
+        other => Err(format!("a PNG of {:?}, not of 16-bit grey", other.color())),
+    }
+}
+
+/// Wilson's RVL: width, height, and runs of zeros and of differences, in numbers of 3 bits a nibble.
+fn read_rvl(bytes: &[u8]) -> Result<([u32; 2], Vec<u16>), String> {
+    let too_short = || "the RVL data end too early".to_owned();
+    let (size, stream) = bytes.split_at_checked(8).ok_or_else(too_short)?;
+    let side = |at: usize| size.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, u32::from_le_bytes);
+    let size_px = [side(0), side(4)];
+    if size_px[0].max(size_px[1]) > MAX_SIDE_PX {
+        return Err(format!("an image of {}x{}, at most {MAX_SIDE_PX} a side", size_px[0], size_px[1]));
+    }
+    let count = size_px[0] as usize * size_px[1] as usize;
+    // Words of 32 bits with the first nibble on top.
+    let words = stream.chunks_exact(4).filter_map(|word| Some(u32::from_le_bytes(word.try_into().ok()?)));
+    let mut nibbles = words.flat_map(|word| (0..8).rev().map(move |i| (word >> (4 * i)) & 15));
+    let mut number = || {
+        let (mut value, mut shift) = (0_u32, 0);
+        loop {
+            let nibble = nibbles.next().ok_or_else(too_short)?;
+            value |= (nibble & 7).checked_shl(shift).unwrap_or(0);
+            shift += 3;
+            if nibble & 8 == 0 {
+                return Ok::<u32, String>(value);
+            }
+        }
+    };
+    let mut values: Vec<u16> = Vec::new();
+    let mut last = 0_i32;
+    while values.len() < count {
+        let left = count - values.len();
+        let zeros = number()? as usize;
+        values.resize(values.len() + zeros.min(left), 0);
+        let differences = (number()? as usize).min(count - values.len());
+        for _ in 0..differences {
+            let coded = number()?;
+            last = last.wrapping_add((coded >> 1) as i32 ^ -((coded & 1) as i32));
+            values.push(last as u16);
+        }
+        if zeros == 0 && differences == 0 {
+            return Err("an empty run in the RVL data".to_owned());
+        }
+    }
+    Ok((size_px, values))
+}
+
+fn little_endian(values: &[u16]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use image::{ImageBuffer, Luma, Rgb};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn message(format: &str, data: Vec<u8>) -> CompressedImage {
+        CompressedImage { format: format.to_owned(), data, ..CompressedImage::default() }
+    }
+
+    fn packed(picture: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    fn depth_png() -> Vec<u8> {
+        let depth = ImageBuffer::<Luma<u16>, _>::from_raw(3, 1, vec![0, 1000, 65535]).unwrap();
+        packed(&DynamicImage::ImageLuma16(depth), ImageFormat::Png)
+    }
+
+    #[test]
+    fn colours_come_out_in_their_order_whoever_sent_them() {
+        let picture = DynamicImage::ImageRgb8(ImageBuffer::from_pixel(2, 1, Rgb([250, 10, 20])));
+        for (kind, tolerance) in [(ImageFormat::Png, 0), (ImageFormat::Jpeg, 3)] {
+            let data = packed(&picture, kind);
+            for (format, encoding) in [
+                ("rgb8; jpeg compressed bgr8", "rgb8"),
+                ("bgr8; png compressed bgr8", "rgb8"),
+                ("jpeg", "rgb8"),
+                ("rgb8; jpeg compressed ", "bgr8"),
+            ] {
+                let image = unpack(&message(format, data.clone())).unwrap();
+                assert_eq!((image.encoding.as_str(), image.width, image.height, image.step), (encoding, 2, 1, 6));
+                let near =
+                    image.data().iter().zip([250_u8, 10, 20, 250, 10, 20]).all(|(a, b)| a.abs_diff(b) <= tolerance);
+                assert!(near, "{format}: {:?}", image.data());
+            }
+        }
+    }
+
+    #[test]
+    fn depth_comes_as_png_of_16_bits() {
+        let image = unpack(&message("16UC1; png compressed ", depth_png())).unwrap();
+        assert_eq!((image.encoding.as_str(), image.step), ("16UC1", 6));
+        assert_eq!(image.data(), [0, 0, 0xe8, 3, 255, 255]);
+        let mut data = vec![0; HEADER_LEN];
+        data.extend(depth_png());
+        let image = unpack_depth(&message("16UC1; compressedDepth png", data)).unwrap();
+        assert_eq!((image.encoding.as_str(), image.data()), ("16UC1", [0, 0, 0xe8, 3, 255, 255].as_slice()));
+    }
+
+    #[test]
+    fn float_depth_is_the_inverse_of_what_is_sent() {
+        let mut data = vec![0; 4];
+        data.extend(5000.0_f32.to_le_bytes());
+        data.extend(500.0_f32.to_le_bytes());
+        data.extend(depth_png());
+        let image = unpack_depth(&message("32FC1; compressedDepth", data)).unwrap();
+        let depths: Vec<f32> = image.data().chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
+        assert!(depths[0].is_nan());
+        assert_eq!(depths[1..], [10.0, 5000.0 / (65535.0 - 500.0)]);
+    }
+
+    #[test]
+    fn rvl_is_runs_of_zeros_and_of_differences() {
+        // 2 zeros, then 3 values: 5 (+5 is coded as 10), 3 (−2 as 3), 3 (0 as 0); one zero, no values.
+        let nibbles = [2_u32, 3, 8 | 2, 1, 3, 0, 1, 0];
+        let word = nibbles.iter().fold(0, |word, nibble| word << 4 | nibble);
+        let mut data = vec![0; HEADER_LEN];
+        data.extend([6_u32, 1].iter().flat_map(|side| side.to_le_bytes()));
+        data.extend(word.to_le_bytes());
+        let image = unpack_depth(&message("16UC1; compressedDepth rvl", data.clone())).unwrap();
+        assert_eq!((image.width, image.height), (6, 1));
+        assert_eq!(image.data(), [0, 0, 0, 0, 5, 0, 3, 0, 3, 0, 0, 0]);
+        data.truncate(data.len() - 4);
+        assert!(unpack_depth(&message("16UC1; compressedDepth rvl", data)).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn damaged_images_are_errors(
+            cut in 0..200_usize, at in 0..200_usize, value: u8, rvl: bool, junk in prop::collection::vec(any::<u8>(), 0..64),
+        ) {
+            let mut data = vec![0; HEADER_LEN];
+            data.extend(depth_png());
+            data.truncate(cut);
+            if let Some(byte) = data.get_mut(at) {
+                *byte = value;
+            }
+            let format = if rvl { "16UC1; compressedDepth rvl" } else { "32FC1; compressedDepth" };
+            for data in [data, junk] {
+                for image in [unpack(&message("rgb8; jpeg compressed bgr8", data.clone())), unpack_depth(&message(format, data))] {
+                    let is_whole = |image: &Image| image.data().len() == image.step as usize * image.height as usize;
+                    prop_assert!(image.as_ref().map_or(true, is_whole));
+                }
+            }
+        }
+    }
+}
