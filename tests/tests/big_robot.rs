@@ -109,10 +109,11 @@ fn a_robot_of_full_size_loads_in_less_than_two_seconds_and_moves() {
     let faults: Vec<String> = bench
         .stage
         .displays()
-        .statuses()
-        .flat_map(|(_, statuses)| statuses.iter().map(|(name, status)| (name.to_owned(), status.clone())))
-        .filter(|(_, status)| status.level > rcs_displays::Level::Ok)
-        .map(|(name, status)| format!("{name}: {}", status.text))
+        .reports()
+        .flat_map(|report| {
+            let faults = report.statuses.iter().filter(|(_, status)| status.level > rcs_displays::Level::Ok);
+            faults.map(|(name, status)| format!("{name}: {}", status.text)).collect::<Vec<_>>()
+        })
         .collect();
     assert_eq!(faults, [""; 0]);
     let first = bench.picture.data.clone();

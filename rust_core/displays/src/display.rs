@@ -37,13 +37,13 @@ pub(crate) trait Display: Send {
     /// Takes a message of one of its topics.
     fn take(&mut self, _message: &AnyMessage, _world: &World<'_>) {}
 
-    /// Takes note that a publisher of one of its topics is gone.
-    fn publisher_left(&mut self, _topic: &str) {}
-
     /// Takes a message of the topic that it asked for by this name, where it matters which that is.
     fn take_from(&mut self, _topic: &str, message: &AnyMessage, world: &World<'_>) {
         self.take(message, world);
     }
+
+    /// Takes note that a publisher of one of its topics is gone.
+    fn publisher_left(&mut self, _topic: &str) {}
 
     /// The ROS parameters that it wants to know, by their names in the config.
     fn parameters(&self) -> Vec<String> {
