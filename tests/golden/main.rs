@@ -2,9 +2,10 @@
 //!
 //! Each case is a folder with `scene.rviz`, `scene.bag` and the `expected.png` that rviz 1.14.19 with its CameraPub
 //! plugin published for them. A failing case leaves `expected | difference | actual` in `test_output/golden`.
-//! `GOLDEN_OUTPUT=DIR` keeps all rendered pictures there.
+//! `GOLDEN_OUTPUT=DIR` keeps all rendered pictures there. The pictures of the gallery in `docs` are tested with them.
 
 mod cases;
+mod gallery;
 mod score;
 
 use std::path::{Path, PathBuf};
@@ -42,6 +43,9 @@ fn main() {
                     trials.push(Trial::test(format!("{name}::{}", case.name), move || {
                         test(&case, name, &renderer, &scores)
                     }));
+                }
+                if choice == RendererChoice::Cpu {
+                    trials.extend(gallery::trials(&cases, &renderer));
                 }
             }
             Err(error) => {

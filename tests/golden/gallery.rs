@@ -1,0 +1,111 @@
+//! The gallery `docs/displays.md`: its pictures are what the CPU renderer draws, and each display has its section.
+//!
+//! A picture `images/displays/NAME.png` is that of the case NAME. `UPDATE_GALLERY=1` writes the pictures anew.
+
+use std::path::PathBuf;
+
+use libtest_mimic::{Failed, Trial};
+
+use crate::cases::{self, Case};
+use crate::{load, render, score, SharedRenderer};
+
+/// The display classes of rviz 1.14, and the camera's.
+const CLASSES: [&str; 34] = [
+    "rviz/AccelStamped",
+    "rviz/Axes",
+    "rviz/Camera",
+    "rviz/DepthCloud",
+    "rviz/Effort",
+    "rviz/FluidPressure",
+    "rviz/Grid",
+    "rviz/GridCells",
+    "rviz/Group",
+    "rviz/Illuminance",
+    "rviz/Image",
+    "rviz/InteractiveMarkers",
+    "rviz/LaserScan",
+    "rviz/Map",
+    "rviz/Marker",
+    "rviz/MarkerArray",
+    "rviz/Odometry",
+    "rviz/Path",
+    "rviz/PointCloud",
+    "rviz/PointCloud2",
+    "rviz/PointStamped",
+    "rviz/Polygon",
+    "rviz/Pose",
+    "rviz/PoseArray",
+    "rviz/PoseWithCovariance",
+    "rviz/Range",
+    "rviz/RelativeHumidity",
+    "rviz/RobotModel",
+    "rviz/TF",
+    "rviz/Temperature",
+    "rviz/TwistStamped",
+    "rviz/WrenchStamped",
+    "rviz_camera_stream/CameraPub",
+    "other plugins",
+];
+
+/// A gallery's picture and the one drawn now agree at least so far. Both come from the same renderer, which calculates
+/// in floating point, so that another processor may round a pixel otherwise.
+const MIN_CLOSE: f64 = 0.999;
+
+fn page() -> String {
+    std::fs::read_to_string(cases::repository().join("docs/displays.md")).unwrap_or_default()
+}
+
+fn picture(name: &str) -> PathBuf {
+    cases::repository().join("docs/images/displays").join(format!("{name}.png"))
+}
+
+/// The names of the cases whose pictures the page shows.
+fn shown(page: &str) -> Vec<&str> {
+    let mut names: Vec<&str> =
+        page.split("images/displays/").skip(1).filter_map(|rest| Some(rest.split_once(".png")?.0)).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// One test for each picture, and one for the sections.
+pub(crate) fn trials(all: &[Case], cpu: &SharedRenderer) -> Vec<Trial> {
+    let page = page();
+    let mut trials = Vec::new();
+    for name in shown(&page) {
+        let (case, cpu) = (all.iter().find(|case| case.name == name).cloned(), cpu.clone());
+        let name = name.to_owned();
+        trials.push(Trial::test(format!("gallery::{name}"), move || {
+            test(&case.ok_or_else(|| format!("there is no case {name}"))?, &cpu)
+        }));
+    }
+    trials.push(Trial::test("gallery::sections", move || sections(&page)));
+    trials
+}
+
+fn sections(page: &str) -> Result<(), Failed> {
+    for class in CLASSES {
+        let heading = format!("\n## {class}\n");
+        let (_, section) = page.split_once(&heading).ok_or_else(|| format!("no section {class}"))?;
+        let section = section.split("\n## ").next().unwrap_or_default();
+        if !section.contains("images/displays/") && !section.contains("No picture") {
+            return Err(format!("the section {class} has no picture").into());
+        }
+    }
+    Ok(())
+}
+
+fn test(case: &Case, cpu: &SharedRenderer) -> Result<(), Failed> {
+    let file = picture(&case.name);
+    if std::env::var_os("UPDATE_GALLERY").is_some() {
+        return render(case, &file, cpu).map_err(|error| format!("{error:#}").into());
+    }
+    let folder = tempfile::tempdir()?;
+    let drawn = folder.path().join("drawn.png");
+    render(case, &drawn, cpu).map_err(|error| format!("{error:#}"))?;
+    let score = score::score(&load(&file)?, &load(&drawn)?).ok_or("another size")?;
+    if score.close < MIN_CLOSE {
+        return Err(format!("close {:.4}: draw it again with UPDATE_GALLERY=1", score.close).into());
+    }
+    Ok(())
+}
