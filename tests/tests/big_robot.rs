@@ -1,4 +1,5 @@
 //! A robot of full size on the CPU renderer: how long it takes to load, and a picture of it while its joints move.
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -77,7 +78,7 @@ impl Bench {
         let message = TFMessage { transforms: self.joints.iter().map(transform).collect() };
         self.stage.take_transforms(&message, false, "test");
         let now = time(frame);
-        let now = Time::from_secs_nanos(now.sec.into(), now.nsec);
+        let now = Time::from_secs_nanos(now.sec, now.nsec);
         assert!(self.stage.update(now), "frame {frame}: nothing moved");
         let scene = self.stage.scene();
         let camera = self.stage.cameras()[0].clone();

@@ -22,8 +22,8 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(settings: MapSettings) -> Self {
-        let settings = MapSettings { topic: "/map".to_owned(), ..settings };
+    fn new(mut settings: MapSettings) -> Self {
+        "/map".clone_into(&mut settings.topic);
         let meshes = MeshStore::new(PackageIndex::new([]));
         let mut bench = Self { display: MapDisplay::new(0, settings), tree: TransformTree::new(), meshes };
         bench.place(1, 0.0);
