@@ -160,7 +160,7 @@ fn what_a_user_set_lasts_until_the_file_says_something_else() {
     stand.wait_for(format!("eye.middle() == {BLUE}"));
     // Other values in the file are taken over, and told.
     let green = CameraPub { background: "0; 255; 0", ..camera() };
-    stand.rewrite(&config(&[CLOUD, grid], &[green.clone()]));
+    stand.rewrite(&config(&[CLOUD, grid], std::slice::from_ref(&green)));
     assert!(stand.puppet(RELOAD).starts_with("(True, "));
     stand.wait_for("eye.middle() == (0, 255, 0) and c.get_configuration()['background_green'] == 255");
     assert_eq!(stand.puppet("c.get_configuration()['show_cloud']"), "False");

@@ -173,7 +173,11 @@ impl Triangle {
         } else {
             [0, 1, 2, 3].map(|i| plane(color_a[i] * a.inverse_w, color_b[i] * b.inverse_w, color_c[i] * c.inverse_w))
         };
-        let uv = [0, 1].map(|i| plane(uv_a[i] * a.inverse_w, uv_b[i] * b.inverse_w, uv_c[i] * c.inverse_w));
+        let uv = if matches!(surface.paint, Paint::Color) {
+            [Plane::default(); 2]
+        } else {
+            [0, 1].map(|i| plane(uv_a[i] * a.inverse_w, uv_b[i] * b.inverse_w, uv_c[i] * c.inverse_w))
+        };
         Some(Self {
             corners: [[a.x, a.y], [b.x, b.y], [c.x, c.y]],
             surface: surface_index,
@@ -217,11 +221,25 @@ impl Triangle {
         let (first, colors, depths) = band.span(y, first, after);
         let row = y as f32;
         let fragments = colors.iter_mut().zip(depths).zip(first..);
-        if self.flat && matches!(surface.paint, Paint::Color) {
-            let color = self.color.map(|plane| unorm8(plane.at));
-            for ((pixel, depth), x) in fragments {
-                let fragment_depth = self.depth.value(x as f32, row).clamp(0.0, FARTHEST);
-                meet(pixel, depth, fragment_depth, color, surface.mode);
+        if matches!(surface.paint, Paint::Color) {
+            // What most of a scene is.
+            if self.flat {
+                let color = self.color.map(|plane| unorm8(plane.at));
+                for ((pixel, depth), x) in fragments {
+                    let fragment_depth = self.depth.value(x as f32, row).clamp(0.0, FARTHEST);
+                    meet(pixel, depth, fragment_depth, color, surface.mode);
+                }
+            } else {
+                for ((pixel, depth), x) in fragments {
+                    let column = x as f32;
+                    let fragment_depth = self.depth.value(column, row).clamp(0.0, FARTHEST);
+                    if surface.mode.depth_test && fragment_depth > *depth {
+                        continue;
+                    }
+                    let w = 1.0 / self.inverse_w.value(column, row);
+                    let color = self.color.map(|plane| unorm8(plane.value(column, row) * w));
+                    meet(pixel, depth, fragment_depth, color, surface.mode);
+                }
             }
             return;
         }
