@@ -28,6 +28,8 @@ Visualization Manager:
 /// From the joints' first message to the last, at 60 Hz.
 const FRAMES: u32 = 60;
 const MAX_LOAD_TIME: Duration = Duration::from_secs(2);
+/// Twice the 16.7 ms of 60 Hz, which two cores stay below: a busy machine is no fault of the renderer.
+const MAX_FRAME_TIME: Duration = Duration::from_micros(33_333);
 
 struct Bench {
     stage: Stage,
@@ -133,5 +135,6 @@ fn a_robot_of_full_size_loads_in_less_than_two_seconds_and_moves() {
         times[times.len() / 2]
     );
     assert!(load_time < MAX_LOAD_TIME, "{load_time:?}");
+    assert!(times[0] < MAX_FRAME_TIME, "{:?}", times[0]);
     assert_ne!(bench.picture.data, first, "the robot moved");
 }

@@ -5,6 +5,8 @@
 //! two vertices is always computed from the inner one, so that two triangles that share an edge share the cut too, and
 //! the pixels along it are drawn once.
 
+use wide::f32x4;
+
 /// A vertex on its way to the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ClipVertex {
@@ -49,8 +51,8 @@ fn distance(side: usize, [x, y, z, w]: [f32; 4], guard: f32) -> f32 {
     }
 }
 
-fn outcode(vertex: &ClipVertex, guard: f32) -> u32 {
-    (0..SIDES).fold(0, |code, side| code | u32::from(distance(side, vertex.position, guard) < 0.0) << side)
+fn outcode(position: [f32; 4], guard: f32) -> u32 {
+    (0..SIDES).fold(0, |code, side| code | u32::from(distance(side, position, guard) < 0.0) << side)
 }
 
 /// On which sides a place is outside: of the view, and of the wider one that triangles are cut at.
@@ -65,13 +67,21 @@ pub(super) struct Outside {
 impl Outside {
     /// Of clip coordinates.
     #[inline]
-    pub(super) fn new(vertex: &ClipVertex) -> Self {
-        const NO_NUMBER: u32 = 1 << SIDES;
-        if vertex.is_finite() {
-            Self { view: outcode(vertex, 1.0), guard: outcode(vertex, GUARD) }
-        } else {
-            Self { view: 0, guard: NO_NUMBER }
+    pub(super) fn new(position: [f32; 4]) -> Self {
+        const NO_NUMBER: u32 = 1 << 8;
+        let [x, y, z, w] = position;
+        let place = f32x4::new([x, y, z, 0.0]);
+        let beyond = |size: f32x4| {
+            (size + place).simd_lt(f32x4::ZERO).to_bitmask() | (size - place).simd_lt(f32x4::ZERO).to_bitmask() << 4
+        };
+        // Infinite, or no number.
+        if (f32x4::new(position) * f32x4::ZERO).simd_ne(f32x4::ZERO).any() {
+            return Self { view: 0, guard: NO_NUMBER };
         }
+        let view = beyond(f32x4::splat(w));
+        // What is outside of the wide view is outside of the narrow one.
+        let guard = if view == 0 { 0 } else { beyond(f32x4::new([GUARD * w, GUARD * w, w, w])) };
+        Self { view, guard }
     }
 }
 
@@ -89,14 +99,14 @@ impl Polygon {
         if triangle.iter().any(|v| !v.is_finite()) {
             return None;
         }
-        if triangle.iter().fold(!0, |all, v| all & outcode(v, 1.0)) != 0 {
+        if triangle.iter().fold(!0, |all, v| all & outcode(v.position, 1.0)) != 0 {
             return None;
         }
         let mut polygon = Self { vertices: [ClipVertex::default(); 3 + SIDES + 1], len: 3 };
         for (to, from) in polygon.vertices.iter_mut().zip(triangle) {
             *to = *from;
         }
-        let crossed = triangle.iter().fold(0, |any, v| any | outcode(v, GUARD));
+        let crossed = triangle.iter().fold(0, |any, v| any | outcode(v.position, GUARD));
         for side in (0..SIDES).filter(|side| crossed & 1 << side != 0) {
             polygon.cut(side);
         }
@@ -138,7 +148,7 @@ pub(super) fn clip_line(mut a: ClipVertex, mut b: ClipVertex) -> Option<(ClipVer
     if !a.is_finite() || !b.is_finite() {
         return None;
     }
-    let (out_a, out_b) = (outcode(&a, 1.0), outcode(&b, 1.0));
+    let (out_a, out_b) = (outcode(a.position, 1.0), outcode(b.position, 1.0));
     if out_a & out_b != 0 {
         return None;
     }

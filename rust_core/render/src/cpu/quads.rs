@@ -250,7 +250,9 @@ pub(super) fn draw_exactly(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen
 #[cold]
 fn draw_triangles(cloud: &Cloud<'_>, index: usize, screen: &Screen, band: &mut Band<'_>) {
     cloud.faces.triangles(&cloud.placement, index, |triangle| {
-        triangles::set_up(triangle, &cloud.surface, 0, screen, |triangle| triangle.draw(&cloud.surface, band));
+        triangles::cut(triangle, &cloud.surface, screen, |corners| {
+            triangles::draw(corners.each_ref(), &cloud.surface, band);
+        });
     });
 }
 

@@ -8,6 +8,7 @@
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use rcs_scene::{Camera, DirectionalLight};
+use wide::{f32x4, i32x4};
 
 /// Snapped places to a pixel.
 pub(super) const SUBPIXELS: i32 = 256;
@@ -67,6 +68,14 @@ impl Screen {
         self.half_height - ndc * self.half_height
     }
 
+    /// Window x and y, and depth from 0 to 1, of clip coordinates that are already divided by w; the last lane has no
+    /// meaning.
+    #[inline]
+    pub(super) fn window(&self, ndc: f32x4) -> f32x4 {
+        ndc * f32x4::new([self.half_width, -self.half_height, 0.5, 0.0])
+            + f32x4::new([self.half_width, self.half_height, 0.5, 0.0])
+    }
+
     /// Half of the picture's width and height in pixels.
     #[inline]
     pub(super) fn half_size(&self) -> (f32, f32) {
@@ -77,9 +86,17 @@ impl Screen {
 /// A window coordinate in 1/256 pixel from the first pixel's centre, to the nearest. Kept within ±2^24.
 #[inline]
 pub(super) fn snap(window: f32) -> i32 {
-    let scaled = (window - 0.5) * SUBPIXELS as f32;
-    let limit = (1 << 24) as f32;
-    (scaled + 0.5f32.copysign(scaled)).clamp(-limit, limit) as i32
+    snap_lanes(f32x4::splat(window)).to_array()[0]
+}
+
+/// Window coordinates in 1/256 pixel from the first pixel's centre, to the nearest. Kept within ±2^24.
+#[inline]
+pub(super) fn snap_lanes(window: f32x4) -> i32x4 {
+    let limit = f32x4::splat((1 << 24) as f32);
+    let scaled = (window - f32x4::splat(0.5)) * f32x4::splat(SUBPIXELS as f32);
+    let half = f32x4::splat(0.5) | (scaled & f32x4::splat(-0.0));
+    // A half away from zero before the fraction is cut off. What is no number ends at a limit.
+    (scaled + half).fast_min(limit).fast_max(-limit).fast_trunc_int()
 }
 
 /// The first pixel whose centre is not before a snapped place.
@@ -129,10 +146,12 @@ mod tests {
 
     #[test]
     fn places_snap_to_the_pixel_raster() {
-        assert_eq!(snap(0.5), 0);
-        assert_eq!(snap(3.5), 3 * SUBPIXELS);
-        assert_eq!(snap(f32::INFINITY), 1 << 24);
-        assert_eq!(snap(f32::NAN), 0);
+        let limit = 1 << 24;
+        let snap = |window| snap_lanes(f32x4::new(window)).to_array();
+        assert_eq!(snap([0.5, 3.5, f32::INFINITY, -1e30]), [0, 3 * SUBPIXELS, limit, -limit]);
+        // Halves go away from zero.
+        assert_eq!(snap([0.5 + 1.5 / 256.0, 0.5 - 1.5 / 256.0, 0.5 + 1.4 / 256.0, 0.5]), [2, -2, 1, 0]);
+        assert!(snap([f32::NAN; 4]).iter().all(|place| place.abs() == limit));
         assert_eq!((first_pixel(0), first_pixel(1), first_pixel(-255), first_pixel(-256)), (0, 1, 0, -1));
     }
 

@@ -15,7 +15,7 @@ use super::lighting::vertex_color;
 use super::lines::{self, Line};
 use super::screen::{Placement, Screen};
 use super::surface::Surface;
-use super::triangles::{self, Spot, Triangle};
+use super::triangles::{self, Corner, Spot};
 
 /// Something made of triangles or lines.
 #[derive(Debug)]
@@ -62,9 +62,52 @@ impl Rows for Primitive {
     }
 }
 
+/// A vertex that was transformed; triangles share it.
+#[derive(Clone, Copy, Debug)]
+struct ReadyCorner {
+    /// Without its colour until `is_lit`.
+    corner: Corner,
+    is_lit: bool,
+}
+
+impl ReadyCorner {
+    /// Gives it its colour, for which there is no need before a triangle is seen.
+    #[inline]
+    fn light(&mut self, source: &Source<'_>, key: u32) {
+        if !self.is_lit {
+            if let Some(vertex) = source.mesh.vertices.get(key as usize) {
+                self.corner.color = vertex_color(source.material, source.placement, vertex);
+            }
+            self.is_lit = true;
+        }
+    }
+}
+
+/// A triangle that is ready to be drawn. What is spread over it is computed where it meets pixels: to keep that for each
+/// would take ten times the memory, and time with it.
+#[derive(Clone, Copy, Debug)]
+struct Triangle {
+    /// Indices of its corners.
+    corners: [u32; 3],
+    /// Index of the solid.
+    solid: u32,
+}
+
+/// Where triangles come from.
+struct Source<'a> {
+    mesh: &'a Mesh,
+    material: &'a Material,
+    placement: &'a Placement,
+    surface: &'a Surface,
+    /// Of the solid.
+    index: u32,
+    screen: &'a Screen,
+}
+
 /// Primitives that are ready to be drawn.
 #[derive(Debug, Default)]
 pub(super) struct Primitives {
+    corners: Vec<ReadyCorner>,
     triangles: Vec<Triangle>,
     lines: Vec<Line>,
     staged: Vec<Primitive>,
@@ -74,6 +117,7 @@ pub(super) struct Primitives {
 impl Primitives {
     /// Forgets everything.
     pub(super) fn clear(&mut self) {
+        self.corners.clear();
         self.triangles.clear();
         self.lines.clear();
         self.staged.clear();
@@ -92,9 +136,11 @@ impl Primitives {
         match &solid.shape {
             Shape::Mesh(mesh, material) => {
                 cache.clear();
+                let source =
+                    Source { mesh, material, placement: &solid.placement, surface: &solid.surface, index, screen };
                 let corners = mesh.indices.get(parts.start * 3..parts.end * 3).unwrap_or(&[]);
                 for corners in corners.chunks_exact(3) {
-                    self.add_corners(mesh, material, corners, solid, index, screen, cache);
+                    self.add_triangle(&source, corners, cache);
                 }
             }
             Shape::Lines(lines) => {
@@ -115,54 +161,53 @@ impl Primitives {
     }
 
     /// Makes the triangle of three corners ready.
-    #[expect(clippy::too_many_arguments, reason = "the inner loop of one caller")]
     #[inline]
-    fn add_corners(
-        &mut self,
-        mesh: &Mesh,
-        material: &Material,
-        corners: &[u32],
-        solid: &Solid<'_>,
-        index: u32,
-        screen: &Screen,
-        cache: &mut VertexCache,
-    ) {
+    fn add_triangle(&mut self, source: &Source<'_>, corners: &[u32], cache: &mut VertexCache) {
         let &[a, b, c] = corners else { return };
-        let mut place = |corner| cache.place(corner, mesh, &solid.placement, screen);
-        let (Some((spot_a, out_a)), Some((spot_b, out_b)), Some((spot_c, out_c))) = (place(a), place(b), place(c))
-        else {
-            return;
-        };
+        let mut place = |key| cache.place(key, source, &mut self.corners);
+        let (Some((a, out_a)), Some((b, out_b)), Some((c, out_c))) = (place(a), place(b), place(c)) else { return };
         if out_a.view & out_b.view & out_c.view != 0 {
             return;
         }
-        let is_whole = out_a.guard | out_b.guard | out_c.guard == 0;
-        if is_whole && !triangles::may_be_seen([&spot_a, &spot_b, &spot_c], &solid.surface, screen) {
+        if out_a.guard | out_b.guard | out_c.guard != 0 {
+            self.add_cut(source, corners);
             return;
         }
-        let mut lit = |corner| cache.lit(corner, mesh, material, &solid.placement, screen);
-        let (Some(a), Some(b), Some(c)) = (lit(a), lit(b), lit(c)) else { return };
-        if is_whole {
-            let corners = [(spot_a, &a), (spot_b, &b), (spot_c, &c)];
-            if let Some(triangle) = triangles::set_up_whole(corners, &solid.surface, index) {
-                self.push(triangle, screen);
-            }
-        } else {
-            self.add_triangle([&a, &b, &c], &solid.surface, index, screen);
+        let indices = [a, b, c];
+        let spots = indices.map(|index| &self.corners[index as usize].corner.spot);
+        if !triangles::may_be_seen(spots, source.surface, source.screen) {
+            return;
         }
+        let rows = triangles::rows(spots);
+        for (&index, &key) in indices.iter().zip(corners) {
+            self.corners[index as usize].light(source, key);
+        }
+        self.push_triangle(indices, rows, source);
     }
 
-    fn push(&mut self, triangle: Triangle, screen: &Screen) {
-        stage(&mut self.staged, self.triangles.len() as u32 * 2, triangle.rows(), screen);
-        self.triangles.push(triangle);
-    }
-
-    fn add_triangle(&mut self, corners: [&ClipVertex; 3], surface: &Surface, index: u32, screen: &Screen) {
-        triangles::set_up(corners, surface, index, screen, |triangle| {
-            let (begin, end) = triangle.rows();
-            stage(&mut self.staged, self.triangles.len() as u32 * 2, (begin, end), screen);
-            self.triangles.push(triangle);
+    /// Makes ready what is to be drawn of a triangle that reaches far out of the picture.
+    fn add_cut(&mut self, source: &Source<'_>, keys: &[u32]) {
+        let vertex = |key: u32| {
+            let vertex = source.mesh.vertices.get(key as usize)?;
+            Some(ClipVertex {
+                position: source.placement.clip(vertex.position),
+                color: vertex_color(source.material, source.placement, vertex),
+                uv: vertex.uv,
+            })
+        };
+        let &[a, b, c] = keys else { return };
+        let (Some(a), Some(b), Some(c)) = (vertex(a), vertex(b), vertex(c)) else { return };
+        triangles::cut([&a, &b, &c], source.surface, source.screen, |corners| {
+            let first = self.corners.len() as u32;
+            self.corners.extend(corners.map(|corner| ReadyCorner { corner, is_lit: true }));
+            let rows = triangles::rows(corners.each_ref().map(|corner| &corner.spot));
+            self.push_triangle([first, first + 1, first + 2], rows, source);
         });
+    }
+
+    fn push_triangle(&mut self, corners: [u32; 3], rows: (i32, i32), source: &Source<'_>) {
+        stage(&mut self.staged, self.triangles.len() as u32 * 2, rows, source.screen);
+        self.triangles.push(Triangle { corners, solid: source.index });
     }
 
     fn add_line(&mut self, a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) {
@@ -186,8 +231,9 @@ impl Primitives {
                     line.draw(band);
                 }
             } else if let Some(triangle) = self.triangles.get(at) {
-                if let Some(solid) = solids.get(triangle.surface as usize) {
-                    triangle.draw(&solid.surface, band);
+                if let Some(solid) = solids.get(triangle.solid as usize) {
+                    let corners = triangle.corners.map(|index| &self.corners[index as usize].corner);
+                    triangles::draw(corners, &solid.surface, band);
                 }
             }
         }
@@ -201,26 +247,25 @@ fn stage(staged: &mut Vec<Primitive>, id: u32, (begin, end): (i32, i32), screen:
     }
 }
 
-/// The last transformed vertices, so that a vertex that neighbouring triangles share is computed once. Light is computed
-/// where a triangle is seen.
+/// The last transformed vertices, so that a vertex that neighbouring triangles share is computed once.
 #[derive(Debug)]
 pub(super) struct VertexCache {
-    keys: [Option<u32>; Self::SIZE],
-    vertices: Vec<CachedVertex>,
+    entries: [CachedVertex; Self::SIZE],
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct CachedVertex {
-    /// Without its colour until `is_lit`.
-    vertex: ClipVertex,
-    is_lit: bool,
-    spot: Spot,
+    /// Its index in the mesh.
+    key: Option<u32>,
+    /// Its index among the corners.
+    index: u32,
     outside: Outside,
 }
 
 impl Default for VertexCache {
     fn default() -> Self {
-        Self { keys: [None; Self::SIZE], vertices: vec![CachedVertex::default(); Self::SIZE] }
+        let empty = CachedVertex { key: None, index: 0, outside: Outside::default() };
+        Self { entries: [empty; Self::SIZE] }
     }
 }
 
@@ -228,44 +273,20 @@ impl VertexCache {
     const SIZE: usize = 256;
 
     fn clear(&mut self) {
-        self.keys.fill(None);
+        *self = Self::default();
     }
 
+    /// The index of a vertex among the corners, if the mesh has it.
     #[inline]
-    fn get(&mut self, key: u32, mesh: &Mesh, placement: &Placement, screen: &Screen) -> Option<&mut CachedVertex> {
-        let slot = key as usize % Self::SIZE;
-        if self.keys[slot] != Some(key) {
-            let vertex = mesh.vertices.get(key as usize)?;
-            let position = placement.clip(vertex.position);
-            let vertex = ClipVertex { position, color: [0.0; 4], uv: vertex.uv };
-            let (spot, outside) = (Spot::new(position, screen), Outside::new(&vertex));
-            self.vertices[slot] = CachedVertex { vertex, is_lit: false, spot, outside };
-            self.keys[slot] = Some(key);
+    fn place(&mut self, key: u32, source: &Source<'_>, corners: &mut Vec<ReadyCorner>) -> Option<(u32, Outside)> {
+        let entry = &mut self.entries[key as usize % Self::SIZE];
+        if entry.key != Some(key) {
+            let vertex = source.mesh.vertices.get(key as usize)?;
+            let position = source.placement.clip(vertex.position);
+            *entry = CachedVertex { key: Some(key), index: corners.len() as u32, outside: Outside::new(position) };
+            let corner = Corner { spot: Spot::new(position, source.screen), color: [0.0; 4], uv: vertex.uv };
+            corners.push(ReadyCorner { corner, is_lit: false });
         }
-        Some(&mut self.vertices[slot])
-    }
-
-    /// Where a vertex is, if the mesh has it.
-    #[inline]
-    fn place(&mut self, key: u32, mesh: &Mesh, placement: &Placement, screen: &Screen) -> Option<(Spot, Outside)> {
-        self.get(key, mesh, placement, screen).map(|cached| (cached.spot, cached.outside))
-    }
-
-    /// A vertex with its colour.
-    #[inline]
-    fn lit(
-        &mut self,
-        key: u32,
-        mesh: &Mesh,
-        material: &Material,
-        placement: &Placement,
-        screen: &Screen,
-    ) -> Option<ClipVertex> {
-        let cached = self.get(key, mesh, placement, screen)?;
-        if !cached.is_lit {
-            cached.vertex.color = vertex_color(material, placement, mesh.vertices.get(key as usize)?);
-            cached.is_lit = true;
-        }
-        Some(cached.vertex)
+        Some((entry.index, entry.outside))
     }
 }

@@ -6,10 +6,11 @@
 //! in the window, and everything else is linear in space: it is carried divided by w, and divided by 1/w per pixel.
 
 use rcs_scene::CullMode;
+use wide::{f32x4, i32x4};
 
 use super::band::{meet, unorm8, Band};
 use super::clip::{ClipVertex, Polygon};
-use super::screen::{first_pixel, snap, Screen, FARTHEST, SUBPIXELS};
+use super::screen::{first_pixel, snap_lanes, Screen, FARTHEST, SUBPIXELS};
 use super::surface::{DepthBias, Paint, Surface};
 
 /// A quantity that is linear in the window: its value at the reference pixel and the change by a pixel to the right
@@ -28,21 +29,6 @@ impl Plane {
     }
 }
 
-/// A triangle that is ready to be drawn.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Triangle {
-    /// Snapped corners; the inside is on the right of each edge as the picture shows it.
-    corners: [[i32; 2]; 3],
-    /// Index of its surface.
-    pub surface: u32,
-    /// All corners have one colour, which `color` holds undivided.
-    flat: bool,
-    depth: Plane,
-    inverse_w: Plane,
-    color: [Plane; 4],
-    uv: [Plane; 2],
-}
-
 /// Where a vertex is on the picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Spot {
@@ -55,14 +41,13 @@ pub(super) struct Spot {
 impl Spot {
     /// The place of clip coordinates in front of the near plane.
     #[inline]
-    pub(super) fn new([x, y, z, w]: [f32; 4], screen: &Screen) -> Self {
-        let inverse_w = 1.0 / w;
-        Self {
-            x: snap(screen.x(x * inverse_w)),
-            y: snap(screen.y(y * inverse_w)),
-            depth: (z * inverse_w * 0.5 + 0.5) * FARTHEST,
-            inverse_w,
-        }
+    pub(super) fn new(position: [f32; 4], screen: &Screen) -> Self {
+        let inverse_w = 1.0 / position[3];
+        // Window x and y, and the depth from 0 to 1.
+        let window = screen.window(f32x4::new(position) * f32x4::splat(inverse_w));
+        let [x, y, ..] = snap_lanes(window).to_array();
+        let [_, _, depth, _] = window.to_array();
+        Self { x, y, depth: depth * FARTHEST, inverse_w }
     }
 }
 
@@ -87,7 +72,7 @@ fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
 #[inline]
 pub(super) fn may_be_seen([a, b, c]: [&Spot; 3], surface: &Surface, screen: &Screen) -> bool {
     let touches = |a: i32, b: i32, c: i32, end: u32| {
-        let (first, after) = (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1));
+        let (first, after) = between(a, b, c);
         first.max(0) < after.min(end as i32)
     };
     touches(a.x, b.x, c.x, screen.width_px)
@@ -95,12 +80,15 @@ pub(super) fn may_be_seen([a, b, c]: [&Spot; 3], surface: &Surface, screen: &Scr
         && !is_hidden(doubled_area([a, b, c]), surface.cull)
 }
 
-/// A corner on the picture.
-#[derive(Clone, Copy)]
-struct Corner {
-    spot: Spot,
-    color: [f32; 4],
-    uv: [f32; 2],
+/// A vertex on the picture, with what is spread over the triangles around it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Corner {
+    /// Where it is.
+    pub spot: Spot,
+    /// Red, green, blue, alpha, each 0 to 1.
+    pub color: [f32; 4],
+    /// Texture coordinates.
+    pub uv: [f32; 2],
 }
 
 impl Corner {
@@ -109,53 +97,91 @@ impl Corner {
     }
 }
 
-/// Makes a triangle ready that needs no cutting; none where nothing of it is to be drawn.
-pub(super) fn set_up_whole(
-    corners: [(Spot, &ClipVertex); 3],
-    surface: &Surface,
-    surface_index: u32,
-) -> Option<Triangle> {
-    let corners = corners.map(|(spot, vertex)| Corner { spot, color: vertex.color, uv: vertex.uv });
-    Triangle::new(corners, surface, surface_index)
+/// The first row of a triangle and the row after its last; may lie outside of the picture.
+#[inline]
+pub(super) fn rows([a, b, c]: [&Spot; 3]) -> (i32, i32) {
+    between(a.y, b.y, c.y)
 }
 
-/// Clips a triangle and appends what is to be drawn of it.
-pub(super) fn set_up(
-    triangle: [&ClipVertex; 3],
-    surface: &Surface,
-    surface_index: u32,
-    screen: &Screen,
-    mut out: impl FnMut(Triangle),
-) {
+/// The first pixel and the pixel after the last that snapped places reach over.
+#[inline]
+fn between(a: i32, b: i32, c: i32) -> (i32, i32) {
+    (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1))
+}
+
+/// Clips a triangle and hands out what is to be drawn of it.
+pub(super) fn cut(triangle: [&ClipVertex; 3], surface: &Surface, screen: &Screen, mut out: impl FnMut(&[Corner; 3])) {
     let Some(polygon) = Polygon::clip(triangle) else { return };
     let Some((first, rest)) = polygon.vertices().split_first() else { return };
     let first = Corner::new(first, screen);
     for pair in rest.windows(2) {
         let corners = [first, Corner::new(&pair[0], screen), Corner::new(&pair[1], screen)];
-        if let Some(triangle) = Triangle::new(corners, surface, surface_index) {
-            let (begin, end) = triangle.rows();
-            if begin.max(0) < end.min(screen.height_px as i32) {
-                out(triangle);
-            }
+        if may_be_seen(corners.each_ref().map(|corner| &corner.spot), surface, screen) {
+            out(&corners);
         }
     }
 }
 
-impl Triangle {
-    fn new([a, mut b, mut c]: [Corner; 3], surface: &Surface, surface_index: u32) -> Option<Self> {
-        let mut area = doubled_area([&a.spot, &b.spot, &c.spot]);
-        if is_hidden(area, surface.cull) {
-            return None;
+/// Draws the rows of a band. Culling is done by then.
+pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mut Band<'_>) {
+    let mut area = doubled_area([&a.spot, &b.spot, &c.spot]);
+    if area == 0 {
+        return;
+    }
+    if area < 0 {
+        std::mem::swap(&mut b, &mut c);
+        area = -area;
+    }
+    let spots = [&a.spot, &b.spot, &c.spot];
+    let (left, right) = between(a.spot.x, b.spot.x, c.spot.x);
+    let (begin, end) = rows(spots);
+    // Many a triangle of a detailed mesh lies between the pixels' centres.
+    let mut planes = None;
+    let mut draw_row = |y, (first, after), band: &mut Band<'_>| {
+        if first < after {
+            planes
+                .get_or_insert_with(|| Planes::new([a, b, c], area, surface))
+                .draw_row(surface, y, first, after, band);
         }
-        if area < 0 {
-            std::mem::swap(&mut b, &mut c);
-            area = -area;
+    };
+    if right - left <= SmallEdges::MAX_WIDTH_PX && end - begin <= SmallEdges::MAX_HEIGHT_PX {
+        let edges = SmallEdges::around(spots, left, begin);
+        for y in band.rows(begin, end) {
+            let (first, after) = edges.row(y - begin, right - left);
+            draw_row(y, (left + first, left + after), band);
         }
+    } else {
+        let edges = Edge::around(spots);
+        for y in band.rows(begin, end) {
+            let (mut first, mut after) = (left, right);
+            for edge in &edges {
+                edge.narrow(y, &mut first, &mut after);
+            }
+            draw_row(y, (first, after), band);
+        }
+    }
+}
+
+/// What is spread over a triangle.
+#[derive(Clone, Copy, Debug)]
+struct Planes {
+    /// All corners have one colour, which `color` holds undivided.
+    flat: bool,
+    depth: Plane,
+    inverse_w: Plane,
+    color: [Plane; 4],
+    /// Only where the surface has use for it.
+    uv: [Plane; 2],
+}
+
+impl Planes {
+    /// Of corners whose inside is on the right of each edge as the picture shows it.
+    fn new(corners: [&Corner; 3], doubled_area: i64, surface: &Surface) -> Self {
         let [(a, color_a, uv_a), (b, color_b, uv_b), (c, color_c, uv_c)] =
-            [a, b, c].map(|corner| (corner.spot, corner.color, corner.uv));
+            corners.map(|corner| (&corner.spot, &corner.color, &corner.uv));
         let scale = SUBPIXELS as f32;
         let [dx1, dy1, dx2, dy2] = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(|d| d as f32 / scale);
-        let per_area = (scale as f64 * scale as f64 / area as f64) as f32;
+        let per_area = (scale as f64 * scale as f64 / doubled_area as f64) as f32;
         let (x, y) = (a.x as f32 / scale, a.y as f32 / scale);
         let plane = |va: f32, vb: f32, vc: f32| {
             let dx = ((vb - va) * dy2 - (vc - va) * dy1) * per_area;
@@ -178,43 +204,7 @@ impl Triangle {
         } else {
             [0, 1].map(|i| plane(uv_a[i] * a.inverse_w, uv_b[i] * b.inverse_w, uv_c[i] * c.inverse_w))
         };
-        Some(Self {
-            corners: [[a.x, a.y], [b.x, b.y], [c.x, c.y]],
-            surface: surface_index,
-            flat,
-            depth,
-            inverse_w: plane(a.inverse_w, b.inverse_w, c.inverse_w),
-            color,
-            uv,
-        })
-    }
-
-    /// The first row and the row after the last; may lie outside of the picture.
-    pub(super) fn rows(&self) -> (i32, i32) {
-        let [a, b, c] = self.corners.map(|corner| corner[1]);
-        (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1))
-    }
-
-    /// Draws the rows of a band.
-    pub(super) fn draw(&self, surface: &Surface, band: &mut Band<'_>) {
-        let edges = Edge::around(&self.corners);
-        let [a, b, c] = self.corners.map(|corner| corner[0]);
-        let (left, right) = (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1));
-        let (begin, end) = self.rows();
-        for y in band.rows(begin, end) {
-            let (first, after) = if right - left <= SMALL_PX {
-                narrow_by_steps(&edges, y, left, right)
-            } else {
-                let (mut first, mut after) = (left, right);
-                for edge in &edges {
-                    edge.narrow(y, &mut first, &mut after);
-                }
-                (first, after)
-            };
-            if first < after {
-                self.draw_row(surface, y, first, after, band);
-            }
-        }
+        Self { flat, depth, inverse_w: plane(a.inverse_w, b.inverse_w, c.inverse_w), color, uv }
     }
 
     fn draw_row(&self, surface: &Surface, y: i32, first: i32, after: i32, band: &mut Band<'_>) {
@@ -270,24 +260,49 @@ impl Triangle {
     }
 }
 
-/// In triangles up to this width each pixel is tried: that is faster than the divisions that find the ends of a row.
-const SMALL_PX: i32 = 6;
+/// The edges of a small triangle, where to try each pixel is faster than the divisions that find the ends of a row. As
+/// [`Edge`], one in a lane, the last without meaning; places are measured from the bounding box's first pixel, so that
+/// all fits into 32 bits.
+struct SmallEdges {
+    c: i32x4,
+    dx: i32x4,
+    dy: i32x4,
+}
 
-/// The pixels of a row, from `left` to before `right`, that are on the inner side of all edges.
-#[inline]
-fn narrow_by_steps(edges: &[Edge; 3], y: i32, left: i32, right: i32) -> (i32, i32) {
-    let mut at = [0, 1, 2].map(|i: usize| edges[i].at(left, y));
-    let mut step = || {
-        let is_inside = at.iter().all(|side| *side >= 0);
-        for (side, edge) in at.iter_mut().zip(edges) {
-            *side += edge.dx;
+impl SmallEdges {
+    const MAX_WIDTH_PX: i32 = 6;
+    const MAX_HEIGHT_PX: i32 = 64;
+
+    #[inline]
+    fn around([a, b, c]: [&Spot; 3], left: i32, top: i32) -> Self {
+        let (x, y) = (i32x4::splat(left * SUBPIXELS), i32x4::splat(top * SUBPIXELS));
+        let (from_x, from_y) = (i32x4::new([a.x, b.x, c.x, a.x]) - x, i32x4::new([a.y, b.y, c.y, a.y]) - y);
+        let along_x = i32x4::new([b.x, c.x, a.x, a.x]) - x - from_x;
+        let along_y = i32x4::new([b.y, c.y, a.y, a.y]) - y - from_y;
+        let owns = along_y.simd_lt(i32x4::ZERO) | (along_y.simd_eq(i32x4::ZERO) & along_x.simd_gt(i32x4::ZERO));
+        // A mask is -1 where it holds, so that one is taken off where the edge does not own the pixels on it.
+        Self {
+            c: along_y * from_x - along_x * from_y - i32x4::ONE - owns,
+            dx: -along_y * i32x4::splat(SUBPIXELS),
+            dy: along_x * i32x4::splat(SUBPIXELS),
         }
-        is_inside
-    };
-    let first = (left..right).find(|_| step()).unwrap_or(right);
-    // The row's pixels lie side by side.
-    let after = (first + 1..right).find(|_| !step()).unwrap_or(right);
-    (first, after.max(first))
+    }
+
+    /// The pixels of a row, from 0 to before `width`, that are on the inner side of all edges: the first and the one
+    /// after the last.
+    #[inline]
+    fn row(&self, y: i32, width: i32) -> (i32, i32) {
+        const EDGES: u32 = 0b111;
+        let mut at = self.c + self.dy * i32x4::splat(y);
+        let mut inside = 0u32;
+        for x in 0..width {
+            inside |= u32::from(at.to_bitmask() & EDGES == 0) << x;
+            at += self.dx;
+        }
+        // They lie side by side.
+        let first = inside.trailing_zeros().min(width as u32) as i32;
+        (first, first + inside.count_ones() as i32)
+    }
 }
 
 /// A straight edge: a pixel (x, y) is on its inner side where `c + x · dx + y · dy` is not negative.
@@ -298,8 +313,8 @@ struct Edge {
 }
 
 impl Edge {
-    fn around(corners: &[[i32; 2]; 3]) -> [Self; 3] {
-        [0, 1, 2].map(|i| Self::new(corners[i], corners[(i + 1) % 3]))
+    fn around([a, b, c]: [&Spot; 3]) -> [Self; 3] {
+        [(a, b), (b, c), (c, a)].map(|(from, to)| Self::new([from.x, from.y], [to.x, to.y]))
     }
 
     fn new([ax, ay]: [i32; 2], [bx, by]: [i32; 2]) -> Self {
@@ -311,11 +326,6 @@ impl Edge {
             dx: -along_y * i64::from(SUBPIXELS),
             dy: along_x * i64::from(SUBPIXELS),
         }
-    }
-
-    #[inline]
-    fn at(&self, x: i32, y: i32) -> i64 {
-        self.c + self.dx * i64::from(x) + self.dy * i64::from(y)
     }
 
     /// Narrows `first..after` to the pixels of a row on the inner side.
