@@ -39,6 +39,7 @@ impl Rgba {
 
     /// Four bytes, red first, as Ogre packs vertex colours: each channel times 255 and cut off, not clamped, so that
     /// 1.2 wraps round to 50 and −0.2 to 205, as in rviz. NaN and what no 32-bit integer holds become 0.
+    #[inline]
     pub fn to_rgba8(self) -> [u8; 4] {
         self.to_array().map(|channel| {
             let level = channel * 255.0;

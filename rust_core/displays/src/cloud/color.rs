@@ -4,10 +4,12 @@
 //! Ogre packs them (times 255, cut off).
 
 use nalgebra::{Isometry3, Point3};
+use rayon::prelude::*;
 use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer, IntensitySettings};
 use rcs_scene::Rgba;
 
 use super::fields::{Channel, Layout};
+use super::points::{PointBytes, MIN_SHARE};
 
 /// The colours of a cloud's points.
 pub(crate) enum PointColor {
@@ -37,17 +39,12 @@ impl<'a> Coloring<'a> {
         Self { settings, transformer, fixed_from_cloud }
     }
 
-    /// Whether colours depend on more than positions.
-    pub(crate) fn needs_bytes(&self) -> bool {
-        !matches!(self.transformer, ColorTransformer::FlatColor | ColorTransformer::AxisColor)
-    }
-
     /// Colours points, given by their bytes and by their positions in the cloud's frame.
     pub(crate) fn prepare(
         &self,
         layout: &Layout,
         big_endian: bool,
-        points: &[&[u8]],
+        points: &PointBytes<'_>,
         positions: &[[f32; 3]],
     ) -> PointColor {
         match self.transformer {
@@ -58,35 +55,51 @@ impl<'a> Coloring<'a> {
                 PointColor::PerPoint(by_axis(&self.settings.axis_color, self.fixed_from_cloud, positions))
             }
             ColorTransformer::Intensity => by_intensity(&self.settings.intensity, layout, big_endian, points),
-            ColorTransformer::Rgb8 => packed(layout, big_endian, points, |rgb| rgb),
-            ColorTransformer::Mono8 => packed(layout, big_endian, points, |[r, g, b]| {
-                let grey = (0.2989 * f64::from(r) + 0.5870 * f64::from(g) + 0.1140 * f64::from(b)) as f32;
-                [grey; 3]
+            ColorTransformer::Rgb8 => packed(layout, big_endian, points, |rgb| rgb.map(packed_level)),
+            ColorTransformer::Mono8 => packed(layout, big_endian, points, |rgb| {
+                let [r, g, b] = rgb.map(|byte| f64::from(f32::from(byte) / 255.0));
+                let grey = (0.2989 * r + 0.5870 * g + 0.1140 * b) as f32;
+                let [level, ..] = Rgba::new(grey, grey, grey, 1.0).to_rgba8();
+                [level; 3]
             }),
             ColorTransformer::Rgbf32 => {
                 let channels = ["r", "g", "b"].map(|name| layout.channel(name));
                 let [Some(r), Some(g), Some(b)] = channels else { return PointColor::Uniform(WHITE) };
                 let float = |channel: &Channel, point: &[u8]| f32::from_bits(channel.bits(point, big_endian));
-                let color = |point: &&[u8]| Rgba::new(float(r, point), float(g, point), float(b, point), 1.0);
-                PointColor::PerPoint(points.iter().map(|point| color(point).to_rgba8()).collect())
+                let color = |point: &[u8]| Rgba::new(float(r, point), float(g, point), float(b, point), 1.0);
+                PointColor::PerPoint(points.map(|point| color(point).to_rgba8()))
             }
         }
     }
 }
 
-/// Colours of a packed channel, each mapped from red, green and blue of 0 to 1.
-fn packed(layout: &Layout, big_endian: bool, points: &[&[u8]], map: impl Fn([f32; 3]) -> [f32; 3]) -> PointColor {
-    let Some((channel, has_alpha)) = layout.packed_color() else { return PointColor::Uniform(WHITE) };
-    let mut levels = [0.0; 256];
-    for (i, level) in levels.iter_mut().enumerate() {
-        *level = i as f32 / 255.0;
-    }
-    let color = |point: &&[u8]| {
-        let [a, r, g, b] = channel.bits(point, big_endian).to_be_bytes().map(|byte| levels[usize::from(byte)]);
-        let [r, g, b] = map([r, g, b]);
-        Rgba::new(r, g, b, if has_alpha { a } else { 1.0 }).to_rgba8()
+/// A byte on its way through rviz, which makes a float of 0 to 1 of it and cuts that off to a byte again. Some lose one.
+fn packed_level(byte: u8) -> u8 {
+    const LEVELS: [u8; 256] = {
+        let mut levels = [0; 256];
+        let mut i = 0;
+        while i < 256 {
+            levels[i] = (i as f32 / 255.0 * 255.0) as u8;
+            i += 1;
+        }
+        levels
     };
-    PointColor::PerPoint(points.iter().map(color).collect())
+    LEVELS[usize::from(byte)]
+}
+
+/// Colours of a packed channel; red, green and blue are mapped.
+fn packed(
+    layout: &Layout,
+    big_endian: bool,
+    points: &PointBytes<'_>,
+    map: impl Fn([u8; 3]) -> [u8; 3] + Sync + Send,
+) -> PointColor {
+    let Some((channel, has_alpha)) = layout.packed_color() else { return PointColor::Uniform(WHITE) };
+    PointColor::PerPoint(points.map(|point| {
+        let [a, r, g, b] = channel.bits(point, big_endian).to_be_bytes();
+        let [r, g, b] = map([r, g, b]);
+        [r, g, b, if has_alpha { packed_level(a) } else { 255 }]
+    }))
 }
 
 /// The smallest and largest of the values as rviz finds them, from bounds that an ordinary value replaces.
@@ -100,11 +113,16 @@ fn bounds(values: impl Iterator<Item = f32>, outermost: f32) -> (f32, f32) {
     (min, max)
 }
 
-fn by_intensity(settings: &IntensitySettings, layout: &Layout, big_endian: bool, points: &[&[u8]]) -> PointColor {
+fn by_intensity(
+    settings: &IntensitySettings,
+    layout: &Layout,
+    big_endian: bool,
+    points: &PointBytes<'_>,
+) -> PointColor {
     let named = layout.channel(&settings.channel_name);
     let other_name = if settings.channel_name == "intensity" { layout.channel("intensities") } else { None };
     let Some(channel) = named.or(other_name) else { return PointColor::Uniform(WHITE) };
-    let values: Vec<f32> = points.iter().map(|point| channel.value(point, big_endian)).collect();
+    let values: Vec<f32> = points.map(|point| channel.value(point, big_endian));
     let (min, max) = if settings.auto_bounds {
         let outermost = 999_999.0;
         let (min, max) = bounds(values.iter().copied(), outermost);
@@ -118,7 +136,7 @@ fn by_intensity(settings: &IntensitySettings, layout: &Layout, big_endian: bool,
             let share = (1.0 - f64::from((value - min) / range)) as f32;
             rainbow(if settings.invert_rainbow { (1.0 - f64::from(share)) as f32 } else { share })
         };
-        values.iter().map(color).collect()
+        values.par_iter().with_min_len(MIN_SHARE).map(color).collect()
     } else {
         let [low, high] = [settings.min_color, settings.max_color].map(|rgb| Rgba::from_rgb8(rgb, 1.0));
         let color = |value: &f32| {
@@ -128,7 +146,7 @@ fn by_intensity(settings: &IntensitySettings, layout: &Layout, big_endian: bool,
             let mix = |low: f32, high: f32| high * share + low * (1.0 - share);
             Rgba::new(mix(low.r, high.r), mix(low.g, high.g), mix(low.b, high.b), 1.0).to_rgba8()
         };
-        values.iter().map(color).collect()
+        values.par_iter().with_min_len(MIN_SHARE).map(color).collect()
     };
     PointColor::PerPoint(colors)
 }
@@ -151,7 +169,8 @@ fn by_axis(settings: &AxisColorSettings, fixed_from_cloud: &Isometry3<f64>, posi
         (settings.min, settings.max)
     };
     let range = if max == min { 0.001 } else { max - min };
-    positions.iter().map(|position| rainbow((1.0 - f64::from((value(position) - min) / range)) as f32)).collect()
+    let color = |position: &[f32; 3]| rainbow((1.0 - f64::from((value(position) - min) / range)) as f32);
+    positions.par_iter().with_min_len(MIN_SHARE).map(color).collect()
 }
 
 /// rviz's rainbow: magenta at 0 over blue, cyan, green and yellow to red at 1.
@@ -182,6 +201,14 @@ mod tests {
         assert_eq!(rainbow(1.0), [255, 0, 0, 255]);
         assert_eq!(rainbow(-7.0), rainbow(0.0));
         assert_eq!(rainbow(7.0), rainbow(1.0));
+    }
+
+    #[test]
+    fn bytes_go_the_way_of_floats() {
+        for byte in 0..=255 {
+            let level = f32::from(byte) / 255.0;
+            assert_eq!([packed_level(byte); 4], Rgba::new(level, level, level, level).to_rgba8());
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! A cloud's bytes as positions and colours.
 
+use rayon::prelude::*;
 use rcs_messages::PointCloud2;
 use rcs_scene::{PointBuffer, PointColors};
 
@@ -18,6 +19,43 @@ pub(crate) enum Nowhere {
 /// Where rviz puts such points, in metres along each axis.
 const FAR_AWAY: [f32; 3] = [999_999.0; 3];
 
+/// Points that a core does at once, so that small clouds are not spread over cores.
+pub(super) const MIN_SHARE: usize = 4096;
+
+/// The bytes of a cloud's points that are shown.
+#[derive(Debug)]
+pub(super) struct PointBytes<'a> {
+    data: &'a [u8],
+    point_step: usize,
+    /// The numbers of those that are shown; `None`: all.
+    shown: Option<Vec<u32>>,
+}
+
+impl<'a> PointBytes<'a> {
+    /// All points of a cloud.
+    fn all(cloud: &'a PointCloud2, layout: &Layout) -> Self {
+        Self { data: cloud.data(), point_step: layout.point_step.max(1), shown: None }
+    }
+
+    /// What becomes of each point, in their order, computed on all cores.
+    pub(super) fn map<T: Send>(&self, compute: impl Fn(&[u8]) -> T + Sync + Send) -> Vec<T> {
+        match &self.shown {
+            None => self.data.par_chunks_exact(self.point_step).with_min_len(MIN_SHARE).map(compute).collect(),
+            Some(numbers) => {
+                let point = |number: &u32| {
+                    let begin = *number as usize * self.point_step;
+                    self.data.get(begin..begin + self.point_step).unwrap_or(&[])
+                };
+                numbers.par_iter().with_min_len(MIN_SHARE).map(|number| compute(point(number))).collect()
+            }
+        }
+    }
+}
+
+fn is_somewhere(position: &[f32; 3]) -> bool {
+    position.iter().all(|value| value.is_finite())
+}
+
 /// Reads the points; also returns how many have no finite position.
 pub(crate) fn read(
     cloud: &PointCloud2,
@@ -25,31 +63,22 @@ pub(crate) fn read(
     coloring: &Coloring<'_>,
     nowhere: Nowhere,
 ) -> (PointBuffer, usize) {
-    let mut positions = Vec::with_capacity(layout.point_count);
-    let mut points: Vec<&[u8]> = Vec::new();
-    let needs_bytes = coloring.needs_bytes();
-    if needs_bytes {
-        points.reserve(layout.point_count);
-    }
-    let mut nowhere_count = 0;
+    let mut points = PointBytes::all(cloud, layout);
     let [x, y, z] = &layout.position;
-    for point in cloud.data().chunks_exact(layout.point_step.max(1)) {
-        let position = [x, y, z].map(|channel| f32::from_bits(channel.bits(point, cloud.is_bigendian)));
-        let is_somewhere = position.iter().all(|value| value.is_finite());
-        nowhere_count += usize::from(!is_somewhere);
-        if is_somewhere || nowhere == Nowhere::FarAway {
-            positions.push(position);
-            if needs_bytes {
-                points.push(point);
-            }
-        }
+    let mut positions =
+        points.map(|point| [x, y, z].map(|channel| f32::from_bits(channel.bits(point, cloud.is_bigendian))));
+    let nowhere_count = positions.par_iter().with_min_len(MIN_SHARE).filter(|position| !is_somewhere(position)).count();
+    if nowhere_count > 0 && nowhere == Nowhere::LeftOut {
+        let numbered = (0..).zip(&positions);
+        points.shown = Some(numbered.filter(|(_, position)| is_somewhere(position)).map(|(i, _)| i).collect());
+        positions.retain(is_somewhere);
     }
     let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions) {
         PointColor::Uniform(color) => PointColors::Uniform(color),
         PointColor::PerPoint(colors) => PointColors::PerPoint(colors),
     };
-    for position in positions.iter_mut().filter(|_| nowhere_count > 0 && nowhere == Nowhere::FarAway) {
-        if position.iter().any(|value| !value.is_finite()) {
+    if nowhere_count > 0 && nowhere == Nowhere::FarAway {
+        for position in positions.iter_mut().filter(|position| !is_somewhere(position)) {
             *position = FAR_AWAY;
         }
     }
