@@ -159,7 +159,8 @@ impl Clouds {
         let buffers = if blended { pieces::cut(buffer, &style) } else { vec![buffer] };
         let drawable = |buffer: PointBuffer| {
             // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.
-            let sort_point = middle(buffer.positions.iter().copied());
+            // Opaque ones are not sorted.
+            let sort_point = if blended { middle(buffer.positions.iter().copied()) } else { [0.0; 3] };
             let buffer = Arc::new(buffer);
             Drawable {
                 display: self.display,
