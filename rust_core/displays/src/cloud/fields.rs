@@ -124,6 +124,12 @@ impl Layout {
         Ok(Self { position, point_step: point_step as usize, point_count, channels })
     }
 
+    /// Where x, y and z are, if they stand side by side.
+    pub(crate) fn position_triple(&self) -> Option<usize> {
+        let [x, y, z] = self.position.each_ref().map(|channel| channel.offset);
+        (y == x + 4 && z == x + 8).then_some(x)
+    }
+
     /// A channel by its name; the first of several.
     pub(crate) fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)

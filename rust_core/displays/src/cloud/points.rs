@@ -52,6 +52,13 @@ impl<'a> PointBytes<'a> {
     }
 }
 
+/// Three little-endian floats side by side.
+#[inline]
+fn position_at(point: &[u8], offset: usize) -> [f32; 3] {
+    let bytes: [u8; 12] = point.get(offset..offset + 12).and_then(|bytes| bytes.try_into().ok()).unwrap_or_default();
+    [0, 4, 8].map(|i| f32::from_le_bytes([bytes[i], bytes[i + 1], bytes[i + 2], bytes[i + 3]]))
+}
+
 fn is_somewhere(position: &[f32; 3]) -> bool {
     position.iter().all(|value| value.is_finite())
 }
@@ -64,9 +71,12 @@ pub(crate) fn read(
     nowhere: Nowhere,
 ) -> (PointBuffer, usize) {
     let mut points = PointBytes::all(cloud, layout);
-    let [x, y, z] = &layout.position;
-    let mut positions =
-        points.map(|point| [x, y, z].map(|channel| f32::from_bits(channel.bits(point, cloud.is_bigendian))));
+    let mut positions = match layout.position_triple().filter(|_| !cloud.is_bigendian) {
+        Some(offset) => points.map(|point| position_at(point, offset)),
+        None => points.map(|point| {
+            layout.position.each_ref().map(|channel| f32::from_bits(channel.bits(point, cloud.is_bigendian)))
+        }),
+    };
     let nowhere_count = positions.par_iter().with_min_len(MIN_SHARE).filter(|position| !is_somewhere(position)).count();
     if nowhere_count > 0 && nowhere == Nowhere::LeftOut {
         let numbered = (0..).zip(&positions);
