@@ -15,7 +15,7 @@ use rcs_render::{Renderer, View};
 use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings};
 use rcs_scene::{Camera, DisplayMask, Picture, Scene};
 
-use super::pace::Pace;
+use super::pace::{Pace, Published};
 use super::parameters::{ros_name, switches, unique, Switch};
 use super::tuning::Tuning;
 use crate::camera_pose::{rviz_differs, CameraProblem, Projection};
@@ -36,7 +36,7 @@ pub(super) struct CameraOutput {
     /// The whole name of its trigger service; none where another camera has it.
     service: Option<Arc<str>>,
     triggered: bool,
-    last_published: Option<Instant>,
+    last_published: Option<Published>,
     last: Option<LastPicture>,
     problem: Option<CameraProblem>,
     /// What went wrong at the last picture.
@@ -375,7 +375,7 @@ impl CameraOutput {
             return Ok(());
         }
         // Also where drawing fails: it is tried again at this pace, not at once.
-        self.last_published = Some(now);
+        self.last_published = Some(Published { at: now, was_new: changed });
         if changed {
             self.say_projection(&info, projection);
             self.draw(&camera, info, scene_version, &scene(), renderer)?;
