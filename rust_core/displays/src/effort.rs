@@ -16,6 +16,7 @@ use rcs_rviz_config::EffortSettings;
 use rcs_scene::{Blending, DisplayId, Drawable, Geometry, Material, Rgba, RibbonElement, Ribbons};
 use rcs_transforms::Time;
 
+use crate::cloud::rainbow;
 use crate::display::{Display, TopicRequest};
 use crate::robot_description::{link_frame, RobotDescription, Words};
 use crate::solids::{arrow, arrow_pose, drawable, ArrowSize};
@@ -142,23 +143,6 @@ fn circle(
     let material = Arc::new(Material::lit(color));
     drawables.extend(arrow(display, &fixed_from_arrow, &size, &material, &material));
     drawables
-}
-
-/// rviz's rainbow for efforts: blue at 0, then cyan, green and yellow to red at 1.
-fn rainbow(value: f32) -> Rgba {
-    let h = value.clamp(0.0, 1.0) * 5.0 + 1.0;
-    let section = h.floor();
-    let part = h - section;
-    let is_even = section % 2.0 == 0.0;
-    let n = if is_even { part } else { 1.0 - part };
-    let [r, g, b] = match section as u32 {
-        0 | 1 => [n, 0.0, 1.0],
-        2 => [0.0, n, 1.0],
-        3 => [0.0, 1.0, n],
-        4 => [n, 1.0, 0.0],
-        _ => [1.0, n, 0.0],
-    };
-    Rgba::new(r, g, b, 1.0)
 }
 
 /// The turn of the axis to z by the shortest way; none where that is not known, for an axis along z or of no length.

@@ -134,7 +134,7 @@ fn by_intensity(
     let colors = if settings.use_rainbow {
         let color = |value: &f32| {
             let share = (1.0 - f64::from((value - min) / range)) as f32;
-            rainbow(if settings.invert_rainbow { (1.0 - f64::from(share)) as f32 } else { share })
+            rainbow(if settings.invert_rainbow { (1.0 - f64::from(share)) as f32 } else { share }).to_rgba8()
         };
         values.par_iter().with_min_len(MIN_SHARE).map(color).collect()
     } else {
@@ -169,12 +169,12 @@ fn by_axis(settings: &AxisColorSettings, fixed_from_cloud: &Isometry3<f64>, posi
         (settings.min, settings.max)
     };
     let range = if max == min { 0.001 } else { max - min };
-    let color = |position: &[f32; 3]| rainbow((1.0 - f64::from((value(position) - min) / range)) as f32);
+    let color = |position: &[f32; 3]| rainbow((1.0 - f64::from((value(position) - min) / range)) as f32).to_rgba8();
     positions.par_iter().with_min_len(MIN_SHARE).map(color).collect()
 }
 
 /// rviz's rainbow: magenta at 0 over blue, cyan, green and yellow to red at 1.
-fn rainbow(share: f32) -> [u8; 4] {
+pub(crate) fn rainbow(share: f32) -> Rgba {
     let hue = if share.is_nan() { share } else { share.clamp(0.0, 1.0) } * 5.0 + 1.0;
     let sector = hue.floor() as i32;
     let fraction = hue - sector as f32;
@@ -186,7 +186,7 @@ fn rainbow(share: f32) -> [u8; 4] {
         4 => (n, 1.0, 0.0),
         _ => (1.0, n, 0.0),
     };
-    Rgba::new(r, g, b, 1.0).to_rgba8()
+    Rgba::new(r, g, b, 1.0)
 }
 
 #[cfg(test)]
@@ -195,10 +195,10 @@ mod tests {
 
     #[test]
     fn the_rainbow_runs_from_magenta_to_red() {
-        assert_eq!(rainbow(0.0), [255, 0, 255, 255]);
-        assert_eq!(rainbow(0.2), [0, 0, 255, 255]);
-        assert_eq!(rainbow(0.4), [0, 255, 255, 255]);
-        assert_eq!(rainbow(1.0), [255, 0, 0, 255]);
+        assert_eq!(rainbow(0.0).to_rgba8(), [255, 0, 255, 255]);
+        assert_eq!(rainbow(0.2).to_rgba8(), [0, 0, 255, 255]);
+        assert_eq!(rainbow(0.4).to_rgba8(), [0, 255, 255, 255]);
+        assert_eq!(rainbow(1.0).to_rgba8(), [255, 0, 0, 255]);
         assert_eq!(rainbow(-7.0), rainbow(0.0));
         assert_eq!(rainbow(7.0), rainbow(1.0));
     }

@@ -25,6 +25,7 @@ use crate::bounds::middle;
 use crate::{Level, Statuses, World};
 use fields::Layout;
 
+pub(crate) use color::rainbow;
 pub(crate) use display::{CloudDisplay, CloudSource};
 pub(crate) use pieces::max_points;
 pub(crate) use points::Nowhere;

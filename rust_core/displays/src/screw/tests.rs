@@ -1,3 +1,5 @@
+//! Wrenches, twists and accelerations, by the drawables that they become.
+
 use rcs_messages::geometry_msgs::{TwistStamped, Vector3, WrenchStamped};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_transforms::{RawTransform, Time, TransformTree};

@@ -1,3 +1,5 @@
+//! Frames that come, move, fade and are switched off, by what is shown of them.
+
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{Geometry, Lighting, Rgba};
 use rcs_transforms::{RawTransform, TransformTree};

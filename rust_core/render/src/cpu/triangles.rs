@@ -213,23 +213,18 @@ impl Planes {
         let fragments = colors.iter_mut().zip(depths).zip(first..);
         if matches!(surface.paint, Paint::Color) {
             // What most of a scene is.
-            if self.flat {
-                let color = self.color.map(|plane| unorm8(plane.at));
-                for ((pixel, depth), x) in fragments {
-                    let fragment_depth = self.depth.value(x as f32, row).clamp(0.0, FARTHEST);
-                    meet(pixel, depth, fragment_depth, color, surface.mode);
+            let flat = self.flat.then(|| self.color.map(|plane| unorm8(plane.at)));
+            for ((pixel, depth), x) in fragments {
+                let column = x as f32;
+                let fragment_depth = self.depth.value(column, row).clamp(0.0, FARTHEST);
+                if surface.mode.depth_test && fragment_depth > *depth {
+                    continue;
                 }
-            } else {
-                for ((pixel, depth), x) in fragments {
-                    let column = x as f32;
-                    let fragment_depth = self.depth.value(column, row).clamp(0.0, FARTHEST);
-                    if surface.mode.depth_test && fragment_depth > *depth {
-                        continue;
-                    }
+                let color = flat.unwrap_or_else(|| {
                     let w = 1.0 / self.inverse_w.value(column, row);
-                    let color = self.color.map(|plane| unorm8(plane.value(column, row) * w));
-                    meet(pixel, depth, fragment_depth, color, surface.mode);
-                }
+                    self.color.map(|plane| unorm8(plane.value(column, row) * w))
+                });
+                meet(pixel, depth, fragment_depth, color, surface.mode);
             }
             return;
         }

@@ -32,22 +32,21 @@
 //! `rotation_xyzw` is a quaternion; `transform` and the plain text are `static_transform_publisher`'s arguments: x y z
 //! yaw pitch roll, or x y z qx qy qz qw (the plain text with the frames behind, and a period that is not used).
 
+mod frames;
+mod numbers;
+
 use std::collections::HashSet;
-use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Quaternion, UnitQuaternion};
-use rcs_messages::geometry_msgs::{Quaternion as QuaternionMessage, Transform, TransformStamped, Vector3};
 use rcs_messages::sensor_msgs::{CameraInfo, RegionOfInterest};
 use rcs_messages::std_msgs::Header;
-use rcs_messages::Time;
-use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::Deserialize;
 use serde_yaml_ng::Value;
 
-/// How far a quaternion's norm may be from one; what is closer is normalised.
-const NORM_TOLERANCE: f64 = 0.01;
+use frames::FrameEntry;
+pub use frames::StaticFrame;
+use numbers::{Matrix, Numbers, Size, Whole};
 
 /// Everything that the file says.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,35 +59,6 @@ pub struct ProjectorFile {
     pub frames: Vec<StaticFrame>,
     /// Keys that have no meaning here, such as a misspelt one.
     pub ignored_keys: Vec<String>,
-}
-
-/// A frame that does not move in its parent.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StaticFrame {
-    /// The frame that the numbers are given in.
-    pub parent: String,
-    /// The frame that is placed.
-    pub child: String,
-    /// The child's origin in the parent, metres.
-    pub translation_m: [f64; 3],
-    /// The child's orientation in the parent.
-    pub rotation: UnitQuaternion<f64>,
-}
-
-impl StaticFrame {
-    /// The message for `/tf_static`.
-    pub fn to_message(&self, stamp: Time) -> TransformStamped {
-        let [x, y, z] = self.translation_m;
-        let rotation = self.rotation;
-        TransformStamped {
-            header: Header { seq: 0, stamp, frame_id: self.parent.clone() },
-            child_frame_id: self.child.clone(),
-            transform: Transform {
-                translation: Vector3 { x, y, z },
-                rotation: QuaternionMessage { x: rotation.i, y: rotation.j, z: rotation.k, w: rotation.w },
-            },
-        }
-    }
 }
 
 /// Why a projector's file cannot be used.
@@ -222,92 +192,6 @@ struct RawRegion {
     do_rectify: bool,
 }
 
-// The checks below are made in visitors, because an error has a line only when a visitor returns it.
-
-/// A whole number from `MIN` to `MAX`.
-#[derive(Clone, Copy)]
-struct Whole<const MIN: u32, const MAX: u32>(u32);
-
-impl<'de, const MIN: u32, const MAX: u32> Deserialize<'de> for Whole<MIN, MAX> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct WholeVisitor<const MIN: u32, const MAX: u32>;
-        impl<const MIN: u32, const MAX: u32> Visitor<'_> for WholeVisitor<MIN, MAX> {
-            type Value = Whole<MIN, MAX>;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                if MIN == MAX {
-                    write!(f, "{MIN}")
-                } else {
-                    write!(f, "a whole number from {MIN} to {MAX}")
-                }
-            }
-
-            fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<Self::Value, E> {
-                match u32::try_from(number) {
-                    Ok(fitting) if (MIN..=MAX).contains(&fitting) => Ok(Whole(fitting)),
-                    _ => Err(E::invalid_value(serde::de::Unexpected::Unsigned(number), &self)),
-                }
-            }
-        }
-        deserializer.deserialize_u32(WholeVisitor)
-    }
-}
-
-/// A width or height, in pixels.
-type Size = Whole<1, { u32::MAX }>;
-
-/// Finite numbers.
-struct Numbers(Vec<f64>);
-
-/// `N` finite numbers.
-#[derive(Clone, Copy)]
-struct Matrix<const N: usize>([f64; N]);
-
-struct NumbersVisitor {
-    wanted: Option<usize>,
-}
-
-impl<'de> Visitor<'de> for NumbersVisitor {
-    type Value = Vec<f64>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.wanted {
-            Some(wanted) => write!(f, "a list of {wanted} numbers"),
-            None => write!(f, "a list of numbers"),
-        }
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<f64>, A::Error> {
-        let mut numbers = Vec::new();
-        while let Some(number) = list.next_element::<f64>()? {
-            if !number.is_finite() {
-                return Err(A::Error::custom(format!("{number} is not a finite number")));
-            }
-            numbers.push(number);
-        }
-        match self.wanted {
-            Some(wanted) if wanted != numbers.len() => {
-                Err(A::Error::custom(format!("{} numbers where {wanted} are needed", numbers.len())))
-            }
-            _ => Ok(numbers),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Numbers {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(NumbersVisitor { wanted: None }).map(Self)
-    }
-}
-
-impl<'de, const N: usize> Deserialize<'de> for Matrix<N> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let numbers = deserializer.deserialize_seq(NumbersVisitor { wanted: Some(N) })?;
-        let too_few = |numbers: Vec<f64>| D::Error::invalid_length(numbers.len(), &"another number of values");
-        numbers.try_into().map(Self).map_err(too_few)
-    }
-}
-
 /// A matrix of three rows and `COLS` columns, as camera_calibration writes it.
 #[derive(Deserialize)]
 #[serde(bound = "")]
@@ -398,132 +282,13 @@ fn k_from_p([fx, skew, cx, _, p10, fy, cy, _, p20, p21, p22, _]: [f64; 12]) -> [
     [fx, skew, cx, p10, fy, cy, p20, p21, p22]
 }
 
-/// One entry of `frames`: keys and values, or one line of text.
-struct FrameEntry(StaticFrame);
-
-impl<'de> Deserialize<'de> for FrameEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct EntryVisitor;
-        impl<'de> Visitor<'de> for EntryVisitor {
-            type Value = FrameEntry;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(
-                    f,
-                    "a frame: {{parent, child, translation, rotation_rpy}} or 'x y z yaw pitch roll parent child'"
-                )
-            }
-
-            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<FrameEntry, E> {
-                frame_from_text(text).map(FrameEntry).map_err(E::custom)
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<FrameEntry, A::Error> {
-                let raw = RawFrame::deserialize(serde::de::value::MapAccessDeserializer::new(map))?;
-                raw.frame().map(FrameEntry).map_err(A::Error::custom)
-            }
-        }
-        deserializer.deserialize_any(EntryVisitor)
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawFrame {
-    parent: String,
-    child: String,
-    translation: Option<Matrix<3>>,
-    rotation_rpy: Option<Matrix<3>>,
-    rotation_xyzw: Option<Matrix<4>>,
-    transform: Option<String>,
-}
-
-impl RawFrame {
-    fn frame(self) -> Result<StaticFrame, String> {
-        let (translation_m, rotation) = match (self.translation, self.rotation_rpy, self.rotation_xyzw, self.transform)
-        {
-            (None, None, None, Some(text)) => {
-                let numbers: Option<Vec<f64>> = text.split_ascii_whitespace().map(finite).collect();
-                let numbers = numbers.ok_or_else(|| format!("transform '{text}': not all are finite numbers"))?;
-                placement(&numbers)?
-            }
-            (_, _, _, Some(_)) => {
-                return Err("transform says it all: no translation and no rotation_... beside it".to_owned());
-            }
-            (_, Some(_), Some(_), _) => return Err("rotation_rpy and rotation_xyzw exclude each other".to_owned()),
-            (translation, Some(Matrix([roll, pitch, yaw])), None, None) => {
-                (or_origin(translation), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
-            }
-            (translation, None, Some(Matrix(xyzw)), None) => (or_origin(translation), unit_quaternion(xyzw)?),
-            (translation, None, None, None) => (or_origin(translation), UnitQuaternion::identity()),
-        };
-        named_frame(&self.parent, &self.child, translation_m, rotation)
-    }
-}
-
-fn or_origin(translation: Option<Matrix<3>>) -> [f64; 3] {
-    translation.map_or([0.0; 3], |Matrix(translation)| translation)
-}
-
-fn finite(word: &str) -> Option<f64> {
-    word.parse().ok().filter(|number: &f64| number.is_finite())
-}
-
-fn unit_quaternion([x, y, z, w]: [f64; 4]) -> Result<UnitQuaternion<f64>, String> {
-    let quaternion = Quaternion::new(w, x, y, z);
-    let norm = quaternion.norm();
-    if (norm - 1.0).abs() > NORM_TOLERANCE {
-        return Err(format!("the quaternion (x {x}, y {y}, z {z}, w {w}) has the norm {norm:.3} where 1 is needed"));
-    }
-    Ok(UnitQuaternion::new_normalize(quaternion))
-}
-
-/// static_transform_publisher's numbers: x y z yaw pitch roll, or x y z qx qy qz qw.
-fn placement(numbers: &[f64]) -> Result<([f64; 3], UnitQuaternion<f64>), String> {
-    match *numbers {
-        [x, y, z, yaw, pitch, roll] => Ok(([x, y, z], UnitQuaternion::from_euler_angles(roll, pitch, yaw))),
-        [x, y, z, qx, qy, qz, qw] => Ok(([x, y, z], unit_quaternion([qx, qy, qz, qw])?)),
-        _ => {
-            Err(format!("{} numbers where 6 (x y z yaw pitch roll) or 7 (x y z qx qy qz qw) are needed", numbers.len()))
-        }
-    }
-}
-
-/// static_transform_publisher's arguments: the numbers, parent, child and, unused, a period in milliseconds.
-fn frame_from_text(text: &str) -> Result<StaticFrame, String> {
-    let words: Vec<&str> = text.split_ascii_whitespace().collect();
-    let numbers: Vec<f64> = words.iter().map_while(|word| finite(word)).collect();
-    let (translation_m, rotation) = placement(&numbers).map_err(|reason| format!("frame '{text}': {reason}"))?;
-    match words.get(numbers.len()..) {
-        Some([parent, child]) => named_frame(parent, child, translation_m, rotation),
-        Some([parent, child, period]) if finite(period).is_some() => {
-            named_frame(parent, child, translation_m, rotation)
-        }
-        _ => Err(format!("frame '{text}': parent and child must follow the numbers")),
-    }
-}
-
-fn named_frame(
-    parent: &str,
-    child: &str,
-    translation_m: [f64; 3],
-    rotation: UnitQuaternion<f64>,
-) -> Result<StaticFrame, String> {
-    // tf2 knows no leading slash.
-    let [parent, child] = [parent, child].map(|name| name.strip_prefix('/').unwrap_or(name));
-    if parent.is_empty() || child.is_empty() {
-        return Err("parent and child need names".to_owned());
-    }
-    if parent == child {
-        return Err(format!("frame '{child}' cannot be its own parent"));
-    }
-    Ok(StaticFrame { parent: parent.to_owned(), child: child.to_owned(), translation_m, rotation })
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::f64::consts::FRAC_PI_2;
+
+    use nalgebra::UnitQuaternion;
+
+    use super::*;
 
     const MESSAGE: &str = "\
 header:
@@ -651,18 +416,6 @@ projection_matrix:
         // Roll by -90 degrees turns z to y, yaw by 90 then turns y to -x.
         let looks = file.frames[4].rotation * nalgebra::Vector3::z();
         assert!((looks - nalgebra::Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-9, "{looks}");
-    }
-
-    #[test]
-    fn a_static_frame_becomes_its_message() {
-        let frame = frame_from_text("1 2 3 0 0 0.6 0.8 map proj").unwrap();
-        let message = frame.to_message(Time { sec: 5, nsec: 6 });
-        assert_eq!(message.header.frame_id, "map");
-        assert_eq!(message.header.stamp, Time { sec: 5, nsec: 6 });
-        assert_eq!(message.child_frame_id, "proj");
-        assert_eq!(message.transform.translation, Vector3 { x: 1.0, y: 2.0, z: 3.0 });
-        assert!((message.transform.rotation.z - 0.6).abs() < 1e-12);
-        assert!((message.transform.rotation.w - 0.8).abs() < 1e-12);
     }
 
     #[test]
