@@ -204,6 +204,37 @@ proptest! {
     }
 }
 
+/// A sheet larger than most textures can be: its parts as a whole, and each cell in its last corner.
+#[test]
+fn both_draw_thousands_of_cells_a_side() {
+    let (columns, rows, block) = (6000_u32, 4500_u32, 1500);
+    let last =
+        |x: u32, y: u32| (x >= columns - 4 && y >= rows - 3).then(|| 100 + (x + 4 - columns) + 4 * (y + 3 - rows));
+    let value = |x: u32, y: u32| last(x, y).unwrap_or(10 + x / block + 4 * (y / block)) as u8;
+    let values: Vec<u8> = (0..rows).flat_map(|y| (0..columns).map(move |x| value(x, y))).collect();
+    let sheet = CellSheet {
+        cells: Arc::new(Cells::new(columns, rows, &values)),
+        palette: Arc::new(std::array::from_fn(|value| [value as u8, 0, 0, 255])),
+        alpha: 1.0,
+        blending: Blending::Replace,
+        depth_write: true,
+    };
+    // One metre wide and 0.75 m high, so that cells are square; 2 m away.
+    let drawn = |middle: [f64; 2], focal_px: f64| {
+        let mut drawable = common::at(-middle[0], -middle[1], 2.0, Geometry::Cells(sheet.clone()));
+        drawable.fixed_from_object *= Matrix4::new_nonuniform_scaling(&Vector3::new(1.0, 0.75, 1.0));
+        let (scene, camera) = (common::scene([drawable]), camera(4, 3, focal_px));
+        let mut gpu = gpu().lock().unwrap_or_else(PoisonError::into_inner);
+        let pictures =
+            [common::draw(&mut *gpu, &scene, &camera), common::draw(&mut CpuRenderer::new(), &scene, &camera)];
+        pictures.map(|picture| (0..12).map(|i| common::pixel(&picture, i % 4, i / 4)[0]).collect::<Vec<u8>>())
+    };
+    let from = |first: u8| (first..first + 12).collect::<Vec<u8>>();
+    assert_eq!(drawn([0.5, 0.375], 8.0), [from(10), from(10)]);
+    let pixel_m = 1.0 / f64::from(columns);
+    assert_eq!(drawn([1.0 - 2.0 * pixel_m, 0.75 - 1.5 * pixel_m], 2.0 / pixel_m), [from(100), from(100)]);
+}
+
 fn both_agree(drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [f32; 3]) -> Result<(), TestCaseError> {
     let direction = Vector3::new(0.3, 0.4, 1.0).normalize();
     let scene = Scene { drawables, light: lit.then_some(DirectionalLight { direction }) };
