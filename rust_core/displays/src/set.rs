@@ -366,8 +366,12 @@ fn light(view: &ViewConfig, world: &World<'_>) -> DirectionalLight {
 mod tests {
     use super::*;
     use rcs_messages::nav_msgs::Path;
+    use rcs_messages::sensor_msgs::PointField;
+    use rcs_messages::PointCloud2;
     use rcs_resources::{MeshStore, PackageIndex};
     use rcs_transforms::TransformTree;
+
+    use crate::Level;
 
     /// Drawables of each display that a camera with these tick boxes shows, in the scene's order.
     fn shown(set: &DisplaySet, mask: &DisplayMask) -> Vec<DisplayId> {
@@ -452,6 +456,44 @@ mod tests {
             set.update(&world);
             assert!(shown(&set, &DisplayMask::all()).is_empty(), "it hears what its topic says from now on");
             assert_eq!(set.topics()[0].kind, MessageKind::Path);
+        });
+    }
+
+    /// rviz shows Axes to every camera, whatever its tick boxes say.
+    #[test]
+    fn axes_are_hidden_where_a_tick_box_says_so() {
+        let axes = "  - {Class: rviz/Axes, Name: axes, Enabled: true}\n";
+        with_set(&format!("{axes}{GRID}"), |set, _| {
+            let with_axes = shown(&set, &DisplayMask::all());
+            let without = shown(&set, &set.mask(&hiding("axes")));
+            assert!(without.len() < with_axes.len() && !without.is_empty(), "{without:?} of {with_axes:?}");
+            assert_eq!(shown(&set, &set.mask(&hiding("grid"))).len(), with_axes.len() - without.len());
+        });
+    }
+
+    #[test]
+    fn points_that_are_left_out_are_counted_in_the_status() {
+        let cloud =
+            "  - {Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /c, Color Transformer: FlatColor}\n";
+        with_set(cloud, |mut set, world| {
+            let mut points = PointCloud2::default();
+            points.header.frame_id = "map".to_owned();
+            points.fields = [("x", 0), ("y", 4), ("z", 8)]
+                .map(|(name, offset)| PointField {
+                    name: name.to_owned(),
+                    offset,
+                    datatype: PointField::FLOAT32,
+                    count: 1,
+                })
+                .to_vec();
+            (points.height, points.width, points.point_step, points.row_step) = (1, 3, 12, 36);
+            let values = [0.0_f32, 0.0, 1.0, f32::NAN, 0.0, 1.0, 0.0, f32::INFINITY, 1.0];
+            points.set_data(values.iter().flat_map(|value| value.to_le_bytes()).collect());
+            set.take("/c", &AnyMessage::PointCloud2(Arc::new(points)), &world);
+            set.update(&world);
+            let report = set.reports().next().unwrap();
+            let said = report.statuses.get("Points").map(|status| (status.level, status.text.as_str()));
+            assert_eq!(said, Some((Level::Ok, "Showing 1 points, 2 without a finite position left out")));
         });
     }
 
