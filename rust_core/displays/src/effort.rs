@@ -13,7 +13,7 @@ use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use rcs_messages::sensor_msgs::JointState;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::EffortSettings;
-use rcs_scene::{Blending, DisplayId, Drawable, Geometry, Material, Rgba, RibbonElement, Ribbons};
+use rcs_scene::{Blending, DisplayId, Drawable, Geometry, Material, RibbonElement, Ribbons};
 use rcs_transforms::Time;
 
 use crate::cloud::rainbow;
