@@ -1,8 +1,8 @@
 //! What the sections of a file are read into, and files that cannot be read.
 
-use rcs_rviz_config::{parse, Axis, ConfigError, DisplaySettings, GridSettings, ViewConfig, ViewController};
+use rcs_rviz_config::{parse, ConfigError, DisplaySettings, GridSettings, ViewConfig, ViewController};
 
-use super::{messages, not_understood, settings};
+use super::{messages, not_understood};
 
 /// What rviz saves of a scene in which a projector shows a robot's clouds, with every section of the file.
 const PROJECTOR: &str = r#"Panels:
