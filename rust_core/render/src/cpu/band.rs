@@ -6,8 +6,10 @@
 
 use std::ops::Range;
 
-use wide::{f32x4, u32x4};
+use fearless_simd::prelude::*;
+use fearless_simd::Simd;
 
+use super::lanes::{F, LANES, M, U};
 use super::screen::{Screen, FARTHEST};
 
 /// How fragments meet the pixels that are there.
@@ -37,12 +39,6 @@ impl Mode {
     }
 }
 
-/// Pixels that are drawn at once.
-pub(super) const LANES: usize = 4;
-
-/// Their numbers.
-pub(super) const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0];
-
 /// The buffers that a worker keeps.
 #[derive(Debug, Default)]
 pub(super) struct BandBuffers {
@@ -58,9 +54,10 @@ impl BandBuffers {
         let width = screen.width_px as usize;
         let stride = width + LANES;
         self.color.clear();
-        self.color.resize(stride * rows, background);
+        // A row more, for the rows that begin in the middle of one.
+        self.color.resize(stride * (rows + 1), background);
         self.depth.clear();
-        self.depth.resize(stride * rows, FARTHEST);
+        self.depth.resize(stride * (rows + 1), FARTHEST);
         Band {
             width: width as i32,
             first_row: first_row as i32,
@@ -109,18 +106,20 @@ impl Band<'_> {
     #[inline(always)]
     pub(super) fn windows(&mut self, rows: Range<i32>, begin: i32) -> impl Iterator<Item = Window<'_>> {
         let start = (rows.start - self.first_row) as usize * self.stride + begin as usize;
-        let colors = self.color.get_mut(start..).unwrap_or(&mut []).chunks_mut(self.stride);
-        let depths = self.depth.get_mut(start..).unwrap_or(&mut []).chunks_mut(self.stride);
-        let windows = colors.zip(depths).take(rows.len()).filter_map(|(colors, depths)| {
-            Some(Window { colors: colors.first_chunk_mut()?, depths: depths.first_chunk_mut()? })
-        });
-        windows
+        let range = start..start + rows.len() * self.stride;
+        let colors = self.color.get_mut(range.clone()).unwrap_or(&mut []).chunks_exact_mut(self.stride);
+        let depths = self.depth.get_mut(range).unwrap_or(&mut []).chunks_exact_mut(self.stride);
+        colors.zip(depths).filter_map(
+            #[inline(always)]
+            |(colors, depths)| Some(Window { colors: colors.first_chunk_mut()?, depths: depths.first_chunk_mut()? }),
+        )
     }
 
     /// The finished rows, from the top.
     pub(super) fn pixel_rows(&self) -> impl Iterator<Item = &[[u8; 4]]> + '_ {
         let width = self.width as usize;
-        self.color.chunks_exact(self.stride).map(move |row| bytemuck::cast_slice(&row[..width]))
+        let rows = (self.end_row - self.first_row) as usize;
+        self.color.chunks_exact(self.stride).take(rows).map(move |row| bytemuck::cast_slice(&row[..width]))
     }
 }
 
@@ -132,17 +131,20 @@ pub(super) struct Window<'a> {
 }
 
 impl Window<'_> {
-    /// Fragments side by side, of which those count whose mask is set, meet the pixels.
+    /// Fragments side by side, of which those count whose mask is set, meet the pixels. Their colours are asked for only
+    /// where one of them is seen.
     #[inline(always)]
-    pub(super) fn meet(self, mask: f32x4, depths: f32x4, colors: u32x4, mode: Mode) {
+    pub(super) fn meet<S: Simd>(self, mask: M<S>, depths: F<S>, mode: Mode, colors: impl FnOnce() -> U<S>) {
+        let simd = depths.token();
         if mode == Mode::OPAQUE {
-            let behind = f32x4::new(*self.depths);
+            let behind = F::load_array_ref(simd, self.depths);
             let wins = mask & depths.simd_le(behind);
-            *self.depths = wins.bitselect(depths, behind).to_array();
-            let wins: u32x4 = bytemuck::cast(wins);
-            *self.colors = wins.bitselect(colors, u32x4::new(*self.colors)).to_array();
-        } else {
-            let (mask, depths, colors) = (mask.to_bitmask(), depths.to_array(), colors.to_array());
+            if wins.any_true() {
+                wins.select(depths, behind).store_array(self.depths);
+                wins.select(colors(), U::load_array_ref(simd, self.colors)).store_array(self.colors);
+            }
+        } else if mask.any_true() {
+            let (mask, depths, colors) = (mask.to_bitmask(), depths.to_array(), colors().to_array());
             for i in (0..LANES).filter(|i| mask & 1 << i != 0) {
                 meet(&mut self.colors[i], &mut self.depths[i], depths[i], colors[i].to_ne_bytes(), mode);
             }

@@ -18,6 +18,7 @@ mod band;
 mod bins;
 mod clip;
 mod faces;
+mod lanes;
 mod lighting;
 mod lines;
 mod plan;

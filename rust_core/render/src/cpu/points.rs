@@ -10,6 +10,7 @@
 
 use std::ops::Range;
 
+use fearless_simd::{dispatch, Level, Simd};
 use nalgebra::Matrix4;
 use rcs_scene::{Camera, PointStyle, Points};
 
@@ -26,7 +27,7 @@ use crate::bounds::Bounds;
 pub(super) const BLOCK: usize = 32;
 
 /// A point of a cloud and the picture's rows that it can touch.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PointRef {
     /// Its index.
     pub index: u32,
@@ -80,20 +81,28 @@ impl<'a> Cloud<'a> {
 
     /// The points of a range that may be seen, in their order, appended to `out`.
     pub(super) fn select(&self, screen: &Screen, range: Range<usize>, out: &mut Vec<PointRef>) {
+        dispatch!(Level::new(), simd => self.select_by_lanes(simd, screen, range, out));
+    }
+
+    #[inline(always)]
+    fn select_by_lanes<S: Simd>(&self, _: S, screen: &Screen, range: Range<usize>, out: &mut Vec<PointRef>) {
         let reach = Reach::of(self);
         let positions = self.points.buffer.positions.get(range.clone()).unwrap_or(&[]);
-        let mut rows = [[0.0f32; BLOCK]; 2];
+        let mut rows = [[0u16; BLOCK]; 2];
         let mut places = [[f32::NAN; BLOCK]; 3];
+        let mut seen = [PointRef::default(); BLOCK];
         for (b, positions) in positions.chunks(BLOCK).enumerate() {
             transpose(positions, &mut places);
             self.rows(screen, &reach, &places, &mut rows);
-            let [first, last] = &rows;
-            for (i, (first, last)) in first.iter().zip(last).take(positions.len()).enumerate() {
-                let (y0, y1) = (*first as u16, *last as u16);
-                if y0 < y1 {
-                    out.push(PointRef { index: (range.start + b * BLOCK + i) as u32, y0, y1 });
-                }
+            let index = range.start + b * BLOCK;
+            let mut count = 0;
+            // Each is put down, and kept where the next is not put in its place.
+            for i in 0..positions.len().min(BLOCK) {
+                let (y0, y1) = (rows[0][i], rows[1][i]);
+                seen[count] = PointRef { index: (index + i) as u32, y0, y1 };
+                count += usize::from(y0 < y1);
             }
+            out.extend_from_slice(&seen[..count]);
         }
     }
 
@@ -117,8 +126,8 @@ impl<'a> Cloud<'a> {
         bounds.is_none_or(|bounds| !bounds.may_be_seen(self.camera, self.fixed_from_object))
     }
 
-    #[inline]
-    fn rows(&self, screen: &Screen, reach: &Reach, places: &[[f32; BLOCK]; 3], rows: &mut [[f32; BLOCK]; 2]) {
+    #[inline(always)]
+    fn rows(&self, screen: &Screen, reach: &Reach, places: &[[f32; BLOCK]; 3], rows: &mut [[u16; BLOCK]; 2]) {
         let [xs, ys, zs] = places;
         let m = &self.placement.clip_from_object;
         let height = screen.height_px as f32;
@@ -141,8 +150,8 @@ impl<'a> Cloud<'a> {
             // To the rows whose centres lie between.
             let first = if first > 0.5 { first + 0.5 } else { 0.0 };
             let last = if last < height - 0.5 { last + 0.5 } else { height };
-            rows[0][i] = first;
-            rows[1][i] = if inside { last } else { 0.0 };
+            rows[0][i] = first as u16;
+            rows[1][i] = if inside { last as u16 } else { 0 };
         }
     }
 }
@@ -168,7 +177,7 @@ impl Reach {
 }
 
 /// All x, all y and all z of up to [`BLOCK`] places.
-#[inline]
+#[inline(always)]
 fn transpose(positions: &[[f32; 3]], places: &mut [[f32; BLOCK]; 3]) {
     let [xs, ys, zs] = places;
     for (i, position) in positions.iter().enumerate().take(BLOCK) {
@@ -181,12 +190,28 @@ pub(super) fn draw(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen, scratc
     if cloud.is_culled || refs.is_empty() {
         return;
     }
+    dispatch!(Level::new(), simd => draw_by_lanes(simd, cloud, refs, screen, scratch, band));
+}
+
+#[inline(always)]
+fn draw_by_lanes<S: Simd>(
+    simd: S,
+    cloud: &Cloud<'_>,
+    refs: &[PointRef],
+    screen: &Screen,
+    scratch: &mut Scratch,
+    band: &mut Band<'_>,
+) {
     match cloud.points.style {
-        PointStyle::Points { .. } => round_points::draw(cloud, refs, screen, &mut scratch.points, band),
-        PointStyle::FlatSquares { .. } => quads::draw::<{ quads::PLAIN }>(cloud, refs, screen, scratch, band),
-        PointStyle::Squares { .. } => quads::draw::<{ quads::EDGED }>(cloud, refs, screen, scratch, band),
-        PointStyle::Spheres { .. } => quads::draw::<{ quads::DISC }>(cloud, refs, screen, scratch, band),
-        PointStyle::Boxes { .. } => quads::draw::<{ quads::DARK_EDGED }>(cloud, refs, screen, scratch, band),
+        PointStyle::Points { .. } => round_points::draw(simd, cloud, refs, screen, &mut scratch.points, band),
+        PointStyle::FlatSquares { .. } => quads::draw::<S, { quads::PLAIN }>(simd, cloud, refs, screen, scratch, band),
+        PointStyle::Squares { .. } => quads::draw::<S, { quads::EDGED }>(simd, cloud, refs, screen, scratch, band),
+        PointStyle::Spheres { .. } => quads::draw::<S, { quads::DISC }>(simd, cloud, refs, screen, scratch, band),
+        // Of what is turned inside out, other sides are seen.
+        PointStyle::Boxes { size_m } if !size_m.iter().all(|side_m| *side_m >= 0.0) => {
+            quads::draw_exactly(cloud, refs, screen, band);
+        }
+        PointStyle::Boxes { .. } => quads::draw::<S, { quads::DARK_EDGED }>(simd, cloud, refs, screen, scratch, band),
         PointStyle::Tiles { .. } => quads::draw_exactly(cloud, refs, screen, band),
     }
 }
@@ -227,7 +252,7 @@ impl Default for Gathered {
 
 impl Gathered {
     /// Replaces the content by up to [`BLOCK`] points; those that are too faint are left out.
-    #[inline]
+    #[inline(always)]
     pub(super) fn gather(&mut self, cloud: &Cloud<'_>, refs: &[PointRef]) {
         self.len = 0;
         let [xs, ys, zs] = &mut self.places;

@@ -6,14 +6,19 @@
 //! once. The corners are those of [`faces`](super::faces), snapped as everywhere, and the edges own the pixels on them
 //! by the same rule, so that the pixels are the same.
 //!
+//! Of a box only the three sides that look towards the eye are set up. They share a corner, and four more in pairs, so
+//! that a box has seven corners to project.
+//!
 //! Whatever is larger, cut by the near plane or so thin that its corners do not go round, is drawn as two
 //! [`triangles`](super::triangles).
 
+use fearless_simd::prelude::*;
+use fearless_simd::Simd;
 use rcs_scene::PointStyle;
-use wide::{f32x4, u32x4};
 
-use super::band::{pack, Band, LANE, LANES};
+use super::band::{pack, Band};
 use super::faces::{size_m, BRIGHTNESS};
+use super::lanes::{inlined, load, map, nearest, numbers, store, store_whole, transform, whole, F, I, LANES, M, U};
 use super::points::{Cloud, Gathered, PointRef, Scratch, BLOCK};
 use super::screen::{Screen, FARTHEST, SUBPIXELS};
 use super::surface::contrast;
@@ -28,29 +33,29 @@ pub(super) const DARK_EDGED: u8 = 2;
 /// A disc, darker to its rim.
 pub(super) const DISC: u8 = 3;
 
-/// Sides of a box; other faces have one.
-const SIDES: usize = 6;
+/// Sides of a box that can be seen at once: those across z, x and y. Other faces have one.
+const SIDES: usize = 3;
 
-/// A face up to this size, in pixels, is small: then its edges' values are whole numbers that an `f32` holds.
-const SMALL_PX: f32 = 12.0;
+/// The axes that they are across, in the order in which they are drawn.
+const AXES: [usize; SIDES] = [2, 0, 1];
+
+/// A face up to this size, in pixels, is small: then its edges' values fit into 32 bits.
+const SMALL_PX: f32 = 64.0;
 
 /// Snapped places to a pixel.
 const SUB: f32 = SUBPIXELS as f32;
-
-/// In a sum with this, which has no fraction, a value within ±2^22 is rounded to the nearest whole number.
-const NO_FRACTION: f32 = 12_582_912.0;
-
-/// Values of several points or pixels.
-type V = f32x4;
 
 /// A value that is linear in the window: at the centre of the face's first pixel, and its change by a pixel to the
 /// right and down.
 type Plane<T> = [T; 3];
 
-/// How many planes a face has: four edges, the depth, and 1/w, u/w and v/w in units of the middle's 1/w.
-const PLANES: usize = 8;
-const DEPTH: usize = 4;
-const PLACE: usize = 5;
+/// Edges of a face.
+const EDGES: usize = 4;
+
+/// What is linear in the window: the depth, and 1/w, u/w and v/w in units of the middle's 1/w.
+const PLANES: usize = 4;
+const DEPTH: usize = 0;
+const PLACE: usize = 1;
 
 /// One face of each point of a block, each of their numbers side by side.
 #[derive(Clone, Debug)]
@@ -59,8 +64,12 @@ pub(super) struct Quads {
     small: u32,
     /// Bit i: the face of point i has to be drawn as triangles.
     general: u32,
-    /// The face's pixels: left, right (past the last), top, bottom (past the last). Whole numbers.
-    bounds: [[f32; BLOCK]; 4],
+    /// Bit i: the face of point i looks along its axis, not against it.
+    along: u32,
+    /// The face's pixels: left, right (past the last), top, bottom (past the last).
+    bounds: [[i32; BLOCK]; 4],
+    /// A pixel is inside of an edge where the edge's value is not negative.
+    edges: [Plane<[i32; BLOCK]>; EDGES],
     planes: [Plane<[f32; BLOCK]>; PLANES],
 }
 
@@ -69,8 +78,21 @@ const _: () = assert!(BLOCK <= u32::BITS as usize && BLOCK.is_multiple_of(LANES)
 impl Quads {
     /// Room for the faces of a block of boxes.
     pub(super) fn of_boxes() -> Vec<Self> {
-        let none = Self { small: 0, general: 0, bounds: [[0.0; BLOCK]; 4], planes: [[[0.0; BLOCK]; 3]; PLANES] };
+        let none = Self {
+            small: 0,
+            general: 0,
+            along: 0,
+            bounds: [[0; BLOCK]; 4],
+            edges: [[[0; BLOCK]; 3]; EDGES],
+            planes: [[[0.0; BLOCK]; 3]; PLANES],
+        };
         vec![none; SIDES]
+    }
+
+    #[inline(always)]
+    fn edge(&self, edge: usize, i: usize) -> Plane<i32> {
+        let [at, dx, dy] = &self.edges[edge];
+        [at[i], dx[i], dy[i]]
     }
 
     #[inline(always)]
@@ -80,135 +102,158 @@ impl Quads {
     }
 }
 
-/// Several faces by their middles and half sides in clip coordinates, each seen from its front.
-struct Corners {
-    middle: [V; 4],
-    right: [V; 4],
-    up: [V; 4],
+/// A corner of several faces on the picture.
+#[derive(Clone, Copy)]
+struct Corner<S: Simd> {
+    /// Snapped.
+    x: F<S>,
+    /// Snapped.
+    y: F<S>,
+    depth: F<S>,
+    /// 1/w in units of the middle's 1/w.
+    q: F<S>,
+    is_between_the_planes: M<S>,
 }
 
-#[inline(always)]
-fn store(all: &mut [f32; BLOCK], begin: usize, value: V) {
-    if let Some(place) = all.get_mut(begin..).and_then(<[f32]>::first_chunk_mut::<LANES>) {
-        *place = value.to_array();
+impl<S: Simd> Corner<S> {
+    #[inline(always)]
+    fn new([x, y, z, w]: [F<S>; 4], middle_w: F<S>, (half_width, half_height): (f32, f32)) -> Self {
+        let inverse_w = 1.0 / w;
+        let window_x = (x * inverse_w) * half_width + half_width;
+        let window_y = half_height - (y * inverse_w) * half_height;
+        Self {
+            x: nearest((window_x - 0.5) * SUB),
+            y: nearest((window_y - 0.5) * SUB),
+            depth: (z * inverse_w) * (0.5 * FARTHEST) + 0.5 * FARTHEST,
+            q: inverse_w * middle_w,
+            is_between_the_planes: z.simd_le(w) & z.simd_ge(-w),
+        }
     }
-}
 
-#[inline(always)]
-fn load(all: &[f32; BLOCK], begin: usize) -> V {
-    all.get(begin..).and_then(<[f32]>::first_chunk::<LANES>).map_or(V::ZERO, |values| V::new(*values))
-}
-
-/// To the nearest whole number.
-#[inline(always)]
-fn whole(value: V) -> V {
-    (value + V::splat(NO_FRACTION)) - V::splat(NO_FRACTION)
+    /// `one` where the mask is set, else `other`.
+    #[inline(always)]
+    fn select(mask: M<S>, one: &Self, other: &Self) -> Self {
+        Self {
+            x: mask.select(one.x, other.x),
+            y: mask.select(one.y, other.y),
+            depth: mask.select(one.depth, other.depth),
+            q: mask.select(one.q, other.q),
+            // Where only one of them is, neither is used.
+            is_between_the_planes: one.is_between_the_planes & other.is_between_the_planes,
+        }
+    }
 }
 
 /// The largest whole number not above a value that is a multiple of 1/256.
 #[inline(always)]
-fn floor(value: V) -> V {
-    whole(value - V::splat(0.5 - 0.5 / SUB))
+fn floor<S: Simd>(value: F<S>) -> F<S> {
+    nearest(value - (0.5 - 0.5 / SUB))
 }
 
 /// The smallest whole number not below a value that is a multiple of 1/256.
 #[inline(always)]
-fn ceil(value: V) -> V {
-    whole(value + V::splat(0.5 - 0.5 / SUB))
+fn ceil<S: Simd>(value: F<S>) -> F<S> {
+    nearest(value + (0.5 - 0.5 / SUB))
 }
 
-impl Corners {
-    /// Sets up the faces of the points from `begin` on.
-    #[inline(always)]
-    fn set_up(&self, screen: &Screen, rows: (i32, i32), begin: usize, with_uv: bool, out: &mut Quads) {
-        let (half_width, half_height) = screen.half_size();
-        // Snapped places, counter-clockwise from the lower left.
-        let signs = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-        let (mut xs, mut ys, mut ds, mut qs) = ([V::ZERO; 4], [V::ZERO; 4], [V::ZERO; 4], [V::ZERO; 4]);
-        let mut is_between_the_planes = V::ZERO.simd_eq(V::ZERO);
-        for k in 0..4 {
-            let (s, t) = signs[k];
-            let at = |i: usize| {
-                let along = if s > 0.0 { self.middle[i] + self.right[i] } else { self.middle[i] - self.right[i] };
-                if t > 0.0 {
-                    along + self.up[i]
-                } else {
-                    along - self.up[i]
-                }
-            };
-            let (x, y, z, w) = (at(0), at(1), at(2), at(3));
-            let inverse_w = V::ONE / w;
-            let window_x = (x * inverse_w) * V::splat(half_width) + V::splat(half_width);
-            let window_y = V::splat(half_height) - (y * inverse_w) * V::splat(half_height);
-            xs[k] = whole((window_x - V::splat(0.5)) * V::splat(SUB));
-            ys[k] = whole((window_y - V::splat(0.5)) * V::splat(SUB));
-            ds[k] = (z * inverse_w) * V::splat(0.5 * FARTHEST) + V::splat(0.5 * FARTHEST);
-            qs[k] = inverse_w * self.middle[3];
-            is_between_the_planes = is_between_the_planes & z.simd_le(w) & z.simd_ge(-w);
-        }
-        let side = |a: usize, b: usize, c: usize| (xs[b] - xs[a]) * (ys[c] - ys[a]) - (xs[c] - xs[a]) * (ys[b] - ys[a]);
-        let (half_a, half_b) = (side(0, 3, 2), side(0, 2, 1));
-        let spread = side(0, 1, 3);
-        let low = |v: &[V; 4]| v[0].fast_min(v[1]).fast_min(v[2].fast_min(v[3]));
-        let high = |v: &[V; 4]| v[0].fast_max(v[1]).fast_max(v[2].fast_max(v[3]));
-        let (x_low, x_high, y_low, y_high) = (low(&xs), high(&xs), low(&ys), high(&ys));
-        let small_size = V::splat(SMALL_PX * SUB);
-        let is_small = (x_high - x_low).simd_le(small_size) & (y_high - y_low).simd_le(small_size);
-        let is_convex = half_a.simd_gt(V::ZERO) & half_b.simd_gt(V::ZERO) & spread.simd_le(-V::ONE);
-        let is_back = half_a.simd_le(V::ZERO) & half_b.simd_le(V::ZERO);
-        let is_simple = is_between_the_planes & is_small & is_convex;
+#[inline(always)]
+fn least<S: Simd>([a, b, c, d]: [F<S>; 4]) -> F<S> {
+    a.min(b).min(c.min(d))
+}
 
-        let per_sub = V::splat(1.0 / SUB);
-        let left = ceil(x_low * per_sub).fast_max(V::ZERO);
-        let right = (floor(x_high * per_sub) + V::ONE).fast_min(V::splat(screen.width_px as f32));
-        let top = ceil(y_low * per_sub).fast_max(V::splat(rows.0 as f32));
-        let bottom = (floor(y_high * per_sub) + V::ONE).fast_min(V::splat(rows.1 as f32));
+#[inline(always)]
+fn greatest<S: Simd>([a, b, c, d]: [F<S>; 4]) -> F<S> {
+    a.max(b).max(c.max(d))
+}
+
+/// What is the same for all faces of a block.
+#[derive(Clone, Copy)]
+struct Frame {
+    /// Of the picture.
+    width_px: f32,
+    /// The band's first row and the one after its last.
+    rows: [f32; 2],
+    half_size: (f32, f32),
+}
+
+impl Quads {
+    /// Sets up the faces of the points from `begin` on, given by their corners counter-clockwise from the lower left.
+    #[inline(always)]
+    fn set_up<S: Simd>(&mut self, simd: S, corners: [&Corner<S>; 4], frame: &Frame, begin: usize, with_uv: bool) {
+        let [a, b, c, d] = corners;
+        let (xs, ys) = ([a.x, b.x, c.x, d.x], [a.y, b.y, c.y, d.y]);
+        let (x_low, x_high, y_low, y_high) = (least(xs), greatest(xs), least(ys), greatest(ys));
+        let is_between_the_planes =
+            a.is_between_the_planes & b.is_between_the_planes & c.is_between_the_planes & d.is_between_the_planes;
+        let small_size = F::splat(simd, SMALL_PX * SUB);
+        let is_small =
+            is_between_the_planes & (x_high - x_low).simd_le(small_size) & (y_high - y_low).simd_le(small_size);
+
+        let per_sub = 1.0 / SUB;
+        let left = ceil(x_low * per_sub).max(0.0);
+        let right = (floor(x_high * per_sub) + 1.0).min(frame.width_px);
+        let top = ceil(y_low * per_sub).max(frame.rows[0]);
+        let bottom = (floor(y_high * per_sub) + 1.0).min(frame.rows[1]);
         let is_seen = left.simd_lt(right) & top.simd_lt(bottom);
-        let small = (is_simple & is_seen).to_bitmask();
-        let done = is_simple | (is_between_the_planes & is_back);
-        out.small |= small << begin;
-        out.general |= (!done.to_bitmask() & ((1 << LANES) - 1)) << begin;
+
+        // Of what is small all products fit; of the rest nothing is used.
+        let (xs, ys) = (map(xs, whole), map(ys, whole));
+        let side = inlined(
+            #[inline(always)]
+            |a: usize, b: usize, c: usize| (xs[b] - xs[a]) * (ys[c] - ys[a]) - (xs[c] - xs[a]) * (ys[b] - ys[a]),
+        );
+        let (half_a, half_b, spread) = (side(0, 3, 2), side(0, 2, 1), side(0, 1, 3));
+        let none = I::splat(simd, 0);
+        let is_convex = half_a.simd_gt(none) & half_b.simd_gt(none) & spread.simd_lt(none);
+        let is_back = half_a.simd_le(none) & half_b.simd_le(none);
+        let small = (is_small & is_convex & is_seen).to_bitmask() as u32;
+        let is_done = is_small & (is_convex | is_back);
+        self.small |= small << begin;
+        self.general |= (!is_done.to_bitmask() as u32 & ((1 << LANES) - 1)) << begin;
         if small == 0 {
             return;
         }
-        for (all, value) in out.bounds.iter_mut().zip([left, right, top, bottom]) {
-            store(all, begin, value);
+        for (all, value) in self.bounds.iter_mut().zip([left, right, top, bottom]) {
+            store_whole(all, begin, whole(value));
         }
 
-        let (px, py) = (left * V::splat(SUB), top * V::splat(SUB));
-        let edges = [(0, 3), (3, 2), (2, 1), (1, 0)];
-        for (plane, (a, b)) in out.planes.iter_mut().zip(edges) {
+        let (px, py) = (whole(left * SUB), whole(top * SUB));
+        for (plane, (a, b)) in self.edges.iter_mut().zip([(0, 3), (3, 2), (2, 1), (1, 0)]) {
             let (along_x, along_y) = (xs[b] - xs[a], ys[b] - ys[a]);
             // Left edges go up, top edges go right: these own the pixels on them.
-            let owns = along_y.simd_lt(V::ZERO) | (along_y.simd_eq(V::ZERO) & along_x.simd_gt(V::ZERO));
-            let at = along_x * (py - ys[a]) - along_y * (px - xs[a]) - owns.bitselect(V::ZERO, V::ONE);
-            store(&mut plane[0], begin, at);
-            store(&mut plane[1], begin, -along_y * V::splat(SUB));
-            store(&mut plane[2], begin, along_x * V::splat(SUB));
+            let owns = along_y.simd_lt(none) | (along_y.simd_eq(none) & along_x.simd_gt(none));
+            let at = along_x * (py - ys[a]) - along_y * (px - xs[a]) - owns.select(none, I::splat(simd, 1));
+            store_whole(&mut plane[0], begin, at);
+            store_whole(&mut plane[1], begin, along_y * -SUBPIXELS);
+            store_whole(&mut plane[2], begin, along_x * SUBPIXELS);
         }
-        let (x1, y1, x3, y3) = (xs[1] - xs[0], ys[1] - ys[0], xs[3] - xs[0], ys[3] - ys[0]);
-        let per_spread = V::ONE / spread;
-        let (dx, dy) = (px - xs[0], py - ys[0]);
-        let mut plane = |plane: usize, at: V, along_right: V, along_up: V| {
-            let slope_x = (along_right * y3 - along_up * y1) * per_spread;
-            let slope_y = (along_up * x1 - along_right * x3) * per_spread;
-            let plane = &mut out.planes[plane];
-            store(&mut plane[0], begin, at + (slope_x * dx + slope_y * dy));
-            store(&mut plane[1], begin, slope_x * V::splat(SUB));
-            store(&mut plane[2], begin, slope_y * V::splat(SUB));
-        };
-        plane(DEPTH, ds[0], ds[1] - ds[0], ds[3] - ds[0]);
+        let (x1, y1, x3, y3) = (b.x - a.x, b.y - a.y, d.x - a.x, d.y - a.y);
+        let per_spread = 1.0 / spread.to_float::<F<S>>();
+        let (dx, dy) = (left * SUB - a.x, top * SUB - a.y);
+        let mut plane = inlined(
+            #[inline(always)]
+            |plane: usize, at: F<S>, along_right: F<S>, along_up: F<S>| {
+                let slope_x = (along_right * y3 - along_up * y1) * per_spread;
+                let slope_y = (along_up * x1 - along_right * x3) * per_spread;
+                let plane = &mut self.planes[plane];
+                store(&mut plane[0], begin, at + (slope_x * dx + slope_y * dy));
+                store(&mut plane[1], begin, slope_x * SUB);
+                store(&mut plane[2], begin, slope_y * SUB);
+            },
+        );
+        plane(DEPTH, a.depth, b.depth - a.depth, d.depth - a.depth);
         if with_uv {
-            let half = V::splat(0.5);
-            plane(PLACE, qs[0], qs[1] - qs[0], qs[3] - qs[0]);
-            plane(PLACE + 1, -half * qs[0], half * (qs[1] + qs[0]), half * (qs[0] - qs[3]));
-            plane(PLACE + 2, -half * qs[0], half * (qs[0] - qs[1]), half * (qs[3] + qs[0]));
+            plane(PLACE, a.q, b.q - a.q, d.q - a.q);
+            plane(PLACE + 1, a.q * -0.5, (b.q + a.q) * 0.5, (a.q - d.q) * 0.5);
+            plane(PLACE + 2, a.q * -0.5, (a.q - b.q) * 0.5, (d.q + a.q) * 0.5);
         }
     }
 }
 
 /// Draws the rows of a band.
-pub(super) fn draw<const PAINT: u8>(
+#[inline(always)]
+pub(super) fn draw<S: Simd, const PAINT: u8>(
+    simd: S,
     cloud: &Cloud<'_>,
     refs: &[PointRef],
     screen: &Screen,
@@ -218,9 +263,23 @@ pub(super) fn draw<const PAINT: u8>(
     let Scratch { points, quads } = scratch;
     let sides = if PAINT == DARK_EDGED { SIDES } else { 1 };
     let quads = quads.get_mut(..sides).unwrap_or(&mut []);
+    let frame = Frame {
+        width_px: screen.width_px as f32,
+        rows: [band.first_row as f32, band.end_row as f32],
+        half_size: screen.half_size(),
+    };
     for refs in refs.chunks(BLOCK) {
         points.gather(cloud, refs);
-        set_up::<PAINT>(cloud, screen, band, points, quads);
+        for quads in quads.iter_mut() {
+            (quads.small, quads.general, quads.along) = (0, 0, 0);
+        }
+        for begin in (0..points.len).step_by(LANES) {
+            if PAINT == DARK_EDGED {
+                set_up_boxes(simd, cloud, &frame, points, begin, quads);
+            } else if let Some(quads) = quads.first_mut() {
+                set_up_upright(simd, cloud, &frame, points, begin, PAINT != PLAIN, quads);
+            }
+        }
         let there = (!0u32).checked_shr(u32::BITS - points.len as u32).unwrap_or(0);
         let general = quads.iter().fold(0, |any, quads| any | quads.general) & there;
         let mut seen = (quads.iter().fold(general, |any, quads| any | quads.small)) & there;
@@ -231,9 +290,9 @@ pub(super) fn draw<const PAINT: u8>(
                 draw_triangles(cloud, points.indices[i], screen, band);
                 continue;
             }
-            for (side, quads) in quads.iter().enumerate() {
+            for (quads, axis) in quads.iter().zip(AXES) {
                 if quads.small & 1 << i != 0 {
-                    draw_quad::<PAINT>(cloud, quads, i, side, points.colors[i], band);
+                    draw_quad::<S, PAINT>(simd, cloud, quads, i, axis, points.colors[i], band);
                 }
             }
         }
@@ -256,176 +315,263 @@ fn draw_triangles(cloud: &Cloud<'_>, index: usize, screen: &Screen, band: &mut B
     });
 }
 
-/// The side of a box with this number: its axis and whether it looks along it or against it.
+/// A block's places from `begin` on, what their sizes are multiplied by, and their places in clip coordinates.
 #[inline(always)]
-const fn box_side(side: usize) -> (usize, bool) {
-    ([2, 0, 1][side / 2], side.is_multiple_of(2))
+fn places<S: Simd>(simd: S, cloud: &Cloud<'_>, points: &Gathered, begin: usize) -> ([F<S>; 3], F<S>, [F<S>; 4]) {
+    let [x, y, z] = &points.places;
+    let place = [load(simd, x, begin), load(simd, y, begin), load(simd, z, begin)];
+    let factor = if cloud.points.auto_size { place[2] } else { F::splat(simd, 1.0) };
+    (place, factor, transform(&cloud.placement.clip_from_object, place))
 }
 
+/// Sets up faces that look at the eye and stand upright.
 #[inline(always)]
-fn set_up<const PAINT: u8>(
+fn set_up_upright<S: Simd>(
+    simd: S,
     cloud: &Cloud<'_>,
-    screen: &Screen,
-    band: &Band<'_>,
+    frame: &Frame,
     points: &Gathered,
+    begin: usize,
+    with_uv: bool,
+    quads: &mut Quads,
+) {
+    let ([x, y, z], factor, middle) = places(simd, cloud, points, begin);
+    let [eye_x, eye_y, eye_z] = cloud.faces.eye();
+    let (x, y, z) = (eye_x - x, eye_y - y, eye_z - z);
+    let level = x * x + z * z;
+    let [width, height] = size_m(cloud.points.style);
+    let (width, height) = (factor * (width * 0.5), factor * (height * 0.5));
+    let right = width / level.sqrt();
+    let up = height / (level * (level + y * y)).sqrt();
+    let right = [z * right, -x * right];
+    let up = [-x * y * up, level * up, -y * z * up];
+    let m = &cloud.placement.clip_from_object;
+    let right = map(
+        *m,
+        #[inline(always)]
+        |row| right[0] * row[0] + right[1] * row[2],
+    );
+    let up = map(
+        *m,
+        #[inline(always)]
+        |row| up[0] * row[0] + up[1] * row[1] + up[2] * row[2],
+    );
+    let corner = inlined(
+        #[inline(always)]
+        |is_right: bool, is_up: bool| {
+            let mut at = middle;
+            for i in 0..4 {
+                at[i] = if is_right { at[i] + right[i] } else { at[i] - right[i] };
+                at[i] = if is_up { at[i] + up[i] } else { at[i] - up[i] };
+            }
+            Corner::new(at, middle[3], frame.half_size)
+        },
+    );
+    let corners = [corner(false, false), corner(true, false), corner(true, true), corner(false, true)];
+    let [a, b, c, d] = &corners;
+    quads.set_up(simd, [a, b, c, d], frame, begin, with_uv);
+}
+
+/// Sets up the sides of boxes that look towards the eye.
+#[inline(always)]
+fn set_up_boxes<S: Simd>(
+    simd: S,
+    cloud: &Cloud<'_>,
+    frame: &Frame,
+    points: &Gathered,
+    begin: usize,
     quads: &mut [Quads],
 ) {
-    let rows = (band.first_row, band.end_row);
-    for quads in quads.iter_mut() {
-        (quads.small, quads.general) = (0, 0);
-    }
-    let m = cloud.placement.clip_from_object;
-    for begin in (0..points.len).step_by(LANES) {
-        let [x, y, z] = [0, 1, 2].map(|axis: usize| load(&points.places[axis], begin));
-        let factor = if cloud.points.auto_size { z } else { V::ONE };
-        let row = |i: usize| {
-            let [a, b, c, d] = m[i];
-            V::splat(a) * x + V::splat(b) * y + V::splat(c) * z + V::splat(d)
-        };
-        let center = [row(0), row(1), row(2), row(3)];
-        match cloud.points.style {
-            PointStyle::Boxes { size_m } => {
-                let axis = |axis: usize| {
-                    let half = size_m[axis] * 0.5;
-                    let row = |i: usize| V::splat(m[i][axis] * half) * factor;
-                    [row(0), row(1), row(2), row(3)]
-                };
-                let axes = [axis(0), axis(1), axis(2)];
-                for (side, quads) in quads.iter_mut().enumerate() {
-                    let (axis, is_along) = box_side(side);
-                    let normal = axes[axis];
-                    let row = |i: usize| if is_along { center[i] + normal[i] } else { center[i] - normal[i] };
-                    let middle = [row(0), row(1), row(2), row(3)];
-                    let (next, last) = (axes[(axis + 1) % 3], axes[(axis + 2) % 3]);
-                    let (right, up) = if is_along { (next, last) } else { (last, next) };
-                    Corners { middle, right, up }.set_up(screen, rows, begin, true, quads);
+    let PointStyle::Boxes { size_m } = cloud.points.style else { return };
+    let (place, factor, middle) = places(simd, cloud, points, begin);
+    let (zero, one) = (F::splat(simd, 0.0), F::splat(simd, 1.0));
+    let eye = cloud.faces.eye();
+    let along = map(
+        [0, 1, 2],
+        #[inline(always)]
+        |axis: usize| (eye[axis] - place[axis]).simd_ge(zero),
+    );
+    // Half a side along each axis, towards the eye.
+    let half = map(
+        [0, 1, 2],
+        #[inline(always)]
+        |axis: usize| {
+            let half = factor * along[axis].select(one, -one);
+            map(
+                cloud.placement.clip_from_object,
+                #[inline(always)]
+                |row| half * (row[axis] * (size_m[axis] * 0.5)),
+            )
+        },
+    );
+    // The corner on this side of each axis: towards the eye or away from it.
+    let corner = inlined(
+        #[inline(always)]
+        |towards: [bool; 3]| {
+            let mut at = middle;
+            for axis in 0..3 {
+                for i in 0..4 {
+                    at[i] = if towards[axis] { at[i] + half[axis][i] } else { at[i] - half[axis][i] };
                 }
             }
-            style => {
-                let [eye_x, eye_y, eye_z] = cloud.faces.eye().map(V::splat);
-                let (x, y, z) = (eye_x - x, eye_y - y, eye_z - z);
-                let level = x * x + z * z;
-                let [width, height] = size_m(style).map(|length| V::splat(length * 0.5) * factor);
-                let right = width / level.sqrt();
-                let up = height / (level * (level + y * y)).sqrt();
-                let right = [z * right, -x * right];
-                let up = [-x * y * up, level * up, -y * z * up];
-                let right_row = |i: usize| V::splat(m[i][0]) * right[0] + V::splat(m[i][2]) * right[1];
-                let up_row =
-                    |i: usize| V::splat(m[i][0]) * up[0] + V::splat(m[i][1]) * up[1] + V::splat(m[i][2]) * up[2];
-                let right = [right_row(0), right_row(1), right_row(2), right_row(3)];
-                let up = [up_row(0), up_row(1), up_row(2), up_row(3)];
-                if let Some(quads) = quads.first_mut() {
-                    Corners { middle: center, right, up }.set_up(screen, rows, begin, PAINT != PLAIN, quads);
-                }
-            }
-        }
+            Corner::new(at, middle[3], frame.half_size)
+        },
+    );
+    let near = corner([true, true, true]);
+    // Away along one axis, and along all but one.
+    let without = [corner([false, true, true]), corner([true, false, true]), corner([true, true, false])];
+    let only = [corner([true, false, false]), corner([false, true, false]), corner([false, false, true])];
+    // Where an odd number of axes point away from the eye, the sides' corners go round the other way.
+    let is_turned = !(along[0] ^ along[1] ^ along[2]);
+    let is_inside_out = (factor.simd_lt(zero).to_bitmask() as u32) << begin;
+    for (quads, axis) in quads.iter_mut().zip(AXES) {
+        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (right, up) = (&without[last], &without[next]);
+        let lower_right = Corner::select(is_turned, up, right);
+        let upper_left = Corner::select(is_turned, right, up);
+        quads.along |= (along[axis].to_bitmask() as u32) << begin;
+        quads.general |= is_inside_out;
+        quads.set_up(simd, [&only[axis], &lower_right, &near, &upper_left], frame, begin, true);
     }
 }
 
 #[inline(always)]
-fn draw_quad<const PAINT: u8>(
+fn draw_quad<S: Simd, const PAINT: u8>(
+    simd: S,
     cloud: &Cloud<'_>,
     quads: &Quads,
     i: usize,
-    side: usize,
+    axis: usize,
     color: [u8; 4],
     band: &mut Band<'_>,
 ) {
-    let bound = |k: usize| quads.bounds[k][i] as i32;
-    let (left, right, top, bottom) = (bound(0), bound(1), bound(2), bound(3));
-    let edges = [quads.plane(0, i), quads.plane(1, i), quads.plane(2, i), quads.plane(3, i)];
-    let depth = quads.plane(DEPTH, i);
-    let paint = Paint::<PAINT>::new(color, side);
+    let [left, right, top, bottom] = quads.bounds.each_ref().map(|all| all[i]);
+    let edges = [quads.edge(0, i), quads.edge(1, i), quads.edge(2, i), quads.edge(3, i)];
+    let [depth, depth_right, depth_down] = quads.plane(DEPTH, i);
+    let places = [quads.plane(PLACE, i), quads.plane(PLACE + 1, i), quads.plane(PLACE + 2, i)];
+    let paint = Paint::<S, PAINT>::new(simd, color, axis, quads.along & 1 << i != 0);
     let mode = cloud.surface.mode;
-    let lanes = V::new(LANE);
     for begin in (left..right).step_by(LANES) {
-        let columns = V::splat((begin - left) as f32) + lanes;
-        let row_of = |[at, dx, _]: Plane<f32>| V::splat(at) + V::splat(dx) * columns;
-        let [mut e0, mut e1, mut e2, mut e3] = [row_of(edges[0]), row_of(edges[1]), row_of(edges[2]), row_of(edges[3])];
-        let [d0, d1, d2, d3] =
-            [V::splat(edges[0][2]), V::splat(edges[1][2]), V::splat(edges[2][2]), V::splat(edges[3][2])];
-        let depth_columns = V::splat(depth[1]) * columns;
-        let (mut place, mut place_down) = ([V::ZERO; 3], [V::ZERO; 3]);
+        let columns = numbers(simd) + (begin - left);
+        let mut edges_at = map(
+            edges,
+            #[inline(always)]
+            |[at, dx, _]| columns * dx + at,
+        );
+        let columns = columns.to_float::<F<S>>();
+        // A depth's steps are whole numbers: what is below one would be lost in adding up from row to row.
+        let mut depth_from_first = columns * depth_right;
+        let mut places_at = [F::splat(simd, 0.0); 3];
         if PAINT != PLAIN {
-            let planes = [quads.plane(PLACE, i), quads.plane(PLACE + 1, i), quads.plane(PLACE + 2, i)];
-            place = [row_of(planes[0]), row_of(planes[1]), row_of(planes[2])];
-            place_down = [V::splat(planes[0][2]), V::splat(planes[1][2]), V::splat(planes[2][2])];
+            places_at = map(
+                places,
+                #[inline(always)]
+                |[at, dx, _]| columns * dx + at,
+            );
         }
-        // A depth's steps are whole numbers, so that adding up small changes from row to row would lose them.
-        let mut down = 0.0;
         for window in band.windows(top..bottom, begin) {
-            let mut mask = e0.fast_min(e1).fast_min(e2.fast_min(e3)).simd_ge(V::ZERO);
-            let colors = paint.colors(place, &mut mask);
-            let depths = V::splat(depth[0] + depth[2] * down) + depth_columns;
-            window.meet(mask, depths, colors, mode);
-            (e0, e1, e2, e3) = (e0 + d0, e1 + d1, e2 + d2, e3 + d3);
-            if PAINT != PLAIN {
-                place = [place[0] + place_down[0], place[1] + place_down[1], place[2] + place_down[2]];
+            let [e0, e1, e2, e3] = edges_at;
+            let mask = ((e0 | e1) | (e2 | e3)).simd_ge(I::splat(simd, 0));
+            let mask = paint.mask(places_at, mask);
+            window.meet(
+                mask,
+                depth_from_first + depth,
+                mode,
+                #[inline(always)]
+                || paint.colors(places_at),
+            );
+            for k in 0..EDGES {
+                edges_at[k] += edges[k][2];
             }
-            down += 1.0;
+            depth_from_first += depth_down;
+            if PAINT != PLAIN {
+                for k in 0..3 {
+                    places_at[k] += places[k][2];
+                }
+            }
         }
     }
 }
 
 /// What a face's colour is made of.
-struct Paint<const PAINT: u8> {
-    color: [u8; 4],
-    /// 0 to 1, with a box's side's brightness.
+struct Paint<S: Simd, const PAINT: u8> {
+    packed: U<S>,
+    /// 0 to 255, with a box's side's brightness.
     rgb: [f32; 3],
+    /// 0 to 255.
     contrast: f32,
 }
 
-impl<const PAINT: u8> Paint<PAINT> {
+impl<S: Simd, const PAINT: u8> Paint<S, PAINT> {
     #[inline(always)]
-    fn new(color: [u8; 4], side: usize) -> Self {
+    fn new(simd: S, color: [u8; 4], axis: usize, is_along: bool) -> Self {
+        let [r, g, b, a] = color;
         if PAINT == PLAIN {
-            return Self { color, rgb: [0.0; 3], contrast: 0.0 };
+            return Self { packed: U::splat(simd, pack(color)), rgb: [0.0; 3], contrast: 0.0 };
         }
-        let (axis, is_along) = box_side(side);
+        let packed = U::splat(simd, pack([0, 0, 0, a]));
         let brightness = if PAINT == DARK_EDGED { BRIGHTNESS[usize::from(!is_along)][axis] } else { 1.0 };
-        let channel = |i: usize| f32::from(color[i]) / 255.0;
-        let (r, g, b) = (channel(0), channel(1), channel(2));
-        let contrast = if PAINT == EDGED { contrast([r, g, b, 1.0]) } else { 0.0 };
-        Self { color, rgb: [r * brightness, g * brightness, b * brightness], contrast }
+        let rgb = [f32::from(r) * brightness, f32::from(g) * brightness, f32::from(b) * brightness];
+        let contrast = if PAINT == EDGED {
+            let [r, g, b] = rgb.map(|c| c / 255.0);
+            contrast([r, g, b, 1.0]) * 255.0
+        } else {
+            0.0
+        };
+        Self { packed, rgb, contrast }
     }
 
-    /// The colours at places given by 1/w, u/w and v/w, and which of them there are; see [`super::surface`].
+    /// Which of the places given by 1/w, u/w and v/w belong to the face; see [`super::surface`].
     #[inline(always)]
-    fn colors(&self, place: [V; 3], mask: &mut V) -> u32x4 {
-        if PAINT == PLAIN {
-            return u32x4::splat(pack(self.color));
+    fn mask(&self, [q, u, v]: [F<S>; 3], mask: M<S>) -> M<S> {
+        if PAINT == DISC {
+            mask & (u * u + v * v).simd_lt(q * q * 0.25)
+        } else {
+            mask
         }
-        let w = V::ONE / place[0];
-        let (u, v) = (place[1] * w, place[2] * w);
-        let edge_shade = |from_middle: V| {
-            let t = (V::splat(0.48) - from_middle.abs()) * V::splat(1.0 / 0.03);
-            let t = t.fast_max(V::ZERO).fast_min(V::ONE);
-            t * t * (V::splat(3.0) - V::splat(2.0) * t)
+    }
+
+    /// The colours at places given by 1/w, u/w and v/w; see [`super::surface`].
+    #[inline(always)]
+    fn colors(&self, [q, u, v]: [F<S>; 3]) -> U<S> {
+        if PAINT == PLAIN {
+            return self.packed;
+        }
+        let w = 1.0 / q;
+        let (u, v) = (u * w, v * w);
+        let shade = match PAINT {
+            EDGED => (1.0 - edge_shade(u) * edge_shade(v)) * self.contrast,
+            DARK_EDGED => edge_shade(u) * edge_shade(v) * 0.5 + 0.5,
+            _ => (0.25 - (u * u + v * v)) * (4.0 * 0.2) + 0.8,
         };
-        let (multiplied, added) = match PAINT {
-            EDGED => (V::ONE, V::splat(self.contrast) * (V::ONE - edge_shade(u) * edge_shade(v))),
-            DARK_EDGED => (V::splat(0.5) + V::splat(0.5) * (edge_shade(u) * edge_shade(v)), V::ZERO),
-            _ => {
-                let height = (V::splat(0.25) - (u * u + v * v)) * V::splat(4.0);
-                *mask &= height.simd_gt(V::ZERO);
-                (V::splat(0.8) + V::splat(0.2) * height, V::ZERO)
-            }
-        };
-        let channel = |i: usize| {
-            let level = (V::splat(self.rgb[i]) * multiplied + added).fast_max(V::ZERO).fast_min(V::ONE);
-            let bits: u32x4 = bytemuck::cast(level * V::splat(255.0) + V::splat(NO_FRACTION));
-            (bits & u32x4::splat(255)) << shift(i)
-        };
-        let alpha = u32x4::splat(u32::from(self.color[3]) << shift(3));
-        channel(0) | channel(1) | channel(2) | alpha
+        let [r, g, b] = map(
+            self.rgb,
+            #[inline(always)]
+            |level| byte(if PAINT == EDGED { (shade + level).max(0.0).min(255.0) } else { shade * level }),
+        );
+        self.packed | in_channel(r, 0) | in_channel(g, 1) | in_channel(b, 2)
     }
 }
 
-/// By how much a channel's byte is shifted in a packed colour.
+/// How much a place belongs to the inside of a square along one axis.
 #[inline(always)]
-fn shift(channel: usize) -> u32 {
+fn edge_shade<S: Simd>(from_middle: F<S>) -> F<S> {
+    let t = ((0.48 - from_middle.abs()) * (1.0 / 0.03)).max(0.0).min(1.0);
+    t * t * (3.0 - t * 2.0)
+}
+
+/// Levels of 0 to 255 as whole numbers.
+#[inline(always)]
+fn byte<S: Simd>(level: F<S>) -> U<S> {
+    // At 2^23 there is no fraction left, so that the sum is rounded and its lowest bits are the whole number.
+    const NO_FRACTION: f32 = 8_388_608.0;
+    (level + NO_FRACTION).bitcast::<U<S>>() & 255
+}
+
+/// Bytes at the place that a channel has in a packed colour.
+#[inline(always)]
+fn in_channel<S: Simd>(bytes: U<S>, channel: usize) -> U<S> {
     let mut color = [0; 4];
     color[channel] = 1;
-    pack(color).trailing_zeros()
+    bytes << pack(color).trailing_zeros()
 }

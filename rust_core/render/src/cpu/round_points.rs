@@ -4,10 +4,12 @@
 //! 1 px can miss every pixel centre. A point whose place is outside of the picture is not drawn at all, however far
 //! its spot would reach inside. A spot has one depth, that of its place.
 
+use fearless_simd::prelude::*;
+use fearless_simd::Simd;
 use rcs_scene::{PointStyle, Points};
-use wide::{f32x4, u32x4};
 
-use super::band::{pack, Band, LANE, LANES};
+use super::band::{pack, Band};
+use super::lanes::{load, map, numbers, store, store_whole, transform, whole, F, LANES, U};
 use super::points::{Cloud, Gathered, PointRef, BLOCK};
 use super::screen::{Screen, FARTHEST};
 
@@ -22,68 +24,92 @@ pub(super) fn diameter_px(points: &Points) -> Option<f32> {
     }
 }
 
-/// Projected points.
+/// Spots on the picture.
 struct Block {
     x: [f32; BLOCK],
     y: [f32; BLOCK],
     depth: [f32; BLOCK],
-    inside: [bool; BLOCK],
+    /// The first pixel and the one after the last of those that a spot may touch along a row, and the same along a
+    /// column; none where it is not drawn.
+    bounds: [[i32; BLOCK]; 4],
 }
 
 impl Block {
+    /// Projects the points from `begin` on.
     #[inline(always)]
-    fn project(&mut self, cloud: &Cloud<'_>, screen: &Screen, places: &[[f32; BLOCK]; 3]) {
-        let [xs, ys, zs] = places;
-        let m = &cloud.placement.clip_from_object;
-        for i in 0..BLOCK {
-            let row = |r: [f32; 4]| r[0] * xs[i] + r[1] * ys[i] + r[2] * zs[i] + r[3];
-            let (x, y, z, w) = (row(m[0]), row(m[1]), row(m[2]), row(m[3]));
-            let inverse_w = 1.0 / w;
-            self.x[i] = screen.x(x * inverse_w);
-            self.y[i] = screen.y(y * inverse_w);
-            self.depth[i] = (z * inverse_w) * (0.5 * FARTHEST) + 0.5 * FARTHEST;
-            self.inside[i] = (w > 0.0) & (z >= -w) & (z <= w) & (x.abs() <= w) & (y.abs() <= w);
+    fn project<S: Simd>(
+        &mut self,
+        simd: S,
+        cloud: &Cloud<'_>,
+        screen: &Screen,
+        band: &Band<'_>,
+        radius_px: f32,
+        places: &[[f32; BLOCK]; 3],
+        begin: usize,
+    ) {
+        let [x, y, z] = places;
+        let place = [load(simd, x, begin), load(simd, y, begin), load(simd, z, begin)];
+        let [x, y, z, w] = transform(&cloud.placement.clip_from_object, place);
+        let is_inside = w.simd_gt(0.0) & z.simd_ge(-w) & z.simd_le(w) & x.abs().simd_le(w) & y.abs().simd_le(w);
+        let inverse_w = 1.0 / w;
+        let (half_width, half_height) = screen.half_size();
+        let (x, y) = ((x * inverse_w) * half_width + half_width, half_height - (y * inverse_w) * half_height);
+        store(&mut self.x, begin, x);
+        store(&mut self.y, begin, y);
+        store(&mut self.depth, begin, (z * inverse_w) * (0.5 * FARTHEST) + 0.5 * FARTHEST);
+        let columns = [(x - (radius_px + 0.5)).ceil().max(0.0), (x + (radius_px + 0.5)).ceil().min(band.width as f32)];
+        let rows = [(y - (radius_px + 0.5)).ceil(), (y + (radius_px + 0.5)).ceil()];
+        let rows = [rows[0].max(band.first_row as f32), rows[1].min(band.end_row as f32)];
+        let [left, right] = map(columns, whole);
+        let [top, bottom] = map(rows, whole);
+        let right = is_inside.select(right, left);
+        for (all, value) in self.bounds.iter_mut().zip([left, right, top, bottom]) {
+            store_whole(all, begin, value);
         }
     }
 }
 
 /// Draws the rows of a band.
-pub(super) fn draw(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen, points: &mut Gathered, band: &mut Band<'_>) {
+#[inline(always)]
+pub(super) fn draw<S: Simd>(
+    simd: S,
+    cloud: &Cloud<'_>,
+    refs: &[PointRef],
+    screen: &Screen,
+    points: &mut Gathered,
+    band: &mut Band<'_>,
+) {
     let Some(diameter_px) = diameter_px(cloud.points).filter(|&diameter_px| diameter_px > 0.0) else { return };
     let mode = cloud.surface.mode;
     let (radius_px, per_px) = (diameter_px * 0.5, 1.0 / diameter_px);
-    let mut block = Block { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], inside: [false; BLOCK] };
+    let mut block = Block { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], bounds: [[0; BLOCK]; 4] };
+    let numbers = numbers(simd).to_float::<F<S>>();
     for refs in refs.chunks(BLOCK) {
         points.gather(cloud, refs);
-        block.project(cloud, screen, &points.places);
+        for begin in (0..points.len).step_by(LANES) {
+            block.project(simd, cloud, screen, band, radius_px, &points.places, begin);
+        }
         for i in 0..points.len {
-            if !block.inside[i] {
-                continue;
-            }
-            let (x, y) = (block.x[i], block.y[i]);
-            let columns = ceil(x - radius_px - 0.5).max(0)..ceil(x + radius_px + 0.5).min(band.width);
-            let depths = f32x4::splat(block.depth[i]);
-            let colors = u32x4::splat(pack(points.colors[i]));
-            let rows = band.rows(ceil(y - radius_px - 0.5), ceil(y + radius_px + 0.5));
-            for begin in columns.step_by(LANES) {
-                let from = f32x4::splat(begin as f32 + 0.5 - x) + f32x4::new(LANE);
-                let dx = from * f32x4::splat(per_px);
+            let [left, right, top, bottom] = block.bounds.each_ref().map(|all| all[i]);
+            let depths = F::splat(simd, block.depth[i]);
+            let colors = U::splat(simd, pack(points.colors[i]));
+            for begin in (left..right).step_by(LANES) {
+                let dx = (numbers + (begin as f32 + 0.5 - block.x[i])) * per_px;
                 let dx_squared = dx * dx;
-                let mut from = rows.start as f32 + 0.5 - y;
-                for window in band.windows(rows.clone(), begin) {
-                    let dy = f32x4::splat(from * per_px);
-                    let mask = (dx_squared + dy * dy).simd_lt(f32x4::splat(0.25));
-                    window.meet(mask, depths, colors, mode);
-                    from += 1.0;
+                let mut dy = F::splat(simd, top as f32 + 0.5 - block.y[i]);
+                for window in band.windows(top..bottom, begin) {
+                    let scaled = dy * per_px;
+                    let mask = (dx_squared + scaled * scaled).simd_lt(0.25);
+                    window.meet(
+                        mask,
+                        depths,
+                        mode,
+                        #[inline(always)]
+                        || colors,
+                    );
+                    dy += 1.0;
                 }
             }
         }
     }
-}
-
-/// The whole number not below a window coordinate.
-#[inline(always)]
-fn ceil(value: f32) -> i32 {
-    let whole = value as i32;
-    whole + i32::from(value > whole as f32)
 }

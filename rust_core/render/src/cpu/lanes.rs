@@ -1,0 +1,94 @@
+//! Several points or pixels at once.
+//!
+//! The loops over points and their pixels are written for eight numbers side by side and compiled for each of the
+//! processor's instruction sets that the build's target may have (on x86-64 SSE2, SSE4.2, AVX2 and AVX-512); which one
+//! runs is found out at run time. All do the same sums in the same order, so the picture is the same on each.
+//!
+//! For that everything between [`fearless_simd::dispatch!`] and the arithmetic has to be `#[inline(always)]`, closures
+//! included: what is compiled on its own is compiled for the oldest processor. So lanes go through [`map`] and [`inlined`]
+//! instead of an array's `map` and plain closures.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, i32x8, mask32x8, u32x8};
+
+/// How many.
+pub(super) const LANES: usize = 8;
+
+/// Numbers.
+pub(super) type F<S> = f32x8<S>;
+/// Whole numbers.
+pub(super) type I<S> = i32x8<S>;
+/// Colours.
+pub(super) type U<S> = u32x8<S>;
+/// Which of them.
+pub(super) type M<S> = mask32x8<S>;
+
+/// The lanes' numbers.
+#[inline(always)]
+pub(super) fn numbers<S: Simd>(simd: S) -> I<S> {
+    I::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7])
+}
+
+/// The numbers from `begin` on, which have to be there.
+#[inline(always)]
+pub(super) fn load<S: Simd>(simd: S, all: &[f32], begin: usize) -> F<S> {
+    all.get(begin..)
+        .and_then(<[f32]>::first_chunk)
+        .map_or(F::splat(simd, 0.0), |values| F::load_array_ref(simd, values))
+}
+
+/// Puts numbers at `begin`, where they have to have room.
+#[inline(always)]
+pub(super) fn store<S: Simd>(all: &mut [f32], begin: usize, value: F<S>) {
+    if let Some(place) = all.get_mut(begin..).and_then(<[f32]>::first_chunk_mut) {
+        value.store_array(place);
+    }
+}
+
+/// Puts whole numbers at `begin`, where they have to have room.
+#[inline(always)]
+pub(super) fn store_whole<S: Simd>(all: &mut [i32], begin: usize, value: I<S>) {
+    if let Some(place) = all.get_mut(begin..).and_then(<[i32]>::first_chunk_mut) {
+        value.store_array(place);
+    }
+}
+
+/// To the nearest whole number, of two equally near ones to the even; for numbers within ±2^22.
+#[inline(always)]
+pub(super) fn nearest<S: Simd>(value: F<S>) -> F<S> {
+    // In a sum with this, nothing is left of a fraction.
+    const NO_FRACTION: f32 = 12_582_912.0;
+    (value + NO_FRACTION) - NO_FRACTION
+}
+
+/// What becomes of each element, as an array's `map`.
+#[inline(always)]
+pub(super) fn map<T: Copy, R: Copy, const N: usize>(all: [T; N], compute: impl Fn(T) -> R) -> [R; N] {
+    let mut done = [compute(all[0]); N];
+    for i in 1..N {
+        done[i] = compute(all[i]);
+    }
+    done
+}
+
+/// The closure that it is given: only as an argument may a closure be marked `#[inline(always)]`.
+#[inline(always)]
+pub(super) fn inlined<C>(closure: C) -> C {
+    closure
+}
+
+/// A matrix, given by its rows, times a place.
+#[inline(always)]
+pub(super) fn transform<S: Simd>(rows: &[[f32; 4]; 4], [x, y, z]: [F<S>; 3]) -> [F<S>; 4] {
+    map(
+        *rows,
+        #[inline(always)]
+        |[a, b, c, d]| x * a + y * b + z * c + d,
+    )
+}
+
+/// Cut to whole numbers.
+#[inline(always)]
+pub(super) fn whole<S: Simd>(value: F<S>) -> I<S> {
+    value.to_int()
+}
