@@ -63,7 +63,6 @@ fn the_stages_of_one_picture_make_up_the_whole_and_no_more_than_is_seen_from_out
     assert!(0.0 < total_ms && total_ms <= seen_ms, "{total_ms} of {seen_ms} ms: {told}");
     let drawing_ms = number(&stand, "figure('decoded to drawn')[0]");
     assert!(drawing_ms > 1.0, "a hundred big squares: {told}");
-    println!("seen after {seen_ms:.2} ms: {told}");
     let age_ms = number(&stand, "figure(AGE)[0]");
     // Stamped after `sent`, before it was received; the picture is stamped before it is published.
     let least_ms = 2000.0 + number(&stand, "figure(TOTAL)[0] - figure('drawn to published')[0]") - 0.1;
