@@ -58,7 +58,7 @@ fn check(
     let mut stage = Stage::new(config, None, MeshStore::new(PackageIndex::from_env(&[])));
     hear(&mut stage, listen, ros, end)?;
     ros.look_at_publications();
-    let mut subjects = stage.subjects();
+    let mut subjects = stage.subjects(Time::from_nanos(stamp_nanos(ros.now())));
     subjects.extend(stage.cameras().iter().map(|view| report::camera(&stage, view, projection)));
     report::add_surroundings(&mut subjects, ros);
     print(&subjects, out)?;
@@ -95,7 +95,7 @@ fn hear(stage: &mut Stage, listen: Duration, ros: &RosNode, end: &EndRequest) ->
                         stage.take(name, &message, now());
                     }
                 }
-                NodeEvent::Transforms { message, is_static, authority } => {
+                NodeEvent::Transforms { message, is_static, authority, .. } => {
                     stage.take_transforms(&message, is_static, &authority);
                 }
                 NodeEvent::Parameter { name, text } => stage.take_parameter(&name, text.as_ref(), now()),

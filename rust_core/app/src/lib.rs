@@ -13,6 +13,7 @@ pub mod pcd;
 pub mod pcd_header;
 pub mod picture_file;
 pub mod projector_file;
+mod recent;
 mod report;
 pub mod small_node;
 pub mod stage;

@@ -81,7 +81,8 @@ pub fn render(
         progress.inc(1);
     }
     progress.finish_and_clear();
-    player.status_log.conclude(&stage.subjects(), moments.last().copied().unwrap_or(end));
+    let last = moments.last().copied().unwrap_or(end);
+    player.status_log.conclude(&stage.subjects(last), last);
     Ok(())
 }
 
@@ -224,7 +225,7 @@ impl Player {
                     self.play(stage, &message);
                     let now = time(message.time);
                     if self.status_log.is_due(now) {
-                        self.status_log.look(&stage.subjects(), now);
+                        self.status_log.look(&stage.subjects(now), now);
                     }
                 }
                 Some(Err(error)) => log::warn!("{error}"),

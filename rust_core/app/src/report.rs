@@ -4,10 +4,10 @@
 
 use std::borrow::Cow;
 
-use rcs_displays::{CameraView, DisplaySet, Level, Statuses};
+use rcs_displays::{CameraView, DisplayReport, DisplaySet, Level, Statuses};
 use rcs_input::live::{Publications, RosNode};
 use rcs_messages::{stamp_nanos, MessageKind};
-use rcs_transforms::TransformTree;
+use rcs_transforms::{Time, TransformTree};
 
 use crate::camera_pose::{CameraProblem, Projection};
 use crate::stage::Stage;
@@ -18,6 +18,7 @@ pub(crate) const PUBLISHER: &str = "Publisher";
 pub(crate) const FIXED_FRAME: &str = "Fixed Frame";
 
 const MESSAGES: &str = "messages received";
+const AGE: &str = "age of the data shown ms";
 
 /// What is told of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,15 +62,39 @@ pub(crate) fn path_text(path: &[String]) -> String {
     path.join(" / ")
 }
 
-/// The whole scene and its displays, in the config's order.
-pub(crate) fn scene<'a>(displays: &'a DisplaySet, transforms: &TransformTree, fixed_frame: &str) -> Vec<Subject<'a>> {
+/// The age of data stamped so, in milliseconds: negative where the stamp lies in the future. `None` where there is no
+/// stamp, or no time yet, as in a simulation that has not begun.
+pub(crate) fn age_ms(stamp: Time, now: Time) -> Option<f64> {
+    (!stamp.is_zero() && !now.is_zero()).then(|| now.secs_since(stamp) * 1e3)
+}
+
+/// A figure as it is told, also where there is none.
+pub(crate) fn figure(figure: Option<impl std::fmt::Display>) -> String {
+    figure.map_or_else(|| "-".to_owned(), |figure| figure.to_string())
+}
+
+/// The whole scene and its displays, in the config's order. `now` is ROS time, for the age of what is shown.
+pub(crate) fn scene<'a>(
+    displays: &'a DisplaySet,
+    transforms: &TransformTree,
+    fixed_frame: &str,
+    now: Time,
+) -> Vec<Subject<'a>> {
+    let values = |report: &DisplayReport<'_>| {
+        if report.topics.is_empty() {
+            return Vec::new();
+        }
+        let age_ms = report.shown.and_then(|shown| age_ms(shown.stamp, now));
+        let age = figure(age_ms.map(|age_ms| format!("{age_ms:.0}")));
+        vec![(MESSAGES, report.received.to_string()), (AGE, age)]
+    };
     let of_display = displays.reports().map(|report| Subject {
         kind: Kind::Display,
         path: path_text(&report.listed.path),
         class: report.listed.class.clone(),
         topic: report.listed.topic.clone().unwrap_or_default(),
         has_heard: report.received > 0,
-        values: if report.topics.is_empty() { Vec::new() } else { vec![(MESSAGES, report.received.to_string())] },
+        values: values(&report),
         listens: report.topics.into_iter().map(|request| (request.topic, request.kind)).collect(),
         statuses: report.statuses,
     });
@@ -183,7 +208,7 @@ pub(crate) fn add_surroundings(subjects: &mut [Subject<'_>], ros: &RosNode) {
 #[cfg(test)]
 mod tests {
     use rcs_input::live::Publication;
-    use rcs_transforms::{RawTransform, Time};
+    use rcs_transforms::RawTransform;
 
     use super::*;
 
@@ -202,6 +227,14 @@ mod tests {
             transforms.insert(&transform, true, "/a").unwrap();
             assert_eq!(said(&transforms), (expected.0, expected.1.to_owned()));
         }
+    }
+
+    #[test]
+    fn ages_are_negative_for_stamps_ahead_and_unknown_without_a_stamp_or_time() {
+        let at = |secs| Time::from_secs_nanos(secs, 0);
+        assert_eq!(age_ms(at(102), at(100)), Some(-2000.0));
+        assert_eq!(age_ms(at(99), at(100)), Some(1000.0));
+        assert_eq!([age_ms(Time::ZERO, at(100)), age_ms(at(99), Time::ZERO)].map(figure), ["-", "-"]);
     }
 
     #[test]

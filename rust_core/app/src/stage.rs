@@ -4,6 +4,7 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 use rcs_displays::{CameraView, DisplaySet, Reconfigured, TopicRequest, World};
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -110,11 +111,17 @@ impl Stage {
 
     /// Takes a message of a topic, by its name in the config.
     pub fn take(&mut self, topic: &str, message: &AnyMessage, now: Time) {
+        self.take_received(topic, message, None, now);
+    }
+
+    /// As [`take`](Self::take), with the moment when the message was received, which
+    /// [`DisplaySet::newly_shown`] tells again.
+    pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, now: Time) {
         if let AnyMessage::CameraInfo(info) = message {
             self.camera_infos.insert(topic.to_owned(), info.clone());
         }
         let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
-        self.displays.take(topic, message, &world);
+        self.displays.take_received(topic, message, received, &world);
     }
 
     /// The names of the ROS parameters that the displays want to know, as the config has them.
@@ -139,9 +146,9 @@ impl Stage {
         self.displays.update(&world)
     }
 
-    /// How the whole scene and each display does.
-    pub(crate) fn subjects(&self) -> Vec<Subject<'_>> {
-        report::scene(&self.displays, &self.transforms, &self.fixed_frame)
+    /// How the whole scene and each display does at a ROS time.
+    pub(crate) fn subjects(&self, now: Time) -> Vec<Subject<'_>> {
+        report::scene(&self.displays, &self.transforms, &self.fixed_frame, now)
     }
 
     /// The scene as of the last update.

@@ -42,6 +42,11 @@ pub(crate) trait Display: Send {
         self.take(message, world);
     }
 
+    /// Whether a message of this stamp that it took waits to be shown: for its frame, or for one that belongs to it.
+    fn is_waiting(&self, _stamp: Time) -> bool {
+        false
+    }
+
     /// Takes note that a publisher of one of its topics is gone.
     fn publisher_left(&mut self, _topic: &str) {}
 

@@ -13,6 +13,7 @@ use rcs_rviz_config::GridCellsSettings;
 use rcs_scene::{
     DisplayId, Drawable, Geometry, Material, PointBuffer, PointColors, PointStyle, Points, RenderGroup, Rgba,
 };
+use rcs_transforms::Time;
 
 use crate::bounds::middle;
 use crate::cloud::max_points;
@@ -100,6 +101,10 @@ impl Display for GridCellsDisplay {
         if let AnyMessage::GridCells(cells) = message {
             self.incoming.push(&cells.header, cells.clone(), &mut self.statuses);
         }
+    }
+
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.incoming.is_waiting(stamp)
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {

@@ -5,6 +5,7 @@
 //! ROS, reads a clock or draws: the picture is a function of the config, the messages and a time.
 #![forbid(unsafe_code)]
 
+mod arrivals;
 mod axes;
 mod bounds;
 mod cloud;
@@ -48,6 +49,7 @@ mod trail;
 mod urdf;
 mod world;
 
+pub use arrivals::ShownMessage;
 pub use display::TopicRequest;
 pub use report::DisplayReport;
 pub use set::{CameraView, DisplaySet, ListedDisplay, Reconfigured};

@@ -10,6 +10,7 @@ use nalgebra::Isometry3;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_scene::Drawable;
+use rcs_transforms::Time;
 
 use crate::display::{Display, TopicRequest};
 use crate::placed::Incoming;
@@ -83,6 +84,10 @@ impl<V: MessageVisual> Display for MessageDisplay<V> {
         if let Some(message) = V::message(message) {
             self.incoming.push(V::header(message), message.clone(), &mut self.statuses);
         }
+    }
+
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.incoming.is_waiting(stamp)
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {

@@ -11,6 +11,7 @@ use rcs_messages::nav_msgs::Path;
 use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
 use rcs_rviz_config::{LineStyle, PathSettings, PoseStyle};
 use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Material, Rgba, RibbonElement, Ribbons};
+use rcs_transforms::Time;
 
 use crate::display::{Display, TopicRequest};
 use crate::placed::Incoming;
@@ -112,6 +113,10 @@ impl Display for PathDisplay {
         if let AnyMessage::Path(path) = message {
             self.incoming.push(&path.header, path.clone(), &mut self.statuses);
         }
+    }
+
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.incoming.is_waiting(stamp)
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {

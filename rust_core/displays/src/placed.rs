@@ -54,6 +54,11 @@ impl<M> Incoming<M> {
         ready
     }
 
+    /// Whether a message of this stamp waits.
+    pub(crate) fn is_waiting(&self, stamp: Time) -> bool {
+        self.queue.stamps().any(|waiting| waiting == stamp)
+    }
+
     /// Says why the last message was dropped, and how many were.
     fn say_dropped(&mut self, world: &World<'_>, statuses: &mut Statuses) {
         let counts = self.queue.dropped();

@@ -11,6 +11,7 @@ use rcs_messages::sensor_msgs::Range;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::RangeSettings;
 use rcs_scene::{DisplayId, Drawable, Material, Rgba};
+use rcs_transforms::Time;
 
 use crate::display::{Display, TopicRequest};
 use crate::placed::Incoming;
@@ -84,6 +85,10 @@ impl Display for RangeDisplay {
         if let AnyMessage::Range(range) = message {
             self.incoming.push(&range.header, range.clone(), &mut self.statuses);
         }
+    }
+
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.incoming.is_waiting(stamp)
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 
 use crate::display::Display;
 use crate::set::ListedDisplay;
-use crate::{Level, Statuses, TopicRequest};
+use crate::{Level, ShownMessage, Statuses, TopicRequest};
 
 /// A display and how it does.
 #[derive(Clone, Debug)]
@@ -18,18 +18,25 @@ pub struct DisplayReport<'a> {
     pub topics: Vec<TopicRequest>,
     /// How many messages it was given since the start or the last jump in time.
     pub received: u64,
+    /// The newest message that it shows.
+    pub shown: Option<ShownMessage>,
     /// How it does, its topic included.
     pub statuses: Cow<'a, Statuses>,
 }
 
 impl<'a> DisplayReport<'a> {
-    pub(crate) fn new(listed: &'a ListedDisplay, display: &'a dyn Display, received: u64) -> Self {
+    pub(crate) fn new(
+        listed: &'a ListedDisplay,
+        display: &'a dyn Display,
+        received: u64,
+        shown: Option<ShownMessage>,
+    ) -> Self {
         let topics = display.topics();
         let mut statuses = Cow::Borrowed(display.statuses());
         if let Some((level, text)) = topic_status(listed, &topics, received, &statuses) {
             statuses.to_mut().set(level, Statuses::TOPIC, text);
         }
-        Self { listed, topics, received, statuses }
+        Self { listed, topics, received, shown, statuses }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 use std::sync::Arc;
+use std::time::Instant;
 
 use nalgebra::Vector3;
 use rcs_messages::{AnyMessage, MessageKind};
@@ -11,6 +12,7 @@ use rcs_rviz_config::{
 use rcs_scene::{DirectionalLight, DisplayId, DisplayMask, Scene};
 use rcs_transforms::Time;
 
+use crate::arrivals::{Arrivals, ShownMessage};
 use crate::axes::AxesDisplay;
 use crate::cloud::{CloudDisplay, CloudSource};
 use crate::depth_cloud::DepthCloudDisplay;
@@ -122,6 +124,8 @@ struct Entry {
     display: Box<dyn Display>,
     /// How many messages it was given since the start or the last reset.
     received: u64,
+    /// Which of them it shows.
+    arrivals: Arrivals,
 }
 
 /// What reading a config again changed.
@@ -143,6 +147,8 @@ pub struct DisplaySet {
     lit_by: Option<ViewConfig>,
     light: Option<DirectionalLight>,
     recall: Recall,
+    /// What the last update brought to be seen.
+    newly_shown: Vec<(DisplayId, ShownMessage)>,
 }
 
 impl std::fmt::Debug for DisplaySet {
@@ -155,8 +161,14 @@ impl std::fmt::Debug for DisplaySet {
 impl DisplaySet {
     /// Makes the displays and the cameras of a config that are enabled, all groups around them included.
     pub fn new(config: &Config) -> Self {
-        let mut set =
-            Self { entries: Vec::new(), cameras: Vec::new(), lit_by: None, light: None, recall: Recall::default() };
+        let mut set = Self {
+            entries: Vec::new(),
+            cameras: Vec::new(),
+            lit_by: None,
+            light: None,
+            recall: Recall::default(),
+            newly_shown: Vec::new(),
+        };
         set.arrange(config);
         set
     }
@@ -200,7 +212,8 @@ impl DisplaySet {
                     topic: placed.display.topic_setting().map(str::to_owned),
                 };
                 made.push(id);
-                Some(Entry { id, listed, settings: placed.display.settings.clone(), display, received: 0 })
+                let (settings, arrivals) = (placed.display.settings.clone(), Arrivals::default());
+                Some(Entry { id, listed, settings, display, received: 0, arrivals })
             };
             self.entries.extend(entry.or_else(new));
         }
@@ -244,11 +257,18 @@ impl DisplaySet {
 
     /// Hands a message of a topic (by the name in the config) to the displays that want it.
     pub fn take(&mut self, topic: &str, message: &AnyMessage, world: &World<'_>) {
+        self.take_received(topic, message, None, world);
+    }
+
+    /// As [`take`](Self::take), with the moment when the message was received: [`newly_shown`](Self::newly_shown) tells
+    /// it again.
+    pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, world: &World<'_>) {
         let mut wanted = false;
         for entry in &mut self.entries {
             let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
             if entry.display.topics().iter().any(wants) {
                 entry.received += 1;
+                entry.arrivals.note(message, received);
                 entry.display.take_from(topic, message, world);
                 wanted = true;
             }
@@ -290,10 +310,19 @@ impl DisplaySet {
         let light = self.lit_by.as_ref().map(|view| light(view, world));
         let mut changed = light != self.light;
         self.light = light;
+        self.newly_shown.clear();
         for entry in &mut self.entries {
-            changed |= entry.display.update(world);
+            let has_changed = entry.display.update(world);
+            let shown = entry.arrivals.settle(has_changed, |stamp| entry.display.is_waiting(stamp));
+            self.newly_shown.extend(shown.map(|shown| (entry.id, shown)));
+            changed |= has_changed;
         }
         changed
+    }
+
+    /// The displays that show another message since the last update, each with the newest one.
+    pub fn newly_shown(&self) -> &[(DisplayId, ShownMessage)] {
+        &self.newly_shown
     }
 
     /// The next time at which the scene changes by itself.
@@ -314,6 +343,7 @@ impl DisplaySet {
         self.recall.forget_messages();
         for entry in &mut self.entries {
             entry.received = 0;
+            entry.arrivals.clear();
             entry.display.reset();
         }
     }
@@ -323,13 +353,17 @@ impl DisplaySet {
         for entry in &mut self.entries {
             entry.display.reset();
             entry.received = 0;
+            entry.arrivals.clear();
             tell_messages(entry, &self.recall, world);
         }
     }
 
     /// How each display does, those of classes that are not drawn among them.
     pub fn reports(&self) -> impl Iterator<Item = DisplayReport<'_>> {
-        self.entries.iter().map(|entry| DisplayReport::new(&entry.listed, entry.display.as_ref(), entry.received))
+        self.entries.iter().map(|entry| {
+            let shown = entry.arrivals.shown();
+            DisplayReport::new(&entry.listed, entry.display.as_ref(), entry.received, shown)
+        })
     }
 }
 
@@ -350,6 +384,7 @@ fn tell_parameters(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
 fn tell_messages(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
     for (topic, message) in recall.messages(&entry.display.topics(), world.now) {
         entry.received += 1;
+        entry.arrivals.note(&message, None);
         entry.display.take_from(topic, &message, world);
     }
 }
@@ -369,7 +404,7 @@ mod tests {
     use rcs_messages::sensor_msgs::PointField;
     use rcs_messages::PointCloud2;
     use rcs_resources::{MeshStore, PackageIndex};
-    use rcs_transforms::TransformTree;
+    use rcs_transforms::{RawTransform, TransformTree};
 
     use crate::Level;
 
@@ -495,6 +530,31 @@ mod tests {
             let said = report.statuses.get("Points").map(|status| (status.level, status.text.as_str()));
             assert_eq!(said, Some((Level::Ok, "Showing 1 points, 2 without a finite position left out")));
         });
+    }
+
+    #[test]
+    fn a_message_counts_as_shown_from_when_its_frame_is_known() {
+        let meshes = MeshStore::new(PackageIndex::new([]));
+        let mut transforms = TransformTree::new();
+        let mut set = DisplaySet::new(&config(&format!("{PATH}{GRID}")));
+        let AnyMessage::Path(path) = path() else { return };
+        let mut path = Arc::unwrap_or_clone(path);
+        (path.header.frame_id, path.header.stamp.sec) = ("arm".to_owned(), 7);
+        let (message, received) = (AnyMessage::Path(Arc::new(path)), Some(Instant::now()));
+        let mut news = |transforms: &TransformTree, message: Option<&AnyMessage>| {
+            let world = World { transforms, fixed_frame: "map", now: Time::from_secs_f64(10.0), meshes: &meshes };
+            message.into_iter().for_each(|message| set.take_received("/p", message, received, &world));
+            set.update(&world);
+            (set.newly_shown().to_vec(), set.reports().next().unwrap().shown)
+        };
+        assert_eq!(news(&transforms, Some(&message)), (Vec::new(), None));
+        let (translation, rotation_xyzw) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0]);
+        let stamp = Time::from_secs_nanos(7, 0);
+        let place = RawTransform { parent: "map", child: "arm", stamp, translation, rotation_xyzw };
+        transforms.insert(&place, true, "/a").unwrap();
+        let shown = ShownMessage { stamp, received };
+        assert_eq!(news(&transforms, None), (vec![(0, shown)], Some(shown)));
+        assert_eq!(news(&transforms, None), (Vec::new(), Some(shown)), "told once");
     }
 
     #[test]

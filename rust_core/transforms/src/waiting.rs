@@ -216,6 +216,11 @@ impl<T> WaitingQueue<T> {
         newest.waits_for(tree, target)
     }
 
+    /// The stamps of those that wait, in the order of their arrival.
+    pub fn stamps(&self) -> impl Iterator<Item = Time> + '_ {
+        self.messages.iter().map(|message| message.stamp)
+    }
+
     /// How many messages wait.
     pub fn len(&self) -> usize {
         self.messages.len()

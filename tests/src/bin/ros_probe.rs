@@ -66,7 +66,7 @@ fn subscribe(node: &RosNode, topic: &[&str]) -> Result<TopicSubscription, Box<dy
 
 fn print_event(node: &RosNode, event: NodeEvent) {
     match event {
-        NodeEvent::Message { topic, message, publisher } => {
+        NodeEvent::Message { topic, message, publisher, .. } => {
             let header = header(&message).cloned().unwrap_or_default();
             say(&format!(
                 "message {topic} {} from {publisher} seq {} frame {} stamp {} bytes {}",
@@ -77,7 +77,7 @@ fn print_event(node: &RosNode, event: NodeEvent) {
                 message.encode().len()
             ));
         }
-        NodeEvent::Transforms { message, is_static, authority } => {
+        NodeEvent::Transforms { message, is_static, authority, .. } => {
             for transform in &message.transforms {
                 let (parent, child) = (&transform.header.frame_id, &transform.child_frame_id);
                 say(&format!("transform {parent} {child} static {is_static} from {authority}"));

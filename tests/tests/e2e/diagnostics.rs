@@ -5,7 +5,7 @@ use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
 use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
 
 /// Collects what comes on a topic: arrivals, stamps and the last status of each name as (level, message, hardware, values).
-const MONITOR: &str = "
+pub(crate) const MONITOR: &str = "
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 arrays, known = [], {}
 def note(array):

@@ -7,6 +7,7 @@ mod check;
 mod check_live;
 mod diagnostics;
 mod frame_rate;
+mod latency;
 mod life;
 mod live_is_offline;
 mod names;

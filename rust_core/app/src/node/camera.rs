@@ -10,11 +10,14 @@ use rcs_displays::{CameraView, DisplaySet, Level};
 use rcs_input::live::{RosNode, TriggerReply};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::stamp_nanos;
 use rcs_output::image_topic::{camera_info_topic, ImagePublisher, Picture as SentPicture, PublishError};
 use rcs_render::{Renderer, View};
 use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings};
 use rcs_scene::{Camera, DisplayMask, Picture, Scene};
+use rcs_transforms::Time;
 
+use super::latency::{Latency, Update};
 use super::pace::{Pace, Published};
 use super::parameters::{ros_name, switches, unique, Switch};
 use super::tuning::Tuning;
@@ -44,6 +47,7 @@ pub(super) struct CameraOutput {
     said_projection: bool,
     drawn: u64,
     published: u64,
+    latency: Latency,
 }
 
 /// Where pictures go out.
@@ -249,6 +253,7 @@ impl CameraOutput {
             said_projection: false,
             drawn: 0,
             published: 0,
+            latency: Latency::default(),
         }
     }
 
@@ -275,7 +280,18 @@ impl CameraOutput {
         }
         subject.values.push(("frames drawn", self.drawn.to_string()));
         subject.values.push(("frames published", self.published.to_string()));
+        subject.values.extend(self.latency.values());
         subject
+    }
+
+    /// Takes note of what an update of the scene brought.
+    pub(super) fn follow(&mut self, update: &Update<'_>) {
+        self.latency.follow(update, &self.view.visible);
+    }
+
+    /// The messages of before are forgotten.
+    pub(super) fn forget_news(&mut self) {
+        self.latency.forget();
     }
 
     /// Takes how drawing and publishing went. What goes wrong is said once.
@@ -353,6 +369,7 @@ impl CameraOutput {
     ) -> Result<()> {
         if !self.has_subscribers() {
             self.triggered = false;
+            self.latency.forget();
             return Ok(());
         }
         let camera = match stage.camera(&self.view, projection) {
@@ -376,14 +393,20 @@ impl CameraOutput {
         }
         // Also where drawing fails: it is tried again at this pace, not at once.
         self.last_published = Some(Published { at: now, was_new: changed });
+        let mut drawn = None;
         if changed {
             self.say_projection(&info, projection);
             self.draw(&camera, info, scene_version, &scene(), renderer)?;
+            drawn = Some(Instant::now());
         } else if let Some(last) = &mut self.last {
             last.info = info;
         }
         if let (Some(channel), Some(last)) = (&mut self.channel, &self.last) {
-            channel.publisher.publish(&last.sent, &last.info, ros.now())?;
+            let stamp = ros.now();
+            channel.publisher.publish(&last.sent, &last.info, stamp)?;
+            if let Some(drawn) = drawn {
+                self.latency.measure(drawn, Instant::now(), Time::from_nanos(stamp_nanos(stamp)));
+            }
             self.published += 1;
             self.triggered = false;
         }
@@ -437,6 +460,7 @@ impl CameraOutput {
         }
         self.problem = Some(problem);
         self.last = None;
+        self.latency.forget();
     }
 
     /// Says once where rviz's projection is not the one that the CameraInfo asks for.

@@ -6,6 +6,7 @@
 
 mod camera;
 mod diagnostics;
+mod latency;
 mod pace;
 mod parameters;
 mod reload;
@@ -35,6 +36,7 @@ use crate::small_node::{self, EndRequest};
 use crate::stage::Stage;
 use camera::CameraOutput;
 use diagnostics::Diagnostics;
+use latency::Update;
 use subscriptions::Subscriptions;
 use watch::FileWatch;
 
@@ -96,6 +98,8 @@ struct Node<'a> {
     scene: Option<(u64, Arc<Scene>)>,
     renderer_choice: RendererChoice,
     diagnostics: Diagnostics,
+    /// When the last transforms were received that the displays have not seen.
+    moved: Option<Instant>,
 }
 
 impl<'a> Node<'a> {
@@ -131,6 +135,7 @@ impl<'a> Node<'a> {
             scene: None,
             renderer_choice,
             diagnostics: Diagnostics::start(),
+            moved: None,
         })
     }
 
@@ -152,11 +157,19 @@ impl<'a> Node<'a> {
             }
             let now = self.now();
             if heard || self.stage.displays().next_change().is_some_and(|change| change <= now) {
-                self.scene_version += u64::from(self.stage.update(now));
+                self.update(now);
             }
             self.publish();
             self.tell();
         }
+    }
+
+    /// Brings the scene up to date.
+    fn update(&mut self, now: Time) {
+        self.scene_version += u64::from(self.stage.update(now));
+        let shown = self.stage.displays().newly_shown();
+        let update = Update { shown, moved: self.moved.take(), decoded: Instant::now() };
+        self.cameras.iter_mut().for_each(|camera| camera.follow(&update));
     }
 
     /// Until something is due by itself: a camera's next picture, or a change of the scene.
@@ -170,9 +183,9 @@ impl<'a> Node<'a> {
 
     /// Says how displays and cameras do.
     fn tell(&mut self) {
-        let (stage, projection, cameras) = (&self.stage, self.projection, &self.cameras);
+        let (stage, projection, cameras, now) = (&self.stage, self.projection, &self.cameras, self.now());
         self.diagnostics.tell(self.ros, || {
-            let mut subjects = stage.subjects();
+            let mut subjects = stage.subjects(now);
             subjects.extend(cameras.iter().map(|camera| camera.subject(stage, projection)));
             subjects
         });
@@ -180,13 +193,14 @@ impl<'a> Node<'a> {
 
     fn take(&mut self, event: NodeEvent) {
         match event {
-            NodeEvent::Message { topic, message, .. } => {
+            NodeEvent::Message { topic, message, received, .. } => {
                 let now = self.now();
                 for name in self.subscriptions.names(&topic, message.kind()) {
-                    self.stage.take(name, &message, now);
+                    self.stage.take_received(name, &message, Some(received), now);
                 }
             }
-            NodeEvent::Transforms { message, is_static, authority } => {
+            NodeEvent::Transforms { message, is_static, authority, received } => {
+                self.moved = Some(received);
                 self.stage.take_transforms(&message, is_static, &authority);
             }
             NodeEvent::TimeJumpedBack { from, to } => {
@@ -196,6 +210,7 @@ impl<'a> Node<'a> {
                     Time::from_nanos(stamp_nanos(to))
                 );
                 self.stage.reset();
+                self.cameras.iter_mut().for_each(CameraOutput::forget_news);
                 self.scene_version += 1;
             }
             NodeEvent::Trigger { service, reply } if service == self.reload_service => match self.reload() {

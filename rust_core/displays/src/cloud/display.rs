@@ -73,6 +73,10 @@ impl<S: CloudSource> Display for CloudDisplay<S> {
         }
     }
 
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.incoming.is_waiting(stamp)
+    }
+
     fn update(&mut self, world: &World<'_>) -> bool {
         let mut ready = self.incoming.take_ready(world, &mut self.statuses);
         let keeps_one = self.clouds.keeps_one();

@@ -229,6 +229,12 @@ impl Display for DepthCloudDisplay {
         }
     }
 
+    fn is_waiting(&self, stamp: Time) -> bool {
+        let is_ready = self.ready.iter().flat_map(|(depth, color)| std::iter::once(depth).chain(color));
+        let is_one = |image: &Arc<Image>| crate::world::stamp(&image.header) == stamp;
+        self.waiting.stamps().any(|waiting| waiting == stamp) || self.pairs.images().chain(is_ready).any(is_one)
+    }
+
     fn update(&mut self, world: &World<'_>) -> bool {
         self.take_placeable(world);
         let mut ready = std::mem::take(&mut self.ready);

@@ -102,6 +102,11 @@ impl Pairs {
         }
     }
 
+    /// The images that have no partner yet.
+    pub(super) fn images(&self) -> impl Iterator<Item = &Arc<Image>> {
+        self.topics.iter().flat_map(|topic| topic.past.iter().chain(&topic.waiting)).map(|(_, image)| image)
+    }
+
     /// Forgets all images.
     pub(super) fn clear(&mut self) {
         (self.topics, self.candidate) = (Default::default(), None);

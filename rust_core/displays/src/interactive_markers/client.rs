@@ -83,6 +83,11 @@ impl Client {
         self.servers.values().filter_map(|server| server.next_change(self.now)).min()
     }
 
+    /// Whether markers or updates of any server wait.
+    pub(super) fn is_waiting(&self) -> bool {
+        self.servers.values().any(Server::is_waiting)
+    }
+
     /// Forgets all servers and listens no more.
     pub(super) fn stop(&mut self) {
         self.servers.clear();

@@ -217,6 +217,10 @@ impl Display for InteractiveMarkersDisplay {
         }
     }
 
+    fn is_waiting(&self, _stamp: Time) -> bool {
+        self.client.is_waiting()
+    }
+
     fn update(&mut self, world: &World<'_>) -> bool {
         for (server, step) in self.client.update(world, &mut self.statuses) {
             if let Err(fatal) = self.apply(&server, step, world) {

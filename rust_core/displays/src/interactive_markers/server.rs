@@ -146,6 +146,11 @@ impl Server {
         false
     }
 
+    /// Whether markers or updates wait.
+    pub(super) fn is_waiting(&self) -> bool {
+        !self.inits.is_empty() || !self.updates.is_empty()
+    }
+
     /// What the display has to do since the last call.
     pub(super) fn take_steps(&mut self) -> Vec<Step> {
         std::mem::take(&mut self.steps)

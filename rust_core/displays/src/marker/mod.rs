@@ -161,6 +161,10 @@ impl Display for MarkerDisplay {
         }
     }
 
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.waiting.stamps().any(|waiting| waiting == stamp)
+    }
+
     fn update(&mut self, world: &World<'_>) -> bool {
         self.look_at_waiting(world);
         self.process_ready(world);

@@ -15,6 +15,7 @@ use rcs_messages::std_msgs::Header;
 use rcs_messages::{geometry_msgs, AnyMessage, MessageKind};
 use rcs_rviz_config::ScrewSettings;
 use rcs_scene::{DisplayId, Drawable};
+use rcs_transforms::Time;
 
 use crate::display::{Display, TopicRequest};
 use crate::placed::Incoming;
@@ -89,6 +90,10 @@ impl Display for ScrewDisplay {
             let header = screw.header.clone();
             self.incoming.push(&header, Arc::new(screw), &mut self.statuses);
         }
+    }
+
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.incoming.is_waiting(stamp)
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{sync_channel, Receiver, SyncSender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Something that happened on the network.
 #[derive(Debug)]
@@ -20,6 +20,8 @@ pub enum NodeEvent {
         message: AnyMessage,
         /// Name of the node that sent it.
         publisher: Arc<str>,
+        /// When it was there, not decoded yet.
+        received: Instant,
     },
     /// Transforms of `/tf` or `/tf_static`.
     Transforms {
@@ -29,6 +31,8 @@ pub enum NodeEvent {
         is_static: bool,
         /// Name of the node that sent them.
         authority: Arc<str>,
+        /// When they were there, not decoded yet.
+        received: Instant,
     },
     /// The simulation's time went back.
     TimeJumpedBack {

@@ -41,7 +41,7 @@ use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::sync::mpsc::{channel, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use topic::Topic;
+use topic::{Received, Topic};
 use watchdog::Watchdog;
 
 /// How many messages of `/tf` wait at most. Robots send some hundred a second.
@@ -221,11 +221,12 @@ impl RosNode {
     pub fn subscribe(&self, topic: &str, kind: MessageKind, queue_size: usize) -> Result<TopicSubscription, NodeError> {
         let sender = self.shared.events.sender(queue_size);
         let waiting = sender.clone();
-        self.subscribe_with(topic, kind, Some(waiting), move |topic, message, publisher| {
+        self.subscribe_with(topic, kind, Some(waiting), move |topic, received| {
             sender.push(NodeEvent::Message {
                 topic: Arc::clone(topic),
-                message: message.clone(),
-                publisher: Arc::clone(publisher),
+                message: received.message.clone(),
+                publisher: Arc::clone(received.publisher),
+                received: received.at,
             });
         })
     }
@@ -235,16 +236,16 @@ impl RosNode {
         // A static transform is sent once, so none may be lost.
         for (topic, is_static, queue_size) in [("/tf", false, TF_QUEUE_SIZE), ("/tf_static", true, 0)] {
             let sender = self.shared.events.sender(queue_size);
-            let subscription =
-                self.subscribe_with(topic, MessageKind::TFMessage, None, move |_, message, publisher| {
-                    if let AnyMessage::TFMessage(message) = message {
-                        sender.push(NodeEvent::Transforms {
-                            message: Arc::clone(message),
-                            is_static,
-                            authority: Arc::clone(publisher),
-                        });
-                    }
-                })?;
+            let subscription = self.subscribe_with(topic, MessageKind::TFMessage, None, move |_, received| {
+                if let AnyMessage::TFMessage(message) = received.message {
+                    sender.push(NodeEvent::Transforms {
+                        message: Arc::clone(message),
+                        is_static,
+                        authority: Arc::clone(received.publisher),
+                        received: received.at,
+                    });
+                }
+            })?;
             self.keep(subscription);
         }
         Ok(())
@@ -327,8 +328,8 @@ impl RosNode {
 
     fn follow_clock(&self) -> Result<(), NodeError> {
         let (shared, sender) = (Arc::downgrade(&self.shared), self.shared.events.sender(0));
-        let subscription = self.subscribe_with("/clock", MessageKind::Clock, None, move |_, message, _| {
-            let (AnyMessage::Clock(tick), Some(shared)) = (message, shared.upgrade()) else {
+        let subscription = self.subscribe_with("/clock", MessageKind::Clock, None, move |_, received| {
+            let (AnyMessage::Clock(tick), Some(shared)) = (received.message, shared.upgrade()) else {
                 return;
             };
             let Clock { clock } = **tick;
@@ -345,7 +346,7 @@ impl RosNode {
         name: &str,
         kind: MessageKind,
         sender: Option<EventSender>,
-        on_message: impl Fn(&Arc<str>, &AnyMessage, &Arc<str>) + Send + Sync + 'static,
+        on_message: impl Fn(&Arc<str>, &Received<'_>) + Send + Sync + 'static,
     ) -> Result<TopicSubscription, NodeError> {
         let whole_name = self.resolve(name)?;
         let topic = {

@@ -16,8 +16,17 @@ const BIG_RECEIVE_QUEUE_SIZE: usize = 2;
 /// How often one topic's bad messages are spoken of.
 const WARN_PERIOD: Duration = Duration::from_secs(5);
 
-/// Gets the topic's name, a message and its publisher's name.
-type Listener = Box<dyn Fn(&Arc<str>, &AnyMessage, &Arc<str>) + Send + Sync>;
+/// Gets the topic's name and a message.
+type Listener = Box<dyn Fn(&Arc<str>, &Received<'_>) + Send + Sync>;
+
+/// A message as listeners get it.
+pub(super) struct Received<'a> {
+    pub(super) message: &'a AnyMessage,
+    /// The publisher's name.
+    pub(super) publisher: &'a Arc<str>,
+    /// When rosrust handed its bytes over; for what is latched, when the listener was added.
+    pub(super) at: Instant,
+}
 
 pub(super) struct Topic {
     name: Arc<str>,
@@ -26,11 +35,11 @@ pub(super) struct Topic {
     kind: MessageKind,
     own_name: String,
     subscriber: Mutex<Option<rosrust::Subscriber>>,
-    received: Arc<Received>,
+    receiver: Arc<Receiver>,
 }
 
 /// What rosrust's threads need of a topic.
-struct Received {
+struct Receiver {
     name: Arc<str>,
     state: Mutex<State>,
 }
@@ -53,7 +62,7 @@ impl Topic {
             kind,
             own_name: own_name.to_owned(),
             subscriber: Mutex::default(),
-            received: Arc::new(Received { name, state: Mutex::default() }),
+            receiver: Arc::new(Receiver { name, state: Mutex::default() }),
         }
     }
 
@@ -74,10 +83,10 @@ impl Topic {
 
     /// Adds a listener and tells it what is latched.
     pub(super) fn add_listener(&self, listener: Listener) -> u64 {
-        let mut state = lock(&self.received.state);
+        let (mut state, at) = (lock(&self.receiver.state), Instant::now());
         for (publisher, message) in &state.latched {
             if let Some(message) = message {
-                listener(&self.name, message, publisher);
+                listener(&self.name, &Received { message, publisher, at });
             }
         }
         let id = state.next_listener;
@@ -88,7 +97,7 @@ impl Topic {
 
     /// Takes a listener away; true when none is left.
     fn remove_listener(&self, id: u64) -> bool {
-        let mut state = lock(&self.received.state);
+        let mut state = lock(&self.receiver.state);
         state.listeners.remove(&id);
         state.listeners.is_empty()
     }
@@ -128,7 +137,7 @@ impl Topic {
             _ => RECEIVE_QUEUE_SIZE,
         };
         let (kind, own_name) = (self.kind, self.own_name.clone());
-        let (of_messages, of_connections) = (Arc::clone(&self.received), Arc::clone(&self.received));
+        let (of_messages, of_connections) = (Arc::clone(&self.receiver), Arc::clone(&self.receiver));
         let on_message = move |bytes, publisher: &str| {
             // A node that publishes what it subscribes to does not listen to itself.
             if publisher != own_name {
@@ -140,7 +149,7 @@ impl Topic {
     }
 }
 
-impl Received {
+impl Receiver {
     fn connected(&self, header: &HashMap<String, String>) {
         let publisher: Arc<str> = header.get("callerid").map_or("", String::as_str).into();
         let latching = header.get("latching").is_some_and(|value| value == "1");
@@ -153,6 +162,7 @@ impl Received {
     }
 
     fn take(&self, kind: MessageKind, bytes: Vec<u8>, publisher: &str) {
+        let at = Instant::now();
         let publisher: Arc<str> = publisher.into();
         let decoded = kind.decode_owned(bytes);
         let mut state = lock(&self.state);
@@ -162,7 +172,7 @@ impl Received {
                     *latched = Some(message.clone());
                 }
                 for listener in state.listeners.values() {
-                    listener(&self.name, &message, &publisher);
+                    listener(&self.name, &Received { message: &message, publisher: &publisher, at });
                 }
             }
             Err(error) => {
