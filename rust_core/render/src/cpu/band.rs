@@ -54,10 +54,9 @@ impl BandBuffers {
         let width = screen.width_px as usize;
         let stride = width + LANES;
         self.color.clear();
-        // A row more, for the rows that begin in the middle of one.
-        self.color.resize(stride * (rows + 1), background);
+        self.color.resize(stride * rows, background);
         self.depth.clear();
-        self.depth.resize(stride * (rows + 1), FARTHEST);
+        self.depth.resize(stride * rows, FARTHEST);
         Band {
             width: width as i32,
             first_row: first_row as i32,
@@ -104,22 +103,25 @@ impl Band<'_> {
 
     /// [`LANES`] pixels from `begin` on of each row of a range. All have to be the band's.
     #[inline(always)]
-    pub(super) fn windows(&mut self, rows: Range<i32>, begin: i32) -> impl Iterator<Item = Window<'_>> {
+    pub(super) fn for_windows(&mut self, rows: Range<i32>, begin: i32, mut work: impl FnMut(Window<'_>)) {
+        let Some(down) = (rows.end - rows.start).checked_sub(1).filter(|down| *down >= 0) else { return };
         let start = (rows.start - self.first_row) as usize * self.stride + begin as usize;
-        let range = start..start + rows.len() * self.stride;
-        let colors = self.color.get_mut(range.clone()).unwrap_or(&mut []).chunks_exact_mut(self.stride);
-        let depths = self.depth.get_mut(range).unwrap_or(&mut []).chunks_exact_mut(self.stride);
-        colors.zip(depths).filter_map(
-            #[inline(always)]
-            |(colors, depths)| Some(Window { colors: colors.first_chunk_mut()?, depths: depths.first_chunk_mut()? }),
-        )
+        let range = start..start + down as usize * self.stride + LANES;
+        let (Some(colors), Some(depths)) = (self.color.get_mut(range.clone()), self.depth.get_mut(range)) else {
+            return;
+        };
+        let mut at = 0;
+        while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
+            let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
+            work(Window { colors, depths });
+            at += self.stride;
+        }
     }
 
     /// The finished rows, from the top.
     pub(super) fn pixel_rows(&self) -> impl Iterator<Item = &[[u8; 4]]> + '_ {
         let width = self.width as usize;
-        let rows = (self.end_row - self.first_row) as usize;
-        self.color.chunks_exact(self.stride).take(rows).map(move |row| bytemuck::cast_slice(&row[..width]))
+        self.color.chunks_exact(self.stride).map(move |row| bytemuck::cast_slice(&row[..width]))
     }
 }
 

@@ -6,7 +6,6 @@
 //! that mirrors the slope in one case, which is repeated here.
 
 use super::band::{meet, unorm8, Band, Mode};
-use super::bins::Rows;
 use super::clip::{clip_line, ClipVertex};
 use super::screen::{snap, Screen, FARTHEST, SUBPIXELS};
 
@@ -35,8 +34,9 @@ struct End {
     color: [f32; 4],
 }
 
-impl Rows for Line {
-    fn rows(&self) -> (i32, i32) {
+impl Line {
+    /// The first row that it touches and the one after the last.
+    pub(super) fn rows(&self) -> (i32, i32) {
         self.rows
     }
 }

@@ -38,7 +38,7 @@ use rcs_scene::{Picture, MAX_SIDE_PX};
 use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
 use self::plan::{Job, Plan, Textures};
-use self::points::{PointRef, Scratch};
+use self::points::Scratch;
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
 use crate::{RenderError, Renderer, View};
@@ -55,7 +55,6 @@ pub struct CpuRenderer {
 #[derive(Debug, Default)]
 struct Worker {
     band: BandBuffers,
-    points: Vec<PointRef>,
     scratch: Scratch,
     vertices: VertexCache,
 }
@@ -63,7 +62,7 @@ struct Worker {
 /// What a job has made; only what its kind of job makes is filled.
 #[derive(Debug, Default)]
 struct Outcome {
-    points: Bins<PointRef>,
+    points: Bins,
     primitives: Primitives,
 }
 
@@ -114,7 +113,7 @@ impl Renderer for CpuRenderer {
         let jobs = plan.jobs.iter().zip(&mut self.outcomes);
         in_parallel(&mut self.workers, jobs, |worker, (job, outcome)| outcome.prepare(job, &plan, &screen, worker));
 
-        plan.cull_clouds(|job| self.outcomes.get(job).map_or(&[], |outcome| outcome.points.all()));
+        plan.cull_clouds(|job| self.outcomes.get(job).into_iter().flat_map(|outcome| outcome.points.all()));
 
         let [r, g, b] = view.background;
         let background = pack([r, g, b, 255]);
@@ -162,19 +161,17 @@ impl Outcome {
         match job {
             Job::Points(index, range) => {
                 let Some(cloud) = plan.clouds.get(*index) else { return };
-                worker.points.clear();
-                cloud.select(screen, range.clone(), &mut worker.points);
-                self.points.fill(screen, &worker.points);
+                self.points.reset(screen);
+                cloud.select(screen, range.clone(), &mut self.points);
             }
             Job::Pieces(pieces) => {
-                self.primitives.clear();
+                self.primitives.clear(screen);
                 for piece in plan.pieces.get(pieces.clone()).unwrap_or(&[]) {
                     if let Some(solid) = plan.solids.get(piece.solid) {
                         let parts = piece.parts.clone();
                         self.primitives.add(solid, piece.solid as u32, parts, screen, &mut worker.vertices);
                     }
                 }
-                self.primitives.finish(screen);
             }
         }
     }

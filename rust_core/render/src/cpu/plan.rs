@@ -11,7 +11,7 @@ use std::sync::{Arc, Weak};
 use rcs_scene::{Blending, CellSheet, CullMode, Drawable, Geometry, Material, Mesh, Texture, Vertex};
 
 use super::band::Mode;
-use super::points::{Cloud, PointRef};
+use super::points::Cloud;
 use super::screen::Placement;
 use super::solids::{Shape, Solid};
 use super::surface::{DepthBias, Paint, Surface};
@@ -176,7 +176,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Marks the clouds that Ogre would not draw, given the points that each job has selected.
-    pub(super) fn cull_clouds<'s>(&mut self, selected: impl Fn(usize) -> &'s [PointRef]) {
+    pub(super) fn cull_clouds<I: Iterator<Item = u32>>(&mut self, selected: impl Fn(usize) -> I) {
         for (cloud, jobs) in self.clouds.iter_mut().zip(&self.cloud_jobs) {
             cloud.is_culled = cloud.lies_outside(jobs.clone().flat_map(&selected));
         }

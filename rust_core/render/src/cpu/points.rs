@@ -1,9 +1,9 @@
 //! Point clouds: which points are to be seen, and in which bands.
 //!
 //! A first pass over all points of a cloud drops those that are surely outside of the view and finds the rows that
-//! each of the others can touch, with a little to spare; only these rows and the point's index are kept. When a band
+//! each of the others can touch, with a little to spare; the bands of these rows note the point's index. When a band
 //! is drawn, its points are gathered again in blocks and drawn by [`round_points`](super::round_points) or
-//! [`quads`](super::quads). So a cloud costs 8 bytes a point, however it is drawn.
+//! [`quads`](super::quads). So a cloud costs little more than 4 bytes a point, however it is drawn.
 //!
 //! Both passes keep the coordinates of a block of points apart (all x, all y, …), so that the compiler does several
 //! points at once.
@@ -12,10 +12,10 @@ use std::ops::Range;
 
 use fearless_simd::{dispatch, Level, Simd};
 use nalgebra::Matrix4;
-use rcs_scene::{Camera, PointStyle, Points};
+use rcs_scene::{Camera, PointBuffer, PointStyle, Points};
 
-use super::band::{unorm8, Band};
-use super::bins::Rows;
+use super::band::{pack, unorm8, Band};
+use super::bins::Bins;
 use super::faces::{is_visible, Faces};
 use super::quads::{self, Quads};
 use super::round_points;
@@ -25,22 +25,6 @@ use crate::bounds::Bounds;
 
 /// Points of a block.
 pub(super) const BLOCK: usize = 32;
-
-/// A point of a cloud and the picture's rows that it can touch.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PointRef {
-    /// Its index.
-    pub index: u32,
-    y0: u16,
-    y1: u16,
-}
-
-impl Rows for PointRef {
-    #[inline]
-    fn rows(&self) -> (i32, i32) {
-        (i32::from(self.y0), i32::from(self.y1))
-    }
-}
 
 /// A cloud and all that is the same for its points.
 #[derive(Clone, Debug)]
@@ -79,30 +63,23 @@ impl<'a> Cloud<'a> {
         Self { points, placement, faces, surface, camera, fixed_from_object, is_culled: false, opacities }
     }
 
-    /// The points of a range that may be seen, in their order, appended to `out`.
-    pub(super) fn select(&self, screen: &Screen, range: Range<usize>, out: &mut Vec<PointRef>) {
+    /// Sorts the points of a range that may be seen into the picture's bands.
+    pub(super) fn select(&self, screen: &Screen, range: Range<usize>, out: &mut Bins) {
         dispatch!(Level::new(), simd => self.select_by_lanes(simd, screen, range, out));
     }
 
     #[inline(always)]
-    fn select_by_lanes<S: Simd>(&self, _: S, screen: &Screen, range: Range<usize>, out: &mut Vec<PointRef>) {
+    fn select_by_lanes<S: Simd>(&self, _: S, screen: &Screen, range: Range<usize>, out: &mut Bins) {
         let reach = Reach::of(self);
         let positions = self.points.buffer.positions.get(range.clone()).unwrap_or(&[]);
-        let mut rows = [[0u16; BLOCK]; 2];
+        let mut rows = [[0u32; BLOCK]; 2];
         let mut places = [[f32::NAN; BLOCK]; 3];
-        let mut seen = [PointRef::default(); BLOCK];
-        for (b, positions) in positions.chunks(BLOCK).enumerate() {
+        for (positions, begin) in positions.chunks(BLOCK).zip(range.step_by(BLOCK)) {
             transpose(positions, &mut places);
             self.rows(screen, &reach, &places, &mut rows);
-            let index = range.start + b * BLOCK;
-            let mut count = 0;
-            // Each is put down, and kept where the next is not put in its place.
             for i in 0..positions.len().min(BLOCK) {
-                let (y0, y1) = (rows[0][i], rows[1][i]);
-                seen[count] = PointRef { index: (index + i) as u32, y0, y1 };
-                count += usize::from(y0 < y1);
+                out.add((begin + i) as u32, rows[0][i], rows[1][i]);
             }
-            out.extend_from_slice(&seen[..count]);
         }
     }
 
@@ -110,15 +87,14 @@ impl<'a> Cloud<'a> {
     /// reach into the view from outside are not seen where all places are off the same side of the view.
     ///
     /// `selected` are the points that may be seen; a place inside of the view settles the question at once.
-    pub(super) fn lies_outside<'s>(&self, mut selected: impl Iterator<Item = &'s PointRef>) -> bool {
+    pub(super) fn lies_outside(&self, mut selected: impl Iterator<Item = u32>) -> bool {
         let positions = &self.points.buffer.positions;
         let outside = |position: [f32; 3]| {
             let [x, y, z, w] = self.placement.clip(position);
             [z < -w, z > w, x < -w, x > w, y < -w, y > w]
         };
-        let is_inside = |point: &PointRef| {
-            positions.get(point.index as usize).is_some_and(|position| outside(*position) == [false; 6])
-        };
+        let is_inside =
+            |index: u32| positions.get(index as usize).is_some_and(|position| outside(*position) == [false; 6]);
         if selected.any(is_inside) {
             return false;
         }
@@ -127,7 +103,7 @@ impl<'a> Cloud<'a> {
     }
 
     #[inline(always)]
-    fn rows(&self, screen: &Screen, reach: &Reach, places: &[[f32; BLOCK]; 3], rows: &mut [[u16; BLOCK]; 2]) {
+    fn rows(&self, screen: &Screen, reach: &Reach, places: &[[f32; BLOCK]; 3], rows: &mut [[u32; BLOCK]; 2]) {
         let [xs, ys, zs] = places;
         let m = &self.placement.clip_from_object;
         let height = screen.height_px as f32;
@@ -150,8 +126,8 @@ impl<'a> Cloud<'a> {
             // To the rows whose centres lie between.
             let first = if first > 0.5 { first + 0.5 } else { 0.0 };
             let last = if last < height - 0.5 { last + 0.5 } else { height };
-            rows[0][i] = first as u16;
-            rows[1][i] = if inside { last as u16 } else { 0 };
+            rows[0][i] = first as i32 as u32;
+            rows[1][i] = if inside { last as i32 as u32 } else { 0 };
         }
     }
 }
@@ -186,33 +162,37 @@ fn transpose(positions: &[[f32; 3]], places: &mut [[f32; BLOCK]; 3]) {
 }
 
 /// Draws the rows of a band.
-pub(super) fn draw(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen, scratch: &mut Scratch, band: &mut Band<'_>) {
-    if cloud.is_culled || refs.is_empty() {
+pub(super) fn draw(cloud: &Cloud<'_>, indices: &[u32], screen: &Screen, scratch: &mut Scratch, band: &mut Band<'_>) {
+    if cloud.is_culled || indices.is_empty() {
         return;
     }
-    dispatch!(Level::new(), simd => draw_by_lanes(simd, cloud, refs, screen, scratch, band));
+    dispatch!(Level::new(), simd => draw_by_lanes(simd, cloud, indices, screen, scratch, band));
 }
 
 #[inline(always)]
 fn draw_by_lanes<S: Simd>(
     simd: S,
     cloud: &Cloud<'_>,
-    refs: &[PointRef],
+    indices: &[u32],
     screen: &Screen,
     scratch: &mut Scratch,
     band: &mut Band<'_>,
 ) {
     match cloud.points.style {
-        PointStyle::Points { .. } => round_points::draw(simd, cloud, refs, screen, &mut scratch.points, band),
-        PointStyle::FlatSquares { .. } => quads::draw::<S, { quads::PLAIN }>(simd, cloud, refs, screen, scratch, band),
-        PointStyle::Squares { .. } => quads::draw::<S, { quads::EDGED }>(simd, cloud, refs, screen, scratch, band),
-        PointStyle::Spheres { .. } => quads::draw::<S, { quads::DISC }>(simd, cloud, refs, screen, scratch, band),
+        PointStyle::Points { .. } => round_points::draw(simd, cloud, indices, screen, &mut scratch.points, band),
+        PointStyle::FlatSquares { .. } => {
+            quads::draw::<S, { quads::PLAIN }>(simd, cloud, indices, screen, scratch, band)
+        }
+        PointStyle::Squares { .. } => quads::draw::<S, { quads::EDGED }>(simd, cloud, indices, screen, scratch, band),
+        PointStyle::Spheres { .. } => quads::draw::<S, { quads::DISC }>(simd, cloud, indices, screen, scratch, band),
         // Of what is turned inside out, other sides are seen.
         PointStyle::Boxes { size_m } if !size_m.iter().all(|side_m| *side_m >= 0.0) => {
-            quads::draw_exactly(cloud, refs, screen, band);
+            quads::draw_exactly(cloud, indices, screen, band);
         }
-        PointStyle::Boxes { .. } => quads::draw::<S, { quads::DARK_EDGED }>(simd, cloud, refs, screen, scratch, band),
-        PointStyle::Tiles { .. } => quads::draw_exactly(cloud, refs, screen, band),
+        PointStyle::Boxes { .. } => {
+            quads::draw::<S, { quads::DARK_EDGED }>(simd, cloud, indices, screen, scratch, band)
+        }
+        PointStyle::Tiles { .. } => quads::draw_exactly(cloud, indices, screen, band),
     }
 }
 
@@ -237,35 +217,37 @@ pub(super) struct Gathered {
     /// How many there are.
     pub len: usize,
     /// Their indices.
-    pub indices: [usize; BLOCK],
+    pub indices: [u32; BLOCK],
     /// Their places in the cloud's frame, all x, all y and all z.
     pub places: [[f32; BLOCK]; 3],
-    /// Their colours.
-    pub colors: [[u8; 4]; BLOCK],
+    /// Their colours, packed.
+    pub colors: [u32; BLOCK],
 }
 
 impl Default for Gathered {
     fn default() -> Self {
-        Self { len: 0, indices: [0; BLOCK], places: [[0.0; BLOCK]; 3], colors: [[0; 4]; BLOCK] }
+        Self { len: 0, indices: [0; BLOCK], places: [[0.0; BLOCK]; 3], colors: [0; BLOCK] }
     }
 }
 
 impl Gathered {
     /// Replaces the content by up to [`BLOCK`] points; those that are too faint are left out.
     #[inline(always)]
-    pub(super) fn gather(&mut self, cloud: &Cloud<'_>, refs: &[PointRef]) {
-        self.len = 0;
+    pub(super) fn gather(&mut self, cloud: &Cloud<'_>, indices: &[u32]) {
+        let PointBuffer { positions, colors } = &*cloud.points.buffer;
+        let mut count = 0;
         let [xs, ys, zs] = &mut self.places;
-        for point in refs.iter().take(BLOCK) {
-            let index = point.index as usize;
-            let Some(position) = cloud.points.buffer.positions.get(index) else { continue };
-            let [r, g, b, a] = cloud.points.buffer.colors.get(index);
+        for &index in indices.iter().take(BLOCK) {
+            let Some(position) = positions.get(index as usize) else { continue };
+            let [r, g, b, a] = colors.get(index as usize);
             let Some(opacity) = cloud.opacities[usize::from(a)] else { continue };
-            let i = self.len;
+            // There are at most as many as there is room for.
+            let i = count % BLOCK;
             self.indices[i] = index;
             (xs[i], ys[i], zs[i]) = (position[0], position[1], position[2]);
-            self.colors[i] = [r, g, b, opacity];
-            self.len += 1;
+            self.colors[i] = pack([r, g, b, opacity]);
+            count += 1;
         }
+        self.len = count;
     }
 }

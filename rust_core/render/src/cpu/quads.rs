@@ -19,7 +19,7 @@ use rcs_scene::PointStyle;
 use super::band::{pack, Band};
 use super::faces::{size_m, BRIGHTNESS};
 use super::lanes::{inlined, load, map, nearest, numbers, store, store_whole, transform, whole, F, I, LANES, M, U};
-use super::points::{Cloud, Gathered, PointRef, Scratch, BLOCK};
+use super::points::{Cloud, Gathered, Scratch, BLOCK};
 use super::screen::{Screen, FARTHEST, SUBPIXELS};
 use super::surface::contrast;
 use super::triangles;
@@ -255,7 +255,7 @@ impl Quads {
 pub(super) fn draw<S: Simd, const PAINT: u8>(
     simd: S,
     cloud: &Cloud<'_>,
-    refs: &[PointRef],
+    indices: &[u32],
     screen: &Screen,
     scratch: &mut Scratch,
     band: &mut Band<'_>,
@@ -268,8 +268,8 @@ pub(super) fn draw<S: Simd, const PAINT: u8>(
         rows: [band.first_row as f32, band.end_row as f32],
         half_size: screen.half_size(),
     };
-    for refs in refs.chunks(BLOCK) {
-        points.gather(cloud, refs);
+    for indices in indices.chunks(BLOCK) {
+        points.gather(cloud, indices);
         for quads in quads.iter_mut() {
             (quads.small, quads.general, quads.along) = (0, 0, 0);
         }
@@ -300,15 +300,15 @@ pub(super) fn draw<S: Simd, const PAINT: u8>(
 }
 
 /// Draws the rows of a band as triangles.
-pub(super) fn draw_exactly(cloud: &Cloud<'_>, refs: &[PointRef], screen: &Screen, band: &mut Band<'_>) {
-    for point in refs {
-        draw_triangles(cloud, point.index as usize, screen, band);
+pub(super) fn draw_exactly(cloud: &Cloud<'_>, indices: &[u32], screen: &Screen, band: &mut Band<'_>) {
+    for &index in indices {
+        draw_triangles(cloud, index, screen, band);
     }
 }
 
 #[cold]
-fn draw_triangles(cloud: &Cloud<'_>, index: usize, screen: &Screen, band: &mut Band<'_>) {
-    cloud.faces.triangles(&cloud.placement, index, |triangle| {
+fn draw_triangles(cloud: &Cloud<'_>, index: u32, screen: &Screen, band: &mut Band<'_>) {
+    cloud.faces.triangles(&cloud.placement, index as usize, |triangle| {
         triangles::cut(triangle, &cloud.surface, screen, |corners| {
             triangles::draw(corners.each_ref(), &cloud.surface, band);
         });
@@ -442,7 +442,7 @@ fn draw_quad<S: Simd, const PAINT: u8>(
     quads: &Quads,
     i: usize,
     axis: usize,
-    color: [u8; 4],
+    color: u32,
     band: &mut Band<'_>,
 ) {
     let [left, right, top, bottom] = quads.bounds.each_ref().map(|all| all[i]);
@@ -469,27 +469,32 @@ fn draw_quad<S: Simd, const PAINT: u8>(
                 |[at, dx, _]| columns * dx + at,
             );
         }
-        for window in band.windows(top..bottom, begin) {
-            let [e0, e1, e2, e3] = edges_at;
-            let mask = ((e0 | e1) | (e2 | e3)).simd_ge(I::splat(simd, 0));
-            let mask = paint.mask(places_at, mask);
-            window.meet(
-                mask,
-                depth_from_first + depth,
-                mode,
-                #[inline(always)]
-                || paint.colors(places_at),
-            );
-            for k in 0..EDGES {
-                edges_at[k] += edges[k][2];
-            }
-            depth_from_first += depth_down;
-            if PAINT != PLAIN {
-                for k in 0..3 {
-                    places_at[k] += places[k][2];
+        band.for_windows(
+            top..bottom,
+            begin,
+            #[inline(always)]
+            |window| {
+                let [e0, e1, e2, e3] = edges_at;
+                let mask = ((e0 | e1) | (e2 | e3)).simd_ge(I::splat(simd, 0));
+                let mask = paint.mask(places_at, mask);
+                window.meet(
+                    mask,
+                    depth_from_first + depth,
+                    mode,
+                    #[inline(always)]
+                    || paint.colors(places_at),
+                );
+                for k in 0..EDGES {
+                    edges_at[k] += edges[k][2];
                 }
-            }
-        }
+                depth_from_first += depth_down;
+                if PAINT != PLAIN {
+                    for k in 0..3 {
+                        places_at[k] += places[k][2];
+                    }
+                }
+            },
+        );
     }
 }
 
@@ -504,11 +509,11 @@ struct Paint<S: Simd, const PAINT: u8> {
 
 impl<S: Simd, const PAINT: u8> Paint<S, PAINT> {
     #[inline(always)]
-    fn new(simd: S, color: [u8; 4], axis: usize, is_along: bool) -> Self {
-        let [r, g, b, a] = color;
+    fn new(simd: S, color: u32, axis: usize, is_along: bool) -> Self {
         if PAINT == PLAIN {
-            return Self { packed: U::splat(simd, pack(color)), rgb: [0.0; 3], contrast: 0.0 };
+            return Self { packed: U::splat(simd, color), rgb: [0.0; 3], contrast: 0.0 };
         }
+        let [r, g, b, a] = color.to_ne_bytes();
         let packed = U::splat(simd, pack([0, 0, 0, a]));
         let brightness = if PAINT == DARK_EDGED { BRIGHTNESS[usize::from(!is_along)][axis] } else { 1.0 };
         let rgb = [f32::from(r) * brightness, f32::from(g) * brightness, f32::from(b) * brightness];

@@ -8,9 +8,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 use rcs_scene::{PointStyle, Points};
 
-use super::band::{pack, Band};
+use super::band::Band;
 use super::lanes::{load, map, numbers, store, store_whole, transform, whole, F, LANES, U};
-use super::points::{Cloud, Gathered, PointRef, BLOCK};
+use super::points::{Cloud, Gathered, BLOCK};
 use super::screen::{Screen, FARTHEST};
 
 /// The largest spot, in pixels, as on Mesa's software rasteriser.
@@ -74,7 +74,7 @@ impl Block {
 pub(super) fn draw<S: Simd>(
     simd: S,
     cloud: &Cloud<'_>,
-    refs: &[PointRef],
+    indices: &[u32],
     screen: &Screen,
     points: &mut Gathered,
     band: &mut Band<'_>,
@@ -84,31 +84,36 @@ pub(super) fn draw<S: Simd>(
     let (radius_px, per_px) = (diameter_px * 0.5, 1.0 / diameter_px);
     let mut block = Block { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], bounds: [[0; BLOCK]; 4] };
     let numbers = numbers(simd).to_float::<F<S>>();
-    for refs in refs.chunks(BLOCK) {
-        points.gather(cloud, refs);
+    for indices in indices.chunks(BLOCK) {
+        points.gather(cloud, indices);
         for begin in (0..points.len).step_by(LANES) {
             block.project(simd, cloud, screen, band, radius_px, &points.places, begin);
         }
         for i in 0..points.len {
             let [left, right, top, bottom] = block.bounds.each_ref().map(|all| all[i]);
             let depths = F::splat(simd, block.depth[i]);
-            let colors = U::splat(simd, pack(points.colors[i]));
+            let colors = U::splat(simd, points.colors[i]);
             for begin in (left..right).step_by(LANES) {
                 let dx = (numbers + (begin as f32 + 0.5 - block.x[i])) * per_px;
                 let dx_squared = dx * dx;
                 let mut dy = F::splat(simd, top as f32 + 0.5 - block.y[i]);
-                for window in band.windows(top..bottom, begin) {
-                    let scaled = dy * per_px;
-                    let mask = (dx_squared + scaled * scaled).simd_lt(0.25);
-                    window.meet(
-                        mask,
-                        depths,
-                        mode,
-                        #[inline(always)]
-                        || colors,
-                    );
-                    dy += 1.0;
-                }
+                band.for_windows(
+                    top..bottom,
+                    begin,
+                    #[inline(always)]
+                    |window| {
+                        let scaled = dy * per_px;
+                        let mask = (dx_squared + scaled * scaled).simd_lt(0.25);
+                        window.meet(
+                            mask,
+                            depths,
+                            mode,
+                            #[inline(always)]
+                            || colors,
+                        );
+                        dy += 1.0;
+                    },
+                );
             }
         }
     }

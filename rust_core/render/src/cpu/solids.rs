@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use rcs_scene::{Lines, Material, Mesh};
 
 use super::band::{Band, Mode};
-use super::bins::{Bins, Rows};
+use super::bins::Bins;
 use super::clip::{ClipVertex, Outside};
 use super::lighting::vertex_color;
 use super::lines::{self, Line};
@@ -44,21 +44,6 @@ impl Shape<'_> {
             Self::Mesh(mesh, _) => mesh.indices.len() / 3,
             Self::Lines(lines) => lines.segments().size_hint().0,
         }
-    }
-}
-
-/// A triangle or a line in a band.
-#[derive(Clone, Copy, Debug)]
-struct Primitive {
-    /// Twice its index, plus one for a line.
-    id: u32,
-    y0: u16,
-    y1: u16,
-}
-
-impl Rows for Primitive {
-    fn rows(&self) -> (i32, i32) {
-        (i32::from(self.y0), i32::from(self.y1))
     }
 }
 
@@ -110,18 +95,17 @@ pub(super) struct Primitives {
     corners: Vec<ReadyCorner>,
     triangles: Vec<Triangle>,
     lines: Vec<Line>,
-    staged: Vec<Primitive>,
-    bins: Bins<Primitive>,
+    /// Twice a triangle's index, or twice a line's and one.
+    bins: Bins,
 }
 
 impl Primitives {
     /// Forgets everything.
-    pub(super) fn clear(&mut self) {
+    pub(super) fn clear(&mut self, screen: &Screen) {
         self.corners.clear();
         self.triangles.clear();
         self.lines.clear();
-        self.staged.clear();
-        self.bins.clear();
+        self.bins.reset(screen);
     }
 
     /// Makes parts of a solid ready. Solids are told apart by their index.
@@ -206,27 +190,22 @@ impl Primitives {
     }
 
     fn push_triangle(&mut self, corners: [u32; 3], rows: (i32, i32), source: &Source<'_>) {
-        stage(&mut self.staged, self.triangles.len() as u32 * 2, rows, source.screen);
+        stage(&mut self.bins, self.triangles.len() as u32 * 2, rows, source.screen);
         self.triangles.push(Triangle { corners, solid: source.index });
     }
 
     fn add_line(&mut self, a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) {
         if let Some(line) = lines::set_up(a, b, mode, screen) {
-            stage(&mut self.staged, self.lines.len() as u32 * 2 + 1, line.rows(), screen);
+            stage(&mut self.bins, self.lines.len() as u32 * 2 + 1, line.rows(), screen);
             self.lines.push(line);
         }
     }
 
-    /// Sorts what was added into the bands.
-    pub(super) fn finish(&mut self, screen: &Screen) {
-        self.bins.fill(screen, &self.staged);
-    }
-
     /// Draws the rows of a band.
     pub(super) fn draw(&self, solids: &[Solid<'_>], index: usize, band: &mut Band<'_>) {
-        for primitive in self.bins.band(index) {
-            let at = (primitive.id / 2) as usize;
-            if primitive.id & 1 == 1 {
+        for number in self.bins.band(index) {
+            let at = (number / 2) as usize;
+            if number & 1 == 1 {
                 if let Some(line) = self.lines.get(at) {
                     line.draw(band);
                 }
@@ -240,11 +219,9 @@ impl Primitives {
     }
 }
 
-fn stage(staged: &mut Vec<Primitive>, id: u32, (begin, end): (i32, i32), screen: &Screen) {
-    let (y0, y1) = (begin.max(0), end.min(screen.height_px as i32));
-    if y0 < y1 {
-        staged.push(Primitive { id, y0: y0 as u16, y1: y1 as u16 });
-    }
+fn stage(bins: &mut Bins, number: u32, (begin, end): (i32, i32), screen: &Screen) {
+    let row = |row: i32| row.clamp(0, screen.height_px as i32) as u32;
+    bins.add(number, row(begin), row(end));
 }
 
 /// The last transformed vertices, so that a vertex that neighbouring triangles share is computed once.
