@@ -125,7 +125,7 @@ impl<'a> Cloud<'a> {
             let last = if is_bounded { screen.y(low) + spare } else { height };
             // To the rows whose centres lie between.
             let first = if first > 0.5 { first + 0.5 } else { 0.0 };
-            let last = if last < height - 0.5 { last + 0.5 } else { height };
+            let last = if last < height - 0.5 { (last + 0.5).max(0.0) } else { height };
             rows[0][i] = first as i32 as u32;
             rows[1][i] = if inside { last as i32 as u32 } else { 0 };
         }
