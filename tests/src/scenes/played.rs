@@ -37,10 +37,21 @@ impl Played {
 
     /// Takes a message of a topic and puts the scene together, a thirtieth of a second later than before.
     pub fn show(&mut self, topic: &str, message: &AnyMessage) -> &Scene {
+        self.step(Some((topic, message)))
+    }
+
+    /// Lets a thirtieth of a second go by without a message.
+    pub fn wait(&mut self) -> &Scene {
+        self.step(None)
+    }
+
+    fn step(&mut self, heard: Option<(&str, &AnyMessage)>) -> &Scene {
         self.now_nanos += 33_333_333;
         let now = Time::from_nanos(self.now_nanos);
         let world = World { transforms: &self.transforms, fixed_frame: "map", now, meshes: &self.meshes };
-        self.displays.take(topic, message, &world);
+        if let Some((topic, message)) = heard {
+            self.displays.take(topic, message, &world);
+        }
         if self.displays.update(&world) {
             self.scene = self.displays.scene();
         }

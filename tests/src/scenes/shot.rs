@@ -6,6 +6,10 @@ use nalgebra::{Isometry3, Vector3};
 use rcs_render::{create, Renderer, RendererChoice, View};
 use rcs_scene::{Camera, CameraError, DisplayMask, Drawable, Encoding, Intrinsics, Picture, Scene};
 
+/// Where nothing is; no colour of the scenes has this in all channels.
+const BACKGROUND: [u8; 3] = [LEVEL; 3];
+const LEVEL: u8 = 3;
+
 /// Why nothing can be drawn.
 #[derive(Debug)]
 pub struct NoShot(String);
@@ -85,26 +89,32 @@ impl Shot {
         }
     }
 
-    /// Draws a picture.
+    /// Draws a picture of its own scene.
     ///
     /// # Errors
     /// What the renderer says.
     pub fn draw(&mut self) -> Result<&Picture, rcs_render::RenderError> {
-        let view = View {
-            scene: &self.scene,
-            camera: &self.camera,
-            visible: &self.visible,
-            background: [0; 3],
-            encoding: self.encoding,
-        };
+        let scene = std::mem::take(&mut self.scene);
+        let done = self.draw_of(&scene).map(|_| ());
+        self.scene = scene;
+        done.map(|()| &self.picture)
+    }
+
+    /// Draws a picture of a scene.
+    ///
+    /// # Errors
+    /// What the renderer says.
+    pub fn draw_of(&mut self, scene: &Scene) -> Result<&Picture, rcs_render::RenderError> {
+        let view =
+            View { scene, camera: &self.camera, visible: &self.visible, background: [0; 3], encoding: self.encoding };
         self.renderer.render(&view, &mut self.picture)?;
         Ok(&self.picture)
     }
 
-    /// The share of the picture that is not background.
+    /// The share of the picture that is not background, in an encoding without alpha.
     pub fn covered(&self) -> f64 {
         let pixels = self.picture.data.chunks_exact(self.encoding.bytes_per_pixel());
         let count = pixels.len().max(1) as f64;
-        pixels.filter(|pixel| pixel.iter().any(|level| *level > 0)).count() as f64 / count
+        pixels.filter(|pixel| pixel.iter().any(|level| *level != LEVEL)).count() as f64 / count
     }
 }
