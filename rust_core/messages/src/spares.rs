@@ -1,8 +1,8 @@
 //! Memory that serves again.
 //!
 //! A depth camera's cloud is megabytes of bytes, of positions and of colours, thirty times a second. The allocator gives
-//! vectors of that size back to the operating system and gets them anew page by page, each page cleared, which costs more
-//! than to fill them. So who is done with such a vector leaves it here for the next.
+//! vectors of that size back to the operating system and gets them anew, cleared page by page. So who is done with such a
+//! vector leaves it here for the next.
 
 /// Vectors that nobody uses, the longest unused first.
 #[derive(Debug)]

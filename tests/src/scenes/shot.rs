@@ -105,8 +105,13 @@ impl Shot {
     /// # Errors
     /// What the renderer says.
     pub fn draw_of(&mut self, scene: &Scene) -> Result<&Picture, rcs_render::RenderError> {
-        let view =
-            View { scene, camera: &self.camera, visible: &self.visible, background: [0; 3], encoding: self.encoding };
+        let view = View {
+            scene,
+            camera: &self.camera,
+            visible: &self.visible,
+            background: BACKGROUND,
+            encoding: self.encoding,
+        };
         self.renderer.render(&view, &mut self.picture)?;
         Ok(&self.picture)
     }
