@@ -2,7 +2,8 @@
 //!
 //! - `missed`: squares of a micrometre. Each is projected to find the rows that it can touch, and nearly all touch the
 //!   centre of none, so that nothing is left to sort and to draw.
-//! - `beside`: the same squares, all of them beside the view.
+//! - `beside`: the same squares, all of them beside the view. There no point tells that the cloud is to be drawn, so that the
+//!   box around all of them is found as well.
 //!
 //! The picture has 64×40 pixels, so that clearing and encoding it does not count; for projecting a point its size does
 //! not matter. `RCS_RENDERER=gpu` measures the GPU renderer.

@@ -1,5 +1,5 @@
-//! Labels of 16 characters: `text/lay_out/LABELS` makes them, `text/draw/LABELS` draws them, about 20 pixels high, on
-//! 1280×800 pixels. `RCS_RENDERER=gpu` measures the GPU renderer.
+//! Labels of 16 characters: `text/lay_out/LABELS` makes them, `text/draw/LABELS` draws them, 7 to 20 pixels high,
+//! on 1280×800 pixels. `RCS_RENDERER=gpu` measures the GPU renderer.
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot draw has nothing to say")]
 
 mod common;

@@ -24,17 +24,17 @@ pub const STYLES: [(&str, PointStyle); 6] = [
     ("tiles", PointStyle::Tiles { size_m: [SIDE_M; 2], normal: [0.0, 0.0, -1.0], up: [0.0, -1.0, 0.0] }),
 ];
 
-/// About `count` points row by row, 1.5 m away and 1.7 m wide, in the depth camera's optical frame.
+/// So many points row by row, the last row not always full, 1.5 m away and 1.7 m wide, in the depth camera's optical frame.
 pub fn positions(count: usize) -> Vec<[f32; 3]> {
     let columns = ((count as f64 * 4.0 / 3.0).sqrt().round() as usize).max(1);
-    let rows = (count / columns).max(1);
+    let rows = count.div_ceil(columns);
     let share = |i: usize, of: usize| (i as f64 + 0.5) / of as f64 - 0.5;
     let point = |row: usize, column: usize| {
         let (u, v) = (share(column, columns), share(row, rows));
         let z = 1.5 + 0.1 * (16.0 * u).sin() * (16.0 * v).cos();
         [(1.12 * u * z) as f32, (0.84 * v * z) as f32, z as f32]
     };
-    (0..rows).flat_map(|row| (0..columns).map(move |column| point(row, column))).collect()
+    (0..rows).flat_map(|row| (0..columns).map(move |column| point(row, column))).take(count).collect()
 }
 
 /// A colour that differs from point to point and from cloud to cloud.
