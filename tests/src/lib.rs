@@ -4,4 +4,5 @@ pub mod big_robot;
 pub mod programs;
 pub mod puppet;
 pub mod ros;
+pub mod scenes;
 pub mod stand;

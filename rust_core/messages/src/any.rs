@@ -2,6 +2,7 @@
 //!
 //! The list at the end of this file is the only place that names them: one line adds a type.
 
+use crate::bytes::{copy_of, give_back};
 use crate::layout::Layout;
 use crate::std_msgs::Header;
 use crate::{Image, OccupancyGrid, PointCloud2, Serialized};
@@ -11,9 +12,10 @@ use std::io;
 use std::sync::{Arc, OnceLock};
 
 /// Reads a small message; it keeps none of the bytes.
-#[expect(clippy::needless_pass_by_value, reason = "one signature for those that keep the bytes and those that do not")]
 fn small<T: RosMsg>(bytes: Vec<u8>) -> io::Result<T> {
-    crate::decode(&bytes)
+    let message = crate::decode(&bytes);
+    give_back(bytes);
+    message
 }
 
 fn cloud(bytes: Vec<u8>) -> io::Result<PointCloud2> {
@@ -89,7 +91,7 @@ macro_rules! any_message {
 
             /// Reads a message; big ones are copied once.
             pub fn decode(self, bytes: &[u8]) -> io::Result<AnyMessage> {
-                self.decode_owned(bytes.to_vec())
+                self.decode_owned(copy_of(bytes))
             }
 
             /// Reads a message; big ones keep the bytes and copy nothing.

@@ -3,6 +3,7 @@
 //! A received image keeps its bytes as [`crate::PointCloud2`] does. An image to send shares its pixels with the renderer
 //! ([`Image::with_data`]); they are copied once, into the message's bytes, when it is sent.
 
+use crate::bytes::{copy_of, Bytes};
 use crate::std_msgs::Header;
 use crate::wire::{framed, write_count, write_header, write_string, write_u32, DecodeError, Reader, LENGTH_PREFIX};
 use rosrust::{Message, RosMsg};
@@ -25,7 +26,7 @@ pub struct Image {
     pub is_bigendian: u8,
     /// Bytes from one row to the next.
     pub step: u32,
-    buffer: Arc<Vec<u8>>,
+    buffer: Bytes,
     data: Range<usize>,
 }
 
@@ -51,7 +52,7 @@ impl Image {
         let mut reader = Reader::new(&bytes);
         let mut image = Self::read_around_data(&mut reader)?;
         reader.finish()?;
-        image.buffer = bytes;
+        image.buffer = bytes.into();
         Ok(image)
     }
 
@@ -64,7 +65,7 @@ impl Image {
     #[must_use]
     pub fn with_data(mut self, data: Arc<Vec<u8>>) -> Self {
         self.data = 0..data.len();
-        self.buffer = data;
+        self.buffer = data.into();
         self
     }
 
@@ -132,7 +133,7 @@ impl RosMsg for Image {
 
     fn decode_slice(bytes: &[u8]) -> io::Result<Self> {
         let message = bytes.get(LENGTH_PREFIX..).ok_or(io::ErrorKind::UnexpectedEof)?;
-        Ok(Self::from_bytes(Arc::new(message.to_vec()))?)
+        Ok(Self::from_bytes(Arc::new(copy_of(message)))?)
     }
 }
 

@@ -11,12 +11,14 @@
 //! [`MessageKind`] names the types that the displays draw and [`AnyMessage`] holds one message of any of them.
 
 mod any;
+mod bytes;
 mod convert;
 mod image;
 mod layout;
 mod occupancy_grid;
 mod point_cloud2;
 mod serialized;
+mod spares;
 mod wire;
 
 pub mod dynamic_reconfigure;
@@ -24,6 +26,7 @@ pub mod nav_msgs;
 pub mod sensor_msgs;
 
 pub use any::{header, AnyMessage, MessageKind};
+pub use bytes::spare_bytes;
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
 pub use image::Image;
 pub use occupancy_grid::OccupancyGrid;
@@ -33,4 +36,5 @@ pub use rosrust_msg::{
     diagnostic_msgs, geometry_msgs, map_msgs, rosgraph_msgs, std_msgs, std_srvs, tf2_msgs, visualization_msgs,
 };
 pub use serialized::Serialized;
+pub use spares::Spares;
 pub use wire::{decode, encode, DecodeError};

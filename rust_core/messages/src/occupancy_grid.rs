@@ -2,6 +2,7 @@
 //!
 //! A map may have tens of millions of cells; it keeps its bytes as [`crate::PointCloud2`] does.
 
+use crate::bytes::{copy_of, Bytes};
 use crate::nav_msgs::MapMetaData;
 use crate::std_msgs::Header;
 use crate::wire::{framed, write_count, write_header, DecodeError, Reader, LENGTH_PREFIX};
@@ -17,7 +18,7 @@ pub struct OccupancyGrid {
     pub header: Header,
     /// Size in cells, metres a cell, and where the corner of cell (0, 0) lies.
     pub info: MapMetaData,
-    buffer: Arc<Vec<u8>>,
+    buffer: Bytes,
     data: Range<usize>,
 }
 
@@ -31,7 +32,7 @@ impl OccupancyGrid {
         reader.take(len, "cells")?;
         reader.finish()?;
         grid.data = start..start + len;
-        grid.buffer = bytes;
+        grid.buffer = bytes.into();
         Ok(grid)
     }
 
@@ -44,7 +45,7 @@ impl OccupancyGrid {
     #[must_use]
     pub fn with_data(mut self, data: Vec<u8>) -> Self {
         self.data = 0..data.len();
-        self.buffer = Arc::new(data);
+        self.buffer = data.into();
         self
     }
 
@@ -100,7 +101,7 @@ impl RosMsg for OccupancyGrid {
 
     fn decode_slice(bytes: &[u8]) -> io::Result<Self> {
         let message = bytes.get(LENGTH_PREFIX..).ok_or(io::ErrorKind::UnexpectedEof)?;
-        Ok(Self::from_bytes(Arc::new(message.to_vec()))?)
+        Ok(Self::from_bytes(Arc::new(copy_of(message)))?)
     }
 }
 

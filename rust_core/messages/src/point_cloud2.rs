@@ -5,6 +5,7 @@
 //! [`PointCloud2::from_bytes`] copies nothing, reading it from a slice copies that slice once, and a clone shares the
 //! buffer.
 
+use crate::bytes::{copy_of, Bytes};
 use crate::sensor_msgs::PointField;
 use crate::std_msgs::Header;
 use crate::wire::{framed, write_count, write_header, write_string, write_u32, DecodeError, Reader, LENGTH_PREFIX};
@@ -36,7 +37,7 @@ pub struct PointCloud2 {
     pub row_step: u32,
     /// Whether no point has a NaN coordinate.
     pub is_dense: bool,
-    buffer: Arc<Vec<u8>>,
+    buffer: Bytes,
     data: Range<usize>,
 }
 
@@ -46,7 +47,7 @@ impl PointCloud2 {
         let mut reader = Reader::new(&bytes);
         let mut cloud = Self::read_around_data(&mut reader)?;
         reader.finish()?;
-        cloud.buffer = bytes;
+        cloud.buffer = bytes.into();
         Ok(cloud)
     }
 
@@ -58,7 +59,7 @@ impl PointCloud2 {
     /// Puts `data` in the place of the points' bytes.
     pub fn set_data(&mut self, data: Vec<u8>) {
         self.data = 0..data.len();
-        self.buffer = Arc::new(data);
+        self.buffer = data.into();
     }
 
     /// The same cloud with these bytes as its points.
@@ -168,7 +169,7 @@ impl RosMsg for PointCloud2 {
 
     fn decode_slice(bytes: &[u8]) -> io::Result<Self> {
         let message = bytes.get(LENGTH_PREFIX..).ok_or(io::ErrorKind::UnexpectedEof)?;
-        Ok(Self::from_bytes(Arc::new(message.to_vec()))?)
+        Ok(Self::from_bytes(Arc::new(copy_of(message)))?)
     }
 }
 

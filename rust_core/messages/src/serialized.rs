@@ -4,6 +4,7 @@
 //! [`crate::MessageKind::decode_owned`], which checks lengths first and copies nothing of the big messages. Publishing
 //! one sends a header as it is; rosrust puts its own count into those of generated messages.
 
+use crate::bytes::copy_of;
 use crate::wire::LENGTH_PREFIX;
 use rosrust::{Message, RosMsg};
 use std::fmt;
@@ -79,7 +80,7 @@ impl<T> RosMsg for Serialized<T> {
 
     fn decode_slice(bytes: &[u8]) -> io::Result<Self> {
         let message = bytes.get(LENGTH_PREFIX..).ok_or(io::ErrorKind::UnexpectedEof)?;
-        Ok(Self::new(message.to_vec()))
+        Ok(Self::new(copy_of(message)))
     }
 }
 

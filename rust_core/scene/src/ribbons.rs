@@ -32,8 +32,18 @@ pub struct Ribbons {
 impl Ribbons {
     /// The ribbons as triangles in the object's frame, turned to an eye given in the object's frame.
     pub fn to_mesh(&self, eye: Point3<f32>) -> Mesh {
+        let mut mesh = Mesh::default();
+        self.write_to(&mut mesh, eye);
+        mesh
+    }
+
+    /// As [`Self::to_mesh`], in the place of a mesh's content and in its memory.
+    pub fn write_to(&self, mesh: &mut Mesh, eye: Point3<f32>) {
         let elements: usize = self.chains.iter().map(Vec::len).sum();
-        let mut mesh = Mesh { vertices: Vec::with_capacity(elements * 2), indices: Vec::with_capacity(elements * 6) };
+        mesh.vertices.clear();
+        mesh.vertices.reserve(elements * 2);
+        mesh.indices.clear();
+        mesh.indices.reserve(elements * 6);
         for chain in self.chains.iter().filter(|chain| chain.len() > 1) {
             let base = mesh.vertices.len() as u32;
             for (i, element) in chain.iter().enumerate() {
@@ -53,7 +63,6 @@ impl Ribbons {
                 mesh.indices.extend([a, a + 1, a + 2, a + 1, a + 3, a + 2]);
             }
         }
-        mesh
     }
 }
 

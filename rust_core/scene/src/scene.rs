@@ -121,29 +121,3 @@ pub struct Scene {
     /// rviz's default light, which follows the camera of its main window; `None` when it is switched off.
     pub light: Option<DirectionalLight>,
 }
-
-impl Scene {
-    /// The drawables that a camera shows, in the order in which Ogre draws them: by group; in a group the opaque ones
-    /// in the scene's order, but clouds and cells (which have shaders) after the others; then the translucent ones from far to
-    /// near (equally far ones in the scene's order), with text, which Ogre takes for infinitely near, at the end.
-    ///
-    /// `eye` is the camera's position in the fixed frame.
-    pub fn draw_order(&self, visible: &DisplayMask, eye: &Point3<f64>) -> Vec<&Drawable> {
-        let mut order: Vec<(RenderGroup, bool, f64, &Drawable)> = self
-            .drawables
-            .iter()
-            .filter(|drawable| visible.shows(drawable.display))
-            .map(|drawable| {
-                let translucent = drawable.geometry.is_translucent();
-                let rank = match (&drawable.geometry, translucent) {
-                    (Geometry::Points(_) | Geometry::Cells(_), false) => 1.0,
-                    (_, false) | (Geometry::Text(_), true) => 0.0,
-                    (_, true) => -(drawable.sort_point - eye).norm_squared(),
-                };
-                (drawable.group, translucent, rank, drawable)
-            })
-            .collect();
-        order.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
-        order.into_iter().map(|(.., drawable)| drawable).collect()
-    }
-}

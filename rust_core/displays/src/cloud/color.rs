@@ -10,6 +10,7 @@ use rcs_scene::Rgba;
 
 use super::fields::{Channel, Layout};
 use super::points::{PointBytes, MIN_SHARE};
+use super::spare::SparePoints;
 
 /// The colours of a cloud's points.
 pub(crate) enum PointColor {
@@ -46,17 +47,22 @@ impl<'a> Coloring<'a> {
         big_endian: bool,
         points: &PointBytes<'_>,
         positions: &[[f32; 3]],
+        spare: &mut SparePoints,
     ) -> PointColor {
+        let SparePoints { colors, values, .. } = spare;
+        let mut memory = || colors.take(points.len());
         match self.transformer {
             ColorTransformer::FlatColor => {
                 PointColor::Uniform(Rgba::from_rgb8(self.settings.flat_color, 1.0).to_rgba8())
             }
             ColorTransformer::AxisColor => {
-                PointColor::PerPoint(by_axis(&self.settings.axis_color, self.fixed_from_cloud, positions))
+                PointColor::PerPoint(by_axis(&self.settings.axis_color, self.fixed_from_cloud, positions, memory()))
             }
-            ColorTransformer::Intensity => by_intensity(&self.settings.intensity, layout, big_endian, points),
-            ColorTransformer::Rgb8 => packed(layout, big_endian, points, |rgb| rgb.map(packed_level)),
-            ColorTransformer::Mono8 => packed(layout, big_endian, points, |rgb| {
+            ColorTransformer::Intensity => {
+                by_intensity(&self.settings.intensity, layout, big_endian, points, (values, memory()))
+            }
+            ColorTransformer::Rgb8 => packed(layout, big_endian, points, memory(), |rgb| rgb.map(packed_level)),
+            ColorTransformer::Mono8 => packed(layout, big_endian, points, memory(), |rgb| {
                 let [r, g, b] = rgb.map(|byte| f64::from(f32::from(byte) / 255.0));
                 let grey = (0.2989 * r + 0.5870 * g + 0.1140 * b) as f32;
                 let [level, ..] = Rgba::new(grey, grey, grey, 1.0).to_rgba8();
@@ -67,7 +73,7 @@ impl<'a> Coloring<'a> {
                 let [Some(r), Some(g), Some(b)] = channels else { return PointColor::Uniform(WHITE) };
                 let float = |channel: &Channel, point: &[u8]| f32::from_bits(channel.bits(point, big_endian));
                 let color = |point: &[u8]| Rgba::new(float(r, point), float(g, point), float(b, point), 1.0);
-                PointColor::PerPoint(points.map(|point| color(point).to_rgba8()))
+                PointColor::PerPoint(points.map(memory(), |point| color(point).to_rgba8()))
             }
         }
     }
@@ -92,10 +98,11 @@ fn packed(
     layout: &Layout,
     big_endian: bool,
     points: &PointBytes<'_>,
+    memory: Vec<[u8; 4]>,
     map: impl Fn([u8; 3]) -> [u8; 3] + Sync + Send,
 ) -> PointColor {
     let Some((channel, has_alpha)) = layout.packed_color() else { return PointColor::Uniform(WHITE) };
-    PointColor::PerPoint(points.map(|point| {
+    PointColor::PerPoint(points.map(memory, |point| {
         let [a, r, g, b] = channel.bits(point, big_endian).to_be_bytes();
         let [r, g, b] = map([r, g, b]);
         [r, g, b, if has_alpha { packed_level(a) } else { 255 }]
@@ -118,11 +125,12 @@ fn by_intensity(
     layout: &Layout,
     big_endian: bool,
     points: &PointBytes<'_>,
+    (values, mut colors): (&mut Vec<f32>, Vec<[u8; 4]>),
 ) -> PointColor {
     let named = layout.channel(&settings.channel_name);
     let other_name = if settings.channel_name == "intensity" { layout.channel("intensities") } else { None };
     let Some(channel) = named.or(other_name) else { return PointColor::Uniform(WHITE) };
-    let values: Vec<f32> = points.map(|point| channel.value(point, big_endian));
+    *values = points.map(std::mem::take(values), |point| channel.value(point, big_endian));
     let (min, max) = if settings.auto_bounds {
         let outermost = 999_999.0;
         let (min, max) = bounds(values.iter().copied(), outermost);
@@ -131,12 +139,12 @@ fn by_intensity(
         (settings.min, settings.max)
     };
     let range = if max == min { 1e20 } else { max - min };
-    let colors = if settings.use_rainbow {
+    if settings.use_rainbow {
         let color = |value: &f32| {
             let share = (1.0 - f64::from((value - min) / range)) as f32;
             rainbow(if settings.invert_rainbow { (1.0 - f64::from(share)) as f32 } else { share }).to_rgba8()
         };
-        values.par_iter().with_min_len(MIN_SHARE).map(color).collect()
+        values.par_iter().with_min_len(MIN_SHARE).map(color).collect_into_vec(&mut colors);
     } else {
         let [low, high] = [settings.min_color, settings.max_color].map(|rgb| Rgba::from_rgb8(rgb, 1.0));
         let color = |value: &f32| {
@@ -146,12 +154,17 @@ fn by_intensity(
             let mix = |low: f32, high: f32| high * share + low * (1.0 - share);
             Rgba::new(mix(low.r, high.r), mix(low.g, high.g), mix(low.b, high.b), 1.0).to_rgba8()
         };
-        values.par_iter().with_min_len(MIN_SHARE).map(color).collect()
-    };
+        values.par_iter().with_min_len(MIN_SHARE).map(color).collect_into_vec(&mut colors);
+    }
     PointColor::PerPoint(colors)
 }
 
-fn by_axis(settings: &AxisColorSettings, fixed_from_cloud: &Isometry3<f64>, positions: &[[f32; 3]]) -> Vec<[u8; 4]> {
+fn by_axis(
+    settings: &AxisColorSettings,
+    fixed_from_cloud: &Isometry3<f64>,
+    positions: &[[f32; 3]],
+    mut colors: Vec<[u8; 4]>,
+) -> Vec<[u8; 4]> {
     let axis = settings.axis as usize;
     let fixed_from_cloud = fixed_from_cloud.cast::<f32>();
     let value = |position: &[f32; 3]| {
@@ -170,7 +183,8 @@ fn by_axis(settings: &AxisColorSettings, fixed_from_cloud: &Isometry3<f64>, posi
     };
     let range = if max == min { 0.001 } else { max - min };
     let color = |position: &[f32; 3]| rainbow((1.0 - f64::from((value(position) - min) / range)) as f32).to_rgba8();
-    positions.par_iter().with_min_len(MIN_SHARE).map(color).collect()
+    positions.par_iter().with_min_len(MIN_SHARE).map(color).collect_into_vec(&mut colors);
+    colors
 }
 
 /// rviz's rainbow: magenta at 0 over blue, cyan, green and yellow to red at 1.

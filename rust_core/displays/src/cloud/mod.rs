@@ -9,6 +9,7 @@ mod display;
 mod fields;
 mod pieces;
 mod points;
+mod spare;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -24,6 +25,7 @@ use rcs_transforms::Time;
 use crate::bounds::middle;
 use crate::{Level, Statuses, World};
 use fields::Layout;
+use spare::SparePoints;
 
 pub(crate) use color::rainbow;
 pub(crate) use display::{CloudDisplay, CloudSource};
@@ -83,6 +85,7 @@ pub(crate) struct Clouds {
     auto_size: bool,
     shown: VecDeque<Shown>,
     drawables: Vec<Drawable>,
+    spare: SparePoints,
 }
 
 /// A cloud that can be shown.
@@ -102,7 +105,15 @@ struct Shown {
 
 impl Clouds {
     pub(crate) fn new(display: DisplayId, settings: CloudSettings, nowhere: Nowhere) -> Self {
-        Self { display, settings, nowhere, auto_size: false, shown: VecDeque::new(), drawables: Vec::new() }
+        Self {
+            display,
+            settings,
+            nowhere,
+            auto_size: false,
+            shown: VecDeque::new(),
+            drawables: Vec::new(),
+            spare: SparePoints::default(),
+        }
     }
 
     pub(crate) fn drawables(&self) -> &[Drawable] {
@@ -143,10 +154,11 @@ impl Clouds {
     }
 
     /// A cloud's drawables, and how many of its points have no finite position.
-    fn draw(&self, placed: &PlacedCloud, layout: &Layout, transformer: ColorTransformer) -> (Vec<Drawable>, usize) {
-        let coloring = color::Coloring::new(&self.settings, transformer, &placed.fixed_from_cloud);
-        let (buffer, nowhere_count) = points::read(&placed.cloud, layout, &coloring, self.nowhere);
-        let settings = &self.settings;
+    fn draw(&mut self, placed: &PlacedCloud, layout: &Layout, transformer: ColorTransformer) -> (Vec<Drawable>, usize) {
+        let (settings, spare) = (&self.settings, &mut self.spare);
+        spare.reclaim(layout.point_count);
+        let coloring = color::Coloring::new(settings, transformer, &placed.fixed_from_cloud);
+        let (buffer, nowhere_count) = points::read(&placed.cloud, layout, &coloring, self.nowhere, spare);
         let size_m = settings.size_m;
         let style = match settings.style {
             StyleSetting::Points => PointStyle::Points { diameter_px: settings.size_px.min(MAX_POINT_PX) },
@@ -157,7 +169,7 @@ impl Clouds {
         };
         let blended = settings.alpha < Material::OPAQUE_FROM_ALPHA || layout.has_point_alpha();
         // The order of the pieces does not show where nothing blends.
-        let buffers = if blended { pieces::cut(buffer, &style) } else { vec![buffer] };
+        let buffers = if blended { pieces::cut(buffer, &style, spare) } else { vec![buffer] };
         let drawable = |buffer: PointBuffer| {
             // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.
             // Opaque ones are not sorted.
@@ -215,7 +227,8 @@ impl Clouds {
         let before = self.shown.len();
         if decay_secs > 0.0 || is_followed {
             while self.shown.front().is_some_and(|shown| now.secs_since(shown.received) >= decay_secs) {
-                self.shown.pop_front();
+                let gone = self.shown.pop_front().filter(|_| is_followed);
+                self.spare.retire(gone.as_ref().map_or(&[], |gone| &gone.decoded.drawables));
             }
         }
         self.shown.len() != before
@@ -231,5 +244,6 @@ impl Clouds {
     pub(crate) fn clear(&mut self) {
         self.shown.clear();
         self.drawables.clear();
+        self.spare = SparePoints::default();
     }
 }

@@ -6,6 +6,7 @@ use rcs_scene::{PointBuffer, PointColors};
 
 use super::color::{Coloring, PointColor};
 use super::fields::Layout;
+use super::spare::SparePoints;
 
 /// What becomes of points whose position is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +29,7 @@ pub(super) struct PointBytes<'a> {
     data: &'a [u8],
     point_step: usize,
     /// The numbers of those that are shown; `None`: all.
-    shown: Option<Vec<u32>>,
+    shown: Option<&'a [u32]>,
 }
 
 impl<'a> PointBytes<'a> {
@@ -37,18 +38,28 @@ impl<'a> PointBytes<'a> {
         Self { data: cloud.data(), point_step: layout.point_step.max(1), shown: None }
     }
 
-    /// What becomes of each point, in their order, computed on all cores.
-    pub(super) fn map<T: Send>(&self, compute: impl Fn(&[u8]) -> T + Sync + Send) -> Vec<T> {
-        match &self.shown {
-            None => self.data.par_chunks_exact(self.point_step).with_min_len(MIN_SHARE).map(compute).collect(),
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.shown.map_or(self.data.len() / self.point_step, <[u32]>::len)
+    }
+
+    /// What becomes of each point, in their order and in a vector's memory, computed on all cores.
+    pub(super) fn map<T: Send>(&self, mut out: Vec<T>, compute: impl Fn(&[u8]) -> T + Sync + Send) -> Vec<T> {
+        match self.shown {
+            None => {
+                let points = self.data.par_chunks_exact(self.point_step).with_min_len(MIN_SHARE);
+                points.map(compute).collect_into_vec(&mut out);
+            }
             Some(numbers) => {
                 let point = |number: &u32| {
                     let begin = *number as usize * self.point_step;
                     self.data.get(begin..begin + self.point_step).unwrap_or(&[])
                 };
-                numbers.par_iter().with_min_len(MIN_SHARE).map(|number| compute(point(number))).collect()
+                let numbers = numbers.par_iter().with_min_len(MIN_SHARE);
+                numbers.map(|number| compute(point(number))).collect_into_vec(&mut out);
             }
         }
+        out
     }
 }
 
@@ -69,24 +80,30 @@ pub(crate) fn read(
     layout: &Layout,
     coloring: &Coloring<'_>,
     nowhere: Nowhere,
+    spare: &mut SparePoints,
 ) -> (PointBuffer, usize) {
     let mut points = PointBytes::all(cloud, layout);
+    let mut numbers = std::mem::take(&mut spare.numbers);
+    let memory = spare.positions.take(points.len());
     let mut positions = match layout.position_triple().filter(|_| !cloud.is_bigendian) {
-        Some(offset) => points.map(|point| position_at(point, offset)),
-        None => points.map(|point| {
+        Some(offset) => points.map(memory, |point| position_at(point, offset)),
+        None => points.map(memory, |point| {
             layout.position.each_ref().map(|channel| f32::from_bits(channel.bits(point, cloud.is_bigendian)))
         }),
     };
     let nowhere_count = positions.par_iter().with_min_len(MIN_SHARE).filter(|position| !is_somewhere(position)).count();
     if nowhere_count > 0 && nowhere == Nowhere::LeftOut {
         let numbered = (0..).zip(&positions);
-        points.shown = Some(numbered.filter(|(_, position)| is_somewhere(position)).map(|(i, _)| i).collect());
+        numbers.clear();
+        numbers.extend(numbered.filter(|(_, position)| is_somewhere(position)).map(|(i, _)| i));
+        points.shown = Some(&numbers);
         positions.retain(is_somewhere);
     }
-    let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions) {
+    let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions, spare) {
         PointColor::Uniform(color) => PointColors::Uniform(color),
         PointColor::PerPoint(colors) => PointColors::PerPoint(colors),
     };
+    spare.numbers = numbers;
     if nowhere_count > 0 && nowhere == Nowhere::FarAway {
         for position in positions.iter_mut().filter(|position| !is_somewhere(position)) {
             *position = FAR_AWAY;
@@ -132,7 +149,7 @@ mod tests {
         let settings = CloudSettings::default();
         let fixed_from_cloud = Isometry3::identity();
         let coloring = Coloring::new(&settings, transformer, &fixed_from_cloud);
-        Ok(read(cloud, &layout, &coloring, Nowhere::LeftOut).0)
+        Ok(read(cloud, &layout, &coloring, Nowhere::LeftOut, &mut SparePoints::default()).0)
     }
 
     #[test]
@@ -156,7 +173,8 @@ mod tests {
         let turned = Isometry3::rotation(nalgebra::Vector3::new(0.0, std::f64::consts::PI, 0.0));
         for (fixed_from_cloud, low, high) in [(Isometry3::identity(), 3, 2), (turned, 2, 3)] {
             let coloring = Coloring::new(&settings, ColorTransformer::AxisColor, &fixed_from_cloud);
-            let (buffer, nowhere_count) = read(&cloud, &layout, &coloring, Nowhere::FarAway);
+            let (buffer, nowhere_count) =
+                read(&cloud, &layout, &coloring, Nowhere::FarAway, &mut SparePoints::default());
             assert_eq!((buffer.positions[0], nowhere_count), ([999_999.0; 3], 1));
             // The bounds are those of the three others: magenta at the top, red at the bottom.
             assert_eq!((buffer.colors.get(low), buffer.colors.get(high)), ([255, 0, 0, 255], [255, 0, 255, 255]));

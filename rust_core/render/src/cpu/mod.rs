@@ -37,7 +37,7 @@ use rcs_scene::{Picture, MAX_SIDE_PX};
 
 use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
-use self::plan::{Job, Plan, Textures};
+use self::plan::{Job, Plan, PlanMemory, Textures};
 use self::points::Scratch;
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
@@ -49,6 +49,7 @@ pub struct CpuRenderer {
     workers: Vec<Worker>,
     outcomes: Vec<Outcome>,
     textures: Textures,
+    memory: PlanMemory,
 }
 
 /// What a thread keeps.
@@ -104,7 +105,7 @@ impl Renderer for CpuRenderer {
         let view = &View { scene: &scene, ..*view };
         let screen = Screen::new(width_px, height_px);
         self.textures.forget_dead();
-        let mut plan = Plan::new(view, &mut self.textures);
+        let mut plan = Plan::new(view, &mut self.textures, &mut self.memory);
         let jobs = plan.jobs.len();
         if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
             self.outcomes.resize_with(jobs, Outcome::default);
@@ -129,6 +130,7 @@ impl Renderer for CpuRenderer {
                 view.encoding.write_row(pixels, row);
             }
         });
+        self.memory.keep(plan);
         Ok(())
     }
 }

@@ -2,13 +2,15 @@
 //!
 //! A job turns a chunk of a cloud, or several meshes and lines together, into things that are sorted into the
 //! picture's bands. Jobs are independent of each other; drawn in their order they give the picture.
+//!
+//! A plan refers to its scene, so it does not outlive the picture; its memory does ([`PlanMemory`]).
 
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, OnceLock, Weak};
 
-use rcs_scene::{Blending, CellSheet, CullMode, Drawable, Geometry, Material, Mesh, Texture, Vertex};
+use rcs_scene::{Blending, CellSheet, CullMode, DrawOrder, Drawable, Geometry, Material, Mesh, Texture, Vertex};
 
 use super::band::Mode;
 use super::points::Cloud;
@@ -44,10 +46,13 @@ impl Textures {
 }
 
 /// The triangles of cells.
-fn sheet_mesh() -> Mesh {
-    let vertices = CellSheet::TRIANGLES.into_iter().flatten();
-    let vertices = vertices.map(|[x, y]| Vertex { uv: [x, y], ..Vertex::new([x, y, 0.0], [0.0, 0.0, 1.0]) });
-    Mesh { vertices: vertices.collect(), indices: (0..6).collect() }
+fn sheet_mesh() -> &'static Mesh {
+    static MESH: OnceLock<Mesh> = OnceLock::new();
+    MESH.get_or_init(|| {
+        let vertices = CellSheet::TRIANGLES.into_iter().flatten();
+        let vertices = vertices.map(|[x, y]| Vertex { uv: [x, y], ..Vertex::new([x, y, 0.0], [0.0, 0.0, 1.0]) });
+        Mesh { vertices: vertices.collect(), indices: (0..6).collect() }
+    })
 }
 
 /// One job.
@@ -82,18 +87,57 @@ pub(super) struct Plan<'a> {
     cloud_jobs: Vec<Range<usize>>,
     open_triangles: usize,
     open_piece: usize,
+    /// For wide lines that turn to the camera.
+    spare_meshes: Vec<Mesh>,
+}
+
+/// The memory of a picture's plan, for the next one.
+#[derive(Debug, Default)]
+pub(super) struct PlanMemory {
+    order: DrawOrder,
+    plan: Plan<'static>,
+}
+
+/// The memory of a vector for elements of the same type with another lifetime: the library collects in place here.
+fn emptied<T, U>(vector: Vec<T>) -> Vec<U> {
+    vector.into_iter().filter_map(|_| None).collect()
+}
+
+impl PlanMemory {
+    /// Takes the memory of a plan that is not needed any more.
+    pub(super) fn keep(&mut self, mut plan: Plan<'_>) {
+        // Those that this picture did not need are gone.
+        plan.spare_meshes.clear();
+        plan.spare_meshes.extend(plan.solids.iter_mut().filter_map(|solid| match &mut solid.shape {
+            Shape::Mesh(Cow::Owned(mesh), _) => Some(std::mem::take(mesh)),
+            _ => None,
+        }));
+        // The next picture's are taken from the end.
+        plan.spare_meshes.reverse();
+        self.plan = plan.emptied();
+    }
 }
 
 impl<'a> Plan<'a> {
     /// Plans a picture.
-    pub(super) fn new(view: &View<'a>, textures: &mut Textures) -> Self {
-        let mut plan = Self::default();
-        let eye = view.camera.eye();
-        for drawable in view.scene.draw_order(view.visible, &eye) {
+    pub(super) fn new(view: &View<'a>, textures: &mut Textures, memory: &mut PlanMemory) -> Self {
+        let mut plan: Self = std::mem::take(&mut memory.plan);
+        memory.order.sort(view.scene, view.visible, &view.camera.eye());
+        for drawable in memory.order.of(view.scene) {
             plan.add(view, textures, drawable);
         }
         plan.close();
         plan
+    }
+
+    /// A plan of nothing in the same memory, and with the same spare meshes.
+    fn emptied(self) -> Plan<'static> {
+        let Self { clouds, solids, mut pieces, mut jobs, mut cloud_jobs, spare_meshes, .. } = self;
+        pieces.clear();
+        jobs.clear();
+        cloud_jobs.clear();
+        let (clouds, solids) = (emptied(clouds), emptied(solids));
+        Plan { clouds, solids, pieces, jobs, cloud_jobs, open_triangles: 0, open_piece: 0, spare_meshes }
     }
 
     fn add(&mut self, view: &View<'a>, textures: &mut Textures, drawable: &'a Drawable) {
@@ -119,7 +163,8 @@ impl<'a> Plan<'a> {
             }
             Geometry::Ribbons(ribbons) => {
                 let material = Material::unlit(ribbons.blending == Blending::Alpha);
-                let mesh = ribbons.to_mesh(camera.eye_in_object(&drawable.fixed_from_object));
+                let mut mesh = self.spare_meshes.pop().unwrap_or_default();
+                ribbons.write_to(&mut mesh, camera.eye_in_object(&drawable.fixed_from_object));
                 (surface_of(&material), Shape::Mesh(Cow::Owned(mesh), Cow::Owned(material)))
             }
             Geometry::Mesh { mesh, material } => {
@@ -133,7 +178,7 @@ impl<'a> Plan<'a> {
                 (surface_of(material), Shape::Mesh(Cow::Borrowed(mesh), Cow::Borrowed(material)))
             }
             Geometry::Cells(sheet) => {
-                (Surface::of_cells(sheet), Shape::Mesh(Cow::Owned(sheet_mesh()), Cow::Owned(Material::unlit(false))))
+                (Surface::of_cells(sheet), Shape::Mesh(Cow::Borrowed(sheet_mesh()), Cow::Owned(Material::unlit(false))))
             }
         };
         self.add_solid(Solid { placement, surface, shape });

@@ -27,7 +27,7 @@ mod triangles;
 mod uniforms;
 
 use nalgebra::Matrix4;
-use rcs_scene::{Camera, Drawable, Geometry, Picture};
+use rcs_scene::{Camera, DrawOrder, Drawable, Geometry, Picture};
 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
@@ -56,6 +56,7 @@ struct Gpu {
     triangles: TrianglePipelines,
     cells: CellPipelines,
     target: Option<Target>,
+    order: DrawOrder,
 }
 
 /// One drawable in one picture.
@@ -115,7 +116,7 @@ impl Gpu {
         let triangles = TrianglePipelines::new(&device, uniforms.layout());
         let cells = CellPipelines::new(&device, uniforms.layout());
         device.check()?;
-        Ok(Self { device, uniforms, points, lines, triangles, cells, target: None })
+        Ok(Self { device, uniforms, points, lines, triangles, cells, target: None, order: DrawOrder::default() })
     }
 
     fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
@@ -167,8 +168,11 @@ impl Gpu {
                 to_light.cast::<f32>().into()
             }),
         };
-        let order = view.scene.draw_order(view.visible, &camera.eye());
-        order.into_iter().filter_map(|drawable| self.prepare_one(&viewpoint, drawable)).collect()
+        let mut order = std::mem::take(&mut self.order);
+        order.sort(view.scene, view.visible, &camera.eye());
+        let draws = order.of(view.scene).filter_map(|drawable| self.prepare_one(&viewpoint, drawable)).collect();
+        self.order = order;
+        draws
     }
 
     fn prepare_one(&mut self, viewpoint: &Viewpoint<'_>, drawable: &Drawable) -> Option<Draw> {

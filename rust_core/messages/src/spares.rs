@@ -1,0 +1,106 @@
+//! Memory that serves again.
+//!
+//! A depth camera's cloud is megabytes of bytes, of positions and of colours, thirty times a second. The allocator gives
+//! vectors of that size back to the operating system and gets them anew, cleared page by page. So who is done with such a
+//! vector leaves it here for the next.
+
+/// Vectors that nobody uses, the longest unused first.
+#[derive(Debug)]
+pub struct Spares<T> {
+    vectors: Vec<Vec<T>>,
+}
+
+/// Vectors of fewer bytes are left to the allocator, which keeps them.
+const MIN_BYTES: usize = 4096;
+
+/// A vector is not taken for what fills less than this share of it.
+const MAX_WASTE: usize = 4;
+
+/// A new vector gets this share of room on top, so that it also holds the next cloud if that is a little larger.
+const ROOM_ON_TOP: usize = 8;
+
+impl<T> Spares<T> {
+    /// None yet.
+    pub const fn new() -> Self {
+        Self { vectors: Vec::new() }
+    }
+
+    /// An empty vector with room for so many elements: the smallest spare one that fits, or a new one.
+    pub fn take(&mut self, len: usize) -> Vec<T> {
+        let is_small = len.saturating_mul(size_of::<T>()) < MIN_BYTES;
+        let fits = |vector: &Vec<T>| vector.capacity() >= len && vector.capacity() / MAX_WASTE <= len;
+        let fitting = self.vectors.iter().enumerate().filter(|(_, vector)| !is_small && fits(vector));
+        match fitting.min_by_key(|(_, vector)| vector.capacity()).map(|(i, _)| i) {
+            Some(i) => self.vectors.remove(i),
+            None => Vec::with_capacity(if is_small { len } else { len + len / ROOM_ON_TOP }),
+        }
+    }
+
+    /// Takes a vector whose content nobody needs any more.
+    pub fn give(&mut self, mut vector: Vec<T>) {
+        vector.clear();
+        if vector.capacity().saturating_mul(size_of::<T>()) >= MIN_BYTES {
+            self.vectors.push(vector);
+        }
+    }
+
+    /// Gives up those that have been unused for longest, until the rest has room for no more than so many elements
+    /// together.
+    pub fn limit_to(&mut self, elements: usize) {
+        let mut room: usize = self.vectors.iter().map(Vec::capacity).sum();
+        let too_many = self.vectors.iter().take_while(|vector| {
+            let is_over = room > elements;
+            room -= vector.capacity();
+            is_over
+        });
+        let count = too_many.count();
+        self.vectors.drain(..count);
+    }
+}
+
+impl<T> Default for Spares<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_memory_of_one_cloud_serves_the_next() {
+        let mut spares = Spares::new();
+        let first: Vec<u32> = spares.take(5000);
+        let address = first.as_ptr();
+        spares.give(first);
+        let second = spares.take(5100);
+        assert_eq!((second.as_ptr(), second.len()), (address, 0));
+        let third = spares.take(5000);
+        assert_ne!(third.as_ptr(), address, "it is in use");
+    }
+
+    #[test]
+    fn what_is_far_too_large_is_left_for_something_else() {
+        let mut spares = Spares::new();
+        for len in [100_000_usize, 9000, 20_000] {
+            spares.give(Vec::<u8>::with_capacity(len));
+        }
+        assert_eq!(spares.take(8500).capacity(), 9000, "the smallest that fits");
+        assert_eq!(spares.take(5000).capacity(), 20_000);
+        assert!(spares.take(5000).capacity() < 100_000);
+        assert_eq!(spares.take(0).capacity(), 0);
+    }
+
+    #[test]
+    fn those_unused_for_longest_go_first() {
+        let mut spares = Spares::new();
+        for len in [5000_usize, 7000, 6000] {
+            spares.give(Vec::<u8>::with_capacity(len));
+        }
+        spares.limit_to(13_500);
+        assert_eq!(spares.vectors.iter().map(Vec::capacity).collect::<Vec<_>>(), [7000, 6000]);
+        spares.limit_to(0);
+        assert!(spares.vectors.is_empty());
+    }
+}

@@ -1,0 +1,44 @@
+//! From drawn pixels to the wire: `encode/ENCODING/SIZE` writes a picture's rows in an encoding, from one row of pixels
+//! as the renderer does from its cache; `encode/message/SIZE` makes the bytes of an rgb8 Image message, one copy.
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot encode has nothing to say")]
+
+mod common;
+
+use std::sync::Arc;
+
+use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{Image, RosMsg};
+use rcs_scene::{Encoding, Picture};
+
+const SIZES_PX: [[u32; 2]; 4] = [[640, 480], [1280, 800], [1920, 1080], [3840, 2160]];
+
+fn encode(c: &mut Criterion) {
+    let mut group = c.benchmark_group("encode");
+    for [width_px, height_px] in SIZES_PX {
+        let size = format!("{width_px}x{height_px}");
+        let pixels: Vec<[u8; 4]> = (0..width_px).map(u32::to_le_bytes).collect();
+        let mut picture = Picture::default();
+        for encoding in Encoding::ALL {
+            picture.reset(width_px, height_px, encoding);
+            let step = picture.step();
+            group.throughput(Throughput::Bytes(picture.data.len() as u64));
+            group.bench_function(BenchmarkId::new(encoding.name(), &size), |b| {
+                b.iter(|| {
+                    for row in picture.data.chunks_exact_mut(step) {
+                        encoding.write_row(std::hint::black_box(&pixels), row);
+                    }
+                });
+            });
+        }
+        picture.reset(width_px, height_px, Encoding::Rgb8);
+        group.throughput(Throughput::Bytes(picture.data.len() as u64));
+        let (encoding, step) = (picture.encoding.name(), picture.step() as u32);
+        let image = Image::new(Header::default(), [width_px, height_px], encoding, step, Arc::new(picture.data));
+        group.bench_function(BenchmarkId::new("message", &size), |b| b.iter(|| image.encode_vec().unwrap()));
+    }
+    group.finish();
+}
+
+criterion_group! { name = benches; config = common::quick(); targets = encode }
+criterion_main!(benches);

@@ -1,0 +1,275 @@
+//! In the steady state a frame allocates nothing that grows with the scene.
+//!
+//! Every allocation of the process is counted while frames go the way that they go in the node, the connections to ROS
+//! left out: a message's bytes as rosrust hands them out, the message, its display, the scene, the CPU renderer, the
+//! picture, the picture's bytes on the wire. Each kind of scene is played small and large; a frame of the large one may
+//! not take more memory from the allocator than one of the small one, but for what a thread pool takes now and then.
+//!
+//! What is left out, and why:
+//!
+//! - rosrust's own copies of a message (one for the socket, one for each subscription) and the bytes of a picture, which it
+//!   is given and drops: they are made in its code. The latter are as many as the picture's, whatever the scene.
+//! - The GPU renderer: what a driver allocates is not ours.
+//! - Loading meshes and textures, and laying out text: that happens once.
+//! - A scene that is put together anew because something in it changed is a list of its drawables, some hundred bytes
+//!   each; so is what a display makes of a message of many markers. Here such a list has one entry for each cloud, and for
+//!   translucent clouds one for each of the pieces that rviz cuts them into, ten thousand points or more.
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::alloc::System;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rcs_app::camera_pose::Projection;
+use rcs_app::stage::Stage;
+use rcs_messages::geometry_msgs::{Quaternion, Transform, TransformStamped, Vector3};
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::tf2_msgs::TFMessage;
+use rcs_messages::visualization_msgs::{Marker, MarkerArray};
+use rcs_messages::{AnyMessage, Image, MessageKind, PointCloud2, RosMsg, Serialized};
+use rcs_render::CpuRenderer;
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_scene::{Drawable, Picture};
+use rcs_tests::big_robot;
+use rcs_tests::scenes::clouds::{drawable, in_rows, message, STYLES};
+use rcs_tests::scenes::played::Played;
+use rcs_tests::scenes::shot::{camera, moving_camera, Shot};
+use rcs_tests::scenes::solids;
+use rcs_transforms::Time;
+use stats_alloc::{Region, StatsAlloc, INSTRUMENTED_SYSTEM};
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// All threads are counted together, so tests do not run beside each other.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// What a frame may allocate, however small its scene is: texts of statuses, tasks of a thread pool.
+const MAX_FRAME_BYTES: usize = 16 << 10;
+/// What a large scene's frame may allocate more than a small one's: a thread pool's queue grows in blocks.
+const MAX_GROWTH_BYTES: usize = 2 << 10;
+
+const SIZE_PX: [u32; 2] = [640, 400];
+const FOCAL_PX: f64 = 950.0;
+const VIEW: [f64; 2] = [0.67, 0.42];
+const SMALL: usize = 10_000;
+const LARGE: usize = 300_000;
+/// Frames after which whatever is kept has been made (content and cameras repeat after eight), and those that are looked
+/// at then.
+const WARM_UP: usize = 16;
+const FRAMES: usize = 9;
+
+/// The bytes that a frame in the middle of many allocates, given their numbers.
+fn bytes_of_a_frame(mut frame: impl FnMut(usize)) -> usize {
+    (0..WARM_UP).for_each(&mut frame);
+    let mut all: Vec<usize> = (WARM_UP..WARM_UP + FRAMES)
+        .map(|number| {
+            let region = Region::new(ALLOCATOR);
+            frame(number);
+            region.change().bytes_allocated
+        })
+        .collect();
+    all.sort_unstable();
+    all[FRAMES / 2]
+}
+
+/// Fails where a frame's bytes grow with the scene, or are many in a small one.
+fn assert_steady(name: &str, of: impl Fn(usize) -> usize, [small, large]: [usize; 2]) {
+    let [of_small, of_large] = [of(small), of(large)];
+    println!("{name}: {of_small} bytes a frame for {small}, {of_large} for {large}");
+    assert!(of_small <= MAX_FRAME_BYTES, "{name}: {of_small} bytes a frame for {small}");
+    assert!(of_large <= of_small + MAX_GROWTH_BYTES, "{name}: {of_small} bytes for {small}, {of_large} for {large}");
+}
+
+fn shot(drawables: Vec<Drawable>) -> Shot {
+    Shot::new(drawables, camera(SIZE_PX, FOCAL_PX).unwrap(), Box::new(CpuRenderer::with_threads(2)))
+}
+
+/// Draws a scene again and again; where it moves, each time by a camera that stands elsewhere.
+fn bytes_of_drawing(drawables: Vec<Drawable>, is_moving: bool) -> usize {
+    let mut shot = shot(drawables);
+    let bytes = bytes_of_a_frame(|frame| {
+        if is_moving {
+            shot.camera = moving_camera(SIZE_PX, FOCAL_PX, frame).unwrap();
+        }
+        shot.draw().unwrap();
+    });
+    assert!(shot.covered() > 1e-4, "something is to be seen");
+    bytes
+}
+
+/// A PointCloud2 display with these settings.
+fn cloud_display(settings: &str) -> String {
+    format!("  - {{Class: rviz/PointCloud2, Name: c, Enabled: true, Topic: /c, Size (m): 0.004, {settings}}}\n")
+}
+
+/// A message as it comes out of rosrust.
+fn received(frame: &[u8]) -> AnyMessage {
+    let bytes = Serialized::<PointCloud2>::decode_slice(frame).unwrap().bytes;
+    MessageKind::PointCloud2.decode_owned(bytes).unwrap()
+}
+
+/// Frames on the wire of clouds of the same size and other content.
+fn cloud_frames(count: usize) -> Vec<Vec<u8>> {
+    (0..8).map(|number| message("map", count, number).encode_vec().unwrap()).collect()
+}
+
+#[test]
+fn an_unchanged_cloud_in_any_style() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    for (name, style) in STYLES {
+        for is_moving in [false, true] {
+            let of = |count| bytes_of_drawing(vec![drawable(in_rows(count), style)], is_moving);
+            assert_steady(&format!("{name}, moving: {is_moving}"), of, [SMALL, LARGE]);
+        }
+    }
+}
+
+#[test]
+fn unchanged_triangles_lines_and_labels_while_the_camera_moves() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let one = |geometry| bytes_of_drawing(vec![solids::drawable(geometry)], true);
+    assert_steady("triangles", |count| one(solids::triangles(count, 4.0, FOCAL_PX, VIEW)), [SMALL, LARGE]);
+    assert_steady("lines", |count| one(solids::lines(count, 10.0, FOCAL_PX, VIEW)), [SMALL, LARGE]);
+    assert_steady("ribbons", |count| one(solids::ribbons(count, VIEW)), [1000, 30_000]);
+    assert_steady("labels", |count| bytes_of_drawing(solids::labels(count, VIEW), true), [10, 1000]);
+    assert_steady("boxes", |count| bytes_of_drawing(solids::boxes(count, VIEW), true), [10, 3000]);
+}
+
+#[test]
+fn a_new_cloud_in_each_frame() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    for settings in [
+        "Style: Flat Squares, Color Transformer: RGB8",
+        "Style: Points, Color Transformer: MONO8",
+        "Style: Spheres, Color Transformer: AxisColor",
+        "Style: Boxes, Color Transformer: Intensity, Channel Name: z",
+        "Style: Squares, Color Transformer: FlatColor",
+        "Style: Flat Squares, Color Transformer: RGB8, Decay Time: 0.2",
+    ] {
+        let of = |count: usize| {
+            let frames = cloud_frames(count);
+            let mut played = Played::new(&cloud_display(settings));
+            let mut shot = shot(Vec::new());
+            let bytes = bytes_of_a_frame(|number| {
+                let scene = played.show("/c", &received(&frames[number % frames.len()]));
+                // As two cameras see it.
+                for place in [0, 1] {
+                    shot.camera = moving_camera(SIZE_PX, FOCAL_PX, place).unwrap();
+                    shot.draw_of(scene).unwrap();
+                }
+            });
+            assert!(shot.covered() > 0.05);
+            bytes
+        };
+        assert_steady(settings, of, [SMALL, LARGE]);
+    }
+}
+
+#[test]
+fn a_new_translucent_cloud_allocates_a_list_of_its_pieces() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let frames = cloud_frames(LARGE);
+    let mut played = Played::new(&cloud_display("Style: Boxes, Color Transformer: RGB8, Alpha: 0.5"));
+    let mut shot = shot(Vec::new());
+    let bytes = bytes_of_a_frame(|number| {
+        let scene = played.show("/c", &received(&frames[number % frames.len()]));
+        assert!(scene.drawables.len() >= LARGE / 10_240);
+        shot.draw_of(scene).unwrap();
+    });
+    let pieces = LARGE.div_ceil(10_240);
+    println!("{bytes} bytes a frame for {pieces} pieces");
+    assert!(bytes <= MAX_FRAME_BYTES + pieces * 2048, "{bytes} bytes a frame");
+}
+
+#[test]
+fn markers_that_stay_as_they_are() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let display = "  - {Class: rviz/MarkerArray, Name: m, Enabled: true, Marker Topic: /m}\n";
+    let of = |count: usize| {
+        let marker = |id: usize| {
+            let mut marker = Marker { id: id as i32, type_: i32::from(Marker::CUBE), ..Marker::default() };
+            marker.header.frame_id = "map".to_owned();
+            (marker.scale.x, marker.scale.y, marker.scale.z, marker.color.a) = (0.01, 0.01, 0.01, 1.0);
+            (marker.color.r, marker.pose.orientation.w) = (1.0, 1.0);
+            let position = &mut marker.pose.position;
+            (position.x, position.y, position.z) = (id as f64 * 1e-4 - 0.1, 0.0, 1.5);
+            marker
+        };
+        let message = AnyMessage::MarkerArray(Arc::new(MarkerArray { markers: (0..count).map(marker).collect() }));
+        let mut played = Played::new(display);
+        played.show("/m", &message);
+        let mut shot = shot(Vec::new());
+        let bytes = bytes_of_a_frame(|_| {
+            let scene = played.wait();
+            shot.draw_of(scene).unwrap();
+        });
+        assert!(shot.covered() > 1e-4);
+        bytes
+    };
+    assert_steady("markers", of, [10, 2000]);
+}
+
+/// 250,000 triangles in 25 links, seen from a frame that moves.
+#[test]
+fn a_robot_that_stands_still_while_the_camera_moves() {
+    const CONFIG: &str = "
+Visualization Manager:
+  Global Options: {Fixed Frame: base}
+  Displays:
+  - {Class: rviz/RobotModel, Name: robot, Enabled: true, Robot Description: robot_description}
+  - {Class: rviz_camera_stream/CameraPub, Name: eye, Enabled: true, Image Topic: /image, Camera Info Topic: /info}
+";
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = tempfile::tempdir().unwrap();
+    let joints = big_robot::write(folder.path()).unwrap();
+    let description = std::fs::read_to_string(folder.path().join("big_robot/robot.urdf")).unwrap();
+    let config = rcs_rviz_config::parse(CONFIG, "robot").unwrap();
+    let mut stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([folder.path().to_owned()])));
+    stage.take_parameter("robot_description", Some(&description.as_str().into()), Time::ZERO);
+    let mut info = CameraInfo { width: SIZE_PX[0], height: SIZE_PX[1], ..CameraInfo::default() };
+    info.header.frame_id = "eye".to_owned();
+    info.P = [500.0, 0.0, 320.0, 0.0, 0.0, 500.0, 200.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    stage.take("/info", &AnyMessage::CameraInfo(info.into()), Time::ZERO);
+    let placed = |parent: &str, child: &str, [x, y, z]: [f64; 3], [qx, qy, qz, qw]: [f64; 4], frame: usize| {
+        let stamp = rcs_messages::Time { sec: 100 + frame as u32, nsec: 0 };
+        let translation = Vector3 { x, y, z };
+        let transform = Transform { translation, rotation: Quaternion { x: qx, y: qy, z: qz, w: qw } };
+        let header = Header { stamp, frame_id: parent.to_owned(), ..Header::default() };
+        TransformStamped { header, child_frame_id: child.to_owned(), transform }
+    };
+    let links = joints.iter().map(|joint| placed(&joint.parent, &joint.child, joint.origin_m, [0.0, 0.0, 0.0, 1.0], 0));
+    stage.take_transforms(&TFMessage { transforms: links.collect() }, true, "test");
+    let camera = stage.cameras()[0].clone();
+    let mut shot = shot(Vec::new());
+    let bytes = bytes_of_a_frame(|frame| {
+        // Before the robot, at half its height, looking at it.
+        let place = [1.8 + 0.01 * (frame % 8) as f64, 0.0, 0.6];
+        let eye = placed("base", "eye", place, [-0.5, -0.5, 0.5, 0.5], frame);
+        stage.take_transforms(&TFMessage { transforms: vec![eye] }, false, "test");
+        if stage.update(Time::from_secs_nanos(100 + frame as u32, 0)) {
+            shot.scene = stage.scene();
+        }
+        shot.camera = stage.camera(&camera, Projection::Rviz).unwrap();
+        shot.draw().unwrap();
+    });
+    assert!(shot.covered() > 0.05, "{}", shot.covered());
+    println!("robot: {bytes} bytes a frame");
+    assert!(bytes <= MAX_FRAME_BYTES, "{bytes} bytes a frame");
+}
+
+#[test]
+fn a_picture_on_the_wire_is_its_bytes_once() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut shot = shot(vec![drawable(in_rows(SMALL), STYLES[0].1)]);
+    shot.draw().unwrap();
+    let Picture { width_px, height_px, encoding, .. } = shot.picture;
+    let step_bytes = shot.picture.step() as u32;
+    let pixels = Arc::new(std::mem::take(&mut shot.picture.data));
+    let bytes = bytes_of_a_frame(|_| {
+        let size_px = [width_px, height_px];
+        let image = Image::new(Header::default(), size_px, encoding.name(), step_bytes, Arc::clone(&pixels));
+        assert!(image.encode_vec().unwrap().len() > pixels.len());
+    });
+    assert!(bytes < pixels.len() + 1024, "{bytes} bytes for a picture of {}", pixels.len());
+}
