@@ -366,11 +366,11 @@ impl RosNode {
     }
 }
 
-/// Calls `start`; the threads that it starts wake up at ease, in fewer, larger groups of work.
+/// Calls `start`; the threads that it starts wake up at ease.
 ///
-/// rosrust looks for calls from other nodes every five milliseconds, whether there are any or not, which costs a third of a
-/// percent of a core for as long as the node lives. Threads inherit the slack of their timers from the one that starts them,
-/// so it is set for that moment. Where the system refuses, all is as it was.
+/// rosrust looks for calls from other nodes every five milliseconds, whether there are any or not, which costs a third of
+/// a percent of a core for as long as the node lives. Threads inherit the slack of their timers from the one that starts
+/// them, so it is set for that moment. Where the system refuses, all is as it was.
 fn with_wake_slack<T>(start: impl FnOnce() -> T) -> T {
     let slack_ns = u64::try_from(WAKE_SLACK.as_nanos()).ok().and_then(std::num::NonZeroU64::new);
     let before = rustix::thread::current_timer_slack().ok().and_then(std::num::NonZeroU64::new);
