@@ -1,7 +1,7 @@
 """The tables and the plot of a benchmark's figures, and the places in the pages where they stand.
 
-Each section stands between `<!-- bench SECTION begin -->` and `<!-- bench SECTION end -->`; what is around it is written by hand.
-A section that was not measured stays as it is.
+Each section stands between `<!-- bench SECTION begin -->` and `<!-- bench SECTION end -->`; what is around it is written by
+hand. A section that was not measured stays as it is.
 """
 
 import os
@@ -22,15 +22,18 @@ def machine():
 def table(heads, row, rows):
     """A Markdown table; `row` formats the figures of one row."""
     lines = ['| ' + ' | '.join(heads) + ' |', '|---' * len(heads) + '|']
-    return '\n'.join(lines + ['| ' + ' | '.join(row).format(**figures) + ' |' for figures in rows])
+    # What never came has no figure.
+    return '\n'.join(lines + ['| ' + ' | '.join(row).format(**figures).replace('nan', '–') + ' |' for figures in rows])
 
 
 def paragraphs(*parts):
     return '\n\n'.join(part for part in parts if part)
 
 
-def slow_note(rows, hz):
-    return '† at 1 cloud/s, because most were missed at {}.'.format(hz) if any(row['mark'] for row in rows) else ''
+def slow_note(rows, rate):
+    if not any(row['mark'] for row in rows):
+        return ''
+    return '† each cloud after the picture of the one before, because most were missed at {}.'.format(rate)
 
 
 def driver_note(rows):
@@ -43,12 +46,13 @@ def driver_note(rows):
 
 def styles(given, result):
     rows = [dict(row, shown=STYLES[row['style']]) for row in result['rows']]
-    intro = '`./bench --only styles` on {}: 1280×800 rgb8, 307,200 points at {:g} clouds/s, {:g} s each. Floor: {:.1f} ms.'.format(
-        machine(), given.hz, given.seconds, result['floor']['latency_ms'])
+    intro = ('`./bench --only styles` on {}: 1280×800 rgb8, 307,200 points at {:g} clouds/s, {:g} s each. Floor: '
+             '{:.1f} ms.').format(machine(), given.hz, given.seconds, result['floor']['latency_ms'])
     heads = ['program', 'style', 'pictures/s', 'clouds missed', 'latency ms, median / p95', 'CPU ms per picture', 'peak MB',
              'first picture ms']
-    row = ['{name}', '{shown}', '{pictures_hz:.1f}', '{missed} of {clouds}', LATENCY, '{cpu_ms:.1f}', '{peak_mb:.0f}', '{first_ms:.0f}']
-    return paragraphs(intro, table(heads, row, rows), slow_note(rows, '{:g}'.format(given.hz)), driver_note(rows))
+    row = ['{name}', '{shown}', '{pictures_hz:.1f}', '{missed} of {clouds}', LATENCY, '{cpu_ms:.1f}', '{peak_mb:.0f}',
+           '{first_ms:.0f}']
+    return paragraphs(intro, table(heads, row, rows), slow_note(rows, '{:g} clouds/s'.format(given.hz)), driver_note(rows))
 
 
 def summary(given, result):
@@ -62,17 +66,17 @@ def summary(given, result):
         'publishing a cloud to the arrival of the picture that shows it; {:.0f} ms of it are the measuring script\'s '
         'own.'.format(machine(), given.hz, result['floor']['latency_ms']),
         driver_note(rows),
-        slow_note(rows, '{:g}'.format(given.hz)))
+        slow_note(rows, '{:g} clouds/s'.format(given.hz)))
 
 
 def points(given, result):
     floors = result['floors']
     rows = [dict(row, floor_ms=floors[row['points']]['latency_ms'], script_hz=floors[row['points']]['full_hz'])
             for row in result['rows']]
-    intro = '`./bench --only points` on {}: Flat Squares, 1280×800, {:g} s each.'.format(machine(), given.seconds)
+    intro = '`./bench --only points` on {}: Flat Squares, 1280×800, {:g} s each.'.format(machine(), given.sweep_seconds)
     heads = ['program', 'points', 'clouds/s', 'latency ms, median / p95', 'of it floor', 'CPU ms per cloud', 'peak MB',
              'pictures/s at full speed', "the script's own limit"]
-    row = ['{name}', '{points:,}', '{hz:.1f}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}', '{peak_mb:.0f}',
+    row = ['{name}', '{points:,}', '{hz:.1f}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}',
            '{full_hz:.1f}', '{script_hz:.1f}']
     return paragraphs(intro, table(heads, row, rows), slow_note(rows, 'that rate'), driver_note(rows),
                       '![Latency and CPU by the number of points](images/performance.svg)')
@@ -81,22 +85,25 @@ def points(given, result):
 def sizes(given, result):
     rows = [dict(row, size='{}×{}'.format(*row['size_px'])) for row in result['rows']]
     intro = '`./bench --only sizes` on {}: Flat Squares, 307,200 points at 5 clouds/s, {:g} s each.'.format(
-        machine(), given.seconds)
-    row = ['{name}', '{size}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}', '{peak_mb:.0f}']
+        machine(), given.sweep_seconds)
+    row = ['{name}', '{size}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}']
     heads = ['program', 'picture', 'latency ms, median / p95', 'of it floor', 'CPU ms per cloud', 'peak MB']
-    return paragraphs(intro, table(heads, row, rows), slow_note(rows, '5'), driver_note(rows))
+    return paragraphs(intro, table(heads, row, rows), slow_note(rows, '5 clouds/s'), driver_note(rows))
 
 
 def cameras(given, result):
     intro = '`./bench --only cameras` on {}: Flat Squares, 307,200 points at 5 clouds/s, 1280×800 each, {:g} s.'.format(
-        machine(), given.seconds)
-    row = ['{name}', '{cameras}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}', '{peak_mb:.0f}']
-    heads = ['program', 'cameras', 'latency ms to the last picture, median / p95', 'of it floor', 'CPU ms per cloud', 'peak MB']
-    return paragraphs(intro, table(heads, row, result['rows']), slow_note(result['rows'], '5'), driver_note(result['rows']))
+        machine(), given.sweep_seconds)
+    rows = result['rows']
+    row = ['{name}', '{cameras}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}']
+    heads = ['program', 'cameras', 'latency ms to the last picture, median / p95', 'of it floor', 'CPU ms per cloud',
+             'peak MB']
+    return paragraphs(intro, table(heads, row, rows), slow_note(rows, '5 clouds/s'), driver_note(rows))
 
 
 def idle(given, result):
-    intro = '`./bench --only idle` on {}: Flat Squares, 307,200 points, 1280×800, {:g} s each.'.format(machine(), given.seconds)
+    intro = '`./bench --only idle` on {}: Flat Squares, 307,200 points, 1280×800, {:g} s each.'.format(
+        machine(), given.seconds)
     row = ['{name}', '{still_percent:.2f}', '{moving_percent:.1f}', '{repeated_hz:.1f}', '{repeated_ms:.1f}']
     heads = ['program', 'unwatched, nothing comes: % of a core', 'unwatched, {:g} clouds/s: % of a core'.format(given.hz),
              'watched, nothing comes: pictures/s', 'CPU ms per picture']
@@ -132,15 +139,16 @@ def plot(result, file):
     from matplotlib import pyplot
     figure, sides = pyplot.subplots(1, 2, figsize=(10, 4), sharex=True)
     names = sorted({row['name'] for row in result['rows']})
-    for axes, key, title in zip(sides, ('latency_ms', 'cpu_per_cloud_ms'), ('latency, median (ms)', 'CPU per cloud (ms)')):
+    shown = (('latency_ms', 'latency, median (ms)'), ('cpu_per_cloud_ms', 'CPU per cloud (ms)'))
+    for axes, (key, title) in zip(sides, shown):
         for name, marker in zip(names, MARKERS):
             rows = sorted((row for row in result['rows'] if row['name'] == name), key=lambda row: row['points'])
             axes.loglog([row['points'] for row in rows], [row[key] for row in rows], marker + '-', label=name)
         axes.set_xlabel('points')
         axes.set_title(title)
         axes.grid(True, which='both', alpha=0.3)
-    floors = sorted(result['floors'].items())
-    sides[0].loglog([points for points, _ in floors], [floor['latency_ms'] for _, floor in floors], ':', color='gray', label='floor')
+    points, floors = zip(*sorted(result['floors'].items()))
+    sides[0].loglog(points, [floor['latency_ms'] for floor in floors], ':', color='gray', label='floor')
     sides[0].legend()
     figure.tight_layout()
     figure.savefig(file, metadata={'Date': None})

@@ -131,7 +131,7 @@ class SerializedCloud:
         struct.pack_into('<II', self.bytes, 8, stamp.secs, stamp.nsecs)
         for connection in list(publisher.impl.connections):
             # One whose subscriber ended goes by itself.
-            with contextlib.suppress(rospy.exceptions.TransportException):
+            with contextlib.suppress(rospy.exceptions.TransportException, OSError):
                 connection.write_data(self.bytes)
 
 
@@ -145,7 +145,7 @@ class Drain(threading.Thread):
         node = xmlrpc.client.ServerProxy(rosgraph.Master(name).lookupNode(rospy.get_name()))
         _, _, (_, host, port) = node.requestTopic(name, topic, [['TCPROS']])
         self.socket = socket.create_connection((host, port))
-        wanted = {'callerid': name, 'topic': topic, 'type': PointCloud2._type, 'md5sum': PointCloud2._md5sum, 'tcp_nodelay': '1'}
+        wanted = {'callerid': name, 'topic': topic, 'type': PointCloud2._type, 'md5sum': PointCloud2._md5sum}
         rosgraph.network.write_ros_handshake_header(self.socket, wanted)
         rosgraph.network.read_ros_handshake_header(self.socket, io.BytesIO(), 2 ** 16)
         self.start()
@@ -237,7 +237,7 @@ class Probe:
         with self.changed:
             # Those that were sent and not seen yet: colours and times.
             self.arrivals, self.latencies_s, self.in_flight = [], [], []
-            self.new_count, self.shown = 0, {}
+            self.new_at, self.shown = [], {}
 
     def listen(self, topics):
         """Takes the pictures of these topics from now on."""
@@ -259,7 +259,8 @@ class Probe:
                 colour = colour_of(message)
             if colour is not None and self.shown.get(topic) != colour:
                 self.shown[topic] = colour
-                self.new_count += topic == self.topics[-1]
+                if topic == self.topics[-1]:
+                    self.new_at.append(now)
             for index, (sent, when) in enumerate(self.in_flight):
                 if all(self.shown.get(other) == sent for other in self.topics):
                     self.latencies_s.append(now - when)
@@ -292,29 +293,31 @@ class Probe:
 
     def part(self):
         """Waits until nobody listens to the clouds."""
-        while self.publisher is self.clouds[ONE_BY_ONE] and self.publisher.get_num_connections() > 0:
+        until = time.monotonic() + 10
+        is_direct = self.publisher is self.clouds[ONE_BY_ONE]
+        while is_direct and self.publisher.get_num_connections() > 0 and time.monotonic() < until:
             # rospy notices it when it sends.
             self.cloud.send(self.publisher)
             time.sleep(0.05)
 
-    def send_some(self, hz, seconds):
+    def send_some(self, hz, seconds, window=2):
         """Publishes clouds at a rate; returns how many, and how many were never seen.
 
-        None: as fast as they are seen. While one is drawn, the next is on its way.
+        None: as fast as they are seen, with at most `window` on their way (2: the next one comes while one is drawn).
         """
         sent, missed, begin = 0, 0, time.monotonic()
         while time.monotonic() < begin + seconds:
             if hz is None:
                 with self.changed:
-                    self.changed.wait_for(lambda: len(self.in_flight) < 2, 10.0)
-            missed += self.send(sent, 1 if hz is None else 0)
+                    self.changed.wait_for(lambda: len(self.in_flight) < window, 10.0)
+            missed += self.send(sent, window - 1 if hz is None else 0)
             sent += 1
             if hz is not None:
                 time.sleep(max(0.0, begin + sent / hz - time.monotonic()))
         return sent, missed
 
-    def measure(self, hz, seconds, usage=None):
-        """Publishes clouds at a rate (None: as fast as they are seen); the figures by name."""
+    def measure(self, hz, seconds, usage=None, window=2):
+        """Publishes clouds as `send_some` does; the figures by name."""
         for number in (-2, -1):
             self.send(number)
             time.sleep(0.5)
@@ -322,20 +325,20 @@ class Probe:
             self.changed.wait_for(lambda: not self.in_flight, 5.0)
         self.forget()
         cpu_s, begin = usage.cpu_s() if usage else 0.0, time.monotonic()
-        sent, missed = self.send_some(hz, seconds)
+        sent, missed = self.send_some(hz, seconds, window)
         took_s = time.monotonic() - begin
         with self.changed:
-            pictures, new_pictures = len(self.arrivals), self.new_count
+            pictures, new_at = len(self.arrivals), self.new_at
             latencies_ms = sorted(1000 * latency for latency in self.latencies_s)
         figures = {
-            'clouds': sent, 'missed': missed, 'sent_hz': sent / took_s, 'new_hz': new_pictures / took_s,
+            'clouds': sent, 'missed': missed, 'new_hz': (len(new_at) - 1) / (new_at[-1] - new_at[0]) if new_at[1:] else 0.0,
             'pictures_hz': pictures / took_s / len(self.topics),
             'latency_ms': statistics.median(latencies_ms) if latencies_ms else float('nan'),
-            'latency_p95_ms': latencies_ms[int(0.95 * (len(latencies_ms) - 1))] if latencies_ms else float('nan'),
+            'latency_p95_ms': latencies_ms[-1 - len(latencies_ms) // 20] if latencies_ms else float('nan'),
         }
         if usage:
             cpu_s = usage.cpu_s() - cpu_s
-            figures['cpu_ms'] = 1000 * cpu_s / max(1, pictures)
+            figures['cpu_ms'] = 1000 * cpu_s / pictures if pictures else float('nan')
             figures['cpu_per_cloud_ms'] = 1000 * cpu_s / sent
             figures['peak_mb'] = usage.peak_mb()
         return figures
