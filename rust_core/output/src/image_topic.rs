@@ -16,8 +16,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How often it is looked for new subscribers.
-const POLL_PERIOD: Duration = Duration::from_millis(20);
+/// How often it is looked for new subscribers. Each look wakes a core, also when nothing else happens.
+const POLL_PERIOD: Duration = Duration::from_millis(50);
 /// A frame that waits for the writing thread gives way to the next.
 const QUEUE_SIZE: usize = 1;
 
@@ -89,7 +89,7 @@ impl ImagePublisher {
     /// Publishes on `topic` and its sibling, on the running rosrust node.
     ///
     /// `on_subscriber` is called with the name of every node that newly subscribes to either, on a thread of its own,
-    /// within some twenty milliseconds.
+    /// within some fifty milliseconds.
     pub fn new(topic: &str, on_subscriber: impl Fn(&str) + Send + 'static) -> Result<Self, PublishError> {
         let image = advertise::<Image>(topic, QUEUE_SIZE)?;
         // image_transport takes the sibling of the name as it was given, and remaps the two separately.

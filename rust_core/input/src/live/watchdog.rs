@@ -54,6 +54,8 @@ struct Memory {
     suspects: BTreeMap<Arc<str>, Suspect>,
     questions: HashMap<Connection, Instant>,
     registrations: Registrations,
+    /// Where nodes said that they send their topics from, by the node's address and the topic.
+    addresses: HashMap<(String, Arc<str>), SocketAddr>,
     /// The publishers of each subscribed topic by the master's list.
     sources: HashMap<Arc<str>, HashSet<String>>,
 }
@@ -84,31 +86,11 @@ pub(super) fn run(shared: &Arc<Shared>) {
         shared.graph.keep_registered(&state, &mut memory.registrations);
         shared.look_at_publications(&state);
         memory.notice_farewells(shared, &state, &topics);
-        let publishers = publishers(shared, &state, &topics);
+        let publishers = memory.publishers(shared, &state, &topics);
         memory.end_questions(&publishers.nodes);
         let broken = broken_topics(&state, &topics, &publishers);
         memory.repair(shared, &broken);
     }
-}
-
-fn publishers<'a>(shared: &Shared, state: &State, topics: &'a [Arc<Topic>]) -> Publishers<'a> {
-    let mut found = Publishers::default();
-    let mut uris: HashMap<&str, Option<String>> = HashMap::new();
-    for topic in topics {
-        for node in state.publishers.get(&**topic.name()).into_iter().flatten() {
-            let uri = uris.entry(node).or_insert_with(|| shared.graph.node_uri(node));
-            let Some(uri) = uri else {
-                continue;
-            };
-            found.nodes.extend(super::address_of(uri));
-            // rosrust connects to every address of the host; one is enough.
-            let addresses = shared.graph.topic_addresses(uri, topic.name()).unwrap_or_default();
-            if let Some(address) = addresses.into_iter().find(SocketAddr::is_ipv4) {
-                found.topics.entry(address).or_default().push(topic);
-            }
-        }
-    }
-    found
 }
 
 /// The topics that the master or a publisher that answers is not connected with.
@@ -128,6 +110,49 @@ fn broken_topics<'a>(state: &State, topics: &'a [Arc<Topic>], publishers: &Publi
 }
 
 impl Memory {
+    /// Who publishes the topics. A node is asked where it sends a topic from unless there is a connection with where it
+    /// said before, for every question takes time of both nodes.
+    fn publishers<'a>(&mut self, shared: &Shared, state: &State, topics: &'a [Arc<Topic>]) -> Publishers<'a> {
+        let mut found = Publishers::default();
+        let mut uris: HashMap<&str, Option<String>> = HashMap::new();
+        let known = self.connected_addresses();
+        for topic in topics {
+            for node in state.publishers.get(&**topic.name()).into_iter().flatten() {
+                let uri = uris.entry(node).or_insert_with(|| shared.graph.node_uri(node));
+                let Some(uri) = uri else {
+                    continue;
+                };
+                found.nodes.extend(super::address_of(uri));
+                let key = (uri.clone(), Arc::clone(topic.name()));
+                let ask = || {
+                    // rosrust connects to every address of the host; one is enough.
+                    let addresses = shared.graph.topic_addresses(uri, topic.name()).unwrap_or_default();
+                    addresses.into_iter().find(SocketAddr::is_ipv4)
+                };
+                if let Some(address) = known.get(&key).copied().or_else(ask) {
+                    found.topics.entry(address).or_default().push(topic);
+                    self.addresses.insert(key, address);
+                }
+            }
+        }
+        found
+    }
+
+    /// Takes out the addresses that have as many connections as topics, and forgets the others.
+    fn connected_addresses(&mut self) -> HashMap<(String, Arc<str>), SocketAddr> {
+        let mut connections: HashMap<SocketAddr, usize> = HashMap::new();
+        for connection in sockets::connections() {
+            *connections.entry(connection.peer).or_default() += 1;
+        }
+        let mut topics: HashMap<SocketAddr, usize> = HashMap::new();
+        for address in self.addresses.values() {
+            *topics.entry(*address).or_default() += 1;
+        }
+        let mut known = std::mem::take(&mut self.addresses);
+        known.retain(|_, address| connections.get(address) >= topics.get(address));
+        known
+    }
+
     /// Ends the questions to `nodes` that have waited too long.
     fn end_questions(&mut self, nodes: &HashSet<SocketAddr>) {
         let now = Instant::now();

@@ -1,0 +1,173 @@
+"""The tables and the plot of a benchmark's figures, and the places in the pages where they stand.
+
+Each section stands between `<!-- bench SECTION begin -->` and `<!-- bench SECTION end -->`; what is around it is written by
+hand. A section that was not measured stays as it is.
+"""
+
+import os
+import re
+
+STYLES = {'Flat Squares': 'Flat Squares 4 mm', 'Points': 'Points 3 px', 'Spheres': 'Spheres 4 mm', 'Boxes': 'Boxes 4 mm'}
+LATENCY = '{latency_ms:.1f} / {latency_p95_ms:.1f}{mark}'
+MARKERS = ('o', 's', '^')
+
+
+def machine():
+    """What it was measured on."""
+    with open('/proc/cpuinfo') as cpuinfo:
+        model = re.search(r'model name\s*: (.*)', cpuinfo.read())
+    return '{} cores ({})'.format(os.cpu_count(), model.group(1) if model else 'of an unknown model')
+
+
+def table(heads, row, rows):
+    """A Markdown table; `row` formats the figures of one row."""
+    lines = ['| ' + ' | '.join(heads) + ' |', '|---' * len(heads) + '|']
+    # What never came has no figure.
+    return '\n'.join(lines + ['| ' + ' | '.join(row).format(**figures).replace('nan', '–') + ' |' for figures in rows])
+
+
+def paragraphs(*parts):
+    return '\n\n'.join(part for part in parts if part)
+
+
+def slow_note(rows, rate):
+    if not any(row['mark'] for row in rows):
+        return ''
+    return '† each cloud after the picture of the one before, because most were missed at {}.'.format(rate)
+
+
+def driver_note(rows):
+    drawn_by = ' and '.join(who for who, name in (('the GPU renderer', 'camera_stream, gpu'), ('rviz', 'rviz'))
+                            if any(row['name'] == name for row in rows))
+    if not drawn_by or os.path.exists('/dev/dri'):
+        return ''
+    return 'This machine has no GPU: {} ran on a software driver.'.format(drawn_by)
+
+
+def styles(given, result):
+    rows = [dict(row, shown=STYLES[row['style']]) for row in result['rows']]
+    intro = ('`./bench --only styles` on {}: 1280×800 rgb8, 307,200 points at {:g} clouds/s, {:g} s each. Floor: '
+             '{:.1f} ms.').format(machine(), given.hz, given.seconds, result['floor']['latency_ms'])
+    heads = ['program', 'style', 'pictures/s', 'clouds missed', 'latency ms, median / p95', 'CPU ms per picture', 'peak MB',
+             'first picture ms']
+    row = ['{name}', '{shown}', '{pictures_hz:.1f}', '{missed} of {clouds}', LATENCY, '{cpu_ms:.1f}', '{peak_mb:.0f}',
+           '{first_ms:.0f}']
+    return paragraphs(intro, table(heads, row, rows), slow_note(rows, '{:g} clouds/s'.format(given.hz)), driver_note(rows))
+
+
+def summary(given, result):
+    """The README's: the CPU renderer, and rviz where it was measured."""
+    rows = [dict(row, shown=STYLES[row['style']]) for row in result['rows'] if row['name'] in ('camera_stream, cpu', 'rviz')]
+    heads = ['program', '307,200 points as', 'pictures/s', 'latency ms', 'CPU ms per picture', 'peak MB']
+    row = ['{name}', '{shown}', '{pictures_hz:.1f}', '{latency_ms:.0f}{mark}', '{cpu_ms:.0f}', '{peak_mb:.0f}']
+    return paragraphs(
+        table(heads, row, rows),
+        'Measured by `./bench` on {}: a depth camera at {:g} clouds/s, pictures of 1280×800. Latency is the median from '
+        'publishing a cloud to the arrival of the picture that shows it; {:.0f} ms of it are the measuring script\'s '
+        'own.'.format(machine(), given.hz, result['floor']['latency_ms']),
+        driver_note(rows),
+        slow_note(rows, '{:g} clouds/s'.format(given.hz)))
+
+
+def points(given, result):
+    floors = result['floors']
+    rows = [dict(row, floor_ms=floors[row['points']]['latency_ms'], script_hz=floors[row['points']]['full_hz'])
+            for row in result['rows']]
+    intro = '`./bench --only points` on {}: Flat Squares, 1280×800, {:g} s each.'.format(machine(), given.sweep_seconds)
+    heads = ['program', 'points', 'clouds/s', 'latency ms, median / p95', 'of it floor', 'CPU ms per cloud', 'peak MB',
+             'pictures/s at full speed', "the script's own limit"]
+    row = ['{name}', '{points:,}', '{hz:.1f}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}',
+           '{full_hz:.1f}', '{script_hz:.1f}']
+    return paragraphs(intro, table(heads, row, rows), slow_note(rows, 'that rate'), driver_note(rows),
+                      '![Latency and CPU by the number of points](images/performance.svg)')
+
+
+def sizes(given, result):
+    rows = [dict(row, size='{}×{}'.format(*row['size_px'])) for row in result['rows']]
+    intro = '`./bench --only sizes` on {}: Flat Squares, 307,200 points at 5 clouds/s, {:g} s each.'.format(
+        machine(), given.sweep_seconds)
+    row = ['{name}', '{size}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}']
+    heads = ['program', 'picture', 'latency ms, median / p95', 'of it floor', 'CPU ms per cloud', 'peak MB']
+    return paragraphs(intro, table(heads, row, rows), slow_note(rows, '5 clouds/s'), driver_note(rows))
+
+
+def cameras(given, result):
+    intro = '`./bench --only cameras` on {}: Flat Squares, 307,200 points at 5 clouds/s, 1280×800 each, {:g} s.'.format(
+        machine(), given.sweep_seconds)
+    rows = result['rows']
+    row = ['{name}', '{cameras}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}']
+    heads = ['program', 'cameras', 'latency ms to the last picture, median / p95', 'of it floor', 'CPU ms per cloud',
+             'peak MB']
+    return paragraphs(intro, table(heads, row, rows), slow_note(rows, '5 clouds/s'), driver_note(rows))
+
+
+def idle(given, result):
+    intro = '`./bench --only idle` on {}: Flat Squares, 307,200 points, 1280×800, {:g} s each.'.format(
+        machine(), given.seconds)
+    row = ['{name}', '{still_percent:.2f}', '{moving_percent:.1f}', '{repeated_hz:.1f}', '{repeated_ms:.1f}']
+    heads = ['program', 'unwatched, nothing comes: % of a core', 'unwatched, {:g} clouds/s: % of a core'.format(given.hz),
+             'watched, nothing comes: pictures/s', 'CPU ms per picture']
+    return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
+
+
+def starts(_, result):
+    rows = []
+    for row in result['rows']:
+        for what, key in (('first picture: a master, 307,200 latched points', 'firsts_ms'),
+                          ('`camera_stream render` of the sample scene, 1280×800 to PNG', 'renders_ms')):
+            times_ms = row[key]
+            rows.append({'name': row['name'], 'what': what, 'median': times_ms[len(times_ms) // 2], 'worst': times_ms[-1],
+                         'count': len(times_ms)})
+    intro = '`./bench --only starts` on {}: from the start of the process, all in.'.format(machine())
+    row = ['{name}', '{what}', '{median:.0f}', '{worst:.0f}', '{count}']
+    return paragraphs(intro, table(['program', 'until', 'median ms', 'worst ms', 'runs'], row, rows), driver_note(rows))
+
+
+def blocks(given, results):
+    """The text of each measured section, by the name in its markers."""
+    texts = {section: globals()[section](given, result) for section, result in results.items()}
+    if 'styles' in results:
+        texts['summary'] = summary(given, results['styles'])
+    return texts
+
+
+def plot(result, file):
+    """Latency and CPU time against the number of points, all axes logarithmic."""
+    import matplotlib
+    matplotlib.use('svg')
+    matplotlib.rcParams['svg.hashsalt'] = 'rviz_camera_stream'
+    from matplotlib import pyplot
+    figure, sides = pyplot.subplots(1, 2, figsize=(10, 4), sharex=True)
+    names = sorted({row['name'] for row in result['rows']})
+    shown = (('latency_ms', 'latency, median (ms)'), ('cpu_per_cloud_ms', 'CPU per cloud (ms)'))
+    for axes, (key, title) in zip(sides, shown):
+        for name, marker in zip(names, MARKERS):
+            rows = sorted((row for row in result['rows'] if row['name'] == name), key=lambda row: row['points'])
+            axes.loglog([row['points'] for row in rows], [row[key] for row in rows], marker + '-', label=name)
+        axes.set_xlabel('points')
+        axes.set_title(title)
+        axes.grid(True, which='both', alpha=0.3)
+    points, floors = zip(*sorted(result['floors'].items()))
+    sides[0].loglog(points, [floor['latency_ms'] for floor in floors], ':', color='gray', label='floor')
+    sides[0].legend()
+    figure.tight_layout()
+    figure.savefig(file, metadata={'Date': None})
+
+
+def write(root, given, results):
+    """Puts what was measured into the pages."""
+    texts = blocks(given, results)
+    for page in (os.path.join(root, 'docs', 'performance.md'), os.path.join(root, 'README.md')):
+        with open(page, encoding='utf-8') as file:
+            before = text = file.read()
+        for section, block in texts.items():
+            begin, end = ('<!-- bench {} {} -->'.format(section, edge) for edge in ('begin', 'end'))
+            if begin in text:
+                head, rest = text.split(begin)
+                text = '{}{}\n{}\n{}{}'.format(head, begin, block, end, rest.split(end)[1])
+        if text != before:
+            with open(page, 'w', encoding='utf-8') as file:
+                file.write(text)
+            print('written: ' + page)
+    if 'points' in results:
+        plot(results['points'], os.path.join(root, 'docs', 'images', 'performance.svg'))

@@ -1,0 +1,399 @@
+"""What measures running cameras from outside: messages that are sent, pictures that come back, processes and their CPU time.
+
+A probe publishes TF, a CameraInfo and a cloud whose colour changes with every message. Latency is the time from the call that
+publishes a cloud to the arrival of the first picture with that colour in its middle (of several cameras: of the last one's),
+so that the probe's own share is in it; the floor is that share alone: the cloud goes to a subscriber that answers with a
+picture-sized message.
+"""
+
+import contextlib
+import io
+import os
+import re
+import signal
+import socket
+import statistics
+import struct
+import subprocess
+import threading
+import time
+import warnings
+import xmlrpc.client
+
+import numpy
+import rosgraph
+import rosgraph.network
+import rospy
+import tf2_ros
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
+
+SIZE_PX = (1280, 800)
+COLOURS = [0xff0000, 0x00ff00, 0x0000ff, 0xffff00, 0xff00ff, 0x00ffff]
+POINT_BYTES = 16
+# Latched, and what waits in it gives way to what is newer, as in a driver.
+NEWEST = '/bench/cloud'
+# Publishing waits until the last subscriber has taken the cloud.
+ONE_BY_ONE = '/bench/large_cloud'
+INFO = '/bench/info'
+
+
+def picture_topic(number):
+    """Each in a namespace of its own, for its CameraInfo is beside it."""
+    return '/bench/camera{}/image'.format(number)
+
+
+def transform(child, xyz):
+    """A frame that looks along the base's x axis."""
+    message = TransformStamped()
+    message.header.frame_id, message.child_frame_id = 'base', child
+    message.header.stamp = rospy.Time.now()
+    place, turn = message.transform.translation, message.transform.rotation
+    place.x, place.y, place.z = xyz
+    turn.x, turn.y, turn.z, turn.w = -0.5, 0.5, -0.5, 0.5
+    return message
+
+
+def camera_info(size_px):
+    """A projector of long focal length, so that a depth camera's view fills the picture, whatever the picture's size."""
+    width, height = size_px
+    f, cx, cy = 1900.0 * (width * height / float(SIZE_PX[0] * SIZE_PX[1])) ** 0.5, width / 2.0, height / 2.0
+    message = CameraInfo(width=width, height=height, distortion_model='plumb_bob', D=[0.0] * 5)
+    message.header.frame_id = 'projector'
+    message.K = [f, 0, cx, 0, f, cy, 0, 0, 1]
+    message.R = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+    message.P = [f, 0, cx, 0, 0, f, cy, 0, 0, 0, 1, 0]
+    return message
+
+
+def surface(points):
+    """The points of a wavy surface, as a depth camera sees it."""
+    columns = max(1, int(round((points * 4 / 3.0) ** 0.5)))
+    rows = max(1, points // columns)
+    u, v = numpy.meshgrid((numpy.arange(columns) + 0.5) / columns - 0.5, (numpy.arange(rows) + 0.5) / rows - 0.5)
+    z = 1.5 + 0.1 * numpy.sin(16 * u) * numpy.cos(16 * v)
+    data = numpy.zeros(rows * columns, [('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('rgb', '<u4')])
+    data['x'], data['y'], data['z'] = (1.12 * u * z).ravel(), (0.84 * v * z).ravel(), z.ravel()
+    return data
+
+
+def describe(message, points):
+    """Makes a message one for so many points, which it does not hold yet."""
+    message.height, message.width, message.is_dense = 1, points, True
+    message.point_step, message.row_step = POINT_BYTES, POINT_BYTES * points
+    message.header.frame_id = 'depth'
+    message.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate(('x', 'y', 'z', 'rgb'))]
+    return message
+
+
+class PlainClouds:
+    """The surface in each colour, as messages that rospy serialises each time they are sent."""
+
+    def __init__(self, points):
+        self.messages = {}
+        data = surface(points)
+        for colour in COLOURS:
+            data['rgb'] = colour
+            message = self.messages[colour] = describe(PointCloud2(), len(data))
+            message.data = data.tobytes()
+
+    def paint(self, colour):
+        self.message = self.messages[colour]
+
+    def send(self, publisher):
+        self.message.header.stamp = rospy.Time.now()
+        publisher.publish(self.message)
+
+
+class SerializedCloud:
+    """The surface as the bytes that go over the wire, so that sending costs the script as little as can be.
+
+    Its middle is painted, the rest stays white: ten million points take some time to paint.
+    """
+
+    def __init__(self, points):
+        data = surface(points)
+        data['rgb'] = 0xffffff
+        message = io.BytesIO()
+        describe(PointCloud2(), len(data)).serialize(message)
+        # Without points its end is their number of bytes, and is_dense.
+        front = message.getvalue()[:-5] + struct.pack('<I', data.nbytes)
+        self.bytes = bytearray(struct.pack('<I', len(front) + data.nbytes + 1) + front + data.tobytes() + b'\1')
+        sent = numpy.frombuffer(self.bytes, data.dtype, len(data), 4 + len(front))
+        self.middle = sent['rgb'][int(0.4 * len(data)):int(0.6 * len(data)) + 1]
+
+    def paint(self, colour):
+        self.middle[:] = colour
+
+    def send(self, publisher):
+        stamp = rospy.Time.now()
+        # Behind the message's length and its sequence number.
+        struct.pack_into('<II', self.bytes, 8, stamp.secs, stamp.nsecs)
+        for connection in list(publisher.impl.connections):
+            # One whose subscriber ended goes by itself.
+            with contextlib.suppress(rospy.exceptions.TransportException, OSError):
+                connection.write_data(self.bytes)
+
+
+class Drain(threading.Thread):
+    """Takes a topic's messages off the wire, without a look into them, and calls for each."""
+
+    def __init__(self, topic, take):
+        super().__init__(daemon=True)
+        self.take_message = take
+        name = '/bench_drain'
+        node = xmlrpc.client.ServerProxy(rosgraph.Master(name).lookupNode(rospy.get_name()))
+        _, _, (_, host, port) = node.requestTopic(name, topic, [['TCPROS']])
+        self.socket = socket.create_connection((host, port))
+        wanted = {'callerid': name, 'topic': topic, 'type': PointCloud2._type, 'md5sum': PointCloud2._md5sum}
+        rosgraph.network.write_ros_handshake_header(self.socket, wanted)
+        rosgraph.network.read_ros_handshake_header(self.socket, io.BytesIO(), 2 ** 16)
+        self.start()
+
+    def run(self):
+        length, rest = bytearray(4), bytearray(2 ** 20)
+        while self.read(length, 4):
+            if not self.read(rest, struct.unpack('<I', length)[0]):
+                return
+            self.take_message(None)
+
+    def read(self, into, count):
+        """Whether so many bytes came; what does not fit is written over."""
+        while count > 0:
+            received = self.socket.recv_into(into, min(count, len(into)))
+            if received == 0:
+                return False
+            count -= received
+        return True
+
+    def unregister(self):
+        self.socket.shutdown(socket.SHUT_RDWR)
+        self.join()
+        self.socket.close()
+
+
+def colour_of(message):
+    """The cloud's colour in a picture's middle, lit or not; None when it is not there."""
+    rows = numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.step)
+    y, x = message.height // 2, message.width // 2
+    middle = rows[y - 12:y + 13, 3 * (x - 12):3 * (x + 13)].reshape(-1, 3)
+    bright = middle > 90
+    clear = (bright != (middle < 60)).all(axis=1) & bright.any(axis=1)
+    if not clear.any():
+        return None
+    red, green, blue = bright[clear.argmax()]
+    return 0xff0000 * int(red) + 0xff00 * int(green) + 0xff * int(blue)
+
+
+class Usage:
+    """CPU and memory of a process."""
+
+    def __init__(self, pid):
+        self.pid = pid
+
+    def cpu_s(self):
+        """Of all its threads, also of those that have ended, as clock_getcpuclockid names that clock."""
+        return time.clock_gettime((~self.pid << 3) | 2)
+
+    def percent(self, seconds):
+        """Of one core, for so long from now."""
+        cpu_s, begin = self.cpu_s(), time.monotonic()
+        time.sleep(seconds)
+        return 100 * (self.cpu_s() - cpu_s) / (time.monotonic() - begin)
+
+    def peak_mb(self):
+        with open('/proc/{}/status'.format(self.pid)) as status:
+            return int(re.search(r'VmHWM:\s*(\d+)', status.read()).group(1)) / 1024.0
+
+
+class Probe:
+    """What publishes clouds and waits for their pictures."""
+
+    def __init__(self):
+        rospy.init_node('bench', disable_signals=True)
+        self.frames = tf2_ros.StaticTransformBroadcaster()
+        self.frames.sendTransform([transform('projector', (0, 0, 1)), transform('depth', (0, 0.05, 1))])
+        self.info = rospy.Publisher(INFO, CameraInfo, queue_size=1, latch=True)
+        with warnings.catch_warnings():
+            # No queue is what makes publishing wait.
+            warnings.simplefilter('ignore')
+            self.clouds = {
+                NEWEST: rospy.Publisher(NEWEST, PointCloud2, queue_size=1, latch=True),
+                ONE_BY_ONE: rospy.Publisher(ONE_BY_ONE, PointCloud2, queue_size=None),
+            }
+        self.use(NEWEST, None, SIZE_PX)
+        self.changed = threading.Condition()
+        self.subscribers = []
+        # The floor's pictures are empty, and answer a cloud by being there.
+        self.is_floor = False
+        self.forget()
+
+    def use(self, topic, cloud, size_px):
+        """Publishes this cloud on this topic from now on, and a CameraInfo of this size."""
+        self.publisher, self.cloud = self.clouds[topic], cloud
+        self.info.publish(camera_info(size_px))
+
+    def forget(self):
+        with self.changed:
+            # Those that were sent and not seen yet: colours and times.
+            self.arrivals, self.latencies_s, self.in_flight = [], [], []
+            self.new_at, self.shown = [], {}
+
+    def listen(self, topics):
+        """Takes the pictures of these topics from now on."""
+        for subscriber in self.subscribers:
+            subscriber.unregister()
+        self.forget()
+        self.topics = topics
+        self.subscribers = [
+            rospy.Subscriber(topic, Image, self.take, topic, queue_size=1, buff_size=2 ** 26, tcp_nodelay=True)
+            for topic in topics]
+
+    def take(self, message, topic):
+        now = time.monotonic()
+        with self.changed:
+            self.arrivals.append(now)
+            if self.is_floor:
+                colour = self.in_flight[0][0] if self.in_flight else None
+            else:
+                colour = colour_of(message)
+            if colour is not None and self.shown.get(topic) != colour:
+                self.shown[topic] = colour
+                if topic == self.topics[-1]:
+                    self.new_at.append(now)
+            for index, (sent, when) in enumerate(self.in_flight):
+                if all(self.shown.get(other) == sent for other in self.topics):
+                    self.latencies_s.append(now - when)
+                    del self.in_flight[:index + 1]
+                    break
+            self.changed.notify_all()
+
+    def send(self, number, keep=0):
+        """Publishes the cloud in the colour of this number. Returns how many before, but the last `keep`, were never seen."""
+        colour = COLOURS[number % len(COLOURS)]
+        self.cloud.paint(colour)
+        with self.changed:
+            missed = max(0, len(self.in_flight) - keep)
+            del self.in_flight[:missed]
+            self.in_flight.append((colour, time.monotonic()))
+        self.cloud.send(self.publisher)
+        return missed
+
+    def wait_for_picture(self, timeout_s):
+        """Whether one came. A topic that latches nothing sends its cloud when somebody connects."""
+        until = time.monotonic() + timeout_s
+        if self.publisher is self.clouds[ONE_BY_ONE]:
+            while self.publisher.get_num_connections() == 0:
+                if time.monotonic() > until:
+                    return False
+                time.sleep(0.05)
+            self.send(0)
+        with self.changed:
+            return self.changed.wait_for(lambda: self.arrivals, until - time.monotonic())
+
+    def part(self):
+        """Waits until nobody listens to the clouds."""
+        until = time.monotonic() + 10
+        is_direct = self.publisher is self.clouds[ONE_BY_ONE]
+        while is_direct and self.publisher.get_num_connections() > 0 and time.monotonic() < until:
+            # rospy notices it when it sends.
+            self.cloud.send(self.publisher)
+            time.sleep(0.05)
+
+    def send_some(self, hz, seconds, window=2):
+        """Publishes clouds at a rate; returns how many, and how many were never seen.
+
+        None: as fast as they are seen, with at most `window` on their way (2: the next one comes while one is drawn).
+        """
+        sent, missed, begin = 0, 0, time.monotonic()
+        while time.monotonic() < begin + seconds:
+            if hz is None:
+                with self.changed:
+                    self.changed.wait_for(lambda: len(self.in_flight) < window, 10.0)
+            missed += self.send(sent, window - 1 if hz is None else 0)
+            sent += 1
+            if hz is not None:
+                time.sleep(max(0.0, begin + sent / hz - time.monotonic()))
+        return sent, missed
+
+    def measure(self, hz, seconds, usage=None, window=2):
+        """Publishes clouds as `send_some` does; the figures by name."""
+        for number in (-2, -1):
+            self.send(number)
+            time.sleep(0.5)
+        with self.changed:
+            self.changed.wait_for(lambda: not self.in_flight, 5.0)
+        self.forget()
+        cpu_s, begin = usage.cpu_s() if usage else 0.0, time.monotonic()
+        sent, missed = self.send_some(hz, seconds, window)
+        took_s = time.monotonic() - begin
+        with self.changed:
+            pictures, new_at = len(self.arrivals), self.new_at
+            latencies_ms = sorted(1000 * latency for latency in self.latencies_s)
+        figures = {
+            'clouds': sent, 'missed': missed, 'new_hz': (len(new_at) - 1) / (new_at[-1] - new_at[0]) if new_at[1:] else 0.0,
+            'pictures_hz': pictures / took_s / len(self.topics),
+            'latency_ms': statistics.median(latencies_ms) if latencies_ms else float('nan'),
+            'latency_p95_ms': latencies_ms[-1 - len(latencies_ms) // 20] if latencies_ms else float('nan'),
+        }
+        if usage:
+            cpu_s = usage.cpu_s() - cpu_s
+            figures['cpu_ms'] = 1000 * cpu_s / pictures if pictures else float('nan')
+            figures['cpu_per_cloud_ms'] = 1000 * cpu_s / sent
+            figures['peak_mb'] = usage.peak_mb()
+        return figures
+
+    def floor(self, topic, cloud, hz, seconds, size_px=SIZE_PX, cameras=1):
+        """The probe's own share: clouds go to a subscriber that answers each with empty pictures.
+
+        Plain clouds go to one of rospy's; of serialised ones, which may be large, not even a copy is made.
+        """
+        width, height = size_px
+        topics = [picture_topic(number) for number in range(cameras)]
+        answers = [rospy.Publisher(topic, Image, queue_size=1) for topic in topics]
+        empty = Image(height=height, width=width, encoding='rgb8', step=3 * width, data=bytes(3 * width * height))
+
+        def answer(_):
+            for publisher in answers:
+                publisher.publish(empty)
+
+        if isinstance(cloud, SerializedCloud):
+            relay = Drain(topic, answer)
+        else:
+            relay = rospy.Subscriber(topic, PointCloud2, answer, queue_size=1, buff_size=2 ** 26, tcp_nodelay=True)
+        self.use(topic, cloud, size_px)
+        self.is_floor = True
+        self.listen(topics)
+        time.sleep(1.0)
+        figures = self.measure(hz, seconds)
+        self.is_floor = False
+        self.listen([])
+        for one in [relay] + answers:
+            one.unregister()
+        self.part()
+        return figures
+
+
+class Program:
+    """A program with its own process group, ended with the block."""
+
+    def __init__(self, command, log):
+        self.command, self.log = command, log
+
+    def __enter__(self):
+        with open(self.log, 'ab') as log:
+            self.process = subprocess.Popen(
+                self.command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
+        return self.process
+
+    def __exit__(self, *_):
+        for name in (signal.SIGINT, signal.SIGKILL):
+            try:
+                os.killpg(self.process.pid, name)
+                self.process.wait(10)
+                return
+            except ProcessLookupError:
+                self.process.wait()
+                return
+            except subprocess.TimeoutExpired:
+                pass
