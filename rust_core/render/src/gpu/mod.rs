@@ -294,3 +294,50 @@ fn depth_from_zero() -> Matrix4<f64> {
 fn columns(matrix: &Matrix4<f32>) -> [[f32; 4]; 4] {
     (*matrix).into()
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Isometry3;
+    use rcs_scene::{DisplayMask, Intrinsics, Scene};
+
+    use super::*;
+
+    #[test]
+    fn a_device_that_is_lost_is_told_once_and_the_next_picture_is_drawn() {
+        let p = [10.0, 0.0, 4.0, 0.0, 0.0, 10.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let camera = Camera::new(Intrinsics::from_p(8, 6, &p).unwrap(), &Isometry3::identity(), 0.01);
+        let (scene, visible) = (Scene::default(), DisplayMask::all());
+        let view =
+            View { scene: &scene, camera: &camera, visible: &visible, background: [3, 2, 1], encoding: Encoding::Rgb8 };
+        let is_lost = |result: &Result<_, RenderError>| matches!(result, Err(RenderError::Gpu { .. }));
+        let mut renderer = GpuRenderer::new(false).unwrap();
+        let lose = |renderer: &GpuRenderer| renderer.gpu.as_ref().unwrap().device.wgpu().destroy();
+        let mut picture = Picture::default();
+
+        renderer.submit(&view).unwrap();
+        renderer.submit(&view).unwrap();
+        lose(&renderer);
+        // What was submitted before may still come back; then it is the next picture that cannot be begun.
+        let mut finished = 0;
+        let error = loop {
+            match renderer.finish(&mut picture) {
+                Ok(true) => finished += 1,
+                Ok(false) => break renderer.submit(&view),
+                Err(error) => break Err(error),
+            }
+        };
+        assert!(is_lost(&error), "{error:?} after {finished}");
+        assert!(!renderer.finish(&mut picture).unwrap(), "told once");
+
+        renderer.render(&view, &mut picture).unwrap();
+        assert_eq!(picture.data, [3, 2, 1].repeat(48));
+
+        renderer.submit(&view).unwrap();
+        lose(&renderer);
+        assert!(is_lost(&renderer.submit(&view)));
+        assert!(!renderer.finish(&mut picture).unwrap(), "told once");
+        renderer.submit(&view).unwrap();
+        assert!(renderer.finish(&mut picture).unwrap());
+        assert_eq!(picture.data, [3, 2, 1].repeat(48));
+    }
+}
