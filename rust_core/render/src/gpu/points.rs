@@ -1,4 +1,5 @@
-//! Point clouds: every point an instance of a square of four vertices, or of the visible half of a box.
+//! Point clouds: every point an instance of a triangle around its disc, of a square of four vertices, or of the visible
+//! half of a box.
 //!
 //! A cloud's positions and its colours, the ones after the others as they come, are one vertex buffer that is made once
 //! (several for millions of points); style, size and opacity are uniforms, so that changing them costs nothing. There is
@@ -84,7 +85,7 @@ const LARGEST_SPRITE_PX: f32 = 255.0;
 
 /// Vertex shader, vertices of an instance and fragment shader of each style, in the order of [`style_index`].
 const STYLES: [(&str, u32, &str); 6] = [
-    ("vertex_sprite", 4, "fragment_sprite"),
+    ("vertex_sprite", 3, "fragment_sprite"),
     ("vertex_square", 4, "fragment_square"),
     ("vertex_square", 4, "fragment_flat"),
     ("vertex_disc", 3, "fragment_sphere"),
