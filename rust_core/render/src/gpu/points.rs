@@ -41,7 +41,7 @@ struct UploadedCloud {
     chunks: Vec<Chunk>,
 }
 
-/// Points on the GPU: all positions, then all colors.
+/// Points on the GPU: all positions, then all colours.
 #[derive(Clone, Debug)]
 struct Chunk {
     buffer: wgpu::Buffer,
@@ -235,7 +235,7 @@ impl UploadedCloud {
 }
 
 impl Chunk {
-    /// Brings points to the GPU, the first of which has the color `first`. All cores write straight into the memory that
+    /// Brings points to the GPU, the first of which has the colour `first`. All cores write straight into the memory that
     /// the GPU fetches, and look at the positions meanwhile: `None` where one lies nowhere.
     fn new(device: &Device, positions: &[[f32; 3]], colors: &PointColors, first: usize) -> Option<(Self, Bounds)> {
         let mut bounds = None;
@@ -261,13 +261,13 @@ impl Chunk {
         Some((Self { buffer, count }, bounds?))
     }
 
-    /// Where the colors begin.
+    /// Where the colours begin.
     fn positions_end(&self) -> u64 {
         u64::from(self.count) * POSITION_BYTES as u64
     }
 }
 
-/// Writes positions and their colors, white where there are none. Returns the box around them, `None` where one lies
+/// Writes positions and their colours, white where there are none. Returns the box around them, `None` where one lies
 /// nowhere.
 fn write_share(
     positions: &[[f32; 3]],
