@@ -26,6 +26,37 @@ impl Bounds {
         Some(Self { low: Point3::from(low).cast(), high: Point3::from(high).cast() })
     }
 
+    /// Around positions that all lie somewhere; `None` where one does not, and when there are none. Faster than
+    /// [`Bounds::around`]: four points at a time, without a branch.
+    pub(crate) fn around_finite(positions: &[[f32; 3]]) -> Option<Self> {
+        let (fours, rest) = positions.as_chunks::<4>();
+        let (mut lows, mut highs) = ([[f32::INFINITY; 3]; 4], [[f32::NEG_INFINITY; 3]; 4]);
+        let mut all_finite = true;
+        let mut take = |i: usize, position: &[f32; 3]| {
+            for (axis, &c) in position.iter().enumerate() {
+                all_finite &= c.abs() <= f32::MAX;
+                lows[i][axis] = if c < lows[i][axis] { c } else { lows[i][axis] };
+                highs[i][axis] = if c > highs[i][axis] { c } else { highs[i][axis] };
+            }
+        };
+        for four in fours {
+            four.iter().enumerate().for_each(|(i, position)| take(i, position));
+        }
+        rest.iter().for_each(|position| take(0, position));
+        if !all_finite || positions.is_empty() {
+            return None;
+        }
+        let each = |all: [[f32; 3]; 4], f: fn(f32, f32) -> f32, start: f32| {
+            Point3::from([0, 1, 2].map(|axis| f64::from(all.iter().fold(start, |c, one| f(c, one[axis])))))
+        };
+        Some(Self { low: each(lows, f32::min, f32::INFINITY), high: each(highs, f32::max, f32::NEG_INFINITY) })
+    }
+
+    /// Around both.
+    pub(crate) fn joined(self, other: Self) -> Self {
+        Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
+    }
+
     /// Whether Ogre draws what has these bounds.
     pub(crate) fn may_be_seen(&self, camera: &Camera, fixed_from_object: &Matrix4<f64>) -> bool {
         let clip_from_fixed = camera.clip_from_view() * camera.fixed_from_view().inverse().to_homogeneous();
@@ -65,5 +96,25 @@ mod tests {
             * Matrix4::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_4);
         assert!(bounds.may_be_seen(&camera, &turned));
         assert_eq!(Bounds::around(&[[f32::INFINITY; 3]]), None);
+    }
+
+    #[test]
+    fn the_faster_way_finds_the_same_box_and_what_lies_nowhere() {
+        let position = |i: usize| [(i * 7 % 11) as f32 - 5.0, (i * 5 % 13) as f32, -((i * 3 % 17) as f32)];
+        for count in 0..40 {
+            let mut positions: Vec<_> = (0..count).map(position).collect();
+            assert_eq!(Bounds::around_finite(&positions), Bounds::around(&positions));
+            let (left, right) = positions.split_at(count / 3);
+            let both = (Bounds::around_finite(left), Bounds::around_finite(right));
+            if let (Some(left), Some(right)) = both {
+                assert_eq!(Some(left.joined(right)), Bounds::around(&positions));
+            }
+            for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                if let Some(position) = positions.get_mut(count / 2) {
+                    position[count % 3] = bad;
+                    assert_eq!(Bounds::around_finite(&positions), None);
+                }
+            }
+        }
     }
 }

@@ -12,5 +12,5 @@ mod gpu;
 mod renderer;
 
 pub use cpu::CpuRenderer;
-pub use gpu::GpuRenderer;
+pub use gpu::{GpuRenderer, GpuStats};
 pub use renderer::{create, RenderError, Renderer, RendererChoice, View};

@@ -54,15 +54,44 @@ pub enum RenderError {
 }
 
 /// Draws pictures of scenes. It may keep what it derived from a geometry for as long as that geometry's `Arc` lives.
+///
+/// A picture is made in two steps, so that a GPU draws while its caller goes on: [`Renderer::submit`] begins one, and
+/// [`Renderer::finish`] hands out the one that was begun first. Between the two it is *in flight*.
 pub trait Renderer: Send {
     /// What it is, for the log: `cpu (2 threads)`, `gpu (Intel(R) HD Graphics, Vulkan)`.
     fn describe(&self) -> String;
 
-    /// Draws into `picture`, which takes the view's size and encoding; its memory is used again.
+    /// How many pictures may be in flight with a gain. Where that is one, a picture that is begun before another is
+    /// finished only keeps that one waiting.
+    fn pictures_at_once(&self) -> usize {
+        1
+    }
+
+    /// Begins a picture. What the view refers to is not needed any more when this returns.
+    ///
+    /// # Errors
+    /// See [`RenderError`]. A picture that is too large leaves the others in flight; with [`RenderError::Gpu`] they are
+    /// gone, too.
+    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError>;
+
+    /// Waits for the picture that is in flight longest and writes it to `picture`, which takes its view's size and
+    /// encoding; its memory is used again. `false`, and `picture` as it was, when none is in flight.
+    ///
+    /// # Errors
+    /// See [`RenderError`]; the picture's content is then undefined, and with [`RenderError::Gpu`] no other is in flight
+    /// any more.
+    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError>;
+
+    /// Draws into `picture`, which takes the view's size and encoding; its memory is used again. Pictures that are in
+    /// flight are dropped.
     ///
     /// # Errors
     /// See [`RenderError`]; the picture's content is then undefined.
-    fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError>;
+    fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
+        self.submit(view)?;
+        while self.finish(picture)? {}
+        Ok(())
+    }
 }
 
 /// Which renderer a user asked for.

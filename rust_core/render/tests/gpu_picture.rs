@@ -69,7 +69,7 @@ fn a_point_covers_the_pixels_whose_centres_lie_within_its_circle() {
     let camera = camera(32, 24, 100.0);
     // Its centre is at pixel coordinates (16.3, 12.4).
     let center = [0.003, 0.004, 1.0];
-    for diameter_px in [1.0_f32, 2.0, 5.0, 9.0] {
+    for diameter_px in [1.0_f32, 2.0, 5.0, 9.0, 21.5] {
         let cloud = points(PointStyle::Points { diameter_px }, RED, &[center]);
         let picture = drawn(&scene([at(0.0, 0.0, 0.0, Geometry::Points(cloud))]), &camera);
         let mut expected = Vec::new();

@@ -41,6 +41,7 @@ pub(super) struct CameraOutput {
     triggered: bool,
     last_published: Option<Published>,
     last: Option<LastPicture>,
+    in_flight: Option<Drawing>,
     problem: Option<CameraProblem>,
     /// What went wrong at the last picture.
     fault: Option<String>,
@@ -73,6 +74,13 @@ pub(super) struct Plan {
 /// A drawn picture and what it was drawn of.
 struct LastPicture {
     sent: SentPicture,
+    scene_version: u64,
+    camera: Camera,
+    info: Arc<CameraInfo>,
+}
+
+/// What the renderer is drawing for a camera.
+struct Drawing {
     scene_version: u64,
     camera: Camera,
     info: Arc<CameraInfo>,
@@ -248,6 +256,7 @@ impl CameraOutput {
             triggered: false,
             last_published: None,
             last: None,
+            in_flight: None,
             problem: None,
             fault: None,
             said_projection: false,
@@ -357,8 +366,9 @@ impl CameraOutput {
         self.pace.until_due(self.last_published, now).filter(|_| !waits)
     }
 
-    /// Draws and publishes a picture if one is due. `scene` is called for what is drawn.
-    pub(super) fn publish_if_due(
+    /// Begins a picture if one is due that has changed; [`Self::finish`] publishes it. One that has not goes out at once.
+    /// `scene` is called for what is drawn. Returns whether a picture was begun.
+    pub(super) fn begin_if_due(
         &mut self,
         stage: &Stage,
         scene_version: u64,
@@ -366,41 +376,80 @@ impl CameraOutput {
         projection: Projection,
         renderer: &mut dyn Renderer,
         ros: &RosNode,
-    ) -> Result<()> {
+    ) -> Result<bool> {
         if !self.has_subscribers() {
             self.triggered = false;
             self.latency.forget();
-            return Ok(());
+            return Ok(false);
         }
         let camera = match stage.camera(&self.view, projection) {
             Ok(camera) => camera,
             Err(problem) => {
                 self.say(problem);
-                return Ok(());
+                return Ok(false);
             }
         };
         if self.problem.take().is_some() {
             log::info!("camera {}: ok", self.view.name);
         }
-        let Some(info) = stage.camera_info(&self.view).cloned() else { return Ok(()) };
+        let Some(info) = stage.camera_info(&self.view).cloned() else { return Ok(false) };
         let is_current = |last: &LastPicture| last.scene_version == scene_version && last.camera == camera;
         let changed = !self.last.as_ref().is_some_and(is_current);
         let now = Instant::now();
         let is_new = |channel: &Channel| channel.new_subscriber.swap(false, Ordering::AcqRel);
         let newcomer = self.pace != Pace::OnTrigger && self.channel.as_ref().is_some_and(is_new);
         if !(self.triggered || newcomer || self.pace.is_due(self.last_published, now, changed)) {
-            return Ok(());
+            return Ok(false);
         }
         // Also where drawing fails: it is tried again at this pace, not at once.
         self.last_published = Some(Published { at: now, was_new: changed });
-        let mut drawn = None;
         if changed {
             self.say_projection(&info, projection);
-            self.draw(&camera, info, scene_version, &scene(), renderer)?;
-            drawn = Some(Instant::now());
-        } else if let Some(last) = &mut self.last {
+            let view = View {
+                scene: &scene(),
+                camera: &camera,
+                visible: &self.view.visible,
+                background: self.view.settings.background_color,
+                encoding: encoding(&self.view),
+            };
+            renderer.submit(&view)?;
+            self.in_flight = Some(Drawing { scene_version, camera, info });
+            return Ok(true);
+        }
+        if let Some(last) = &mut self.last {
             last.info = info;
         }
+        self.publish_last(None, ros)?;
+        Ok(false)
+    }
+
+    /// Waits for the picture that was begun, which is the first of the renderer's, and publishes it.
+    pub(super) fn finish(&mut self, renderer: &mut dyn Renderer, ros: &RosNode) -> Result<()> {
+        let Some(Drawing { scene_version, camera, info }) = self.in_flight.take() else { return Ok(()) };
+        // The last picture's memory serves again, unless it is still being sent.
+        let recycled = self.last.take().and_then(|last| Arc::try_unwrap(last.sent.pixels).ok());
+        let mut picture = Picture { data: recycled.unwrap_or_default(), ..Picture::default() };
+        if !renderer.finish(&mut picture)? {
+            return Ok(());
+        }
+        let sent = SentPicture {
+            size_px: [picture.width_px, picture.height_px],
+            encoding: picture.encoding.name(),
+            step_bytes: picture.step() as u32,
+            pixels: Arc::new(picture.data),
+        };
+        self.drawn += 1;
+        self.last = Some(LastPicture { sent, scene_version, camera, info });
+        self.publish_last(Some(Instant::now()), ros)
+    }
+
+    /// The picture that was begun is gone, with those of all cameras; the next look at this one begins it anew.
+    pub(super) fn lose_picture(&mut self) {
+        self.in_flight = None;
+    }
+
+    /// `drawn`: when the picture was, if it is a new one.
+    fn publish_last(&mut self, drawn: Option<Instant>, ros: &RosNode) -> Result<()> {
         if let (Some(channel), Some(last)) = (&mut self.channel, &self.last) {
             let stamp = ros.now();
             channel.publisher.publish(&last.sent, &last.info, stamp)?;
@@ -410,37 +459,6 @@ impl CameraOutput {
             self.published += 1;
             self.triggered = false;
         }
-        Ok(())
-    }
-
-    fn draw(
-        &mut self,
-        camera: &Camera,
-        info: Arc<CameraInfo>,
-        scene_version: u64,
-        scene: &Scene,
-        renderer: &mut dyn Renderer,
-    ) -> Result<()> {
-        let encoding = encoding(&self.view);
-        let view = View {
-            scene,
-            camera,
-            visible: &self.view.visible,
-            background: self.view.settings.background_color,
-            encoding,
-        };
-        // The last picture's memory serves again, unless it is still being sent.
-        let recycled = self.last.take().and_then(|last| Arc::try_unwrap(last.sent.pixels).ok());
-        let mut picture = Picture { data: recycled.unwrap_or_default(), ..Picture::default() };
-        renderer.render(&view, &mut picture)?;
-        let sent = SentPicture {
-            size_px: [picture.width_px, picture.height_px],
-            encoding: encoding.name(),
-            step_bytes: picture.step() as u32,
-            pixels: Arc::new(picture.data),
-        };
-        self.drawn += 1;
-        self.last = Some(LastPicture { sent, scene_version, camera: camera.clone(), info });
         Ok(())
     }
 

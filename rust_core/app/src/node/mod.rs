@@ -14,6 +14,7 @@ mod subscriptions;
 mod tuning;
 mod watch;
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -240,11 +241,12 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// Draws and publishes what is due. What goes wrong is said once, and does not end the node; a GPU that `auto` chose
-    /// and that fails gives way to the CPU.
+    /// Draws and publishes what is due: as many pictures are begun as the renderer works on at once, and each goes out
+    /// as soon as it is finished.
     fn publish(&mut self) {
-        let (stage, version, cached) = (&self.stage, self.scene_version, &mut self.scene);
-        for camera in &mut self.cameras {
+        let mut in_flight = VecDeque::new();
+        for index in 0..self.cameras.len() {
+            let (stage, version, cached) = (&self.stage, self.scene_version, &mut self.scene);
             let scene = || {
                 let (_, scene) = match cached.take() {
                     Some(current) if current.0 == version => cached.insert(current),
@@ -252,14 +254,41 @@ impl<'a> Node<'a> {
                 };
                 scene.clone()
             };
-            let done = camera.publish_if_due(stage, version, scene, self.projection, self.renderer.as_mut(), self.ros);
-            let gpu_failed =
-                matches!(&done, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })));
-            camera.note(done);
-            if gpu_failed && self.renderer_choice == RendererChoice::Auto {
-                self.renderer = Box::new(CpuRenderer::new());
-                log::warn!("drawing with {} from now on", self.renderer.describe());
+            let Some(camera) = self.cameras.get_mut(index) else { continue };
+            let renderer = self.renderer.as_mut();
+            match camera.begin_if_due(stage, version, scene, self.projection, renderer, self.ros) {
+                Ok(true) => in_flight.push_back(index),
+                done => self.note(index, done.map(|_| ())),
             }
+            if in_flight.len() >= self.renderer.pictures_at_once() {
+                self.finish(in_flight.pop_front());
+            }
+        }
+        while !in_flight.is_empty() {
+            self.finish(in_flight.pop_front());
+        }
+    }
+
+    /// Publishes the picture that was begun first, which is that of this camera.
+    fn finish(&mut self, index: Option<usize>) {
+        let Some((index, camera)) = index.and_then(|index| Some((index, self.cameras.get_mut(index)?))) else { return };
+        let done = camera.finish(self.renderer.as_mut(), self.ros);
+        self.note(index, done);
+    }
+
+    /// Takes how a camera's drawing and publishing went. What goes wrong is said once, and does not end the node; a GPU
+    /// that `auto` chose and that fails gives way to the CPU.
+    fn note(&mut self, index: usize, done: Result<()>) {
+        let gpu_failed = matches!(&done, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })));
+        if let Some(camera) = self.cameras.get_mut(index) {
+            camera.note(done);
+        }
+        if gpu_failed {
+            self.cameras.iter_mut().for_each(CameraOutput::lose_picture);
+        }
+        if gpu_failed && self.renderer_choice == RendererChoice::Auto {
+            self.renderer = Box::new(CpuRenderer::new());
+            log::warn!("drawing with {} from now on", self.renderer.describe());
         }
     }
 }

@@ -31,6 +31,7 @@ mod surface;
 mod texture;
 mod triangles;
 
+use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
 use rcs_scene::{Picture, MAX_SIDE_PX};
@@ -50,6 +51,10 @@ pub struct CpuRenderer {
     outcomes: Vec<Outcome>,
     textures: Textures,
     memory: PlanMemory,
+    /// Drawn and not yet handed out, the oldest first.
+    finished: VecDeque<Picture>,
+    /// Memory for the next picture.
+    spare: Picture,
 }
 
 /// What a thread keeps.
@@ -88,7 +93,31 @@ impl Renderer for CpuRenderer {
         }
     }
 
+    /// Draws at once: all cores are busy with one picture.
+    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
+        let mut picture = std::mem::take(&mut self.spare);
+        let drawn = self.draw(view, &mut picture);
+        match drawn {
+            Ok(()) => self.finished.push_back(picture),
+            Err(_) => self.spare = picture,
+        }
+        drawn
+    }
+
+    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
+        let Some(drawn) = self.finished.pop_front() else { return Ok(false) };
+        self.spare = std::mem::replace(picture, drawn);
+        Ok(true)
+    }
+
     fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
+        self.finished.clear();
+        self.draw(view, picture)
+    }
+}
+
+impl CpuRenderer {
+    fn draw(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
         let (width_px, height_px) = (view.camera.width_px(), view.camera.height_px());
         if width_px.max(height_px) > MAX_SIDE_PX {
             let renderer = self.describe();

@@ -12,16 +12,14 @@ use rcs_scene::{Blending, CellSheet, CellTile, Cells, TILE_SIDE};
 
 use super::device::Device;
 use super::geometry::Derived;
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
+use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
 
 /// The pipelines, and the cells and palettes that are on the GPU.
 #[derive(Debug)]
 pub(super) struct CellPipelines {
-    shader: wgpu::ShaderModule,
-    layout: wgpu::PipelineLayout,
-    pipelines: HashMap<FixedState, wgpu::RenderPipeline>,
+    pipelines: PipelineSet,
     content_layout: wgpu::BindGroupLayout,
     corners: wgpu::Buffer,
     values: HashMap<usize, Uploaded>,
@@ -36,11 +34,24 @@ pub(super) struct CellsDraw {
     slot: Slot,
 }
 
-/// What of a sheet is part of a pipeline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct FixedState {
-    blended: bool,
-    depth_write: bool,
+const STAGES: Stages = Stages {
+    vertex: "vertex_cells",
+    fragment: "fragment_cells",
+    buffers: &[Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<[f32; 2]>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x2],
+    })],
+    topology: wgpu::PrimitiveTopology::TriangleList,
+};
+
+fn fixed_state(blended: bool, depth_write: bool) -> FixedState {
+    FixedState {
+        blended,
+        depth: if depth_write { DepthUse::TestAndWrite } else { DepthUse::Test },
+        cull: None,
+        bias: DepthBias { steps: CellSheet::DEPTH_STEPS_BACK as i32, slopes: 0 },
+    }
 }
 
 /// The values of cells on the GPU.
@@ -128,6 +139,7 @@ impl Uploaded {
         for tile in cells.tiles() {
             let known = before.next().is_some_and(|known| known.as_ptr() == Arc::as_ptr(tile.values));
             if !known {
+                device.count_upload(tile.values.len());
                 device.queue().write_texture(
                     wgpu::TexelCopyTextureInfo {
                         texture: &self.texture,
@@ -149,18 +161,13 @@ impl Uploaded {
 
 impl CellPipelines {
     pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
-        let shader = device.wgpu().create_shader_module(wgpu::include_wgsl!("cells.wgsl"));
         let content_layout = content_layout(device);
-        let layout = device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("cells"),
-            bind_group_layouts: &[Some(uniforms), Some(&content_layout)],
-            immediate_size: 0,
-        });
+        let program = Program::new(device, "cells", wgpu::include_wgsl!("cells.wgsl"), &[uniforms, &content_layout]);
+        let states = [(false, false), (false, true), (true, false), (true, true)];
+        let states = states.map(|(blended, depth_write)| fixed_state(blended, depth_write));
         let corners = bytemuck::cast_slice(&CellSheet::TRIANGLES);
         Self {
-            shader,
-            layout,
-            pipelines: HashMap::new(),
+            pipelines: PipelineSet::new(device, &program, STAGES, states),
             content_layout,
             corners: device.buffer("corners of cells", wgpu::BufferUsages::VERTEX, corners),
             values: HashMap::new(),
@@ -203,9 +210,8 @@ impl CellPipelines {
             alpha: sheet.alpha,
             padding: [0.0; 3],
         })?;
-        let state = FixedState { blended: sheet.blending == Blending::Alpha, depth_write: sheet.depth_write };
-        let pipeline =
-            self.pipelines.entry(state).or_insert_with(|| pipeline(device, &self.shader, &self.layout, state)).clone();
+        let state = fixed_state(sheet.blending == Blending::Alpha, sheet.depth_write);
+        let pipeline = self.pipelines.get(device, state);
         Some(CellsDraw { pipeline, content, corners: self.corners.clone(), slot })
     }
 
@@ -256,6 +262,7 @@ fn upload_palette(device: &Device, palette: &[[u8; 4]; 256]) -> wgpu::TextureVie
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
+    device.count_upload(size_of_val(palette));
     device.queue().write_texture(
         texture.as_image_copy(),
         bytemuck::cast_slice(palette),
@@ -278,49 +285,6 @@ fn content_layout(device: &Device) -> wgpu::BindGroupLayout {
             texture(0, wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2Array),
             texture(1, wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2),
         ],
-    })
-}
-
-fn pipeline(
-    device: &Device,
-    shader: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    state: FixedState,
-) -> wgpu::RenderPipeline {
-    device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("cells"),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module: shader,
-            entry_point: Some("vertex_cells"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<[f32; 2]>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x2],
-            })],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(state.depth_write),
-            depth_compare: Some(wgpu::CompareFunction::LessEqual),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState { constant: CellSheet::DEPTH_STEPS_BACK as i32, slope_scale: 0.0, clamp: 0.0 },
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: shader,
-            entry_point: Some("fragment_cells"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: COLOR_FORMAT,
-                blend: state.blended.then_some(wgpu::BlendState::ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }
 

@@ -3,10 +3,12 @@
 //! wgpu panics where it finds an error that nobody catches. Here every error is noted, and [`Device::check`] hands the
 //! first one out once a picture's work is done.
 
+use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use wgpu::{Adapter, Backend, Backends, DeviceType};
 
+use super::stats::GpuStats;
 use crate::RenderError;
 
 /// A GPU that can be drawn on.
@@ -17,6 +19,7 @@ pub(super) struct Device {
     limits: wgpu::Limits,
     name: String,
     faults: Faults,
+    stats: Cell<GpuStats>,
 }
 
 /// The first thing that went wrong since somebody asked.
@@ -80,7 +83,7 @@ impl Device {
                 losses.note(format!("the device was lost: {message}"));
             }
         });
-        Ok(Self { wgpu, queue, limits, name, faults })
+        Ok(Self { wgpu, queue, limits, name, faults, stats: Cell::default() })
     }
 
     /// wgpu's device.
@@ -113,15 +116,51 @@ impl Device {
         self.faults.take().map_or(Ok(()), |reason| Err(self.error(reason)))
     }
 
+    /// What was done with it.
+    pub(super) fn stats(&self) -> GpuStats {
+        self.stats.get()
+    }
+
+    /// Notes what is done with it.
+    pub(super) fn count(&self, note: impl FnOnce(&mut GpuStats)) {
+        let mut stats = self.stats.get();
+        note(&mut stats);
+        self.stats.set(stats);
+    }
+
+    /// Notes that a geometry or an image is brought to the GPU.
+    pub(super) fn count_upload(&self, bytes: usize) {
+        self.count(|stats| {
+            stats.uploads += 1;
+            stats.uploaded_bytes += bytes as u64;
+        });
+    }
+
     /// A buffer with this content.
     pub(super) fn buffer(&self, label: &str, usage: wgpu::BufferUsages, content: &[u8]) -> wgpu::Buffer {
+        self.written_buffer(label, usage, content.len(), |mut memory| memory.copy_from_slice(content))
+    }
+
+    /// A buffer of so many bytes, a multiple of four, which `write` writes to where the GPU fetches them from.
+    pub(super) fn written_buffer(
+        &self,
+        label: &str,
+        usage: wgpu::BufferUsages,
+        bytes: usize,
+        write: impl FnOnce(wgpu::WriteOnly<'_, [u8]>),
+    ) -> wgpu::Buffer {
         let buffer = self.wgpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            size: content.len() as u64,
+            size: bytes as u64,
             usage: usage | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        self.queue.write_buffer(&buffer, 0, content);
+        // Without memory to write to, there is a fault to be handed out.
+        let size = wgpu::BufferSize::new(bytes as u64);
+        if let Some(mut memory) = size.and_then(|size| self.queue.write_buffer_with(&buffer, 0, size)) {
+            self.count_upload(bytes);
+            write(memory.slice(..));
+        }
         buffer
     }
 }

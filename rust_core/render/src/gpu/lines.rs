@@ -11,15 +11,14 @@ use std::sync::Arc;
 
 use super::device::Device;
 use super::geometry::{is_finite, Derived, Instances, MAX_CHUNK_BYTES};
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
+use super::pipeline::{FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
 
 /// The pipelines, and the lines that are on the GPU.
 #[derive(Debug)]
 pub(super) struct LinePipelines {
-    opaque: wgpu::RenderPipeline,
-    blended: wgpu::RenderPipeline,
+    pipelines: PipelineSet,
     lines: Derived<Lines, Vec<Instances>>,
 }
 
@@ -40,6 +39,17 @@ struct Segment {
     end_color: [u8; 4],
 }
 
+const STAGES: Stages = Stages {
+    vertex: "vertex_line",
+    fragment: "fragment_line",
+    buffers: &[Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<Segment>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4, 2 => Float32x3, 3 => Unorm8x4],
+    })],
+    topology: wgpu::PrimitiveTopology::TriangleStrip,
+};
+
 /// The shader's `Chain`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -51,15 +61,9 @@ struct Chain {
 
 impl LinePipelines {
     pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
-        let shader = device.wgpu().create_shader_module(wgpu::include_wgsl!("lines.wgsl"));
-        let layout = device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("lines"),
-            bind_group_layouts: &[Some(uniforms)],
-            immediate_size: 0,
-        });
+        let program = Program::new(device, "lines", wgpu::include_wgsl!("lines.wgsl"), &[uniforms]);
         Self {
-            opaque: pipeline(device, &shader, &layout, false),
-            blended: pipeline(device, &shader, &layout, true),
+            pipelines: PipelineSet::new(device, &program, STAGES, [false, true].map(FixedState::plain)),
             lines: Derived::new(),
         }
     }
@@ -85,11 +89,8 @@ impl LinePipelines {
             size_px: viewpoint.size_px(),
             padding: [0.0; 2],
         })?;
-        let pipeline = match lines.blending {
-            Blending::Replace => &self.opaque,
-            Blending::Alpha => &self.blended,
-        };
-        Some(LinesDraw { pipeline: pipeline.clone(), chunks, slot })
+        let pipeline = self.pipelines.get(device, FixedState::plain(lines.blending == Blending::Alpha));
+        Some(LinesDraw { pipeline, chunks, slot })
     }
 }
 
@@ -124,47 +125,4 @@ fn upload(device: &Device, lines: &Lines) -> Vec<Instances> {
             count: chunk.len() as u32,
         })
         .collect()
-}
-
-fn pipeline(
-    device: &Device,
-    shader: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    blended: bool,
-) -> wgpu::RenderPipeline {
-    device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("lines"),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module: shader,
-            entry_point: Some("vertex_line"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Segment>() as u64,
-                step_mode: wgpu::VertexStepMode::Instance,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4, 2 => Float32x3, 3 => Unorm8x4],
-            })],
-        },
-        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(!blended),
-            depth_compare: Some(wgpu::CompareFunction::LessEqual),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: shader,
-            entry_point: Some("fragment_line"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: COLOR_FORMAT,
-                blend: blended.then_some(wgpu::BlendState::ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

@@ -6,11 +6,19 @@
 //! lines      │ made when the device is opened, and the draw data of one drawable in one picture
 //! triangles  │
 //! cells      ┘
+//! pipeline   what all pipelines have in common, and the fixed state in which they differ
 //! geometry   buffers and textures that live as long as the scene's `Arc` they were made from
 //! texture    images with their mipmaps
 //! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
-//! target     the picture on the GPU and the way back
+//! target     the picture on the GPU; one for each picture in flight
+//! readback   its way back
+//! stats      how often what was done, and how long it took
 //! ```
+//!
+//! A picture goes in two halves. The first uploads what is new, and hands the GPU the commands that draw the picture and
+//! copy it to memory; from then on it is in flight, and the CPU is free, for the next picture's first half, say. The
+//! second half waits for that one submission and encodes what came back. What it takes to draw is there before the
+//! first picture: pipelines are built with the device, and buffers and textures are used again.
 //!
 //! It stays within WebGL 2's limits (no storage buffers, no compute), so that GL 3.3-class graphics do. Depth is
 //! OpenGL's, moved from −1…1 to wgpu's 0…1. A device that is lost or out of memory is given up with an error, and the
@@ -20,20 +28,28 @@ mod cells;
 mod device;
 mod geometry;
 mod lines;
+mod pipeline;
 mod points;
+mod readback;
+mod stats;
 mod target;
 mod texture;
 mod triangles;
 mod uniforms;
 
+use std::collections::VecDeque;
+use std::time::Instant;
+
 use nalgebra::Matrix4;
-use rcs_scene::{Camera, DrawOrder, Drawable, Geometry, Picture};
+use rcs_scene::{Camera, DrawOrder, Drawable, Encoding, Geometry, Picture};
 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
 use self::lines::{LinePipelines, LinesDraw};
 use self::points::{PointPipelines, PointsDraw};
-use self::target::Target;
+use self::readback::Arrival;
+pub use self::stats::GpuStats;
+use self::target::{Target, Targets};
 use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
 use crate::{RenderError, Renderer, View};
@@ -55,9 +71,22 @@ struct Gpu {
     lines: LinePipelines,
     triangles: TrianglePipelines,
     cells: CellPipelines,
-    target: Option<Target>,
     order: DrawOrder,
+    targets: Targets,
+    /// The oldest first.
+    in_flight: VecDeque<InFlight>,
 }
+
+/// A picture that was submitted and not yet handed out.
+#[derive(Debug)]
+struct InFlight {
+    target: Target,
+    arrival: Arrival,
+    encoding: Encoding,
+}
+
+/// One picture is drawn while others are prepared and encoded; as many as a node usually has cameras.
+const PICTURES_AT_ONCE: usize = 4;
 
 /// One drawable in one picture.
 enum Draw {
@@ -86,6 +115,20 @@ impl GpuRenderer {
         let gpu = Gpu::open(hardware_only)?;
         Ok(Self { hardware_only, name: gpu.device.name().to_owned(), gpu: Some(gpu) })
     }
+
+    /// What was done since the device was opened; nothing where it was lost and is not open again.
+    pub fn stats(&self) -> GpuStats {
+        self.gpu.as_ref().map(|gpu| gpu.device.stats()).unwrap_or_default()
+    }
+
+    /// Does something on the device, which is given up where that fails.
+    fn on<T>(&mut self, mut gpu: Gpu, work: impl FnOnce(&mut Gpu) -> Result<T, RenderError>) -> Result<T, RenderError> {
+        let result = work(&mut gpu);
+        if !matches!(result, Err(RenderError::Gpu { .. })) {
+            self.gpu = Some(gpu);
+        }
+        result
+    }
 }
 
 impl Renderer for GpuRenderer {
@@ -93,17 +136,24 @@ impl Renderer for GpuRenderer {
         format!("gpu ({})", self.name)
     }
 
-    fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
-        let mut gpu = match self.gpu.take() {
+    fn pictures_at_once(&self) -> usize {
+        PICTURES_AT_ONCE
+    }
+
+    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
+        let gpu = match self.gpu.take() {
             Some(gpu) => gpu,
             None => Gpu::open(self.hardware_only)?,
         };
         gpu.device.name().clone_into(&mut self.name);
-        let result = gpu.render(view, picture);
-        if !matches!(result, Err(RenderError::Gpu { .. })) {
-            self.gpu = Some(gpu);
+        self.on(gpu, |gpu| gpu.submit(view))
+    }
+
+    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
+        match self.gpu.take() {
+            Some(gpu) => self.on(gpu, |gpu| gpu.finish(picture)),
+            None => Ok(false),
         }
-        result
     }
 }
 
@@ -116,23 +166,23 @@ impl Gpu {
         let triangles = TrianglePipelines::new(&device, uniforms.layout());
         let cells = CellPipelines::new(&device, uniforms.layout());
         device.check()?;
-        Ok(Self { device, uniforms, points, lines, triangles, cells, target: None, order: DrawOrder::default() })
+        let (targets, in_flight) = (Targets::default(), VecDeque::new());
+        Ok(Self { device, uniforms, points, lines, triangles, cells, order: DrawOrder::default(), targets, in_flight })
     }
 
-    fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
+    fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
+        let start = Instant::now();
         let (width_px, height_px) = (view.camera.width_px(), view.camera.height_px());
         let limit_px = self.device.limits().max_texture_dimension_2d;
         if width_px.max(height_px) > limit_px {
             let renderer = format!("gpu ({})", self.device.name());
             return Err(RenderError::TooLarge { width_px, height_px, limit_px, renderer });
         }
-        let target = match self.target.take() {
-            Some(target) if target.size_px() == (width_px, height_px) => target,
-            _ => Target::new(&self.device, width_px, height_px),
-        };
-
+        let target = self.targets.take(&self.device, [width_px, height_px]);
         let scene = view.scene.seen_from(view.camera);
         let draws = self.prepare(&View { scene: &scene, ..*view });
+        let prepared = Instant::now();
+
         let bind_group = self.uniforms.upload(&self.device);
         let mut encoder = self.device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
@@ -146,10 +196,27 @@ impl Gpu {
                 }
             }
         }
-        picture.reset(width_px, height_px, view.encoding);
-        target.read(&self.device, encoder, picture)?;
-        self.target = Some(target);
-        self.device.check()
+        target.record_copy(&mut encoder);
+        let submission = self.device.queue().submit([encoder.finish()]);
+        self.device.check()?;
+        let arrival = target.readback().map(submission);
+        self.device.check()?;
+        self.in_flight.push_back(InFlight { target, arrival, encoding: view.encoding });
+        self.device.count(|stats| {
+            stats.pictures += 1;
+            stats.prepare += prepared.duration_since(start);
+            stats.submit += prepared.elapsed();
+        });
+        Ok(())
+    }
+
+    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
+        let Some(InFlight { target, arrival, encoding }) = self.in_flight.pop_front() else { return Ok(false) };
+        let [width_px, height_px] = target.size_px();
+        picture.reset(width_px, height_px, encoding);
+        target.readback().read(&self.device, arrival, picture)?;
+        self.targets.give_back(target);
+        Ok(true)
     }
 
     /// Uploads what is new, forgets what is gone, and lists what there is to draw.
@@ -230,4 +297,51 @@ fn depth_from_zero() -> Matrix4<f64> {
 /// A matrix as a shader takes it.
 fn columns(matrix: &Matrix4<f32>) -> [[f32; 4]; 4] {
     (*matrix).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Isometry3;
+    use rcs_scene::{DisplayMask, Intrinsics, Scene};
+
+    use super::*;
+
+    #[test]
+    fn a_device_that_is_lost_is_told_once_and_the_next_picture_is_drawn() {
+        let p = [10.0, 0.0, 4.0, 0.0, 0.0, 10.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let camera = Camera::new(Intrinsics::from_p(8, 6, &p).unwrap(), &Isometry3::identity(), 0.01);
+        let (scene, visible) = (Scene::default(), DisplayMask::all());
+        let view =
+            View { scene: &scene, camera: &camera, visible: &visible, background: [3, 2, 1], encoding: Encoding::Rgb8 };
+        let is_lost = |result: &Result<_, RenderError>| matches!(result, Err(RenderError::Gpu { .. }));
+        let mut renderer = GpuRenderer::new(false).unwrap();
+        let lose = |renderer: &GpuRenderer| renderer.gpu.as_ref().unwrap().device.wgpu().destroy();
+        let mut picture = Picture::default();
+
+        renderer.submit(&view).unwrap();
+        renderer.submit(&view).unwrap();
+        lose(&renderer);
+        // What was submitted before may still come back; then it is the next picture that cannot be begun.
+        let mut finished = 0;
+        let error = loop {
+            match renderer.finish(&mut picture) {
+                Ok(true) => finished += 1,
+                Ok(false) => break renderer.submit(&view),
+                Err(error) => break Err(error),
+            }
+        };
+        assert!(is_lost(&error), "{error:?} after {finished}");
+        assert!(!renderer.finish(&mut picture).unwrap(), "told once");
+
+        renderer.render(&view, &mut picture).unwrap();
+        assert_eq!(picture.data, [3, 2, 1].repeat(48));
+
+        renderer.submit(&view).unwrap();
+        lose(&renderer);
+        assert!(is_lost(&renderer.submit(&view)));
+        assert!(!renderer.finish(&mut picture).unwrap(), "told once");
+        renderer.submit(&view).unwrap();
+        assert!(renderer.finish(&mut picture).unwrap());
+        assert_eq!(picture.data, [3, 2, 1].repeat(48));
+    }
 }

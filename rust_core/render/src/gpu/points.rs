@@ -1,7 +1,9 @@
-//! Point clouds: every point an instance of a square of four vertices, or of the visible half of a box.
+//! Point clouds: every point an instance of a triangle around its disc, of a square of four vertices, or of the visible
+//! half of a box.
 //!
-//! A cloud's positions and colours lie interleaved in vertex buffers that are made once; style, size and opacity are
-//! uniforms, so that changing them costs nothing. There is a pipeline for each style, opaque and blended.
+//! A cloud's positions and its colours, the ones after the others as they come, are one vertex buffer that is made once
+//! (several for millions of points); style, size and opacity are uniforms, so that changing them costs nothing. There is
+//! a pipeline for each style, opaque and blended.
 //!
 //! Reproduces the shaders that rviz takes without geometry shaders, as it does on Mesa: squares turn to the eye around
 //! the cloud's y axis, they are not parallel to the picture plane. Storage buffers, from which a vertex could fetch its
@@ -9,11 +11,12 @@
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Vector3};
-use rcs_scene::{PointBuffer, PointStyle, Points};
+use rayon::prelude::*;
+use rcs_scene::{PointBuffer, PointColors, PointStyle, Points};
 
 use super::device::Device;
-use super::geometry::{is_finite, Derived, Instances, MAX_CHUNK_BYTES};
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
+use super::geometry::{is_finite, Derived, MAX_CHUNK_BYTES};
+use super::pipeline::{FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
 use crate::bounds::Bounds;
@@ -27,33 +30,39 @@ pub(super) struct PointPipelines {
 
 #[derive(Debug)]
 struct StylePipelines {
-    opaque: wgpu::RenderPipeline,
-    blended: wgpu::RenderPipeline,
+    pipelines: PipelineSet,
     vertices: u32,
 }
 
 /// A cloud on the GPU.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct UploadedCloud {
     bounds: Option<Bounds>,
-    chunks: Vec<Instances>,
+    chunks: Vec<Chunk>,
+}
+
+/// Points on the GPU: all positions, then all colours.
+#[derive(Clone, Debug)]
+struct Chunk {
+    buffer: wgpu::Buffer,
+    count: u32,
 }
 
 /// One cloud in one picture.
 pub(super) struct PointsDraw {
     pipeline: wgpu::RenderPipeline,
     vertices: u32,
-    chunks: Vec<Instances>,
+    chunks: Vec<Chunk>,
     slot: Slot,
 }
 
-/// A point as the shader takes it.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Point {
-    position: [f32; 3],
-    color: [u8; 4],
-}
+/// Bytes of a point on the GPU.
+const POSITION_BYTES: usize = size_of::<[f32; 3]>();
+const COLOR_BYTES: usize = size_of::<[u8; 4]>();
+const POINT_BYTES: usize = POSITION_BYTES + COLOR_BYTES;
+
+/// A core writes so many points before it takes the next: few enough for its cache.
+const POINTS_IN_SHARE: usize = 1 << 14;
 
 /// The shader's `Cloud`.
 #[repr(C)]
@@ -76,12 +85,25 @@ const LARGEST_SPRITE_PX: f32 = 255.0;
 
 /// Vertex shader, vertices of an instance and fragment shader of each style, in the order of [`style_index`].
 const STYLES: [(&str, u32, &str); 6] = [
-    ("vertex_sprite", 4, "fragment_sprite"),
+    ("vertex_sprite", 3, "fragment_sprite"),
     ("vertex_square", 4, "fragment_square"),
     ("vertex_square", 4, "fragment_flat"),
     ("vertex_disc", 3, "fragment_sphere"),
     ("vertex_box", 18, "fragment_box"),
     ("vertex_tile", 4, "fragment_square"),
+];
+
+const BUFFERS: &[Option<wgpu::VertexBufferLayout<'static>>] = &[
+    Some(wgpu::VertexBufferLayout {
+        array_stride: POSITION_BYTES as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+    }),
+    Some(wgpu::VertexBufferLayout {
+        array_stride: COLOR_BYTES as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![1 => Unorm8x4],
+    }),
 ];
 
 fn style_index(style: &PointStyle) -> usize {
@@ -97,20 +119,23 @@ fn style_index(style: &PointStyle) -> usize {
 
 impl PointPipelines {
     pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
-        let shader = device.wgpu().create_shader_module(wgpu::include_wgsl!("points.wgsl"));
-        let layout = device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("points"),
-            bind_group_layouts: &[Some(uniforms)],
-            immediate_size: 0,
-        });
-        let styles = STYLES
-            .iter()
-            .map(|&style| StylePipelines {
-                opaque: pipeline(device, &shader, &layout, style, false),
-                blended: pipeline(device, &shader, &layout, style, true),
-                vertices: style.1,
-            })
-            .collect();
+        let program = Program::new(device, "points", wgpu::include_wgsl!("points.wgsl"), &[uniforms]);
+        let style = |(vertex, vertices, fragment)| {
+            let is_strip = vertices <= 4;
+            let stages = Stages {
+                vertex,
+                fragment,
+                buffers: BUFFERS,
+                topology: if is_strip {
+                    wgpu::PrimitiveTopology::TriangleStrip
+                } else {
+                    wgpu::PrimitiveTopology::TriangleList
+                },
+            };
+            let states = [false, true].map(FixedState::plain);
+            StylePipelines { pipelines: PipelineSet::new(device, &program, stages, states), vertices }
+        };
+        let styles = STYLES.map(style).into();
         Self { styles, clouds: Derived::new() }
     }
 
@@ -126,17 +151,14 @@ impl PointPipelines {
         fixed_from_object: &Matrix4<f64>,
         points: &Points,
     ) -> Option<PointsDraw> {
-        let style = self.styles.get(style_index(&points.style))?;
-        let cloud = self.clouds.get(&points.buffer, |cloud| UploadedCloud {
-            bounds: Bounds::around(&cloud.positions),
-            chunks: upload(device, cloud),
-        });
+        let style = self.styles.get_mut(style_index(&points.style))?;
+        let cloud = self.clouds.get(&points.buffer, |cloud| UploadedCloud::new(device, cloud));
         if !cloud.bounds?.may_be_seen(viewpoint.camera, fixed_from_object) {
             return None;
         }
         let chunks = cloud.chunks.clone();
         let slot = uniforms.push(&constants(viewpoint, fixed_from_object, points))?;
-        let pipeline = if points.blended { &style.blended } else { &style.opaque }.clone();
+        let pipeline = style.pipelines.get(device, FixedState::plain(points.blended));
         let vertices = if shows_insides(points) { INSIDE_OUT_BOX_VERTICES } else { style.vertices };
         Some(PointsDraw { pipeline, vertices, chunks, slot })
     }
@@ -158,7 +180,8 @@ impl PointsDraw {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
         for chunk in &self.chunks {
-            pass.set_vertex_buffer(0, chunk.buffer.slice(..));
+            pass.set_vertex_buffer(0, chunk.buffer.slice(..chunk.positions_end()));
+            pass.set_vertex_buffer(1, chunk.buffer.slice(chunk.positions_end()..));
             pass.draw(0..self.vertices, 0..chunk.count);
         }
     }
@@ -194,67 +217,83 @@ fn constants(viewpoint: &Viewpoint<'_>, fixed_from_object: &Matrix4<f64>, points
     }
 }
 
-fn upload(device: &Device, cloud: &PointBuffer) -> Vec<Instances> {
-    let points_in_chunk = MAX_CHUNK_BYTES / size_of::<Point>();
-    let mut chunks = Vec::new();
-    for (i, positions) in cloud.positions.chunks(points_in_chunk).enumerate() {
-        let first = i * points_in_chunk;
-        let points: Vec<Point> = positions
-            .iter()
-            .enumerate()
-            .filter(|(_, position)| is_finite(position))
-            .map(|(i, &position)| Point { position, color: cloud.colors.get(first + i) })
-            .collect();
-        if !points.is_empty() {
-            let buffer = device.buffer("points", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&points));
-            chunks.push(Instances { buffer, count: points.len() as u32 });
-        }
+impl UploadedCloud {
+    fn new(device: &Device, cloud: &PointBuffer) -> Self {
+        Self::whole(device, cloud).or_else(|| Self::whole(device, &finite(cloud))).unwrap_or_default()
     }
-    chunks
+
+    /// `None` where a point lies nowhere.
+    fn whole(device: &Device, cloud: &PointBuffer) -> Option<Self> {
+        let mut uploaded = Self::default();
+        for (i, positions) in cloud.positions.chunks(MAX_CHUNK_BYTES / POINT_BYTES).enumerate() {
+            let (chunk, bounds) = Chunk::new(device, positions, &cloud.colors, i * (MAX_CHUNK_BYTES / POINT_BYTES))?;
+            uploaded.chunks.push(chunk);
+            uploaded.bounds = Some(uploaded.bounds.map_or(bounds, |all| all.joined(bounds)));
+        }
+        Some(uploaded)
+    }
 }
 
-fn pipeline(
-    device: &Device,
-    shader: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    (vertex, vertices, fragment): (&str, u32, &str),
-    blended: bool,
-) -> wgpu::RenderPipeline {
-    let topology =
-        if vertices <= 4 { wgpu::PrimitiveTopology::TriangleStrip } else { wgpu::PrimitiveTopology::TriangleList };
-    device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("points"),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module: shader,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Point>() as u64,
-                step_mode: wgpu::VertexStepMode::Instance,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4],
-            })],
-        },
-        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(!blended),
-            depth_compare: Some(wgpu::CompareFunction::LessEqual),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: shader,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: COLOR_FORMAT,
-                blend: blended.then_some(wgpu::BlendState::ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+impl Chunk {
+    /// Brings points to the GPU, the first of which has the colour `first`. All cores write straight into the memory that
+    /// the GPU fetches, and look at the positions meanwhile: `None` where one lies nowhere.
+    fn new(device: &Device, positions: &[[f32; 3]], colors: &PointColors, first: usize) -> Option<(Self, Bounds)> {
+        let mut bounds = None;
+        let bytes = positions.len() * POINT_BYTES;
+        let buffer = device.written_buffer("points", wgpu::BufferUsages::VERTEX, bytes, |memory| {
+            let (to_positions, to_colors) = memory.split_at(size_of_val(positions));
+            let (position_shares, last_positions) = to_positions.into_chunks::<{ POINTS_IN_SHARE * POSITION_BYTES }>();
+            let (color_shares, last_colors) = to_colors.into_chunks::<{ POINTS_IN_SHARE * COLOR_BYTES }>();
+            let shares: Vec<_> = position_shares.into_iter().zip(color_shares).collect();
+            let whole_shares = positions.par_chunks_exact(POINTS_IN_SHARE).zip(shares).enumerate();
+            let written = whole_shares.map(|(i, (from, (to_positions, to_colors)))| {
+                write_share(from, colors, first + i * POINTS_IN_SHARE, to_positions.into(), to_colors.into())
+            });
+            let mut boxes: Vec<Option<Bounds>> = written.collect();
+            let last = positions.as_chunks::<POINTS_IN_SHARE>().1;
+            if !last.is_empty() {
+                let first = first + positions.len() - last.len();
+                boxes.push(write_share(last, colors, first, last_positions, last_colors));
+            }
+            bounds = boxes.into_iter().reduce(|a, b| Some(a?.joined(b?))).flatten();
+        });
+        let count = u32::try_from(positions.len()).ok()?;
+        Some((Self { buffer, count }, bounds?))
+    }
+
+    /// Where the colours begin.
+    fn positions_end(&self) -> u64 {
+        u64::from(self.count) * POSITION_BYTES as u64
+    }
+}
+
+/// Writes positions and their colours, white where there are none. Returns the box around them, `None` where one lies
+/// nowhere.
+fn write_share(
+    positions: &[[f32; 3]],
+    colors: &PointColors,
+    first: usize,
+    mut to_positions: wgpu::WriteOnly<'_, [u8]>,
+    to_colors: wgpu::WriteOnly<'_, [u8]>,
+) -> Option<Bounds> {
+    to_positions.copy_from_slice(bytemuck::cast_slice(positions));
+    let (mut to_colors, _) = to_colors.into_chunks::<COLOR_BYTES>();
+    match colors {
+        PointColors::Uniform(color) => to_colors.fill(*color),
+        PointColors::PerPoint(colors) => {
+            let colors = colors.get(first..).unwrap_or_default();
+            let known = colors.get(..positions.len()).unwrap_or(colors);
+            let (mut to_known, mut unknown) = to_colors.split_at(known.len());
+            to_known.copy_from_slice(known);
+            unknown.fill([255; COLOR_BYTES]);
+        }
+    }
+    Bounds::around_finite(positions)
+}
+
+/// The points that lie somewhere.
+fn finite(cloud: &PointBuffer) -> PointBuffer {
+    let points = cloud.positions.iter().enumerate().filter(|(_, position)| is_finite(position));
+    let (positions, colors) = points.map(|(i, &position)| (position, cloud.colors.get(i))).unzip();
+    PointBuffer { positions, colors: PointColors::PerPoint(colors) }
 }

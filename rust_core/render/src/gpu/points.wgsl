@@ -41,8 +41,11 @@ fn scale(position: vec3f) -> f32 {
     return mix(1.0, position.z, cloud.auto_size);
 }
 
-// A square of pixels with the depth of its centre. A point is gone when its centre is off the picture. The square is
-// a pixel too large, so that it is the fragment shader that decides what is drawn.
+// A triangle around a circle of diameter 1.
+const AROUND_DISC = array(vec2f(0.0, 1.0), vec2f(-0.866025404, -0.5), vec2f(0.866025404, -0.5));
+
+// A triangle of pixels with the depth of its centre. A point is gone when its centre is off the picture. The circle in
+// the triangle is a pixel too large, so that it is the fragment shader that decides what is drawn.
 @vertex
 fn vertex_sprite(@builtin(vertex_index) index: u32, point: Point) -> Sprite {
     let clip = cloud.clip_from_object * vec4f(point.position, 1.0);
@@ -51,7 +54,8 @@ fn vertex_sprite(@builtin(vertex_index) index: u32, point: Point) -> Sprite {
     }
     let on_picture = clip.xy / clip.w;
     let center_px = (on_picture * vec2f(0.5, -0.5) + 0.5) * cloud.size_px;
-    let offset = corner(index) * (cloud.size.x + 2.0) * 2.0 / cloud.size_px;
+    var corners = AROUND_DISC;
+    let offset = corners[index] * (cloud.size.x + 1.0) * 2.0 / cloud.size_px;
     return Sprite(vec4f(on_picture + offset, clip.z / clip.w, 1.0), point.color, center_px);
 }
 
@@ -77,7 +81,7 @@ fn vertex_square(@builtin(vertex_index) index: u32, point: Point) -> Splat {
 // A triangle round the disc in such a square.
 @vertex
 fn vertex_disc(@builtin(vertex_index) index: u32, point: Point) -> Splat {
-    var corners = array(vec2f(0.0, 1.0), vec2f(-0.866025404, -0.5), vec2f(0.866025404, -0.5));
+    var corners = AROUND_DISC;
     return billboard(corners[index], point);
 }
 

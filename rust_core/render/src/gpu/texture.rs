@@ -24,6 +24,7 @@ pub(super) fn upload(device: &Device, layout: &wgpu::BindGroupLayout, texture: &
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
+    device.count_upload(levels.iter().map(|level| size_of_val(level.rgba.as_slice())).sum());
     for (mip_level, level) in levels.iter().enumerate() {
         device.queue().write_texture(
             wgpu::TexelCopyTextureInfo {

@@ -4,7 +4,6 @@
 //! when the eye has moved. What a material changes in the fixed state (blending, depth, culling, bias) is a pipeline of
 //! its own; the rest is uniforms. Surfaces without a texture have a white one.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -13,7 +12,7 @@ use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons
 
 use super::device::Device;
 use super::geometry::{is_finite, Derived, MAX_CHUNK_BYTES};
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
+use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::texture;
 use super::uniforms::{Slot, Uniforms};
 use super::{columns, Viewpoint};
@@ -21,9 +20,7 @@ use super::{columns, Viewpoint};
 /// The pipelines, and the meshes, texts and textures that are on the GPU.
 #[derive(Debug)]
 pub(super) struct TrianglePipelines {
-    shader: wgpu::ShaderModule,
-    layout: wgpu::PipelineLayout,
-    pipelines: HashMap<FixedState, wgpu::RenderPipeline>,
+    pipelines: PipelineSet,
     image_layout: wgpu::BindGroupLayout,
     white: wgpu::BindGroup,
     meshes: Derived<Mesh, Vec<Triangles>>,
@@ -55,24 +52,6 @@ struct TurnedRibbons {
     chunks: Vec<Triangles>,
 }
 
-/// What of a material is part of a pipeline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct FixedState {
-    blended: bool,
-    depth: DepthUse,
-    cull: Option<wgpu::Face>,
-    /// In smallest depth steps, towards the eye.
-    depth_bias: i32,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum DepthUse {
-    TestAndWrite,
-    Test,
-    /// OpenGL does not write depth where it does not test it.
-    Ignore,
-}
-
 /// A vertex as the shader takes it.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -82,6 +61,17 @@ struct GpuVertex {
     uv: [f32; 2],
     color: [u8; 4],
 }
+
+const STAGES: Stages = Stages {
+    vertex: "vertex_triangle",
+    fragment: "fragment_triangle",
+    buffers: &[Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<GpuVertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4],
+    })],
+    topology: wgpu::PrimitiveTopology::TriangleList,
+};
 
 /// The shader's `Surface`.
 #[repr(C)]
@@ -105,13 +95,9 @@ const SCALE_TOLERANCE: f64 = 1e-4;
 
 impl TrianglePipelines {
     pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
-        let shader = device.wgpu().create_shader_module(wgpu::include_wgsl!("triangles.wgsl"));
         let image_layout = texture::layout(device);
-        let layout = device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("triangles"),
-            bind_group_layouts: &[Some(uniforms), Some(&image_layout)],
-            immediate_size: 0,
-        });
+        let program =
+            Program::new(device, "triangles", wgpu::include_wgsl!("triangles.wgsl"), &[uniforms, &image_layout]);
         let white = Texture {
             width: 1,
             height: 1,
@@ -119,12 +105,9 @@ impl TrianglePipelines {
             filtering: Filtering::Nearest,
             wrapping: Wrapping::Clamp,
         };
-        let pipelines = FixedState::usual().map(|state| (state, pipeline(device, &shader, &layout, state))).collect();
         Self {
             white: texture::upload(device, &image_layout, &white),
-            shader,
-            layout,
-            pipelines,
+            pipelines: PipelineSet::new(device, &program, STAGES, usual_states()),
             image_layout,
             meshes: Derived::new(),
             texts: Derived::new(),
@@ -155,7 +138,7 @@ impl TrianglePipelines {
         let linear = fixed_from_object.fixed_view::<3, 3>(0, 0).into_owned();
         let surface = surface(viewpoint, clip_from_object, &view_from_object, &linear, material);
         // Ogre turns the culling round for mirrored objects.
-        let state = FixedState::new(material, linear.determinant() < 0.0);
+        let state = fixed_state(material, linear.determinant() < 0.0);
         self.draw(device, uniforms, chunks, &surface, state, material.texture.as_ref())
     }
 
@@ -172,7 +155,7 @@ impl TrianglePipelines {
         let view_from_object = viewpoint.camera.view_from_facing(fixed_from_object);
         let clip_from_object = columns(&(viewpoint.clip_from_view * view_from_object.cast()).cast());
         let surface = surface(viewpoint, clip_from_object, &view_from_object, &Matrix3::identity(), material);
-        let state = FixedState::new(material, false);
+        let state = fixed_state(material, false);
         self.draw(device, uniforms, chunks, &surface, state, material.texture.as_ref())
     }
 
@@ -197,7 +180,7 @@ impl TrianglePipelines {
         let clip_from_object = viewpoint.clip_from_object(fixed_from_object);
         let surface = surface(viewpoint, clip_from_object, &view_from_object, &Matrix3::identity(), &material);
         let mirrored = fixed_from_object.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
-        self.draw(device, uniforms, chunks, &surface, FixedState::new(&material, mirrored), None)
+        self.draw(device, uniforms, chunks, &surface, fixed_state(&material, mirrored), None)
     }
 
     fn draw(
@@ -218,8 +201,7 @@ impl TrianglePipelines {
             }
             None => self.white.clone(),
         };
-        let pipeline =
-            self.pipelines.entry(state).or_insert_with(|| pipeline(device, &self.shader, &self.layout, state)).clone();
+        let pipeline = self.pipelines.get(device, state);
         Some(TrianglesDraw { pipeline, image, chunks, slot: uniforms.push(surface)? })
     }
 }
@@ -237,35 +219,34 @@ impl TrianglesDraw {
     }
 }
 
-impl FixedState {
-    fn new(material: &Material, mirrored: bool) -> Self {
-        let cull = match (material.cull, mirrored) {
-            (CullMode::None, _) => None,
-            (CullMode::Back, false) | (CullMode::Front, true) => Some(wgpu::Face::Back),
-            (CullMode::Front, false) | (CullMode::Back, true) => Some(wgpu::Face::Front),
-        };
-        let depth = match (material.depth_test, material.depth_write) {
-            (true, true) => DepthUse::TestAndWrite,
-            (true, false) => DepthUse::Test,
-            (false, _) => DepthUse::Ignore,
-        };
-        let depth_bias = if depth == DepthUse::Ignore { 0 } else { material.depth_bias.round() as i32 };
-        Self { blended: material.blending == Blending::Alpha, depth, cull, depth_bias }
-    }
+/// What of a material is part of a pipeline.
+fn fixed_state(material: &Material, mirrored: bool) -> FixedState {
+    let cull = match (material.cull, mirrored) {
+        (CullMode::None, _) => None,
+        (CullMode::Back, false) | (CullMode::Front, true) => Some(wgpu::Face::Back),
+        (CullMode::Front, false) | (CullMode::Back, true) => Some(wgpu::Face::Front),
+    };
+    let depth = match (material.depth_test, material.depth_write) {
+        (true, true) => DepthUse::TestAndWrite,
+        (true, false) => DepthUse::Test,
+        (false, _) => DepthUse::Ignore,
+    };
+    let towards_eye = if depth == DepthUse::Ignore { 0 } else { material.depth_bias.round() as i32 };
+    let away = towards_eye.saturating_neg();
+    let bias = DepthBias { steps: away, slopes: away };
+    FixedState { blended: material.blending == Blending::Alpha, depth, cull, bias }
+}
 
-    /// The states of nearly all materials; others get their pipeline when they are first seen.
-    fn usual() -> impl Iterator<Item = Self> {
-        let state = |blended, depth, cull, depth_bias| Self { blended, depth, cull, depth_bias };
-        [None, Some(wgpu::Face::Back)]
-            .into_iter()
-            .flat_map(move |cull| [state(false, DepthUse::TestAndWrite, cull, 0), state(true, DepthUse::Test, cull, 0)])
-            .chain([
-                state(true, DepthUse::TestAndWrite, Some(wgpu::Face::Back), 0),
-                // Text, and text on top.
-                state(true, DepthUse::Test, None, 1),
-                state(true, DepthUse::Ignore, None, 0),
-            ])
-    }
+/// The states of all materials that displays have: opaque, translucent and painted over, of surfaces with one side, with
+/// both, and mirrored; and texts. Others get their pipeline when they are first seen.
+fn usual_states() -> impl Iterator<Item = FixedState> {
+    let looks = [(false, DepthUse::TestAndWrite), (true, DepthUse::Test), (true, DepthUse::TestAndWrite)];
+    let sides = [Some(wgpu::Face::Back), Some(wgpu::Face::Front), None];
+    let state = |blended, depth, cull| FixedState { blended, depth, cull, bias: DepthBias::default() };
+    let surfaces = sides.into_iter().flat_map(move |cull| looks.map(|(blended, depth)| state(blended, depth, cull)));
+    let text = FixedState { bias: DepthBias { steps: -1, slopes: -1 }, ..FixedState::plain(true) };
+    let text_on_top = state(true, DepthUse::Ignore, None);
+    surfaces.chain([text, text_on_top])
 }
 
 fn surface(
@@ -340,53 +321,5 @@ fn chunk(device: &Device, vertices: &[GpuVertex], indices: &[u32]) -> Option<Tri
         vertices: device.buffer("vertices", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(vertices)),
         indices: device.buffer("indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(indices)),
         index_count: indices.len() as u32,
-    })
-}
-
-fn pipeline(
-    device: &Device,
-    shader: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    state: FixedState,
-) -> wgpu::RenderPipeline {
-    let tested = state.depth != DepthUse::Ignore;
-    device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("triangles"),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module: shader,
-            entry_point: Some("vertex_triangle"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<GpuVertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4],
-            })],
-        },
-        primitive: wgpu::PrimitiveState { cull_mode: state.cull, ..Default::default() },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(state.depth == DepthUse::TestAndWrite),
-            depth_compare: Some(if tested { wgpu::CompareFunction::LessEqual } else { wgpu::CompareFunction::Always }),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState {
-                constant: state.depth_bias.saturating_neg(),
-                slope_scale: -(state.depth_bias as f32),
-                clamp: 0.0,
-            },
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: shader,
-            entry_point: Some("fragment_triangle"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: COLOR_FORMAT,
-                blend: state.blended.then_some(wgpu::BlendState::ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }

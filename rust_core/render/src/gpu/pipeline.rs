@@ -1,0 +1,150 @@
+//! Pipelines: what those of all kinds of primitives have in common, and the fixed state in which they differ.
+
+use std::collections::HashMap;
+
+use super::device::Device;
+use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
+
+/// A shader and what it is bound to.
+#[derive(Clone, Debug)]
+pub(super) struct Program {
+    label: &'static str,
+    shader: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+}
+
+/// Which functions of a shader are used, and what the first one is fed with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stages {
+    /// The vertex shader's name.
+    pub(super) vertex: &'static str,
+    /// The fragment shader's name.
+    pub(super) fragment: &'static str,
+    /// The vertex buffers.
+    pub(super) buffers: &'static [Option<wgpu::VertexBufferLayout<'static>>],
+    /// How vertices make triangles.
+    pub(super) topology: wgpu::PrimitiveTopology,
+}
+
+/// How fragments meet what is drawn already, and which triangles are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct FixedState {
+    pub(super) blended: bool,
+    pub(super) depth: DepthUse,
+    pub(super) cull: Option<wgpu::Face>,
+    pub(super) bias: DepthBias,
+}
+
+/// What the depth of what is drawn already does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum DepthUse {
+    TestAndWrite,
+    Test,
+    /// OpenGL does not write depth where it does not test it.
+    Ignore,
+}
+
+/// How far a triangle is moved away from the eye.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct DepthBias {
+    /// In smallest depth steps.
+    pub(super) steps: i32,
+    /// In the triangle's depth slopes.
+    pub(super) slopes: i32,
+}
+
+/// The pipelines of one kind of primitive: those of the usual states from the start, others when they are first asked
+/// for.
+#[derive(Debug)]
+pub(super) struct PipelineSet {
+    program: Program,
+    stages: Stages,
+    built: HashMap<FixedState, wgpu::RenderPipeline>,
+}
+
+impl Program {
+    /// A shader whose functions are bound to groups of these layouts.
+    pub(super) fn new(
+        device: &Device,
+        label: &'static str,
+        shader: wgpu::ShaderModuleDescriptor<'_>,
+        groups: &[&wgpu::BindGroupLayout],
+    ) -> Self {
+        let groups: Vec<_> = groups.iter().copied().map(Some).collect();
+        let layout = device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &groups,
+            immediate_size: 0,
+        });
+        Self { label, shader: device.wgpu().create_shader_module(shader), layout }
+    }
+}
+
+impl FixedState {
+    /// Of what has no sides: either opaque, or blended and not hiding what comes after it.
+    pub(super) const fn plain(blended: bool) -> Self {
+        let depth = if blended { DepthUse::Test } else { DepthUse::TestAndWrite };
+        Self { blended, depth, cull: None, bias: DepthBias { steps: 0, slopes: 0 } }
+    }
+}
+
+impl PipelineSet {
+    /// With the pipelines of these states.
+    pub(super) fn new(
+        device: &Device,
+        program: &Program,
+        stages: Stages,
+        usual: impl IntoIterator<Item = FixedState>,
+    ) -> Self {
+        let mut set = Self { program: program.clone(), stages, built: HashMap::new() };
+        for state in usual {
+            set.get(device, state);
+        }
+        set
+    }
+
+    /// The pipeline of a state.
+    pub(super) fn get(&mut self, device: &Device, state: FixedState) -> wgpu::RenderPipeline {
+        self.built.entry(state).or_insert_with(|| build(device, &self.program, &self.stages, state)).clone()
+    }
+}
+
+fn build(device: &Device, program: &Program, stages: &Stages, state: FixedState) -> wgpu::RenderPipeline {
+    let tested = state.depth != DepthUse::Ignore;
+    device.count(|stats| stats.pipelines += 1);
+    device.wgpu().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(program.label),
+        layout: Some(&program.layout),
+        vertex: wgpu::VertexState {
+            module: &program.shader,
+            entry_point: Some(stages.vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: stages.buffers,
+        },
+        primitive: wgpu::PrimitiveState { topology: stages.topology, cull_mode: state.cull, ..Default::default() },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(state.depth == DepthUse::TestAndWrite),
+            depth_compare: Some(if tested { wgpu::CompareFunction::LessEqual } else { wgpu::CompareFunction::Always }),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState {
+                constant: state.bias.steps,
+                slope_scale: state.bias.slopes as f32,
+                clamp: 0.0,
+            },
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &program.shader,
+            entry_point: Some(stages.fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: COLOR_FORMAT,
+                blend: state.blended.then_some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
