@@ -27,6 +27,22 @@ impl<T> Spares<T> {
 
     /// An empty vector with room for so many elements: the smallest spare one that fits, or a new one.
     pub fn take(&mut self, len: usize) -> Vec<T> {
+        let mut vector = self.find(len);
+        vector.clear();
+        vector
+    }
+
+    /// A vector of so many elements, whatever they are.
+    pub fn take_filled(&mut self, len: usize) -> Vec<T>
+    where
+        T: Copy + Default,
+    {
+        let mut vector = self.find(len);
+        vector.resize(len, T::default());
+        vector
+    }
+
+    fn find(&mut self, len: usize) -> Vec<T> {
         let is_small = len.saturating_mul(size_of::<T>()) < MIN_BYTES;
         let fits = |vector: &Vec<T>| vector.capacity() >= len && vector.capacity() / MAX_WASTE <= len;
         let fitting = self.vectors.iter().enumerate().filter(|(_, vector)| !is_small && fits(vector));
@@ -37,8 +53,7 @@ impl<T> Spares<T> {
     }
 
     /// Takes a vector whose content nobody needs any more.
-    pub fn give(&mut self, mut vector: Vec<T>) {
-        vector.clear();
+    pub fn give(&mut self, vector: Vec<T>) {
         if vector.capacity().saturating_mul(size_of::<T>()) >= MIN_BYTES {
             self.vectors.push(vector);
         }

@@ -41,14 +41,15 @@ impl Rgba {
     /// 1.2 wraps round to 50 and −0.2 to 205, as in rviz. NaN and what no 32-bit integer holds become 0.
     #[inline]
     pub fn to_rgba8(self) -> [u8; 4] {
-        self.to_array().map(|channel| {
+        let byte = |channel: f32| {
             let level = channel * 255.0;
             if level.abs() < 2_147_483_648.0 {
                 level as i32 as u8
             } else {
                 0
             }
-        })
+        };
+        [byte(self.r), byte(self.g), byte(self.b), byte(self.a)]
     }
 
     /// Red, green, blue, alpha.

@@ -9,7 +9,7 @@ use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer, Intens
 use rcs_scene::Rgba;
 
 use super::fields::{Channel, Layout};
-use super::points::{PointBytes, MIN_SHARE};
+use super::points::{PointBytes, SHARE};
 use super::spare::SparePoints;
 
 /// The colours of a cloud's points.
@@ -50,7 +50,7 @@ impl<'a> Coloring<'a> {
         spare: &mut SparePoints,
     ) -> PointColor {
         let SparePoints { colors, values, .. } = spare;
-        let mut memory = || colors.take(points.len());
+        let mut memory = || colors.take_filled(points.len());
         match self.transformer {
             ColorTransformer::FlatColor => {
                 PointColor::Uniform(Rgba::from_rgb8(self.settings.flat_color, 1.0).to_rgba8())
@@ -61,10 +61,13 @@ impl<'a> Coloring<'a> {
             ColorTransformer::Intensity => {
                 by_intensity(&self.settings.intensity, layout, big_endian, points, (values, memory()))
             }
-            ColorTransformer::Rgb8 => packed(layout, big_endian, points, memory(), |rgb| rgb.map(packed_level)),
+            ColorTransformer::Rgb8 => packed(layout, big_endian, points, memory(), |[r, g, b]| {
+                [packed_level(r), packed_level(g), packed_level(b)]
+            }),
             ColorTransformer::Mono8 => packed(layout, big_endian, points, memory(), |rgb| {
-                let [r, g, b] = rgb.map(|byte| f64::from(f32::from(byte) / 255.0));
-                let grey = (0.2989 * r + 0.5870 * g + 0.1140 * b) as f32;
+                let [r, g, b] = rgb;
+                let share = |byte: u8| f64::from(f32::from(byte) / 255.0);
+                let grey = (0.2989 * share(r) + 0.5870 * share(g) + 0.1140 * share(b)) as f32;
                 let [level, ..] = Rgba::new(grey, grey, grey, 1.0).to_rgba8();
                 [level; 3]
             }),
@@ -73,13 +76,16 @@ impl<'a> Coloring<'a> {
                 let [Some(r), Some(g), Some(b)] = channels else { return PointColor::Uniform(WHITE) };
                 let float = |channel: &Channel, point: &[u8]| f32::from_bits(channel.bits(point, big_endian));
                 let color = |point: &[u8]| Rgba::new(float(r, point), float(g, point), float(b, point), 1.0);
-                PointColor::PerPoint(points.map(memory(), |point| color(point).to_rgba8()))
+                let mut colors = memory();
+                points.map(&mut colors, |point| color(point).to_rgba8());
+                PointColor::PerPoint(colors)
             }
         }
     }
 }
 
 /// A byte on its way through rviz, which makes a float of 0 to 1 of it and cuts that off to a byte again. Some lose one.
+#[inline(always)]
 fn packed_level(byte: u8) -> u8 {
     const LEVELS: [u8; 256] = {
         let mut levels = [0; 256];
@@ -98,26 +104,37 @@ fn packed(
     layout: &Layout,
     big_endian: bool,
     points: &PointBytes<'_>,
-    memory: Vec<[u8; 4]>,
+    mut colors: Vec<[u8; 4]>,
     map: impl Fn([u8; 3]) -> [u8; 3] + Sync + Send,
 ) -> PointColor {
     let Some((channel, has_alpha)) = layout.packed_color() else { return PointColor::Uniform(WHITE) };
-    PointColor::PerPoint(points.map(memory, |point| {
+    points.map(&mut colors, |point| {
         let [a, r, g, b] = channel.bits(point, big_endian).to_be_bytes();
         let [r, g, b] = map([r, g, b]);
         [r, g, b, if has_alpha { packed_level(a) } else { 255 }]
-    }))
+    });
+    PointColor::PerPoint(colors)
 }
 
-/// The smallest and largest of the values as rviz finds them, from bounds that an ordinary value replaces.
-fn bounds(values: impl Iterator<Item = f32>, outermost: f32) -> (f32, f32) {
-    let (mut min, mut max) = (outermost, -outermost);
-    for value in values {
-        // A NaN replaces both bounds, and the next value replaces the NaN.
-        min = if min < value { min } else { value };
-        max = if value < max { max } else { value };
-    }
-    (min, max)
+/// The smallest and largest of the values as rviz finds them, one after the other, from bounds that an ordinary value
+/// replaces. A NaN replaces both bounds, and the next value replaces the NaN; so only what comes after the last NaN counts.
+fn bounds(values: &[f32], outermost: f32) -> (f32, f32) {
+    let start = (outermost, -outermost);
+    let add = |(min, max): (f32, f32), (low, high): (f32, f32)| {
+        (if min < low { min } else { low }, if high < max { max } else { high })
+    };
+    let of_share = |share: &[f32]| {
+        let bounds = share.iter().fold(start, |bounds, &value| add(bounds, (value, value)));
+        (bounds, share.iter().any(|value| value.is_nan()))
+    };
+    let join = |before: ((f32, f32), bool), after: ((f32, f32), bool)| {
+        if after.1 {
+            after
+        } else {
+            (add(before.0, after.0), before.1)
+        }
+    };
+    values.par_chunks(SHARE).map(of_share).reduce(|| (start, false), join).0
 }
 
 fn by_intensity(
@@ -130,10 +147,11 @@ fn by_intensity(
     let named = layout.channel(&settings.channel_name);
     let other_name = if settings.channel_name == "intensity" { layout.channel("intensities") } else { None };
     let Some(channel) = named.or(other_name) else { return PointColor::Uniform(WHITE) };
-    *values = points.map(std::mem::take(values), |point| channel.value(point, big_endian));
+    values.resize(points.len(), 0.0);
+    points.map(values, |point| channel.value(point, big_endian));
     let (min, max) = if settings.auto_bounds {
         let outermost = 999_999.0;
-        let (min, max) = bounds(values.iter().copied(), outermost);
+        let (min, max) = bounds(values, outermost);
         (if -outermost < min { min } else { -outermost }, if max < outermost { max } else { outermost })
     } else {
         (settings.min, settings.max)
@@ -144,7 +162,7 @@ fn by_intensity(
             let share = (1.0 - f64::from((value - min) / range)) as f32;
             rainbow(if settings.invert_rainbow { (1.0 - f64::from(share)) as f32 } else { share }).to_rgba8()
         };
-        values.par_iter().with_min_len(MIN_SHARE).map(color).collect_into_vec(&mut colors);
+        values.par_iter().with_min_len(SHARE).map(color).collect_into_vec(&mut colors);
     } else {
         let [low, high] = [settings.min_color, settings.max_color].map(|rgb| Rgba::from_rgb8(rgb, 1.0));
         let color = |value: &f32| {
@@ -154,7 +172,7 @@ fn by_intensity(
             let mix = |low: f32, high: f32| high * share + low * (1.0 - share);
             Rgba::new(mix(low.r, high.r), mix(low.g, high.g), mix(low.b, high.b), 1.0).to_rgba8()
         };
-        values.par_iter().with_min_len(MIN_SHARE).map(color).collect_into_vec(&mut colors);
+        values.par_iter().with_min_len(SHARE).map(color).collect_into_vec(&mut colors);
     }
     PointColor::PerPoint(colors)
 }
@@ -177,20 +195,23 @@ fn by_axis(
     let (min, max) = if settings.auto_bounds {
         let outermost = 9999.0;
         // Unlike among intensities, a NaN is passed over.
-        positions.iter().map(value).fold((outermost, -outermost), |(min, max), value| (value.min(min), value.max(max)))
+        let (start, join) = (|| (outermost, -outermost), |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1)));
+        let values = positions.par_iter().with_min_len(SHARE).map(value);
+        values.fold(start, |bounds, value| join(bounds, (value, value))).reduce(start, join)
     } else {
         (settings.min, settings.max)
     };
     let range = if max == min { 0.001 } else { max - min };
     let color = |position: &[f32; 3]| rainbow((1.0 - f64::from((value(position) - min) / range)) as f32).to_rgba8();
-    positions.par_iter().with_min_len(MIN_SHARE).map(color).collect_into_vec(&mut colors);
+    positions.par_iter().with_min_len(SHARE).map(color).collect_into_vec(&mut colors);
     colors
 }
 
 /// rviz's rainbow: magenta at 0 over blue, cyan, green and yellow to red at 1.
 pub(crate) fn rainbow(share: f32) -> Rgba {
     let hue = if share.is_nan() { share } else { share.clamp(0.0, 1.0) } * 5.0 + 1.0;
-    let sector = hue.floor() as i32;
+    // Cut off: it is never below 0.
+    let sector = hue as i32;
     let fraction = hue - sector as f32;
     let n = 1.0 - if sector & 1 == 0 { 1.0 - fraction } else { fraction };
     let (r, g, b) = match sector {
@@ -227,7 +248,24 @@ mod tests {
 
     #[test]
     fn a_nan_replaces_the_bounds_until_the_next_value() {
-        let (min, max) = bounds([1.0, 5.0, f32::NAN, 3.0].into_iter(), 9999.0);
+        let (min, max) = bounds(&[1.0, 5.0, f32::NAN, 3.0], 9999.0);
         assert_eq!((min, max), (3.0, 3.0));
+    }
+
+    #[test]
+    fn bounds_are_those_of_one_value_after_the_other() {
+        let mut values: Vec<f32> = (0..3 * SHARE).map(|i| (i * 7919 % 10_007) as f32 - 5000.0).collect();
+        assert_eq!(bounds(&values, 9999.0), (-5000.0, 5006.0));
+        values[0] = f32::NAN;
+        let last = 2 * SHARE + 17;
+        values[last] = f32::NAN;
+        values[last + 1..].iter_mut().for_each(|value| *value = value.abs() + 1.0);
+        values[3 * SHARE - 1] = 9000.0;
+        let rest = &values[last + 1..];
+        let smallest = rest.iter().copied().fold(f32::INFINITY, f32::min);
+        assert_eq!(bounds(&values, 9999.0), (smallest, 9000.0));
+        values[3 * SHARE - 1] = f32::NAN;
+        let (min, max) = bounds(&values, 9999.0);
+        assert!(min.is_nan() && max.is_nan());
     }
 }

@@ -37,7 +37,7 @@ impl Channel {
     pub(crate) fn value(&self, point: &[u8], big_endian: bool) -> f32 {
         macro_rules! read {
             ($type:ty) => {{
-                let bytes = take(point, self.offset);
+                let bytes = bytes_at(point, self.offset);
                 (if big_endian { <$type>::from_be_bytes(bytes) } else { <$type>::from_le_bytes(bytes) }) as f32
             }};
         }
@@ -52,9 +52,9 @@ impl Channel {
     }
 
     /// The four bytes of a packed colour.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn bits(&self, point: &[u8], big_endian: bool) -> u32 {
-        let bytes = take(point, self.offset);
+        let bytes = bytes_at(point, self.offset);
         if big_endian {
             u32::from_be_bytes(bytes)
         } else {
@@ -64,8 +64,8 @@ impl Channel {
 }
 
 /// `N` bytes at an offset; zeros past the end.
-#[inline]
-fn take<const N: usize>(point: &[u8], offset: usize) -> [u8; N] {
+#[inline(always)]
+pub(super) fn bytes_at<const N: usize>(point: &[u8], offset: usize) -> [u8; N] {
     point.get(offset..offset + N).and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; N])
 }
 

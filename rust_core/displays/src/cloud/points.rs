@@ -5,7 +5,7 @@ use rcs_messages::PointCloud2;
 use rcs_scene::{PointBuffer, PointColors};
 
 use super::color::{Coloring, PointColor};
-use super::fields::Layout;
+use super::fields::{bytes_at, Layout};
 use super::spare::SparePoints;
 
 /// What becomes of points whose position is not finite.
@@ -21,57 +21,106 @@ pub(crate) enum Nowhere {
 const FAR_AWAY: [f32; 3] = [999_999.0; 3];
 
 /// Points that a core does at once, so that small clouds are not spread over cores.
-pub(super) const MIN_SHARE: usize = 4096;
+pub(super) const SHARE: usize = 8192;
+
+/// Where a point's position is in its bytes.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    offsets: [usize; 3],
+    /// x, y and z stand side by side, the lowest byte of each first.
+    is_plain: bool,
+    is_big_endian: bool,
+}
+
+impl Place {
+    fn of(cloud: &PointCloud2, layout: &Layout) -> Self {
+        let offsets = layout.position.each_ref().map(|channel| channel.offset);
+        let is_triple = layout.position_triple().is_some();
+        Self { offsets, is_plain: is_triple && !cloud.is_bigendian, is_big_endian: cloud.is_bigendian }
+    }
+
+    #[inline(always)]
+    fn in_point(&self, point: &[u8]) -> [f32; 3] {
+        let [x, y, z] = self.offsets;
+        if self.is_plain {
+            let [x, y, z] = bytemuck::cast::<[u8; 12], [u32; 3]>(bytes_at(point, x));
+            [little_endian(x), little_endian(y), little_endian(z)]
+        } else {
+            let read = |offset| {
+                let bytes = bytes_at(point, offset);
+                if self.is_big_endian {
+                    f32::from_be_bytes(bytes)
+                } else {
+                    f32::from_le_bytes(bytes)
+                }
+            };
+            [read(x), read(y), read(z)]
+        }
+    }
+}
+
+#[inline(always)]
+fn little_endian(bits: u32) -> f32 {
+    f32::from_bits(u32::from_le(bits))
+}
 
 /// The bytes of a cloud's points that are shown.
 #[derive(Debug)]
 pub(super) struct PointBytes<'a> {
     data: &'a [u8],
     point_step: usize,
-    /// The numbers of those that are shown; `None`: all.
-    shown: Option<&'a [u32]>,
+    place: Place,
+    /// Of each share of the points, how many are shown: those that are somewhere.
+    shown: &'a [usize],
+    is_all_shown: bool,
 }
 
-impl<'a> PointBytes<'a> {
-    /// All points of a cloud.
-    fn all(cloud: &'a PointCloud2, layout: &Layout) -> Self {
-        Self { data: cloud.data(), point_step: layout.point_step.max(1), shown: None }
-    }
-
+impl PointBytes<'_> {
     /// How many there are.
     pub(super) fn len(&self) -> usize {
-        self.shown.map_or(self.data.len() / self.point_step, <[u32]>::len)
+        self.shown.iter().sum()
     }
 
-    /// What becomes of each point, in their order and in a vector's memory, computed on all cores.
-    pub(super) fn map<T: Send>(&self, mut out: Vec<T>, compute: impl Fn(&[u8]) -> T + Sync + Send) -> Vec<T> {
-        match self.shown {
-            None => {
-                let points = self.data.par_chunks_exact(self.point_step).with_min_len(MIN_SHARE);
-                points.map(compute).collect_into_vec(&mut out);
+    /// What becomes of each point, in their order, computed on all cores. `out` has as many elements as there are points.
+    pub(super) fn map<T: Send>(&self, out: &mut [T], compute: impl Fn(&[u8]) -> T + Sync) {
+        let compute_share = |points: &[u8], out: &mut [T]| {
+            let points = points.chunks_exact(self.point_step);
+            if self.is_all_shown {
+                out.iter_mut().zip(points).for_each(|(out, point)| *out = compute(point));
+            } else {
+                let shown = points.filter(|point| is_somewhere(&self.place.in_point(point)));
+                out.iter_mut().zip(shown).for_each(|(out, point)| *out = compute(point));
             }
-            Some(numbers) => {
-                let point = |number: &u32| {
-                    let begin = *number as usize * self.point_step;
-                    self.data.get(begin..begin + self.point_step).unwrap_or(&[])
-                };
-                let numbers = numbers.par_iter().with_min_len(MIN_SHARE);
-                numbers.map(|number| compute(point(number))).collect_into_vec(&mut out);
-            }
-        }
-        out
+        };
+        in_shares(self.shown, self.data, SHARE * self.point_step, out, &compute_share);
     }
 }
 
-/// Three little-endian floats side by side.
-#[inline]
-fn position_at(point: &[u8], offset: usize) -> [f32; 3] {
-    let bytes: [u8; 12] = point.get(offset..offset + 12).and_then(|bytes| bytes.try_into().ok()).unwrap_or_default();
-    [0, 4, 8].map(|i| f32::from_le_bytes([bytes[i], bytes[i + 1], bytes[i + 2], bytes[i + 3]]))
+/// Works on shares of `data`, each `share_len` bytes long but the last, and on their parts of `out`, which are so many
+/// elements long.
+fn in_shares<T: Send>(
+    lens: &[usize],
+    data: &[u8],
+    share_len: usize,
+    out: &mut [T],
+    work: &(impl Fn(&[u8], &mut [T]) + Sync),
+) {
+    if lens.len() <= 1 {
+        work(data, out);
+        return;
+    }
+    let (lens_a, lens_b) = lens.split_at(lens.len() / 2);
+    let (data_a, data_b) = data.split_at((lens_a.len() * share_len).min(data.len()));
+    let (out_a, out_b) = out.split_at_mut(lens_a.iter().sum::<usize>().min(out.len()));
+    rayon::join(
+        || in_shares(lens_a, data_a, share_len, out_a, work),
+        || in_shares(lens_b, data_b, share_len, out_b, work),
+    );
 }
 
-fn is_somewhere(position: &[f32; 3]) -> bool {
-    position.iter().all(|value| value.is_finite())
+#[inline(always)]
+fn is_somewhere([x, y, z]: &[f32; 3]) -> bool {
+    x.is_finite() & y.is_finite() & z.is_finite()
 }
 
 /// Reads the points; also returns how many have no finite position.
@@ -82,28 +131,26 @@ pub(crate) fn read(
     nowhere: Nowhere,
     spare: &mut SparePoints,
 ) -> (PointBuffer, usize) {
-    let mut points = PointBytes::all(cloud, layout);
-    let mut numbers = std::mem::take(&mut spare.numbers);
-    let memory = spare.positions.take(points.len());
-    let mut positions = match layout.position_triple().filter(|_| !cloud.is_bigendian) {
-        Some(offset) => points.map(memory, |point| position_at(point, offset)),
-        None => points.map(memory, |point| {
-            layout.position.each_ref().map(|channel| f32::from_bits(channel.bits(point, cloud.is_bigendian)))
-        }),
-    };
-    let nowhere_count = positions.par_iter().with_min_len(MIN_SHARE).filter(|position| !is_somewhere(position)).count();
-    if nowhere_count > 0 && nowhere == Nowhere::LeftOut {
-        let numbered = (0..).zip(&positions);
-        numbers.clear();
-        numbers.extend(numbered.filter(|(_, position)| is_somewhere(position)).map(|(i, _)| i));
-        points.shown = Some(&numbers);
-        positions.retain(is_somewhere);
+    let (data, point_step) = (cloud.data(), layout.point_step.max(1));
+    let place = Place::of(cloud, layout);
+    let mut shown = std::mem::take(&mut spare.shown);
+    let somewhere_in =
+        |points: &[u8]| points.chunks_exact(point_step).filter(|point| is_somewhere(&place.in_point(point))).count();
+    data.par_chunks(SHARE * point_step).map(somewhere_in).collect_into_vec(&mut shown);
+    let nowhere_count = layout.point_count - shown.iter().sum::<usize>();
+    let is_all_shown = nowhere_count == 0 || nowhere == Nowhere::FarAway;
+    if is_all_shown {
+        let points_in = |share: &[u8]| share.len() / point_step;
+        shown.iter_mut().zip(data.chunks(SHARE * point_step)).for_each(|(shown, share)| *shown = points_in(share));
     }
+    let points = PointBytes { data, point_step, place, shown: &shown, is_all_shown };
+    let mut positions = spare.positions.take_filled(points.len());
+    points.map(&mut positions, |point| place.in_point(point));
     let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions, spare) {
         PointColor::Uniform(color) => PointColors::Uniform(color),
         PointColor::PerPoint(colors) => PointColors::PerPoint(colors),
     };
-    spare.numbers = numbers;
+    spare.shown = shown;
     if nowhere_count > 0 && nowhere == Nowhere::FarAway {
         for position in positions.iter_mut().filter(|position| !is_somewhere(position)) {
             *position = FAR_AWAY;

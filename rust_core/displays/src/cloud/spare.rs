@@ -19,8 +19,8 @@ const MAX_CLOUDS: usize = 3;
 pub(super) struct SparePoints {
     pub(super) positions: Spares<[f32; 3]>,
     pub(super) colors: Spares<[u8; 4]>,
-    /// The numbers of the points that are somewhere.
-    pub(super) numbers: Vec<u32>,
+    /// How many points are shown of each share of them.
+    pub(super) shown: Vec<usize>,
     /// What points are coloured by.
     pub(super) values: Vec<f32>,
     /// Clouds that are not shown any more.
