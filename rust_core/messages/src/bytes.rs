@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::spares::Spares;
 
 /// What is kept at most, in bytes. Whatever is kept was in use at some time, and most of it is soon again.
-const MAX_SPARE_BYTES: usize = 128 << 20;
+const MAX_SPARE_BYTES: usize = 256 << 20;
 
 static SPARE: Mutex<Spares<u8>> = Mutex::new(Spares::new());
 

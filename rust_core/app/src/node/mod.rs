@@ -196,6 +196,9 @@ impl<'a> Node<'a> {
         match event {
             NodeEvent::Message { topic, message, received, .. } => {
                 let now = self.now();
+                // The scene is put together anew. Until then nobody holds its clouds, so that the next ones can have their
+                // memory.
+                self.scene = None;
                 for name in self.subscriptions.names(&topic, message.kind()) {
                     self.stage.take_received(name, &message, Some(received), now);
                 }

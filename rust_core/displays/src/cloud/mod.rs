@@ -130,7 +130,8 @@ impl Clouds {
         self.settings.decay_time_secs <= 0.0
     }
 
-    /// The cloud as it is drawn; `None`, with a status that says why, where it cannot be shown.
+    /// The cloud as it is drawn, for [`update`](Self::update); `None`, with a status that says why, where it cannot be shown.
+    /// Where only one is seen, those before are gone by then.
     pub(crate) fn decode(&mut self, placed: PlacedCloud, statuses: &mut Statuses) -> Option<Decoded> {
         let layout = match Layout::of(&placed.cloud) {
             Ok(layout) => layout,
@@ -139,6 +140,10 @@ impl Clouds {
                 return None;
             }
         };
+        if self.keeps_one() {
+            // It takes the place of the one before, and its memory.
+            self.let_go();
+        }
         let transformer = layout.fitting_transformer(self.settings.color_transformer);
         self.settings.color_transformer = Some(transformer);
         let (drawables, nowhere_count) = self.draw(&placed, &layout, transformer);
@@ -232,6 +237,14 @@ impl Clouds {
             }
         }
         self.shown.len() != before
+    }
+
+    /// Shows nothing any more.
+    fn let_go(&mut self) {
+        self.drawables.clear();
+        for gone in self.shown.drain(..) {
+            self.spare.retire(&gone.decoded.drawables);
+        }
     }
 
     /// When the oldest cloud goes.

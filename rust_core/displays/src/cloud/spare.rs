@@ -2,8 +2,7 @@
 //!
 //! A cloud that was replaced may still be in a scene that somebody draws, and what renderers derive from a cloud goes by
 //! its `Arc`. So a replaced cloud waits until nobody holds it any more, and then its vectors become part of another
-//! cloud, in another `Arc`. That is mostly so when the cloud after the next one is read, so that two clouds' memory is in
-//! use.
+//! cloud, in another `Arc`. That is mostly so when the next one is read, so that one cloud's memory is in use.
 
 use std::sync::Arc;
 
