@@ -34,6 +34,7 @@ mod triangles;
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
+use fearless_simd::Level;
 use rcs_scene::{Picture, MAX_SIDE_PX};
 
 use self::band::{pack, Band, BandBuffers};
@@ -50,6 +51,8 @@ pub struct CpuRenderer {
     workers: Vec<Worker>,
     outcomes: Vec<Outcome>,
     textures: Textures,
+    /// The instructions to use; `None`: the best that there are.
+    level: Option<Level>,
     memory: PlanMemory,
     /// Drawn and not yet handed out, the oldest first.
     finished: VecDeque<Picture>,
@@ -132,7 +135,8 @@ impl CpuRenderer {
         }
         let scene = view.scene.seen_from(view.camera);
         let view = &View { scene: &scene, ..*view };
-        let screen = Screen::new(width_px, height_px);
+        let mut screen = Screen::new(width_px, height_px);
+        screen.level = self.level.unwrap_or(screen.level);
         self.textures.forget_dead();
         let mut plan = Plan::new(view, &mut self.textures, &mut self.memory);
         let jobs = plan.jobs.len();

@@ -10,7 +10,7 @@
 
 use std::ops::Range;
 
-use fearless_simd::{dispatch, Level, Simd};
+use fearless_simd::{dispatch, Simd};
 use nalgebra::Matrix4;
 use rcs_scene::{Camera, PointBuffer, PointStyle, Points};
 
@@ -65,7 +65,7 @@ impl<'a> Cloud<'a> {
 
     /// Sorts the points of a range that may be seen into the picture's bands.
     pub(super) fn select(&self, screen: &Screen, range: Range<usize>, out: &mut Bins) {
-        dispatch!(Level::new(), simd => self.select_by_lanes(simd, screen, range, out));
+        dispatch!(screen.level, simd => self.select_by_lanes(simd, screen, range, out));
     }
 
     #[inline(always)]
@@ -77,8 +77,9 @@ impl<'a> Cloud<'a> {
         for (positions, begin) in positions.chunks(BLOCK).zip(range.step_by(BLOCK)) {
             transpose(positions, &mut places);
             self.rows(screen, &reach, &places, &mut rows);
-            for i in 0..positions.len().min(BLOCK) {
-                out.add((begin + i) as u32, rows[0][i], rows[1][i]);
+            let [first, after] = &rows;
+            for (i, (first, after)) in first.iter().zip(after).take(positions.len()).enumerate() {
+                out.add((begin + i) as u32, *first, *after);
             }
         }
     }
@@ -166,7 +167,7 @@ pub(super) fn draw(cloud: &Cloud<'_>, indices: &[u32], screen: &Screen, scratch:
     if cloud.is_culled || indices.is_empty() {
         return;
     }
-    dispatch!(Level::new(), simd => draw_by_lanes(simd, cloud, indices, screen, scratch, band));
+    dispatch!(screen.level, simd => draw_by_lanes(simd, cloud, indices, screen, scratch, band));
 }
 
 #[inline(always)]
@@ -181,7 +182,7 @@ fn draw_by_lanes<S: Simd>(
     match cloud.points.style {
         PointStyle::Points { .. } => round_points::draw(simd, cloud, indices, screen, &mut scratch.points, band),
         PointStyle::FlatSquares { .. } => {
-            quads::draw::<S, { quads::PLAIN }>(simd, cloud, indices, screen, scratch, band)
+            quads::draw::<S, { quads::PLAIN }>(simd, cloud, indices, screen, scratch, band);
         }
         PointStyle::Squares { .. } => quads::draw::<S, { quads::EDGED }>(simd, cloud, indices, screen, scratch, band),
         PointStyle::Spheres { .. } => quads::draw::<S, { quads::DISC }>(simd, cloud, indices, screen, scratch, band),
@@ -190,7 +191,7 @@ fn draw_by_lanes<S: Simd>(
             quads::draw_exactly(cloud, indices, screen, band);
         }
         PointStyle::Boxes { .. } => {
-            quads::draw::<S, { quads::DARK_EDGED }>(simd, cloud, indices, screen, scratch, band)
+            quads::draw::<S, { quads::DARK_EDGED }>(simd, cloud, indices, screen, scratch, band);
         }
         PointStyle::Tiles { .. } => quads::draw_exactly(cloud, indices, screen, band),
     }

@@ -24,6 +24,16 @@ pub(super) fn diameter_px(points: &Points) -> Option<f32> {
     }
 }
 
+/// What is the same for all spots.
+struct Frame<'a> {
+    cloud: &'a Cloud<'a>,
+    half_size: (f32, f32),
+    width_px: f32,
+    /// The band's first row and the one after its last.
+    rows: [f32; 2],
+    diameter_px: f32,
+}
+
 /// Spots on the picture.
 struct Block {
     x: [f32; BLOCK],
@@ -37,29 +47,20 @@ struct Block {
 impl Block {
     /// Projects the points from `begin` on.
     #[inline(always)]
-    fn project<S: Simd>(
-        &mut self,
-        simd: S,
-        cloud: &Cloud<'_>,
-        screen: &Screen,
-        band: &Band<'_>,
-        radius_px: f32,
-        places: &[[f32; BLOCK]; 3],
-        begin: usize,
-    ) {
+    fn project<S: Simd>(&mut self, simd: S, frame: &Frame<'_>, places: &[[f32; BLOCK]; 3], begin: usize) {
         let [x, y, z] = places;
         let place = [load(simd, x, begin), load(simd, y, begin), load(simd, z, begin)];
-        let [x, y, z, w] = transform(&cloud.placement.clip_from_object, place);
+        let [x, y, z, w] = transform(&frame.cloud.placement.clip_from_object, place);
         let is_inside = w.simd_gt(0.0) & z.simd_ge(-w) & z.simd_le(w) & x.abs().simd_le(w) & y.abs().simd_le(w);
         let inverse_w = 1.0 / w;
-        let (half_width, half_height) = screen.half_size();
+        let (half_width, half_height) = frame.half_size;
         let (x, y) = ((x * inverse_w) * half_width + half_width, half_height - (y * inverse_w) * half_height);
         store(&mut self.x, begin, x);
         store(&mut self.y, begin, y);
         store(&mut self.depth, begin, (z * inverse_w) * (0.5 * FARTHEST) + 0.5 * FARTHEST);
-        let columns = [(x - (radius_px + 0.5)).ceil().max(0.0), (x + (radius_px + 0.5)).ceil().min(band.width as f32)];
-        let rows = [(y - (radius_px + 0.5)).ceil(), (y + (radius_px + 0.5)).ceil()];
-        let rows = [rows[0].max(band.first_row as f32), rows[1].min(band.end_row as f32)];
+        let reach = frame.diameter_px * 0.5 + 0.5;
+        let columns = [(x - reach).ceil().max(0.0), (x + reach).ceil().min(frame.width_px)];
+        let rows = [(y - reach).ceil().max(frame.rows[0]), (y + reach).ceil().min(frame.rows[1])];
         let [left, right] = map(columns, whole);
         let [top, bottom] = map(rows, whole);
         let right = is_inside.select(right, left);
@@ -81,13 +82,20 @@ pub(super) fn draw<S: Simd>(
 ) {
     let Some(diameter_px) = diameter_px(cloud.points).filter(|&diameter_px| diameter_px > 0.0) else { return };
     let mode = cloud.surface.mode;
-    let (radius_px, per_px) = (diameter_px * 0.5, 1.0 / diameter_px);
+    let per_px = 1.0 / diameter_px;
+    let frame = Frame {
+        cloud,
+        half_size: screen.half_size(),
+        width_px: band.width as f32,
+        rows: [band.first_row as f32, band.end_row as f32],
+        diameter_px,
+    };
     let mut block = Block { x: [0.0; BLOCK], y: [0.0; BLOCK], depth: [0.0; BLOCK], bounds: [[0; BLOCK]; 4] };
     let numbers = numbers(simd).to_float::<F<S>>();
     for indices in indices.chunks(BLOCK) {
         points.gather(cloud, indices);
         for begin in (0..points.len).step_by(LANES) {
-            block.project(simd, cloud, screen, band, radius_px, &points.places, begin);
+            block.project(simd, &frame, &points.places, begin);
         }
         for i in 0..points.len {
             let [left, right, top, bottom] = block.bounds.each_ref().map(|all| all[i]);

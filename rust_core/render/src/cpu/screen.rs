@@ -6,6 +6,7 @@
 //! covered where (256 i, 256 j) is. Depth is 0 at the near plane and [`FARTHEST`] at the far one; the nearer *or equal*
 //! wins.
 
+use fearless_simd::Level;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use rcs_scene::{Camera, DirectionalLight};
 use wide::{f32x4, i32x4};
@@ -28,6 +29,8 @@ pub(super) struct Screen {
     pub height_px: u32,
     /// A band has `1 << band_shift` rows.
     pub band_shift: u32,
+    /// The instructions that are used.
+    pub level: Level,
     half_width: f32,
     half_height: f32,
 }
@@ -41,6 +44,7 @@ impl Screen {
             width_px,
             height_px,
             band_shift: rows.ilog2(),
+            level: Level::new(),
             half_width: width_px as f32 * 0.5,
             half_height: height_px as f32 * 0.5,
         }
