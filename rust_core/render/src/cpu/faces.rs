@@ -63,6 +63,12 @@ impl<'a> Faces<'a> {
         Surface { paint, mode: Mode::new(self.points.blended), cull, depth_bias: DepthBias::NONE }
     }
 
+    /// Half of a tile's sides, to the right and up, in the cloud's frame; none where the faces are no tiles.
+    pub(super) fn tile_sides(&self) -> Option<[[f32; 3]; 2]> {
+        let PointStyle::Tiles { size_m, normal, up } = self.points.style else { return None };
+        Some([cross(up, normal).map(|c| c * size_m[0] * 0.5), up.map(|c| c * size_m[1] * 0.5)])
+    }
+
     /// No face reaches farther than this from its point, in the cloud's frame and for a size factor of 1.
     pub(super) fn reach_m(&self) -> f32 {
         let length = |v: &[f32]| v.iter().fold(0.0, |sum: f32, c| sum.hypot(*c));
@@ -134,7 +140,7 @@ pub(super) fn size_m(style: PointStyle) -> [f32; 2] {
     }
 }
 
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+pub(super) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 

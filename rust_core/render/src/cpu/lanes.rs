@@ -149,6 +149,7 @@ mod tests {
             PointStyle::Squares { size_m: [0.03; 2] },
             PointStyle::Spheres { size_m: [0.02, 0.04] },
             PointStyle::Boxes { size_m: [0.01, 0.02, 0.03] },
+            PointStyle::Tiles { size_m: [0.03, 0.02], normal: [0.0, 0.6, -0.8], up: [0.0, 0.8, 0.6] },
         ] {
             for blended in [false, true] {
                 let points = Points { buffer: buffer.clone(), style, alpha: 0.7, blended, auto_size: false };

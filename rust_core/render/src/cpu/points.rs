@@ -184,7 +184,9 @@ fn draw_by_lanes<S: Simd>(
         PointStyle::FlatSquares { .. } => {
             quads::draw::<S, { quads::PLAIN }>(simd, cloud, indices, screen, scratch, band);
         }
-        PointStyle::Squares { .. } => quads::draw::<S, { quads::EDGED }>(simd, cloud, indices, screen, scratch, band),
+        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
+            quads::draw::<S, { quads::EDGED }>(simd, cloud, indices, screen, scratch, band);
+        }
         PointStyle::Spheres { .. } => quads::draw::<S, { quads::DISC }>(simd, cloud, indices, screen, scratch, band),
         // Of what is turned inside out, other sides are seen.
         PointStyle::Boxes { size_m } if !size_m.iter().all(|side_m| *side_m >= 0.0) => {
@@ -193,7 +195,6 @@ fn draw_by_lanes<S: Simd>(
         PointStyle::Boxes { .. } => {
             quads::draw::<S, { quads::DARK_EDGED }>(simd, cloud, indices, screen, scratch, band);
         }
-        PointStyle::Tiles { .. } => quads::draw_exactly(cloud, indices, screen, band),
     }
 }
 

@@ -6,6 +6,8 @@
 //! once. The corners are those of [`faces`](super::faces), snapped as everywhere, and the edges own the pixels on them
 //! by the same rule, so that the pixels are the same.
 //!
+//! Rectangles of a fixed orientation are seen from both sides; their corners go round the other way from behind.
+//!
 //! Of a box only the three sides that look towards the eye are set up. They share a corner, and four more in pairs, so
 //! that a box has seven corners to project.
 //!
@@ -17,7 +19,7 @@ use fearless_simd::Simd;
 use rcs_scene::PointStyle;
 
 use super::band::{pack, Band};
-use super::faces::{size_m, BRIGHTNESS};
+use super::faces::{cross, size_m, BRIGHTNESS};
 use super::lanes::{inlined, load, map, nearest, numbers, store, store_whole, transform, whole, F, I, LANES, M, U};
 use super::points::{Cloud, Gathered, Scratch, BLOCK};
 use super::screen::{Screen, FARTHEST, SUBPIXELS};
@@ -166,6 +168,17 @@ fn greatest<S: Simd>([a, b, c, d]: [F<S>; 4]) -> F<S> {
     a.max(b).max(c.max(d))
 }
 
+/// What faces are like.
+#[derive(Clone, Copy)]
+struct What {
+    /// Nothing is seen of them from behind.
+    is_one_sided: bool,
+    /// They look different from place to place.
+    with_place: bool,
+}
+
+const BOX_SIDE: What = What { is_one_sided: true, with_place: true };
+
 /// What is the same for all faces of a block.
 #[derive(Clone, Copy)]
 struct Frame {
@@ -179,7 +192,7 @@ struct Frame {
 impl Quads {
     /// Sets up the faces of the points from `begin` on, given by their corners counter-clockwise from the lower left.
     #[inline(always)]
-    fn set_up<S: Simd>(&mut self, simd: S, corners: [&Corner<S>; 4], frame: &Frame, begin: usize, with_uv: bool) {
+    fn set_up<S: Simd>(&mut self, simd: S, corners: [&Corner<S>; 4], frame: &Frame, begin: usize, what: What) {
         let [a, b, c, d] = corners;
         let (xs, ys) = ([a.x, b.x, c.x, d.x], [a.y, b.y, c.y, d.y]);
         let (x_low, x_high, y_low, y_high) = (least(xs), greatest(xs), least(ys), greatest(ys));
@@ -207,7 +220,8 @@ impl Quads {
         let is_convex = half_a.simd_gt(none) & half_b.simd_gt(none) & spread.simd_lt(none);
         let is_back = half_a.simd_le(none) & half_b.simd_le(none);
         let small = (is_small & is_convex & is_seen).to_bitmask() as u32;
-        let is_done = is_small & (is_convex | is_back);
+        let is_done = if what.is_one_sided { is_convex | is_back } else { is_convex };
+        let is_done = is_small & is_done;
         self.small |= small << begin;
         self.general |= (!is_done.to_bitmask() as u32 & ((1 << LANES) - 1)) << begin;
         if small == 0 {
@@ -242,7 +256,7 @@ impl Quads {
             },
         );
         plane(DEPTH, a.depth, b.depth - a.depth, d.depth - a.depth);
-        if with_uv {
+        if what.with_place {
             plane(PLACE, a.q, b.q - a.q, d.q - a.q);
             plane(PLACE + 1, a.q * -0.5, (b.q + a.q) * 0.5, (a.q - d.q) * 0.5);
             plane(PLACE + 2, a.q * -0.5, (a.q - b.q) * 0.5, (d.q + a.q) * 0.5);
@@ -277,7 +291,10 @@ pub(super) fn draw<S: Simd, const PAINT: u8>(
             if PAINT == DARK_EDGED {
                 set_up_boxes(simd, cloud, &frame, points, begin, quads);
             } else if let Some(quads) = quads.first_mut() {
-                set_up_upright(simd, cloud, &frame, points, begin, PAINT != PLAIN, quads);
+                match cloud.points.style {
+                    PointStyle::Tiles { .. } => set_up_tiles(simd, cloud, &frame, points, begin, quads),
+                    _ => set_up_upright(simd, cloud, &frame, points, begin, PAINT != PLAIN, quads),
+                }
             }
         }
         let there = (!0u32).checked_shr(u32::BITS - points.len as u32).unwrap_or(0);
@@ -332,7 +349,7 @@ fn set_up_upright<S: Simd>(
     frame: &Frame,
     points: &Gathered,
     begin: usize,
-    with_uv: bool,
+    with_place: bool,
     quads: &mut Quads,
 ) {
     let ([x, y, z], factor, middle) = places(simd, cloud, points, begin);
@@ -356,6 +373,49 @@ fn set_up_upright<S: Simd>(
         #[inline(always)]
         |row| up[0] * row[0] + up[1] * row[1] + up[2] * row[2],
     );
+    let [lower_left, lower_right, upper_right, upper_left] = corners(middle, right, up, frame);
+    let around = [&lower_left, &lower_right, &upper_right, &upper_left];
+    quads.set_up(simd, around, frame, begin, What { is_one_sided: true, with_place });
+}
+
+/// Sets up rectangles of a fixed orientation, which are seen from both sides.
+#[inline(always)]
+fn set_up_tiles<S: Simd>(
+    simd: S,
+    cloud: &Cloud<'_>,
+    frame: &Frame,
+    points: &Gathered,
+    begin: usize,
+    quads: &mut Quads,
+) {
+    let Some([right, up]) = cloud.faces.tile_sides() else { return };
+    let (place, _, middle) = places(simd, cloud, points, begin);
+    let across = cross(right, up);
+    let [x, y, z] = cloud.faces.eye();
+    let from_above = (x - place[0]) * across[0] + (y - place[1]) * across[1] + (z - place[2]) * across[2];
+    let is_turned = from_above.simd_lt(0.0);
+    let m = cloud.placement.clip_from_object;
+    let along = inlined(
+        #[inline(always)]
+        |side: [f32; 3]| {
+            map(
+                m,
+                #[inline(always)]
+                |row| F::splat(simd, row[0] * side[0] + row[1] * side[1] + row[2] * side[2]),
+            )
+        },
+    );
+    let [lower_left, right, upper_right, up] = corners(middle, along(right), along(up), frame);
+    let lower_right = Corner::select(is_turned, &up, &right);
+    let upper_left = Corner::select(is_turned, &right, &up);
+    let around = [&lower_left, &lower_right, &upper_right, &upper_left];
+    quads.set_up(simd, around, frame, begin, What { is_one_sided: false, with_place: true });
+}
+
+/// The corners of faces by their middles and half sides in clip coordinates: lower left, lower right, upper right and
+/// upper left.
+#[inline(always)]
+fn corners<S: Simd>(middle: [F<S>; 4], right: [F<S>; 4], up: [F<S>; 4], frame: &Frame) -> [Corner<S>; 4] {
     let corner = inlined(
         #[inline(always)]
         |is_right: bool, is_up: bool| {
@@ -367,9 +427,7 @@ fn set_up_upright<S: Simd>(
             Corner::new(at, middle[3], frame.half_size)
         },
     );
-    let corners = [corner(false, false), corner(true, false), corner(true, true), corner(false, true)];
-    let [a, b, c, d] = &corners;
-    quads.set_up(simd, [a, b, c, d], frame, begin, with_uv);
+    [corner(false, false), corner(true, false), corner(true, true), corner(false, true)]
 }
 
 /// Sets up the sides of boxes that look towards the eye.
@@ -431,7 +489,7 @@ fn set_up_boxes<S: Simd>(
         let upper_left = Corner::select(is_turned, right, up);
         quads.along |= (along[axis].to_bitmask() as u32) << begin;
         quads.general |= is_inside_out;
-        quads.set_up(simd, [&only[axis], &lower_right, &near, &upper_left], frame, begin, true);
+        quads.set_up(simd, [&only[axis], &lower_right, &near, &upper_left], frame, begin, BOX_SIDE);
     }
 }
 
@@ -542,17 +600,21 @@ impl<S: Simd, const PAINT: u8> Paint<S, PAINT> {
         if PAINT == PLAIN {
             return self.packed;
         }
-        let w = 1.0 / q;
-        let (u, v) = (u * w, v * w);
-        let shade = match PAINT {
-            EDGED => (1.0 - edge_shade(u) * edge_shade(v)) * self.contrast,
-            DARK_EDGED => edge_shade(u) * edge_shade(v) * 0.5 + 0.5,
-            _ => (0.25 - (u * u + v * v)) * (4.0 * 0.2) + 0.8,
+        let shade = if PAINT == DISC {
+            (u * u + v * v) / (q * q) * -0.8 + 1.0
+        } else {
+            let w = 1.0 / q;
+            let inside = edge_shade(u * w) * edge_shade(v * w);
+            if PAINT == EDGED {
+                (1.0 - inside) * self.contrast
+            } else {
+                inside * 0.5 + 0.5
+            }
         };
         let [r, g, b] = map(
             self.rgb,
             #[inline(always)]
-            |level| byte(if PAINT == EDGED { (shade + level).max(0.0).min(255.0) } else { shade * level }),
+            |level| if PAINT == EDGED { (shade + level).max(0.0).min(255.0) } else { shade * level },
         );
         self.packed | in_channel(r, 0) | in_channel(g, 1) | in_channel(b, 2)
     }
@@ -565,18 +627,17 @@ fn edge_shade<S: Simd>(from_middle: F<S>) -> F<S> {
     t * t * (3.0 - t * 2.0)
 }
 
-/// Levels of 0 to 255 as whole numbers.
+/// Levels of 0 to 255, to the nearest whole number, at the place that a channel has in a packed colour.
 #[inline(always)]
-fn byte<S: Simd>(level: F<S>) -> U<S> {
-    // At 2^23 there is no fraction left, so that the sum is rounded and its lowest bits are the whole number.
+fn in_channel<S: Simd>(level: F<S>, channel: usize) -> U<S> {
+    // At 2^23 there is no fraction left, so that the sum is rounded and its lowest byte is the whole number. The next two
+    // are zero, and the first is shifted out of the number where the last is shifted at all.
     const NO_FRACTION: f32 = 8_388_608.0;
-    (level + NO_FRACTION).bitcast::<U<S>>() & 255
-}
-
-/// Bytes at the place that a channel has in a packed colour.
-#[inline(always)]
-fn in_channel<S: Simd>(bytes: U<S>, channel: usize) -> U<S> {
+    let bits = (level + NO_FRACTION).bitcast::<U<S>>();
     let mut color = [0; 4];
     color[channel] = 1;
-    bytes << pack(color).trailing_zeros()
+    match pack(color).trailing_zeros() {
+        0 => bits & 255,
+        shift => bits << shift,
+    }
 }

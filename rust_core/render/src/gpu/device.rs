@@ -3,7 +3,6 @@
 //! wgpu panics where it finds an error that nobody catches. Here every error is noted, and [`Device::check`] hands the
 //! first one out once a picture's work is done.
 
-use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use wgpu::{Adapter, Backend, Backends, DeviceType};
@@ -19,7 +18,7 @@ pub(super) struct Device {
     limits: wgpu::Limits,
     name: String,
     faults: Faults,
-    stats: Cell<GpuStats>,
+    stats: Mutex<GpuStats>,
 }
 
 /// The first thing that went wrong since somebody asked.
@@ -83,7 +82,7 @@ impl Device {
                 losses.note(format!("the device was lost: {message}"));
             }
         });
-        Ok(Self { wgpu, queue, limits, name, faults, stats: Cell::default() })
+        Ok(Self { wgpu, queue, limits, name, faults, stats: Mutex::default() })
     }
 
     /// wgpu's device.
@@ -118,14 +117,12 @@ impl Device {
 
     /// What was done with it.
     pub(super) fn stats(&self) -> GpuStats {
-        self.stats.get()
+        *self.stats.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Notes what is done with it.
     pub(super) fn count(&self, note: impl FnOnce(&mut GpuStats)) {
-        let mut stats = self.stats.get();
-        note(&mut stats);
-        self.stats.set(stats);
+        note(&mut self.stats.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
     /// Notes that a geometry or an image is brought to the GPU.

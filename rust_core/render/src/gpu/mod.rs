@@ -161,10 +161,12 @@ impl Gpu {
     fn open(hardware_only: bool) -> Result<Self, RenderError> {
         let device = Device::open(hardware_only)?;
         let uniforms = Uniforms::new(&device);
-        let points = PointPipelines::new(&device, uniforms.layout());
-        let lines = LinePipelines::new(&device, uniforms.layout());
-        let triangles = TrianglePipelines::new(&device, uniforms.layout());
-        let cells = CellPipelines::new(&device, uniforms.layout());
+        // Compiling shaders is most of the time until the first picture, so that all cores do.
+        let layout = uniforms.layout();
+        let ((points, lines), (triangles, cells)) = rayon::join(
+            || rayon::join(|| PointPipelines::new(&device, layout), || LinePipelines::new(&device, layout)),
+            || rayon::join(|| TrianglePipelines::new(&device, layout), || CellPipelines::new(&device, layout)),
+        );
         device.check()?;
         let (targets, in_flight) = (Targets::default(), VecDeque::new());
         Ok(Self { device, uniforms, points, lines, triangles, cells, order: DrawOrder::default(), targets, in_flight })
