@@ -133,24 +133,34 @@ pub(super) struct Window<'a> {
 }
 
 impl Window<'_> {
-    /// Fragments side by side, of which those count whose mask is set, meet the pixels. Their colours are asked for only
-    /// where one of them is seen.
+    /// Fragments side by side, of which those count whose mask is set, meet the pixels. Only where some of them are seen,
+    /// `shade` is asked which of these there really are, and for their colours.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(self, mask: M<S>, depths: F<S>, mode: Mode, colors: impl FnOnce() -> U<S>) {
+    pub(super) fn meet<S: Simd>(self, mask: M<S>, depths: F<S>, mode: Mode, shade: impl FnOnce(M<S>) -> (M<S>, U<S>)) {
         let simd = depths.token();
         if mode == Mode::OPAQUE {
             let behind = F::load_array_ref(simd, self.depths);
             let wins = mask & depths.simd_le(behind);
             if wins.any_true() {
+                let (wins, colors) = shade(wins);
                 wins.select(depths, behind).store_array(self.depths);
-                wins.select(colors(), U::load_array_ref(simd, self.colors)).store_array(self.colors);
+                wins.select(colors, U::load_array_ref(simd, self.colors)).store_array(self.colors);
             }
-        } else if mask.any_true() {
-            let (mask, depths, colors) = (mask.to_bitmask(), depths.to_array(), colors().to_array());
-            for i in (0..LANES).filter(|i| mask & 1 << i != 0) {
-                meet(&mut self.colors[i], &mut self.depths[i], depths[i], colors[i].to_ne_bytes(), mode);
-            }
+            return;
         }
+        let behind = F::load_array_ref(simd, self.depths);
+        // What is no number is not before anything.
+        let wins = if mode.depth_test { mask & depths.simd_le(behind) } else { mask };
+        if !wins.any_true() {
+            return;
+        }
+        let (wins, colors) = shade(wins);
+        if mode.depth_write {
+            wins.select(depths, behind).store_array(self.depths);
+        }
+        let behind = U::load_array_ref(simd, self.colors);
+        let colors = if mode.blend { blend_lanes(behind, colors) } else { colors };
+        wins.select(colors, behind).store_array(self.colors);
     }
 }
 
@@ -185,6 +195,30 @@ pub(super) fn blend(behind: u32, color: [u8; 4]) -> u32 {
     pack([channel(0), channel(1), channel(2), channel(3)])
 }
 
+/// As [`blend`], several at once.
+#[inline(always)]
+fn blend_lanes<S: Simd>(behind: U<S>, colors: U<S>) -> U<S> {
+    let simd = colors.token();
+    let mut blended = U::splat(simd, 0);
+    let alpha = (colors >> channel_shift(3)) & 255;
+    let rest = 255 - alpha;
+    for channel in 0..4 {
+        let shift = channel_shift(channel);
+        let (over, under) = (((colors >> shift) & 255) * alpha, ((behind >> shift) & 255) * rest);
+        let sum = ((over + (over >> 8) + 128) >> 8) + ((under + (under >> 8) + 128) >> 8);
+        blended |= sum.min(255) << shift;
+    }
+    blended
+}
+
+/// By how many bits a channel is shifted in a packed colour.
+#[inline(always)]
+pub(super) fn channel_shift(channel: usize) -> u32 {
+    let mut color = [0; 4];
+    color[channel] = 1;
+    pack(color).trailing_zeros()
+}
+
 /// `value · factor / 255`, rounded.
 #[inline]
 fn scale(value: u32, factor: u32) -> u32 {
@@ -203,6 +237,8 @@ pub(super) fn unorm8(value: f32) -> u8 {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::{dispatch, Level};
+
     use super::*;
 
     #[test]
@@ -212,6 +248,25 @@ mod tests {
         assert_eq!([r, g, b], [0, 100, 255]);
         let [r, g, b, _] = blend(pack([0, 100, 255, 255]), [255, 100, 0, 128]).to_ne_bytes();
         assert_eq!([r, g, b], [128, 100, 127]);
+    }
+
+    #[test]
+    fn several_pixels_blend_as_one_does() {
+        fn blended<S: Simd>(simd: S, behind: [u32; LANES], colors: [u32; LANES]) -> [u32; LANES] {
+            blend_lanes(U::load_array(simd, behind), U::load_array(simd, colors)).to_array()
+        }
+        let mut state = 7_u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state ^ (state >> 16)
+        };
+        for _ in 0..10_000 {
+            let (behind, colors) = ([(); LANES].map(|()| next()), [(); LANES].map(|()| next()));
+            let lanes = dispatch!(Level::new(), simd => blended(simd, behind, colors));
+            for i in 0..LANES {
+                assert_eq!(lanes[i], blend(behind[i], colors[i].to_ne_bytes()), "{:x} {:x}", behind[i], colors[i]);
+            }
+        }
     }
 
     #[test]

@@ -18,7 +18,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 use rcs_scene::PointStyle;
 
-use super::band::{pack, Band};
+use super::band::{channel_shift, pack, Band};
 use super::faces::{cross, size_m, BRIGHTNESS};
 use super::lanes::{inlined, load, map, nearest, numbers, store, store_whole, transform, whole, F, I, LANES, M, U};
 use super::points::{Cloud, Gathered, Scratch, BLOCK};
@@ -534,13 +534,12 @@ fn draw_quad<S: Simd, const PAINT: u8>(
             |window| {
                 let [e0, e1, e2, e3] = edges_at;
                 let mask = ((e0 | e1) | (e2 | e3)).simd_ge(I::splat(simd, 0));
-                let mask = paint.mask(places_at, mask);
                 window.meet(
                     mask,
                     depth_from_first + depth,
                     mode,
                     #[inline(always)]
-                    || paint.colors(places_at),
+                    |seen| (paint.mask(places_at, seen), paint.colors(places_at)),
                 );
                 for k in 0..EDGES {
                     edges_at[k] += edges[k][2];
@@ -634,9 +633,7 @@ fn in_channel<S: Simd>(level: F<S>, channel: usize) -> U<S> {
     // are zero, and the first is shifted out of the number where the last is shifted at all.
     const NO_FRACTION: f32 = 8_388_608.0;
     let bits = (level + NO_FRACTION).bitcast::<U<S>>();
-    let mut color = [0; 4];
-    color[channel] = 1;
-    match pack(color).trailing_zeros() {
+    match channel_shift(channel) {
         0 => bits & 255,
         shift => bits << shift,
     }

@@ -117,7 +117,7 @@ pub(super) fn draw<S: Simd>(
                             depths,
                             mode,
                             #[inline(always)]
-                            || colors,
+                            |seen| (seen, colors),
                         );
                         dy += 1.0;
                     },
