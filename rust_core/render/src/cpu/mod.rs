@@ -23,6 +23,7 @@ mod lighting;
 mod lines;
 mod plan;
 mod points;
+mod quad_paint;
 mod quads;
 mod round_points;
 mod screen;

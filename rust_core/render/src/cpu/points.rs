@@ -17,6 +17,7 @@ use rcs_scene::{Camera, PointBuffer, PointStyle, Points};
 use super::band::{pack, unorm8, Band};
 use super::bins::Bins;
 use super::faces::{is_visible, Faces};
+use super::quad_paint::{DARK_EDGED, DISC, EDGED, PLAIN};
 use super::quads::{self, Quads};
 use super::round_points;
 use super::screen::{Placement, Screen};
@@ -182,18 +183,18 @@ fn draw_by_lanes<S: Simd>(
     match cloud.points.style {
         PointStyle::Points { .. } => round_points::draw(simd, cloud, indices, screen, &mut scratch.points, band),
         PointStyle::FlatSquares { .. } => {
-            quads::draw::<S, { quads::PLAIN }>(simd, cloud, indices, screen, scratch, band);
+            quads::draw::<S, { PLAIN }>(simd, cloud, indices, screen, scratch, band);
         }
         PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
-            quads::draw::<S, { quads::EDGED }>(simd, cloud, indices, screen, scratch, band);
+            quads::draw::<S, { EDGED }>(simd, cloud, indices, screen, scratch, band);
         }
-        PointStyle::Spheres { .. } => quads::draw::<S, { quads::DISC }>(simd, cloud, indices, screen, scratch, band),
+        PointStyle::Spheres { .. } => quads::draw::<S, { DISC }>(simd, cloud, indices, screen, scratch, band),
         // Of what is turned inside out, other sides are seen.
         PointStyle::Boxes { size_m } if !size_m.iter().all(|side_m| *side_m >= 0.0) => {
             quads::draw_exactly(cloud, indices, screen, band);
         }
         PointStyle::Boxes { .. } => {
-            quads::draw::<S, { quads::DARK_EDGED }>(simd, cloud, indices, screen, scratch, band);
+            quads::draw::<S, { DARK_EDGED }>(simd, cloud, indices, screen, scratch, band);
         }
     }
 }

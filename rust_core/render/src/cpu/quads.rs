@@ -18,22 +18,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 use rcs_scene::PointStyle;
 
-use super::band::{channel_shift, pack, Band};
-use super::faces::{cross, size_m, BRIGHTNESS};
-use super::lanes::{inlined, load, map, nearest, numbers, store, store_whole, transform, whole, F, I, LANES, M, U};
+use super::band::Band;
+use super::faces::{cross, size_m};
+use super::lanes::{inlined, load, map, nearest, numbers, store, store_whole, transform, whole, F, I, LANES, M};
 use super::points::{Cloud, Gathered, Scratch, BLOCK};
+use super::quad_paint::{Paint, DARK_EDGED, PLAIN};
 use super::screen::{Screen, FARTHEST, SUBPIXELS};
-use super::surface::contrast;
 use super::triangles;
-
-/// One colour.
-pub(super) const PLAIN: u8 = 0;
-/// One colour with a contrasting edge.
-pub(super) const EDGED: u8 = 1;
-/// One colour with a dark edge: the sides of boxes.
-pub(super) const DARK_EDGED: u8 = 2;
-/// A disc, darker to its rim.
-pub(super) const DISC: u8 = 3;
 
 /// Sides of a box that can be seen at once: those across z, x and y. Other faces have one.
 const SIDES: usize = 3;
@@ -264,6 +255,17 @@ impl Quads {
     }
 }
 
+/// Some points of a block, as many as there are lanes.
+#[derive(Clone, Copy)]
+struct Batch<'a, S: Simd> {
+    simd: S,
+    cloud: &'a Cloud<'a>,
+    frame: &'a Frame,
+    points: &'a Gathered,
+    /// Of the block's points the first of these.
+    begin: usize,
+}
+
 /// Draws the rows of a band.
 #[inline(always)]
 pub(super) fn draw<S: Simd, const PAINT: u8>(
@@ -288,12 +290,13 @@ pub(super) fn draw<S: Simd, const PAINT: u8>(
             (quads.small, quads.general, quads.along) = (0, 0, 0);
         }
         for begin in (0..points.len).step_by(LANES) {
+            let batch = Batch { simd, cloud, frame: &frame, points, begin };
             if PAINT == DARK_EDGED {
-                set_up_boxes(simd, cloud, &frame, points, begin, quads);
+                set_up_boxes(&batch, quads);
             } else if let Some(quads) = quads.first_mut() {
                 match cloud.points.style {
-                    PointStyle::Tiles { .. } => set_up_tiles(simd, cloud, &frame, points, begin, quads),
-                    _ => set_up_upright(simd, cloud, &frame, points, begin, PAINT != PLAIN, quads),
+                    PointStyle::Tiles { .. } => set_up_tiles(&batch, quads),
+                    _ => set_up_upright(&batch, PAINT != PLAIN, quads),
                 }
             }
         }
@@ -334,7 +337,8 @@ fn draw_triangles(cloud: &Cloud<'_>, index: u32, screen: &Screen, band: &mut Ban
 
 /// A block's places from `begin` on, what their sizes are multiplied by, and their places in clip coordinates.
 #[inline(always)]
-fn places<S: Simd>(simd: S, cloud: &Cloud<'_>, points: &Gathered, begin: usize) -> ([F<S>; 3], F<S>, [F<S>; 4]) {
+fn places<S: Simd>(batch: &Batch<'_, S>) -> ([F<S>; 3], F<S>, [F<S>; 4]) {
+    let Batch { simd, cloud, points, begin, .. } = *batch;
     let [x, y, z] = &points.places;
     let place = [load(simd, x, begin), load(simd, y, begin), load(simd, z, begin)];
     let factor = if cloud.points.auto_size { place[2] } else { F::splat(simd, 1.0) };
@@ -343,16 +347,9 @@ fn places<S: Simd>(simd: S, cloud: &Cloud<'_>, points: &Gathered, begin: usize) 
 
 /// Sets up faces that look at the eye and stand upright.
 #[inline(always)]
-fn set_up_upright<S: Simd>(
-    simd: S,
-    cloud: &Cloud<'_>,
-    frame: &Frame,
-    points: &Gathered,
-    begin: usize,
-    with_place: bool,
-    quads: &mut Quads,
-) {
-    let ([x, y, z], factor, middle) = places(simd, cloud, points, begin);
+fn set_up_upright<S: Simd>(batch: &Batch<'_, S>, with_place: bool, quads: &mut Quads) {
+    let Batch { simd, cloud, frame, begin, .. } = *batch;
+    let ([x, y, z], factor, middle) = places(batch);
     let [eye_x, eye_y, eye_z] = cloud.faces.eye();
     let (x, y, z) = (eye_x - x, eye_y - y, eye_z - z);
     let level = x * x + z * z;
@@ -380,16 +377,10 @@ fn set_up_upright<S: Simd>(
 
 /// Sets up rectangles of a fixed orientation, which are seen from both sides.
 #[inline(always)]
-fn set_up_tiles<S: Simd>(
-    simd: S,
-    cloud: &Cloud<'_>,
-    frame: &Frame,
-    points: &Gathered,
-    begin: usize,
-    quads: &mut Quads,
-) {
+fn set_up_tiles<S: Simd>(batch: &Batch<'_, S>, quads: &mut Quads) {
+    let Batch { simd, cloud, frame, begin, .. } = *batch;
     let Some([right, up]) = cloud.faces.tile_sides() else { return };
-    let (place, _, middle) = places(simd, cloud, points, begin);
+    let (place, _, middle) = places(batch);
     let across = cross(right, up);
     let [x, y, z] = cloud.faces.eye();
     let from_above = (x - place[0]) * across[0] + (y - place[1]) * across[1] + (z - place[2]) * across[2];
@@ -432,16 +423,10 @@ fn corners<S: Simd>(middle: [F<S>; 4], right: [F<S>; 4], up: [F<S>; 4], frame: &
 
 /// Sets up the sides of boxes that look towards the eye.
 #[inline(always)]
-fn set_up_boxes<S: Simd>(
-    simd: S,
-    cloud: &Cloud<'_>,
-    frame: &Frame,
-    points: &Gathered,
-    begin: usize,
-    quads: &mut [Quads],
-) {
+fn set_up_boxes<S: Simd>(batch: &Batch<'_, S>, quads: &mut [Quads]) {
+    let Batch { simd, cloud, frame, begin, .. } = *batch;
     let PointStyle::Boxes { size_m } = cloud.points.style else { return };
-    let (place, factor, middle) = places(simd, cloud, points, begin);
+    let (place, factor, middle) = places(batch);
     let (zero, one) = (F::splat(simd, 0.0), F::splat(simd, 1.0));
     let eye = cloud.faces.eye();
     let along = map(
@@ -552,89 +537,5 @@ fn draw_quad<S: Simd, const PAINT: u8>(
                 }
             },
         );
-    }
-}
-
-/// What a face's colour is made of.
-struct Paint<S: Simd, const PAINT: u8> {
-    packed: U<S>,
-    /// 0 to 255, with a box's side's brightness.
-    rgb: [f32; 3],
-    /// 0 to 255.
-    contrast: f32,
-}
-
-impl<S: Simd, const PAINT: u8> Paint<S, PAINT> {
-    #[inline(always)]
-    fn new(simd: S, color: u32, axis: usize, is_along: bool) -> Self {
-        if PAINT == PLAIN {
-            return Self { packed: U::splat(simd, color), rgb: [0.0; 3], contrast: 0.0 };
-        }
-        let [r, g, b, a] = color.to_ne_bytes();
-        let packed = U::splat(simd, pack([0, 0, 0, a]));
-        let brightness = if PAINT == DARK_EDGED { BRIGHTNESS[usize::from(!is_along)][axis] } else { 1.0 };
-        let rgb = [f32::from(r) * brightness, f32::from(g) * brightness, f32::from(b) * brightness];
-        let contrast = if PAINT == EDGED {
-            let [r, g, b] = rgb.map(|c| c / 255.0);
-            contrast([r, g, b, 1.0]) * 255.0
-        } else {
-            0.0
-        };
-        Self { packed, rgb, contrast }
-    }
-
-    /// Which of the places given by 1/w, u/w and v/w belong to the face; see [`super::surface`].
-    #[inline(always)]
-    fn mask(&self, [q, u, v]: [F<S>; 3], mask: M<S>) -> M<S> {
-        if PAINT == DISC {
-            mask & (u * u + v * v).simd_lt(q * q * 0.25)
-        } else {
-            mask
-        }
-    }
-
-    /// The colours at places given by 1/w, u/w and v/w; see [`super::surface`].
-    #[inline(always)]
-    fn colors(&self, [q, u, v]: [F<S>; 3]) -> U<S> {
-        if PAINT == PLAIN {
-            return self.packed;
-        }
-        let shade = if PAINT == DISC {
-            (u * u + v * v) / (q * q) * -0.8 + 1.0
-        } else {
-            let w = 1.0 / q;
-            let inside = edge_shade(u * w) * edge_shade(v * w);
-            if PAINT == EDGED {
-                (1.0 - inside) * self.contrast
-            } else {
-                inside * 0.5 + 0.5
-            }
-        };
-        let [r, g, b] = map(
-            self.rgb,
-            #[inline(always)]
-            |level| if PAINT == EDGED { (shade + level).max(0.0).min(255.0) } else { shade * level },
-        );
-        self.packed | in_channel(r, 0) | in_channel(g, 1) | in_channel(b, 2)
-    }
-}
-
-/// How much a place belongs to the inside of a square along one axis.
-#[inline(always)]
-fn edge_shade<S: Simd>(from_middle: F<S>) -> F<S> {
-    let t = ((0.48 - from_middle.abs()) * (1.0 / 0.03)).max(0.0).min(1.0);
-    t * t * (3.0 - t * 2.0)
-}
-
-/// Levels of 0 to 255, to the nearest whole number, at the place that a channel has in a packed colour.
-#[inline(always)]
-fn in_channel<S: Simd>(level: F<S>, channel: usize) -> U<S> {
-    // At 2^23 there is no fraction left, so that the sum is rounded and its lowest byte is the whole number. The next two
-    // are zero, and the first is shifted out of the number where the last is shifted at all.
-    const NO_FRACTION: f32 = 8_388_608.0;
-    let bits = (level + NO_FRACTION).bitcast::<U<S>>();
-    match channel_shift(channel) {
-        0 => bits & 255,
-        shift => bits << shift,
     }
 }
