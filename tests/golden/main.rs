@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use rcs_app::camera_pose::Projection;
-use rcs_app::offline::{self, Target};
-use rcs_app::stage::Stage;
+use rcs_app::camera_stream::camera_pose::Projection;
+use rcs_app::camera_stream::offline::{self, Target};
+use rcs_app::camera_stream::stage::Stage;
 use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use rcs_app::projector_file::ProjectorFile;
+use rcs_files::projector::ProjectorFile;
 use rcs_rviz_config::DisplaySettings;
 use rcs_tests::programs::{program, repository};
 

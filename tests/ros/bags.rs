@@ -1,8 +1,9 @@
 //! Bags that ROS recorded, and ours read by ROS.
 
-use rcs_input::bag::{Bag, BagWriter};
+use rcs_bag::Bag;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{geometry_msgs::PointStamped, AnyMessage, MessageKind, Time};
+use rcs_test_support::BagWriter;
 use rcs_tests::ros::RosMaster;
 
 #[test]

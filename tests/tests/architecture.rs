@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The crates from the bottom up, each with the outside crates that would give it a task that is not its own.
-const LAYERS: [(&str, &[&str]); 10] = [
+const LAYERS: [(&str, &[&str]); 12] = [
     ("scene", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("transforms", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("messages", &["rosbag", "wgpu", "winit"]),
@@ -12,17 +12,21 @@ const LAYERS: [(&str, &[&str]); 10] = [
     ("resources", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("displays", &["rosrust", "rosbag", "wgpu", "winit"]),
     ("render", &["rosrust", "rosrust_msg", "rosbag", "winit"]),
-    ("input", &["wgpu", "winit"]),
-    ("output", &["rosbag", "wgpu"]),
+    ("files", &["rosrust", "rosbag", "wgpu", "winit"]),
+    ("bag", &["rosrust", "wgpu", "winit"]),
+    ("ros", &["rosbag", "wgpu", "winit"]),
+    ("window", &["rosrust", "rosrust_msg", "rosbag", "wgpu"]),
     ("app", &["wgpu", "winit", "rosbag"]),
 ];
 
 /// What may not be used although it is lower: the renderers know no messages, the displays no renderers, and so on.
-const APART: [(&str, &[&str]); 4] = [
+const APART: [(&str, &[&str]); 6] = [
     ("rviz_config", &["scene", "transforms", "messages"]),
     ("render", &["transforms", "messages", "rviz_config", "resources", "displays"]),
-    ("input", &["scene", "rviz_config", "resources", "displays", "render"]),
-    ("output", &["transforms", "rviz_config", "resources", "displays", "render"]),
+    ("files", &["transforms", "rviz_config", "resources", "displays", "render"]),
+    ("bag", &["scene", "transforms", "rviz_config", "resources", "displays", "render", "files"]),
+    ("ros", &["scene", "transforms", "rviz_config", "resources", "displays", "render", "files", "bag"]),
+    ("window", &["messages", "transforms", "rviz_config", "resources", "displays", "render", "bag", "ros"]),
 ];
 
 /// The names of a crate's dependencies, its tests' not among them.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rcs_input::live::{NodeError, RosNode};
+use rcs_ros::{NodeError, RosNode};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// How often the node looks whether it is asked to end.

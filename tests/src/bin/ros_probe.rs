@@ -7,10 +7,10 @@
 //!
 //! SIGTERM and SIGINT unregister and end it.
 
-use rcs_input::live::{plain_args, NodeEvent, RosNode, TopicSubscription};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{header, MessageKind};
-use rcs_output::image_topic::{ImagePublisher, Picture};
+use rcs_ros::image_topic::{ImagePublisher, Picture};
+use rcs_ros::{plain_args, NodeEvent, RosNode, TopicSubscription};
 use std::error::Error;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};

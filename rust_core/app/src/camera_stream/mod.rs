@@ -1,0 +1,109 @@
+//! `camera_stream`: the virtual cameras of a `.rviz` config, as a ROS node or over a bag.
+
+pub mod camera_pose;
+pub mod check;
+pub mod cli;
+pub mod node;
+pub mod offline;
+mod recent;
+mod report;
+pub mod stage;
+mod status_log;
+
+use std::process::ExitCode;
+
+use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
+use crate::camera_stream::offline::Target;
+use crate::camera_stream::stage::Stage;
+use crate::logging;
+use crate::small_node::own_arguments;
+use anyhow::{anyhow, Result};
+use clap::Parser;
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_rviz_config::Config;
+
+/// Unusable arguments or an unreadable config.
+const UNUSABLE: u8 = 2;
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse_from(own_arguments()) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are no errors; clap prints each where it belongs. A closed pipe is nothing to report.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { UNUSABLE } else { 0 });
+        }
+    };
+    logging::start(cli.node.log_level_debug);
+    quiet_graphics_libraries();
+    let result = match &cli.command {
+        Some(Command::Check(args)) if args.live => match rcs_rviz_config::load(&args.config) {
+            Ok(config) => return check_live(&cli, args, &config),
+            Err(error) => return unusable(&error),
+        },
+        Some(Command::Check(args)) => match rcs_rviz_config::load(&args.config) {
+            Ok(config) => check::print(&config, &mut std::io::stdout().lock())
+                .map(|understood| if understood { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+                .map_err(|error| anyhow!("standard output: {error}")),
+            Err(error) => return unusable(&error),
+        },
+        Some(Command::Render(args)) => match rcs_rviz_config::load(&args.display_config) {
+            Ok(config) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
+            Err(error) => return unusable(&error),
+        },
+        None => match &cli.node.display_config {
+            Some(file) => match rcs_rviz_config::load(file) {
+                Ok(config) => node::run(&cli, &config).map(|()| ExitCode::SUCCESS),
+                Err(error) => return unusable(&error),
+            },
+            None => return unusable(&"no config: name one with -d FILE.rviz (see --help)"),
+        },
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("camera_stream: {}", logging::one_line(&error));
+        ExitCode::FAILURE
+    })
+}
+
+/// libwayland complains on standard error where there is no session and so no XDG_RUNTIME_DIR, although a program that
+/// opens no window needs none. With an existing folder in its place it finds no socket there and stays silent.
+fn quiet_graphics_libraries() {
+    const RUNTIME_FOLDER: &str = "XDG_RUNTIME_DIR";
+    if std::env::var_os(RUNTIME_FOLDER).is_none() {
+        std::env::set_var(RUNTIME_FOLDER, std::env::temp_dir());
+    }
+}
+
+fn unusable(error: &dyn std::fmt::Display) -> ExitCode {
+    eprintln!("camera_stream: {error}");
+    ExitCode::from(UNUSABLE)
+}
+
+fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
+    let projection = cli.projection.unwrap_or_default();
+    match check::live::run(config, args.listen, projection, &mut std::io::stdout().lock()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => unusable(&error),
+    }
+}
+
+fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
+    for finding in config.findings.iter().filter(|finding| finding.is_not_understood()) {
+        log::warn!("{}: {finding}", config.source);
+    }
+    let packages = PackageIndex::from_env(&args.package_path);
+    let parameters = offline::read_parameters(&args.param, &packages)?;
+    let meshes = MeshStore::new(packages);
+    let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
+    offline::hand_over(&mut stage, &parameters);
+    let target = match (&args.output, &args.frames) {
+        (_, Some(folder)) => Target::Sequence { folder: folder.clone(), rate_hz: args.rate },
+        (Some(file), None) => Target::Picture { file: file.clone(), at_secs: args.at },
+        (None, None) => return Err(anyhow!("no output: name one with -o FILE.png or --frames DIR")),
+    };
+    let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
+    let projection = cli.projection.unwrap_or_default();
+    offline::render(&mut stage, &args.bag, args.camera.as_deref(), &target, renderer.as_mut(), projection)
+}

@@ -1,0 +1,271 @@
+//! What rviz's tree would show, for those who look elsewhere: the log, `/diagnostics`, `camera_stream check --live`.
+//!
+//! A [`Subject`] is a line of that tree: the global status, a display or a camera, each with its statuses.
+
+use std::borrow::Cow;
+
+use rcs_displays::{CameraView, DisplayReport, DisplaySet, Level, Statuses};
+use rcs_messages::{stamp_nanos, MessageKind};
+use rcs_ros::{Publications, RosNode};
+use rcs_transforms::{Time, TransformTree};
+
+use crate::camera_stream::camera_pose::{CameraProblem, Projection};
+use crate::camera_stream::stage::Stage;
+
+/// The status that tells who publishes a topic: rviz has none, and says nothing of a topic of another type.
+pub(crate) const PUBLISHER: &str = "Publisher";
+/// The status of the fixed frame.
+pub(crate) const FIXED_FRAME: &str = "Fixed Frame";
+
+const MESSAGES: &str = "messages received";
+const AGE: &str = "age of the data shown ms";
+
+/// What is told of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// The whole scene.
+    Global,
+    /// A display.
+    Display,
+    /// A CameraPub display.
+    Camera,
+}
+
+/// Something with statuses.
+#[derive(Clone, Debug)]
+pub(crate) struct Subject<'a> {
+    pub(crate) kind: Kind,
+    /// The names of the groups around it and its own, as a text.
+    pub(crate) path: String,
+    /// Such as `rviz/Grid`; empty for the whole scene.
+    pub(crate) class: String,
+    /// The topic by its name in the config: what a display shows, or a camera publishes. Empty without one.
+    pub(crate) topic: String,
+    /// What it listens to, by the names in the config, and of which type.
+    pub(crate) listens: Vec<(String, MessageKind)>,
+    /// Whether a message came on any of them.
+    pub(crate) has_heard: bool,
+    pub(crate) statuses: Cow<'a, Statuses>,
+    /// What else is known of it: name and value.
+    pub(crate) values: Vec<(&'static str, String)>,
+}
+
+impl Subject<'_> {
+    /// How bad the worst of its statuses is.
+    pub(crate) fn level(&self) -> Level {
+        self.statuses.level()
+    }
+}
+
+/// A path as it is told.
+pub(crate) fn path_text(path: &[String]) -> String {
+    path.join(" / ")
+}
+
+/// The age of data stamped so, in milliseconds: negative where the stamp lies in the future. `None` where there is no
+/// stamp, or no time yet, as in a simulation that has not begun.
+pub(crate) fn age_ms(stamp: Time, now: Time) -> Option<f64> {
+    (!stamp.is_zero() && !now.is_zero()).then(|| now.secs_since(stamp) * 1e3)
+}
+
+/// A figure as it is told, also where there is none.
+pub(crate) fn figure(figure: Option<impl std::fmt::Display>) -> String {
+    figure.map_or_else(|| "-".to_owned(), |figure| figure.to_string())
+}
+
+/// The whole scene and its displays, in the config's order. `now` is ROS time, for the age of what is shown.
+pub(crate) fn scene<'a>(
+    displays: &'a DisplaySet,
+    transforms: &TransformTree,
+    fixed_frame: &str,
+    now: Time,
+) -> Vec<Subject<'a>> {
+    let values = |report: &DisplayReport<'_>| {
+        if report.topics.is_empty() {
+            return Vec::new();
+        }
+        let age_ms = report.shown.and_then(|shown| age_ms(shown.stamp, now));
+        let age = figure(age_ms.map(|age_ms| format!("{age_ms:.0}")));
+        vec![(MESSAGES, report.received.to_string()), (AGE, age)]
+    };
+    let of_display = displays.reports().map(|report| Subject {
+        kind: Kind::Display,
+        path: path_text(&report.listed.path),
+        class: report.listed.class.clone(),
+        topic: report.listed.topic.clone().unwrap_or_default(),
+        has_heard: report.received > 0,
+        values: values(&report),
+        listens: report.topics.into_iter().map(|request| (request.topic, request.kind)).collect(),
+        statuses: report.statuses,
+    });
+    std::iter::once(global(transforms, fixed_frame)).chain(of_display).collect()
+}
+
+/// rviz's "Global Status".
+fn global(transforms: &TransformTree, fixed_frame: &str) -> Subject<'static> {
+    let mut statuses = Statuses::default();
+    if transforms.frame_exists(fixed_frame) {
+        statuses.set(Level::Ok, FIXED_FRAME, "OK");
+    } else if transforms.frames().next().is_none() {
+        statuses.set(Level::Warn, FIXED_FRAME, "No TF data");
+    } else {
+        statuses.set(Level::Error, FIXED_FRAME, format!("Unknown frame {fixed_frame}"));
+    }
+    Subject {
+        kind: Kind::Global,
+        path: "Global Status".to_owned(),
+        class: String::new(),
+        topic: String::new(),
+        listens: Vec::new(),
+        has_heard: true,
+        statuses: Cow::Owned(statuses),
+        values: vec![("fixed frame", fixed_frame.to_owned())],
+    }
+}
+
+/// A camera, with the statuses that rviz's CameraPub has.
+pub(crate) fn camera(stage: &Stage, view: &CameraView, projection: Projection) -> Subject<'static> {
+    let settings = &view.settings;
+    let mut statuses = Statuses::default();
+    if settings.image_topic.is_empty() {
+        statuses.set(Level::Error, "Output Topic", "No topic set");
+    } else {
+        statuses.set(Level::Ok, "Output Topic", "Topic set");
+    }
+    let mut values = Vec::new();
+    if settings.camera_info_topic.is_empty() {
+        statuses.set(Level::Error, "Camera Info", "No topic set");
+    } else {
+        values.push(("camera info topic", settings.camera_info_topic.clone()));
+        match stage.camera(view, projection) {
+            Ok(_) => statuses.set(Level::Ok, "Camera Info", "OK"),
+            Err(problem @ CameraProblem::NoCameraInfo { .. }) => {
+                statuses.set(Level::Warn, "Camera Info", problem.to_string());
+            }
+            Err(problem @ CameraProblem::BadCameraInfo { .. }) => {
+                statuses.set(Level::Error, "Camera Info", problem.to_string());
+            }
+            Err(CameraProblem::NoTransform { error, .. }) => {
+                statuses.set(Level::Ok, "Camera Info", "OK");
+                statuses.set(Level::Error, Statuses::TRANSFORM, error.to_string());
+            }
+        }
+    }
+    let info = stage.camera_info(view);
+    if let Some(info) = info {
+        values.push(("size", format!("{}x{}", info.width, info.height)));
+        values.push(("frame", info.header.frame_id.clone()));
+    }
+    values.push(("encoding", settings.image_encoding.name().to_owned()));
+    Subject {
+        kind: Kind::Camera,
+        path: path_text(&view.path),
+        class: "rviz_camera_stream/CameraPub".to_owned(),
+        topic: settings.image_topic.clone(),
+        listens: vec![(settings.camera_info_topic.clone(), MessageKind::CameraInfo)],
+        has_heard: info.is_some(),
+        statuses: Cow::Owned(statuses),
+        values,
+    }
+}
+
+/// Says of a subject that has heard nothing that nobody publishes its topics, and of any whether one of them is published
+/// with another type. `full_name` resolves the config's names.
+fn add_publishers(subject: &mut Subject<'_>, publications: &Publications, full_name: impl Fn(&str) -> Option<String>) {
+    let listens = subject.listens.iter().filter(|(topic, _)| !topic.is_empty());
+    let known: Vec<_> = listens.filter_map(|(topic, kind)| Some((full_name(topic)?, kind.ros_type()))).collect();
+    for (topic, wanted) in &known {
+        let Some(publication) = publications.get(topic) else { continue };
+        if !publication.has_type(wanted) {
+            let (found, nodes) = (&publication.ros_type, publication.nodes.join(", "));
+            let text = format!("[{topic}] is published as {found} by {nodes}, not as {wanted}");
+            subject.statuses.to_mut().set(Level::Error, PUBLISHER, text);
+            return;
+        }
+    }
+    // A display may listen to more than one topic where one is enough, so only their common silence counts.
+    let nobody = known.iter().all(|(topic, _)| publications.get(topic).is_none());
+    if let (Some((topic, _)), false, true) = (known.first(), subject.has_heard, nobody) {
+        let text = format!("No publishers on [{topic}].  Topic may not exist.");
+        subject.statuses.to_mut().set(Level::Warn, PUBLISHER, text);
+    }
+}
+
+/// Adds what the ROS around the node says: who publishes the topics, and whether a simulation's time comes.
+pub(crate) fn add_surroundings(subjects: &mut [Subject<'_>], ros: &RosNode) {
+    if let Some(publications) = ros.publications() {
+        for subject in subjects.iter_mut() {
+            add_publishers(subject, &publications, |name| ros.resolve(name).ok());
+        }
+    }
+    let global = subjects.iter_mut().find(|subject| subject.kind == Kind::Global);
+    if let (Some(global), true, 0) = (global, ros.is_simulated(), stamp_nanos(ros.now())) {
+        let text = "/use_sim_time is set and no /clock was received";
+        global.statuses.to_mut().set(Level::Warn, "Time", text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rcs_ros::Publication;
+    use rcs_transforms::RawTransform;
+
+    use super::*;
+
+    #[test]
+    fn the_fixed_frame_is_missed_with_rvizs_words() {
+        let mut transforms = TransformTree::new();
+        let said = |transforms: &TransformTree| {
+            let global = global(transforms, "map");
+            let status = global.statuses.get(FIXED_FRAME).unwrap();
+            (status.level, status.text.clone())
+        };
+        assert_eq!(said(&transforms), (Level::Warn, "No TF data".to_owned()));
+        for (parent, expected) in [("world", (Level::Error, "Unknown frame map")), ("map", (Level::Ok, "OK"))] {
+            let (stamp, translation, rotation_xyzw) = (Time::ZERO, [0.0; 3], [0.0, 0.0, 0.0, 1.0]);
+            let transform = RawTransform { parent, child: "arm", stamp, translation, rotation_xyzw };
+            transforms.insert(&transform, true, "/a").unwrap();
+            assert_eq!(said(&transforms), (expected.0, expected.1.to_owned()));
+        }
+    }
+
+    #[test]
+    fn ages_are_negative_for_stamps_ahead_and_unknown_without_a_stamp_or_time() {
+        let at = |secs| Time::from_secs_nanos(secs, 0);
+        assert_eq!(age_ms(at(102), at(100)), Some(-2000.0));
+        assert_eq!(age_ms(at(99), at(100)), Some(1000.0));
+        assert_eq!([age_ms(Time::ZERO, at(100)), age_ms(at(99), Time::ZERO)].map(figure), ["-", "-"]);
+    }
+
+    #[test]
+    fn a_topic_without_publisher_or_of_another_type_is_told() {
+        let subject = |has_heard| Subject {
+            kind: Kind::Display,
+            path: "m".to_owned(),
+            class: "rviz/Marker".to_owned(),
+            topic: "m".to_owned(),
+            listens: vec![("m".to_owned(), MessageKind::Marker), ("m_array".to_owned(), MessageKind::MarkerArray)],
+            has_heard,
+            statuses: Cow::Owned(Statuses::default()),
+            values: Vec::new(),
+        };
+        let published = |list: &[(&str, &str)]| {
+            let publication =
+                |ros_type: &str| Publication { nodes: vec!["/a".to_owned()], ros_type: ros_type.to_owned() };
+            list.iter().map(|(topic, ros_type)| ((*topic).to_owned(), publication(ros_type))).collect::<Publications>()
+        };
+        let said = |has_heard, list: &[(&str, &str)]| {
+            let mut subject = subject(has_heard);
+            add_publishers(&mut subject, &published(list), |name| Some(format!("/ns/{name}")));
+            subject.statuses.get(PUBLISHER).map(|status| (status.level, status.text.clone()))
+        };
+        let nobody = (Level::Warn, "No publishers on [/ns/m].  Topic may not exist.".to_owned());
+        assert_eq!(said(false, &[("/m", "visualization_msgs/Marker")]), Some(nobody));
+        assert_eq!(said(true, &[]), None);
+        assert_eq!(said(false, &[("/ns/m", "visualization_msgs/Marker")]), None);
+        assert_eq!(said(false, &[("/ns/m_array", "visualization_msgs/MarkerArray")]), None);
+        assert_eq!(said(false, &[("/ns/m", "*")]), None);
+        let (level, text) = said(true, &[("/ns/m", "sensor_msgs/Joy")]).unwrap();
+        assert_eq!((level, text.contains("[/ns/m]") && text.contains("sensor_msgs/Joy by /a")), (Level::Error, true));
+    }
+}

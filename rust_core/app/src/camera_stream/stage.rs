@@ -1,0 +1,179 @@
+//! A config being played: its displays, the frames, and the CameraInfos of its cameras.
+//!
+//! Live topics and bags feed the same stage, and what its cameras see is a function of the messages and the time.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use rcs_displays::{CameraView, DisplaySet, Reconfigured, TopicRequest, World};
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::tf2_msgs::TFMessage;
+use rcs_messages::{quaternion_xyzw, stamp_nanos, translation_xyz, AnyMessage, MessageKind};
+use rcs_resources::MeshStore;
+use rcs_rviz_config::Config;
+use rcs_scene::Scene;
+use rcs_transforms::{RawTransform, Time, TransformTree};
+
+use crate::camera_stream::camera_pose::{self, CameraProblem, Projection};
+use crate::camera_stream::report::{self, Subject};
+
+/// The frame in which the scene is built.
+fn fixed_frame_of(config: &Config, given: Option<&str>) -> String {
+    given.unwrap_or(&config.global.fixed_frame).trim_start_matches('/').to_owned()
+}
+
+/// A config with all that its messages have said so far.
+#[derive(Debug)]
+pub struct Stage {
+    displays: DisplaySet,
+    transforms: TransformTree,
+    fixed_frame: String,
+    meshes: MeshStore,
+    camera_infos: HashMap<String, Arc<CameraInfo>>,
+    warned: std::collections::HashSet<String>,
+}
+
+impl Stage {
+    /// An empty stage; `fixed_frame` overrides the config's.
+    pub fn new(config: &Config, fixed_frame: Option<&str>, meshes: MeshStore) -> Self {
+        Self {
+            displays: DisplaySet::new(config),
+            transforms: TransformTree::new(),
+            fixed_frame: fixed_frame_of(config, fixed_frame),
+            meshes,
+            camera_infos: HashMap::new(),
+            warned: std::collections::HashSet::new(),
+        }
+    }
+
+    /// Goes over to another config; `fixed_frame` overrides its own. Displays that it has, too, stay as they are, unless
+    /// the fixed frame is another one: then everything is placed anew.
+    pub fn reconfigure(&mut self, config: &Config, fixed_frame: Option<&str>, now: Time) -> Reconfigured {
+        let fixed_frame = fixed_frame_of(config, fixed_frame);
+        let is_moved = fixed_frame != self.fixed_frame;
+        self.fixed_frame = fixed_frame;
+        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        let changed = self.displays.reconfigure(config, &world);
+        if is_moved {
+            self.displays.place_anew(&world);
+        }
+        let topics = self.topics();
+        self.camera_infos.retain(|topic, _| topics.iter().any(|request| request.topic == *topic));
+        changed
+    }
+
+    /// The cameras, in the config's order.
+    pub fn cameras(&self) -> &[CameraView] {
+        self.displays.cameras()
+    }
+
+    /// The displays.
+    pub fn displays(&self) -> &DisplaySet {
+        &self.displays
+    }
+
+    /// What displays and cameras listen to, by the names in the config; transforms not among them.
+    pub fn topics(&self) -> Vec<TopicRequest> {
+        let mut topics = self.displays.topics();
+        for camera in self.cameras() {
+            let topic = &camera.settings.camera_info_topic;
+            let known = |request: &TopicRequest| &request.topic == topic && request.kind == MessageKind::CameraInfo;
+            if !topic.is_empty() && !topics.iter().any(known) {
+                topics.push(TopicRequest { topic: topic.clone(), kind: MessageKind::CameraInfo, queue_size: 1 });
+            }
+        }
+        topics
+    }
+
+    fn world(&self, now: Time) -> World<'_> {
+        World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes }
+    }
+
+    /// Takes transforms of a publisher. One that is refused is said once for each child frame.
+    pub fn take_transforms(&mut self, message: &TFMessage, is_static: bool, publisher: &str) {
+        for stamped in &message.transforms {
+            let transform = RawTransform {
+                parent: &stamped.header.frame_id,
+                child: &stamped.child_frame_id,
+                stamp: Time::from_nanos(stamp_nanos(stamped.header.stamp)),
+                translation: translation_xyz(&stamped.transform.translation),
+                rotation_xyzw: quaternion_xyzw(&stamped.transform.rotation),
+            };
+            if let Err(error) = self.transforms.insert(&transform, is_static, publisher) {
+                let key = format!("{publisher} {}", stamped.child_frame_id);
+                if self.warned.insert(key) {
+                    log::warn!("{error}");
+                }
+            }
+        }
+    }
+
+    /// Takes a message of a topic, by its name in the config.
+    pub fn take(&mut self, topic: &str, message: &AnyMessage, now: Time) {
+        self.take_received(topic, message, None, now);
+    }
+
+    /// As [`take`](Self::take), with the moment when the message was received, which
+    /// [`DisplaySet::newly_shown`] tells again.
+    pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, now: Time) {
+        if let AnyMessage::CameraInfo(info) = message {
+            self.camera_infos.insert(topic.to_owned(), info.clone());
+        }
+        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        self.displays.take_received(topic, message, received, &world);
+    }
+
+    /// The names of the ROS parameters that the displays want to know, as the config has them.
+    pub fn parameters(&self) -> Vec<String> {
+        self.displays.parameters()
+    }
+
+    /// Takes the text of a parameter, by its name in the config; `None` while nobody has set it.
+    pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, now: Time) {
+        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        self.displays.take_parameter(name, text, &world);
+    }
+
+    /// Takes note that a publisher of a topic is gone, by the topic's name in the config.
+    pub fn publisher_left(&mut self, topic: &str) {
+        self.displays.publisher_left(topic);
+    }
+
+    /// Brings the displays up to date. Returns whether the scene changed.
+    pub fn update(&mut self, now: Time) -> bool {
+        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        self.displays.update(&world)
+    }
+
+    /// How the whole scene and each display does at a ROS time.
+    pub(crate) fn subjects(&self, now: Time) -> Vec<Subject<'_>> {
+        report::scene(&self.displays, &self.transforms, &self.fixed_frame, now)
+    }
+
+    /// The scene as of the last update.
+    pub fn scene(&self) -> Scene {
+        self.displays.scene()
+    }
+
+    /// The last CameraInfo of a camera.
+    pub fn camera_info(&self, camera: &CameraView) -> Option<&Arc<CameraInfo>> {
+        self.camera_infos.get(&camera.settings.camera_info_topic)
+    }
+
+    /// Where a camera is and what it sees of the scene, from its last CameraInfo and the latest transforms.
+    ///
+    /// # Errors
+    /// See [`CameraProblem`]: no picture can be drawn then.
+    pub fn camera(&self, camera: &CameraView, projection: Projection) -> Result<rcs_scene::Camera, CameraProblem> {
+        let topic = &camera.settings.camera_info_topic;
+        let info = self.camera_info(camera).ok_or_else(|| CameraProblem::NoCameraInfo { topic: topic.clone() })?;
+        camera_pose::camera(info, topic, &self.world(Time::ZERO), f64::from(camera.settings.near_clip_m), projection)
+    }
+
+    /// Forgets frames and messages: the time jumped back. CameraInfos stay, as latched topics are not sent again.
+    pub fn reset(&mut self) {
+        self.transforms.clear();
+        self.displays.reset();
+    }
+}

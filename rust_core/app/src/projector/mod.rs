@@ -1,0 +1,154 @@
+//! `projector`: a projector's latched CameraInfo and its static frames from one YAML file.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use crate::logging;
+use crate::small_node::{self, EndRequest};
+use anyhow::{anyhow, bail, Context};
+use clap::Parser;
+use rcs_files::projector::ProjectorFile;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::tf2_msgs::TFMessage;
+use rcs_messages::Time;
+use rcs_ros::tune_listeners;
+use rcs_ros::RosNode;
+use rosrust::Publisher;
+
+const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
+
+/// Publishes a projector's geometry as a latched sensor_msgs/CameraInfo, and its frames on /tf_static.
+///
+/// The YAML file holds a CameraInfo as rostopic echo prints it, or as camera_calibration saves it (camera_matrix: {rows,
+/// cols, data}), and optionally the keys frame_id, camera_info_topic and frames (a list of {parent, child,
+/// translation: [x, y, z], rotation_rpy: [roll, pitch, yaw]} or of static_transform_publisher's arguments).
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "\
+Topics published: /proj_view/camera_info (sensor_msgs/CameraInfo, latched), /tf_static (tf2_msgs/TFMessage, latched)
+Parameter: ~file, used when no file is given as an argument
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 wrong arguments
+
+Example: projector projector.yaml --camera-info-topic /proj_view/camera_info"
+)]
+struct Arguments {
+    /// The projector's YAML file
+    #[arg(value_name = "FILE")]
+    positional: Option<PathBuf>,
+    /// The projector's YAML file, as an option
+    #[arg(long, conflicts_with = "positional")]
+    file: Option<PathBuf>,
+    /// The CameraInfo's topic [default: camera_info_topic of the file, else /proj_view/camera_info]
+    #[arg(long, value_name = "TOPIC")]
+    camera_info_topic: Option<String>,
+    /// The CameraInfo's frame [default: frame_id or header.frame_id of the file]
+    #[arg(long, value_name = "FRAME")]
+    frame_id: Option<String>,
+}
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse_from(small_node::own_arguments());
+    logging::start(false);
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("projector: {}", logging::one_line(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    // A wrong file is told at once, not when the master comes.
+    let given = arguments.positional.as_deref().or(arguments.file.as_deref());
+    let given = given.map(|path| read(path, arguments)).transpose()?;
+    let end = EndRequest::watch_signals().context("cannot take signals")?;
+    let Some(node) = small_node::connect("projector", &end)? else {
+        return Ok(());
+    };
+    let file = match given {
+        Some(file) => file,
+        None => read(&file_parameter(&node)?, arguments)?,
+    };
+    let publishers = Publishers::open(&node, &file, arguments)?;
+    let mut stamp = node.now();
+    publishers.publish(&file, stamp)?;
+    // Under simulated time the clock may start after this node; a stamp of zero is then replaced.
+    while !end.wait_for(Duration::from_millis(500)) {
+        if stamp == Time::default() && node.now() != stamp {
+            stamp = node.now();
+            publishers.publish(&file, stamp)?;
+        }
+    }
+    drop(publishers);
+    node.shutdown();
+    Ok(())
+}
+
+/// Reads the file, tells what it ignores, and fills in what the arguments say.
+fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<ProjectorFile> {
+    let mut file = ProjectorFile::read(path)?;
+    for key in &file.ignored_keys {
+        log::warn!("{}: key '{key}' is not known and is ignored", path.display());
+    }
+    if let Some(frame_id) = &arguments.frame_id {
+        file.camera_info.header.frame_id.clone_from(frame_id);
+    }
+    if file.camera_info.header.frame_id.is_empty() {
+        bail!("{}: no frame: the file needs frame_id (or header.frame_id), or give --frame-id", path.display());
+    }
+    Ok(file)
+}
+
+fn file_parameter(node: &RosNode) -> anyhow::Result<PathBuf> {
+    match node.string_param("~file") {
+        Some(path) if !path.is_empty() => Ok(path.into()),
+        _ => bail!("no projector file: give FILE, --file FILE or the parameter ~file (_file:=FILE)"),
+    }
+}
+
+/// Both topics; they live as long as this.
+struct Publishers {
+    camera_info: Publisher<CameraInfo>,
+    tf_static: Option<Publisher<TFMessage>>,
+}
+
+impl Publishers {
+    fn open(node: &RosNode, file: &ProjectorFile, arguments: &Arguments) -> anyhow::Result<Self> {
+        let topic = arguments.camera_info_topic.as_ref().or(file.camera_info_topic.as_ref());
+        let topic = topic.map_or(DEFAULT_TOPIC, String::as_str);
+        let mut camera_info = rosrust::publish(topic, 1).map_err(|error| anyhow!("topic {topic}: {error}"))?;
+        camera_info.set_latching(true);
+        let info = &file.camera_info;
+        let topic = node.resolve(topic)?;
+        log::info!("{}x{} pixels in frame {} on {topic}", info.width, info.height, info.header.frame_id);
+        for frame in &file.frames {
+            log::info!("static frame {} in {}", frame.child, frame.parent);
+        }
+        let tf_static = if file.frames.is_empty() {
+            None
+        } else {
+            let mut tf_static =
+                rosrust::publish("/tf_static", 1).map_err(|error| anyhow!("topic /tf_static: {error}"))?;
+            tf_static.set_latching(true);
+            Some(tf_static)
+        };
+        tune_listeners();
+        Ok(Self { camera_info, tf_static })
+    }
+
+    /// Publishes everything; both topics keep it for later subscribers.
+    fn publish(&self, file: &ProjectorFile, stamp: Time) -> anyhow::Result<()> {
+        let mut info = file.camera_info.clone();
+        info.header.stamp = stamp;
+        self.camera_info.send(info).map_err(|error| anyhow!("CameraInfo: {error}"))?;
+        if let Some(tf_static) = &self.tf_static {
+            let transforms = file.frames.iter().map(|frame| frame.to_message(stamp)).collect();
+            tf_static.send(TFMessage { transforms }).map_err(|error| anyhow!("topic /tf_static: {error}"))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,130 @@
+//! `projector_window`: an image topic full screen on a chosen monitor, pixel for pixel.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
+use crate::logging;
+use crate::small_node::{self, EndRequest};
+use anyhow::Context;
+use clap::Parser;
+use rcs_messages::{AnyMessage, Image, MessageKind};
+use rcs_ros::NodeEvent;
+use rcs_window::{self as window, list_lines, MonitorChoice};
+use rcs_window::{self, PictureSink, WindowOptions};
+use rcs_window::{PictureError, RawPicture, ScreenPicture};
+
+const DEFAULT_TOPIC: &str = "/proj_view/image";
+
+/// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
+///
+/// Picture pixel (u, v) is screen pixel (u, v). A picture of another size than the monitor is shown at the top left on
+/// black, with a warning. Encodings: rgb8, rgba8, bgr8, bgra8, mono8, mono16. Escape or q ends.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "\
+Topic subscribed to: /proj_view/image (sensor_msgs/Image); image:=/topic remaps it, as for image_view
+Exit codes: 0 ended by Escape, q, SIGINT, SIGTERM or rosnode kill; 1 the window or the node failed; 2 wrong arguments
+
+Example: projector_window --monitor HDMI-1 image:=/proj_view/image"
+)]
+struct Arguments {
+    /// The image topic [default: what image:= says, else /proj_view/image]
+    #[arg(long)]
+    topic: Option<String>,
+    /// The monitor's name, or its number in the list [default: the last that is not primary, else the only one]
+    #[arg(long, value_name = "NAME|INDEX", default_value = "", hide_default_value = true)]
+    monitor: MonitorChoice,
+    /// List the monitors and exit
+    #[arg(long)]
+    list_monitors: bool,
+    /// Save what the window shows, once the first picture is there
+    #[arg(long, value_name = "FILE.png")]
+    screenshot: Option<PathBuf>,
+}
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse_from(small_node::own_arguments());
+    logging::start(false);
+    match run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("projector_window: {}", logging::one_line(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: Arguments) -> anyhow::Result<()> {
+    if arguments.list_monitors {
+        for line in list_lines(&window::list_monitors()?) {
+            println!("{line}");
+        }
+        return Ok(());
+    }
+    let topic =
+        arguments.topic.or_else(|| small_node::remapping_of("image")).unwrap_or_else(|| DEFAULT_TOPIC.to_owned());
+    let options = WindowOptions { source: topic.clone(), monitor: arguments.monitor, screenshot: arguments.screenshot };
+    let end = EndRequest::watch_signals().context("cannot take signals")?;
+
+    // The window system wants the main thread; the node lives on another one and closes the window when it ends.
+    let (outcome, node_outcome) = mpsc::channel();
+    let node_end = end.clone();
+    window::run(options, move |sink| {
+        thread::spawn(move || {
+            let result = follow_topic(&topic, &node_end, &sink);
+            sink.close();
+            // The window is closed already when nobody listens.
+            let _ = outcome.send(result);
+        });
+    })?;
+    end.request();
+    node_outcome.recv_timeout(Duration::from_secs(4)).unwrap_or(Ok(()))
+}
+
+/// Hands the topic's pictures to the window until the end is requested.
+fn follow_topic(topic: &str, end: &EndRequest, sink: &PictureSink) -> anyhow::Result<()> {
+    let Some(node) = small_node::connect("projector_window", end)? else {
+        return Ok(());
+    };
+    // One picture waits at most: the window shows the latest.
+    let subscription = node.subscribe(topic, MessageKind::Image, 1)?;
+    let mut last_error = None;
+    while !end.is_requested() {
+        for event in node.events().wait(Duration::from_millis(100)) {
+            let NodeEvent::Message { message: AnyMessage::Image(image), .. } = event else {
+                continue;
+            };
+            match picture(&image) {
+                Ok(picture) => {
+                    sink.show(picture);
+                    last_error = None;
+                }
+                // Once for each kind of error, however many pictures come.
+                Err(error) if last_error.as_ref() == Some(&error) => {}
+                Err(error) => {
+                    log::error!("topic {}: {error}", subscription.topic());
+                    last_error = Some(error);
+                }
+            }
+        }
+    }
+    drop(subscription);
+    node.shutdown();
+    Ok(())
+}
+
+fn picture(image: &Image) -> Result<ScreenPicture, PictureError> {
+    ScreenPicture::from_raw(&RawPicture {
+        width_px: image.width,
+        height_px: image.height,
+        step_bytes: image.step,
+        encoding: &image.encoding,
+        is_bigendian: image.is_bigendian != 0,
+        data: image.data(),
+    })
+}

@@ -1,0 +1,117 @@
+//! `publish_cloud`: a PCD file as a latched `sensor_msgs/PointCloud2`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use crate::logging;
+use crate::small_node::{self, EndRequest};
+use anyhow::{anyhow, Context};
+use clap::Parser;
+use rcs_files::pcd::PcdCloud;
+use rcs_messages::sensor_msgs::PointField;
+use rcs_messages::PointCloud2;
+use rcs_ros::tune_listeners;
+
+/// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
+///
+/// Reads ascii, binary and binary_compressed files with any fields. The file's VIEWPOINT is not used. ROS's remappings
+/// and special arguments work: cloud:=/other __name:=name __ns:=namespace.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "\
+Topic published: cloud (sensor_msgs/PointCloud2, latched)
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 wrong arguments
+
+Example: publish_cloud objects.pcd --frame base_link cloud:=/objects"
+)]
+struct Arguments {
+    /// The PCD file
+    file: PathBuf,
+    /// The topic; a remapping cloud:=/other does the same
+    #[arg(long, default_value = "cloud")]
+    topic: String,
+    /// The frame in which the points are (header.frame_id)
+    #[arg(long, default_value = "map")]
+    frame: String,
+    /// How often to publish, in Hz, each time with the current time as stamp; 0: once
+    #[arg(long, default_value_t = 1.0, value_parser = rate)]
+    rate: f64,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let rate_hz: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.0..=1000.0).contains(&rate_hz) {
+        Ok(rate_hz)
+    } else {
+        Err("not from 0 to 1000".to_owned())
+    }
+}
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse_from(small_node::own_arguments());
+    logging::start(false);
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("publish_cloud: {}", logging::one_line(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let message = message(PcdCloud::read(&arguments.file)?, &arguments.frame);
+    let end = EndRequest::watch_signals().context("cannot take signals")?;
+    let Some(node) = small_node::connect("publish_cloud", &end)? else {
+        return Ok(());
+    };
+    let topic = &arguments.topic;
+    let mut publisher = rosrust::publish::<PointCloud2>(topic, 1).map_err(|error| anyhow!("topic {topic}: {error}"))?;
+    publisher.set_latching(true);
+    tune_listeners();
+    let PointCloud2 { width, height, .. } = message;
+    log::info!(
+        "{}: {width}x{height} points in frame {} on {} at {} Hz",
+        arguments.file.display(),
+        arguments.frame,
+        node.resolve(topic)?,
+        arguments.rate
+    );
+    loop {
+        let mut stamped = message.clone();
+        stamped.header.stamp = node.now();
+        publisher.send(stamped).map_err(|error| anyhow!("topic {topic}: {error}"))?;
+        let is_end = if arguments.rate > 0.0 {
+            end.wait_for(Duration::from_secs_f64(arguments.rate.recip()))
+        } else {
+            end.wait();
+            true
+        };
+        if is_end {
+            node.shutdown();
+            return Ok(());
+        }
+    }
+}
+
+fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
+    let fields = cloud.fields.into_iter().map(|field| PointField {
+        name: field.name,
+        offset: field.offset_bytes,
+        datatype: field.datatype as u8,
+        count: field.count,
+    });
+    let mut message = PointCloud2::default().with_data(cloud.data);
+    message.header.frame_id = frame.to_owned();
+    message.height = cloud.height;
+    message.width = cloud.width;
+    message.fields = fields.collect();
+    message.point_step = cloud.point_step_bytes;
+    // The reader allows no cloud of more bytes than a u32 counts.
+    message.row_step = cloud.point_step_bytes.saturating_mul(cloud.width);
+    message.is_dense = cloud.is_dense;
+    message
+}

@@ -1,0 +1,153 @@
+//! `rviz/Grid`: a square grid of lines, or several above one another.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Vector3};
+use rcs_rviz_config::{GridPlane, GridSettings, LineStyle};
+use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Material, Rgba, RibbonElement, Ribbons};
+
+use crate::framework::display::Display;
+use crate::framework::frame;
+use crate::parts::solids::drawable;
+use crate::{Statuses, World};
+
+/// A Grid display.
+#[derive(Debug)]
+pub(crate) struct GridDisplay {
+    display: DisplayId,
+    settings: GridSettings,
+    geometry: Geometry,
+    place: Option<Isometry3<f64>>,
+    drawables: Vec<Drawable>,
+    statuses: Statuses,
+}
+
+impl GridDisplay {
+    pub(crate) fn new(display: DisplayId, settings: GridSettings) -> Self {
+        let geometry = geometry(&settings);
+        Self { display, settings, geometry, place: None, drawables: Vec::new(), statuses: Statuses::default() }
+    }
+}
+
+impl Display for GridDisplay {
+    fn update(&mut self, world: &World<'_>) -> bool {
+        let reference_frame = self.settings.reference_frame.as_deref();
+        let place = frame::follow(reference_frame, world, self.place, &mut self.statuses);
+        if place == self.place && !self.drawables.is_empty() {
+            return false;
+        }
+        self.place = place;
+        self.drawables.clear();
+        if let Some(place) = place {
+            let fixed_from_grid = place.to_homogeneous() * frame_from_grid(&self.settings);
+            let mut grid = drawable(self.display, fixed_from_grid, self.geometry.clone());
+            if let Geometry::Ribbons(_) = self.geometry {
+                // Ogre sorts chains by the middle of their box in their own frame, which is a grid's origin.
+                grid.sort_point = Point3::origin();
+            }
+            self.drawables.push(grid);
+        }
+        true
+    }
+
+    fn drawables(&self) -> &[Drawable] {
+        &self.drawables
+    }
+
+    fn statuses(&self) -> &Statuses {
+        &self.statuses
+    }
+}
+
+/// The grid is built in its own x–z plane and turned into the chosen one.
+fn frame_from_grid(settings: &GridSettings) -> Matrix4<f64> {
+    #[rustfmt::skip]
+    let turn = match settings.plane {
+        GridPlane::Xy => Matrix3::new(
+            1.0, 0.0, 0.0,
+            0.0, 0.0, 1.0,
+            0.0, -1.0, 0.0,
+        ),
+        GridPlane::Xz => Matrix3::identity(),
+        GridPlane::Yz => Matrix3::new(
+            0.0, -1.0, 0.0,
+            0.0, 0.0, -1.0,
+            1.0, 0.0, 0.0,
+        ),
+    };
+    Matrix4::new_translation(&Vector3::from(settings.offset_m).cast::<f64>()) * turn.to_homogeneous()
+}
+
+fn geometry(settings: &GridSettings) -> Geometry {
+    let color = Rgba::from_rgb8(settings.color, settings.alpha);
+    let blending = if color.a < Material::OPAQUE_FROM_ALPHA { Blending::Alpha } else { Blending::Replace };
+    let color = color.to_rgba8();
+    let segments = segments(settings);
+    match settings.line_style {
+        LineStyle::Lines => Geometry::Lines(Arc::new(Lines {
+            positions: segments.into_iter().flatten().collect(),
+            colors: vec![color],
+            topology: LineTopology::List,
+            blending,
+        })),
+        LineStyle::Billboards => Geometry::Ribbons(Arc::new(Ribbons {
+            chains: segments
+                .into_iter()
+                .map(|segment| segment.map(|position| RibbonElement { position, color }).to_vec())
+                .collect(),
+            width_m: settings.line_width_m,
+            blending,
+        })),
+    }
+}
+
+/// All lines, each by its two ends, in rviz's order.
+fn segments(settings: &GridSettings) -> Vec<[[f32; 3]; 2]> {
+    let (cells, layers) = (settings.plane_cell_count.max(1), settings.normal_cell_count);
+    let cell_m = settings.cell_size_m;
+    let extent = (f64::from(cell_m) * f64::from(cells) / 2.0) as f32;
+    let mut segments = Vec::new();
+    for layer in 0..=layers {
+        let height = (layers as f32 / 2.0 - layer as f32) * cell_m;
+        for i in 0..=cells {
+            let at = extent - i as f32 * cell_m;
+            segments.push([[at, height, -extent], [at, height, extent]]);
+            segments.push([[-extent, height, at], [extent, height, at]]);
+        }
+    }
+    if layers > 0 {
+        let top = layers as f32 / 2.0 * cell_m;
+        for i in 0..=cells {
+            for j in 0..=cells {
+                let (x, z) = (extent - i as f32 * cell_m, extent - j as f32 * cell_m);
+                segments.push([[x, -top, z], [x, top, z]]);
+            }
+        }
+    }
+    segments
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_has_its_lines_and_lies_in_its_plane() {
+        for (plane, normal) in [(GridPlane::Xy, 2), (GridPlane::Xz, 1), (GridPlane::Yz, 0)] {
+            let settings = GridSettings { plane, plane_cell_count: 4, cell_size_m: 0.5, ..GridSettings::default() };
+            let lines = segments(&settings);
+            assert_eq!(lines.len(), 10);
+            let turn = frame_from_grid(&settings);
+            for end in lines.into_iter().flatten() {
+                let point = turn.transform_point(&Point3::from(end).cast::<f64>());
+                assert!(point[normal].abs() < 1e-6 && point.coords.amax() <= 1.0 + 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn a_grid_with_height_has_posts() {
+        let settings = GridSettings { plane_cell_count: 2, normal_cell_count: 3, ..GridSettings::default() };
+        assert_eq!(segments(&settings).len(), 4 * 6 + 9);
+    }
+}

@@ -1,0 +1,125 @@
+//! A control of an interactive marker: its markers, and how they turn with the marker, the frame or the camera.
+
+use nalgebra::{Isometry3, Matrix4, UnitQuaternion, Vector3};
+use rcs_messages::std_msgs::Header;
+use rcs_messages::visualization_msgs::{InteractiveMarkerControl, Marker};
+use rcs_messages::{quaternion_xyzw, PlainTransform};
+use rcs_scene::{DisplayId, Drawable, Facing, FacingPart};
+use rcs_transforms::Time;
+
+use crate::classes::marker::{MarkerParts, SortPoint};
+use crate::framework::world::stamp;
+use crate::World;
+
+/// How a control is turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Turn {
+    /// As its interactive marker.
+    WithMarker,
+    /// As the frame.
+    WithFrame,
+    /// To the camera: these axes of the control go forward and up on the picture.
+    ToCamera { forward: Vector3<f64>, up: Vector3<f64> },
+}
+
+/// A control as it is drawn.
+#[derive(Clone, Debug)]
+pub(super) struct Control {
+    pub(super) always_visible: bool,
+    turn: Turn,
+    /// Their poses are in the control's frame.
+    markers: Vec<MarkerParts>,
+}
+
+impl Control {
+    /// Builds a completed control. A marker with a frame of its own stands there and then moves with the control; what
+    /// cannot be shown for want of a file is told in `problems`.
+    pub(super) fn new(
+        control: &InteractiveMarkerControl,
+        reference_from_marker: &Isometry3<f64>,
+        fixed_from_reference: &Isometry3<f64>,
+        world: &World<'_>,
+        problems: &mut Vec<String>,
+    ) -> Self {
+        let inherits = control.orientation_mode == InteractiveMarkerControl::INHERIT;
+        let rotation = if inherits { reference_from_marker.rotation } else { UnitQuaternion::identity() };
+        let fixed_from_control =
+            fixed_from_reference * Isometry3::from_parts(reference_from_marker.translation, rotation);
+        let place = |marker: &Marker| match MarkerParts::of(marker, world.meshes) {
+            Ok(parts) => {
+                let mut parts = parts?;
+                if !marker.header.frame_id.is_empty() {
+                    let fixed_from_frame = world.fixed_from(&marker.header.frame_id, time(marker, world)).ok()?;
+                    let fixed_from_marker = fixed_from_frame * parts.frame_from_marker;
+                    parts.frame_from_marker = fixed_from_control.inv_mul(&fixed_from_marker);
+                }
+                Some(parts)
+            }
+            Err(problem) => {
+                problems.push(problem);
+                None
+            }
+        };
+        let markers = control.markers.iter().filter_map(place).collect();
+        Self { always_visible: control.always_visible, turn: turn(control), markers }
+    }
+
+    /// What the control is drawn with.
+    pub(super) fn drawables(
+        &self,
+        display: DisplayId,
+        reference_from_marker: &Isometry3<f64>,
+        fixed_from_reference: &Isometry3<f64>,
+    ) -> Vec<Drawable> {
+        let fixed_from_marker = fixed_from_reference * reference_from_marker;
+        let rotation = match self.turn {
+            Turn::WithMarker => fixed_from_marker.rotation,
+            Turn::WithFrame => fixed_from_reference.rotation,
+            Turn::ToCamera { forward, up } => {
+                let parts = self.markers.iter().flat_map(facing_parts).collect();
+                let place = fixed_from_marker.translation.vector;
+                return vec![Facing { forward, up, parts }.into_drawable(display, place)];
+            }
+        };
+        let fixed_from_control = Isometry3::from_parts(fixed_from_marker.translation, rotation);
+        let placed = |marker: &MarkerParts| {
+            let fixed_from_marker = fixed_from_control * marker.frame_from_marker;
+            marker.parts.iter().map(|part| part.placed(display, &fixed_from_marker)).collect::<Vec<_>>()
+        };
+        self.markers.iter().flat_map(placed).collect()
+    }
+}
+
+fn turn(control: &InteractiveMarkerControl) -> Turn {
+    match control.orientation_mode {
+        InteractiveMarkerControl::INHERIT => Turn::WithMarker,
+        InteractiveMarkerControl::VIEW_FACING if control.independent_marker_orientation => Turn::WithMarker,
+        InteractiveMarkerControl::VIEW_FACING => {
+            let pose = PlainTransform { translation: [0.0; 3], rotation_xyzw: quaternion_xyzw(&control.orientation) };
+            let rotation = crate::framework::world::isometry(&pose).unwrap_or_default().rotation;
+            Turn::ToCamera { forward: rotation * Vector3::x(), up: rotation * Vector3::z() }
+        }
+        _ => Turn::WithFrame,
+    }
+}
+
+/// The time at which a marker's own frame is asked for. What has a stamp is in the fixed frame already.
+fn time(marker: &Marker, world: &World<'_>) -> Time {
+    let Header { frame_id, .. } = &marker.header;
+    if marker.frame_locked || frame_id == world.fixed_frame {
+        return Time::ZERO;
+    }
+    stamp(&marker.header)
+}
+
+fn facing_parts(marker: &MarkerParts) -> impl Iterator<Item = FacingPart> + '_ {
+    let group_from_marker: Matrix4<f64> = marker.frame_from_marker.to_homogeneous();
+    marker.parts.iter().map(move |part| FacingPart {
+        group_from_part: group_from_marker * part.marker_from_part,
+        sort_point: match part.sort_point {
+            SortPoint::Origin => None,
+            SortPoint::Fixed(point) => Some(point),
+        },
+        geometry: part.geometry.clone(),
+    })
+}

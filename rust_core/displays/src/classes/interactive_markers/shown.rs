@@ -1,0 +1,135 @@
+//! An interactive marker as it is drawn: its place, its controls, its axes and its title.
+
+use nalgebra::Isometry3;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::visualization_msgs::InteractiveMarker;
+use rcs_messages::PlainTransform;
+use rcs_rviz_config::InteractiveMarkersSettings;
+use rcs_scene::{DisplayId, Drawable};
+use rcs_transforms::{LookupError, Time};
+
+use super::complete::complete_control;
+use super::control::Control;
+use super::handles;
+use crate::framework::world::{isometry, stamp};
+use crate::parts::solids::{axes, axes_materials};
+use crate::World;
+
+/// The thickness of the axes, in lengths of the axes.
+const AXES_THICKNESS: f64 = 0.05;
+
+/// An interactive marker.
+#[derive(Debug)]
+pub(super) struct Shown {
+    frame: String,
+    /// Whether it follows its frame.
+    is_locked: bool,
+    size_m: f64,
+    reference_from_marker: Isometry3<f64>,
+    /// Where its frame is; `None` while that is not known.
+    fixed_from_reference: Option<Isometry3<f64>>,
+    controls: Vec<Control>,
+    title: Option<Control>,
+}
+
+impl Shown {
+    /// Builds a completed marker whose numbers are finite. What cannot be shown is told in `problems`.
+    pub(super) fn new(marker: &InteractiveMarker, world: &World<'_>, problems: &mut Vec<String>) -> Self {
+        let mut shown = Self {
+            frame: marker.header.frame_id.clone(),
+            is_locked: stamp(&marker.header).is_zero(),
+            size_m: f64::from(marker.scale),
+            reference_from_marker: isometry(&PlainTransform::from(&marker.pose)).unwrap_or_default(),
+            fixed_from_reference: None,
+            controls: Vec::new(),
+            title: None,
+        };
+        if let Err(error) = shown.locate(world) {
+            problems.push(error.to_string());
+        }
+        let fixed_from_reference = shown.fixed_from_reference.unwrap_or_default();
+        let reference_from_marker = shown.reference_from_marker;
+        let mut build = |control| Control::new(control, &reference_from_marker, &fixed_from_reference, world, problems);
+        shown.controls = marker.controls.iter().map(&mut build).collect();
+        if !marker.description.is_empty() {
+            let mut title = handles::title(marker);
+            complete_control(shown.size_m, &mut title, true);
+            shown.title = Some(build(&title));
+        }
+        shown
+    }
+
+    /// Moves the marker to a pose in the frame of a header.
+    ///
+    /// # Errors
+    /// Why it is not known where that frame is.
+    pub(super) fn set_pose(
+        &mut self,
+        header: &Header,
+        pose: Isometry3<f64>,
+        world: &World<'_>,
+    ) -> Result<(), LookupError> {
+        header.frame_id.clone_into(&mut self.frame);
+        self.is_locked = stamp(header).is_zero();
+        self.reference_from_marker = pose;
+        self.locate(world).map(|_| ())
+    }
+
+    /// What rviz says of where the marker stands.
+    pub(super) fn status(&self) -> String {
+        if self.is_locked {
+            format!("Locked to frame {}", self.frame)
+        } else {
+            "Position is fixed.".to_owned()
+        }
+    }
+
+    /// Follows the frame if it is to. Returns whether the marker moved, came or went.
+    ///
+    /// # Errors
+    /// Why it is not known where the frame is, where it was known before.
+    pub(super) fn follow(&mut self, world: &World<'_>) -> Result<bool, LookupError> {
+        if !self.is_locked {
+            return Ok(false);
+        }
+        let was_known = self.fixed_from_reference.is_some();
+        match self.locate(world) {
+            Ok(has_moved) => Ok(has_moved),
+            Err(error) if was_known => Err(error),
+            Err(_) => Ok(false),
+        }
+    }
+
+    /// Whether it is known where the marker is.
+    pub(super) fn is_located(&self) -> bool {
+        self.fixed_from_reference.is_some()
+    }
+
+    fn locate(&mut self, world: &World<'_>) -> Result<bool, LookupError> {
+        let before = self.fixed_from_reference.take();
+        // A stamp other than zero has brought the marker to the fixed frame already.
+        let place = if self.frame == world.fixed_frame {
+            Isometry3::identity()
+        } else {
+            world.fixed_from(&self.frame, Time::ZERO)?
+        };
+        self.fixed_from_reference = Some(place);
+        Ok(before != self.fixed_from_reference)
+    }
+
+    /// What the marker is drawn with; nothing while its frame is not known.
+    pub(super) fn drawables(&self, display: DisplayId, settings: &InteractiveMarkersSettings) -> Vec<Drawable> {
+        let Some(fixed_from_reference) = &self.fixed_from_reference else { return Vec::new() };
+        let mut drawables = Vec::new();
+        if settings.show_axes {
+            let fixed_from_axes = (fixed_from_reference * self.reference_from_marker).to_homogeneous();
+            let thickness_m = self.size_m * AXES_THICKNESS;
+            drawables.extend(axes(display, &fixed_from_axes, self.size_m, thickness_m, &axes_materials(1.0)));
+        }
+        let controls = self.controls.iter().filter(|control| control.always_visible || settings.interaction_enabled);
+        for control in controls.chain(self.title.as_ref().filter(|_| settings.show_descriptions)) {
+            drawables.extend(control.drawables(display, &self.reference_from_marker, fixed_from_reference));
+        }
+        drawables
+    }
+}

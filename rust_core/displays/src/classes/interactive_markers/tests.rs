@@ -1,0 +1,349 @@
+//! The protocol with servers, and what becomes of markers that pictures cannot show.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use nalgebra::{Point3, Vector3};
+use rcs_messages::std_msgs::Header;
+use rcs_messages::visualization_msgs::{
+    InteractiveMarker, InteractiveMarkerControl, InteractiveMarkerInit, InteractiveMarkerPose, InteractiveMarkerUpdate,
+};
+use rcs_messages::AnyMessage;
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_rviz_config::InteractiveMarkersSettings;
+use rcs_scene::{Blending, Geometry};
+use rcs_transforms::{RawTransform, Time, TransformTree};
+
+use super::InteractiveMarkersDisplay;
+use crate::framework::display::Display;
+use crate::{Level, World};
+
+/// A display with the world around it. The frame `map` is fixed.
+struct Bench {
+    display: InteractiveMarkersDisplay,
+    tree: TransformTree,
+    meshes: MeshStore,
+    now: Time,
+}
+
+impl Bench {
+    fn with(settings: InteractiveMarkersSettings) -> Self {
+        Self {
+            display: InteractiveMarkersDisplay::new(3, settings),
+            tree: TransformTree::new(),
+            meshes: MeshStore::new(PackageIndex::new([])),
+            now: Time::from_secs_nanos(100, 0),
+        }
+    }
+
+    fn new() -> Self {
+        Self::with(InteractiveMarkersSettings { update_topic: "/im/update".into(), ..Default::default() })
+    }
+
+    /// Sends a message, without an update.
+    fn send(&mut self, message: &AnyMessage) {
+        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
+        self.display.take(message, &world);
+    }
+
+    fn update(&mut self) -> bool {
+        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
+        self.display.update(&world)
+    }
+
+    /// Begins with these markers.
+    fn begin(&mut self, markers: &[InteractiveMarker]) {
+        self.send(&init("s", 1, markers));
+        self.send(&keep_alive("s", 1));
+        self.update();
+    }
+
+    fn say(&mut self, message: &AnyMessage) {
+        self.send(message);
+        self.update();
+    }
+
+    fn wait(&mut self, time: Duration) -> bool {
+        self.now = self.now.saturating_add(time);
+        self.update()
+    }
+
+    fn frame(&mut self, child: &str, secs: u32, x: f64) {
+        let transform = RawTransform {
+            parent: "map",
+            child,
+            stamp: Time::from_secs_nanos(secs, 0),
+            translation: [x, 0.0, 0.0],
+            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+        };
+        self.tree.insert(&transform, false, "test").unwrap();
+    }
+
+    fn places(&self) -> Vec<[f64; 3]> {
+        let origin = |matrix: &nalgebra::Matrix4<f64>| matrix.transform_point(&Point3::origin());
+        self.display.drawables().iter().map(|drawable| origin(&drawable.fixed_from_object).into()).collect()
+    }
+
+    fn status(&self, name: &str) -> Option<(Level, String)> {
+        let found = self.display.statuses().iter().find(|(known, _)| *known == name);
+        found.map(|(_, status)| (status.level, status.text.clone()))
+    }
+
+    fn text(&self, name: &str) -> String {
+        self.status(name).map_or_else(String::new, |(_, text)| text)
+    }
+}
+
+fn header(frame: &str, secs: u32) -> Header {
+    Header { frame_id: frame.into(), stamp: rcs_messages::Time { sec: secs, nsec: 0 }, ..Header::default() }
+}
+
+/// A marker whose only control is a ring, so that it is one drawable at its own place.
+fn ring(name: &str, header: Header, x: f64) -> InteractiveMarker {
+    let control =
+        InteractiveMarkerControl { interaction_mode: InteractiveMarkerControl::ROTATE_AXIS, ..Default::default() };
+    let mut marker = InteractiveMarker { header, name: name.into(), controls: vec![control], ..Default::default() };
+    marker.pose.position.x = x;
+    marker
+}
+
+fn init(server: &str, sequence: u64, markers: &[InteractiveMarker]) -> AnyMessage {
+    AnyMessage::InteractiveMarkerInit(Arc::new(InteractiveMarkerInit {
+        server_id: server.into(),
+        seq_num: sequence,
+        markers: markers.to_vec(),
+    }))
+}
+
+fn update(server: &str, sequence: u64, change: impl FnOnce(&mut InteractiveMarkerUpdate)) -> AnyMessage {
+    let mut update = InteractiveMarkerUpdate {
+        server_id: server.into(),
+        seq_num: sequence,
+        type_: InteractiveMarkerUpdate::UPDATE,
+        ..Default::default()
+    };
+    change(&mut update);
+    AnyMessage::InteractiveMarkerUpdate(Arc::new(update))
+}
+
+fn keep_alive(server: &str, sequence: u64) -> AnyMessage {
+    update(server, sequence, |update| update.type_ = InteractiveMarkerUpdate::KEEP_ALIVE)
+}
+
+fn pose(name: &str, header: Header, x: f64) -> InteractiveMarkerPose {
+    let mut pose = InteractiveMarkerPose { header, name: name.into(), ..Default::default() };
+    pose.pose.position.x = x;
+    pose
+}
+
+#[test]
+fn markers_are_shown_once_an_update_says_from_which_number_on() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.text("General"), "Waiting for messages.");
+    bench.say(&init("s", 5, &[ring("a", header("map", 0), 1.0)]));
+    assert_eq!(bench.text("s"), "Initialization: Waiting for first update/keep-alive message.");
+    assert!(bench.places().is_empty());
+    // What the list of all markers has already is left out; what follows it is applied.
+    bench.send(&update("s", 5, |update| update.erases = vec!["a".into()]));
+    bench.say(&update("s", 6, |update| update.markers = vec![ring("b", header("map", 0), 2.0)]));
+    assert_eq!(bench.places(), [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+    assert_eq!((bench.text("s"), bench.text("General")), ("OK".into(), "Receiving messages.".into()));
+    assert_eq!(bench.text("a"), "Locked to frame map");
+    bench.say(&update("s", 7, |update| {
+        update.poses = vec![pose("b", header("map", 0), 3.0)];
+        update.erases = vec!["a".into()];
+    }));
+    assert_eq!(bench.places(), [[3.0, 0.0, 0.0]]);
+    assert_eq!(bench.status("a"), None);
+    assert!(!bench.update(), "nothing new");
+}
+
+#[test]
+fn a_list_from_before_the_first_update_is_not_enough() {
+    let mut bench = Bench::new();
+    bench.send(&init("s", 3, &[ring("a", header("map", 0), 1.0)]));
+    bench.say(&keep_alive("s", 4));
+    assert!(bench.places().is_empty());
+    bench.say(&init("s", 4, &[ring("a", header("map", 0), 2.0)]));
+    assert_eq!(bench.places(), [[2.0, 0.0, 0.0]]);
+}
+
+#[test]
+fn a_lost_update_begins_anew_after_a_second_with_the_last_list() {
+    let mut bench = Bench::new();
+    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.send(&init("s", 3, &[ring("a", header("map", 0), 7.0)]));
+    bench.say(&update("s", 3, |_| {}));
+    assert!(bench.places().is_empty());
+    let expected = "Sequence number of update is out of order. Expected: 2 Received: 3";
+    assert_eq!(bench.status("s"), Some((Level::Error, expected.into())));
+    assert_eq!(bench.status("a"), None);
+    let next = bench.display.next_change().unwrap();
+    assert!(bench.now < next && next.secs_since(bench.now) < 1.1, "{next:?}");
+    bench.wait(Duration::from_millis(900));
+    bench.say(&keep_alive("s", 3));
+    assert!(bench.places().is_empty());
+    bench.wait(Duration::from_millis(200));
+    bench.update();
+    assert_eq!(bench.places(), [[7.0, 0.0, 0.0]]);
+    // A keep-alive of another number than the last update's is a loss as well.
+    bench.say(&keep_alive("s", 4));
+    assert!(bench.places().is_empty());
+}
+
+#[test]
+fn a_silent_server_is_warned_of_and_its_markers_stay() {
+    let mut bench = Bench::new();
+    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.wait(Duration::from_millis(1900));
+    assert_eq!(bench.status("s").unwrap().0, Level::Ok);
+    for seconds in ["2", "3", "4"] {
+        let next = bench.display.next_change().unwrap();
+        assert!(next > bench.now);
+        let still = !bench.wait(next.saturating_since(bench.now));
+        assert!(still);
+        assert_eq!(bench.status("s"), Some((Level::Warn, format!("No update received for {seconds} seconds."))));
+    }
+    bench.say(&keep_alive("s", 1));
+    assert_eq!(bench.status("s"), Some((Level::Ok, "OK".into())));
+    assert_eq!(bench.places().len(), 1);
+}
+
+#[test]
+fn servers_of_one_topic_do_not_get_into_each_others_way() {
+    let mut bench = Bench::new();
+    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.send(&init("t", 40, &[ring("a", header("map", 0), 2.0)]));
+    bench.say(&keep_alive("t", 40));
+    assert_eq!(bench.places(), [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+    bench.say(&update("s", 9, |_| {}));
+    assert_eq!(bench.places(), [[2.0, 0.0, 0.0]]);
+    bench.say(&init("", 1, &[]));
+    assert_eq!(bench.status("General"), Some((Level::Error, "Received message with empty server_id!".into())));
+}
+
+#[test]
+fn a_marker_without_a_stamp_follows_its_frame_and_one_with_a_stamp_stays() {
+    let mut bench = Bench::new();
+    bench.frame("cart", 10, 10.0);
+    bench.frame("cart", 12, 12.0);
+    bench.begin(&[ring("a", header("cart", 0), 1.0), ring("b", header("cart", 11), 1.0)]);
+    assert_eq!(bench.places(), [[13.0, 0.0, 0.0], [12.0, 0.0, 0.0]]);
+    assert_eq!(bench.text("b"), "Position is fixed.");
+    bench.frame("cart", 14, 20.0);
+    assert!(bench.update());
+    assert_eq!(bench.places(), [[21.0, 0.0, 0.0], [12.0, 0.0, 0.0]]);
+    // A pose without a stamp lets the other follow, too.
+    bench.say(&update("s", 2, |update| update.poses = vec![pose("b", header("cart", 0), 5.0)]));
+    assert_eq!(bench.places(), [[21.0, 0.0, 0.0], [25.0, 0.0, 0.0]]);
+}
+
+#[test]
+fn a_list_waits_for_its_frames_and_an_update_for_its_time() {
+    let mut bench = Bench::new();
+    bench.begin(&[ring("a", header("cart", 0), 1.0)]);
+    let (level, text) = bench.status("s").unwrap();
+    assert_eq!(level, Level::Warn);
+    assert!(text.starts_with("Cannot get tf info for init message with sequence number 1. Error: "), "{text}");
+    bench.frame("cart", 10, 10.0);
+    bench.update();
+    assert_eq!(bench.places().len(), 1);
+    bench.send(&update("s", 2, |update| update.markers = vec![ring("b", header("cart", 12), 0.0)]));
+    bench.say(&update("s", 3, |update| update.erases = vec!["a".into()]));
+    assert_eq!(bench.places().len(), 1, "the frame is not known yet at that time, and updates keep their order");
+    bench.frame("cart", 14, 14.0);
+    bench.update();
+    assert_eq!(bench.places(), [[12.0, 0.0, 0.0]]);
+    bench.say(&update("s", 4, |update| update.markers = vec![ring("c", header("cart", 5), 0.0)]));
+    assert!(bench.text("s").starts_with("Resetting due to tf error: the stamp is too old"), "{}", bench.text("s"));
+    assert!(bench.places().is_empty());
+}
+
+#[test]
+fn what_is_not_finite_is_refused_by_name() {
+    let mut bench = Bench::new();
+    let mut bad = ring("bad", header("map", 0), 1.0);
+    bad.controls[0].orientation.x = f64::NAN;
+    bench.begin(&[bad, ring("a", header("map", 0), f64::INFINITY), ring("good", header("map", 0), 2.0)]);
+    assert_eq!(bench.places(), [[2.0, 0.0, 0.0]]);
+    for name in ["bad", "a"] {
+        assert_eq!(bench.status(name), Some((Level::Error, "Marker contains invalid floats!".into())));
+    }
+    let mut twisted = pose("good", header("map", 0), 4.0);
+    twisted.pose.orientation.w = 2.0;
+    bench.say(&update("s", 2, |update| update.poses = vec![twisted, pose("good", header("map", 0), 5.0)]));
+    assert_eq!(bench.places(), [[2.0, 0.0, 0.0]], "rviz passes over the poses after a bad one");
+    assert_eq!(bench.status("good").unwrap().0, Level::Error);
+}
+
+#[test]
+fn a_pose_for_no_marker_ends_it_until_a_reset() {
+    let mut bench = Bench::new();
+    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.say(&update("s", 2, |update| update.poses = vec![pose("b", header("map", 0), 1.0)]));
+    assert!(bench.places().is_empty());
+    assert!(bench.text("b").starts_with("Pose received for non-existing marker"), "{}", bench.text("b"));
+    bench.say(&keep_alive("s", 2));
+    assert_eq!(bench.status("s"), None);
+    bench.display.reset();
+    bench.say(&keep_alive("s", 1));
+    assert_eq!(bench.places(), [[1.0, 0.0, 0.0]]);
+}
+
+#[test]
+fn a_server_that_leaves_takes_its_markers_along_and_the_others_come_back() {
+    let mut bench = Bench::new();
+    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.send(&init("t", 40, &[ring("b", header("map", 0), 2.0)]));
+    bench.say(&keep_alive("t", 40));
+    bench.display.publisher_left("/im/update_full");
+    assert_eq!(bench.places().len(), 2, "only the topic of updates counts");
+    bench.display.publisher_left("/im/update");
+    assert!(bench.update());
+    assert!(bench.places().is_empty());
+    assert_eq!(bench.status("General"), Some((Level::Error, "Server is offline. Resetting.".into())));
+    bench.say(&keep_alive("t", 40));
+    assert_eq!(bench.places(), [[2.0, 0.0, 0.0]]);
+}
+
+#[test]
+fn the_topics_are_those_of_the_servers_namespace() {
+    let topics = |topic: &str| {
+        let settings = InteractiveMarkersSettings { update_topic: topic.into(), ..Default::default() };
+        let bench = Bench::with(settings);
+        let topics: Vec<String> = bench.display.topics().into_iter().map(|request| request.topic).collect();
+        (topics, bench.text("Topic"))
+    };
+    let expected = vec!["/im/update".to_owned(), "/im/update_full".to_owned()];
+    assert_eq!(topics("/im/update"), (expected.clone(), String::new()));
+    assert_eq!(topics("/im/update_full"), (expected, String::new()));
+    assert_eq!(topics(""), (vec![], String::new()));
+    assert_eq!(topics("/im/feedback"), (vec![], "Invalid topic name: /im/feedback".to_owned()));
+}
+
+#[test]
+fn handles_are_coloured_by_their_axis_and_half_transparent_unless_told_otherwise() {
+    for translucent in [true, false] {
+        let mut bench = Bench::with(InteractiveMarkersSettings {
+            update_topic: "/im/update".into(),
+            enable_transparency: translucent,
+            ..Default::default()
+        });
+        let mut marker = ring("a", header("map", 0), 0.0);
+        marker.scale = 2.0;
+        marker.controls[0].interaction_mode = InteractiveMarkerControl::MOVE_AXIS;
+        // A quarter turn about z: the control's x axis is the marker's y axis.
+        (marker.controls[0].orientation.z, marker.controls[0].orientation.w) = (1.0, 1.0);
+        bench.begin(&[marker]);
+        let drawables = bench.display.drawables();
+        assert_eq!(drawables.len(), 4, "two arrows of shaft and head");
+        for drawable in drawables {
+            let Geometry::Mesh { material, .. } = &drawable.geometry else { panic!("{drawable:?}") };
+            assert_eq!(material.blending == Blending::Alpha, translucent);
+            let rcs_scene::Lighting::Lit { diffuse, .. } = material.lighting else { panic!("{material:?}") };
+            assert!(diffuse.r < 1e-6 && diffuse.g == 1.0 && diffuse.b < 1e-6, "{diffuse:?}");
+            let place = drawable.sort_point.coords;
+            assert!(place.cross(&Vector3::y()).norm() < 1e-6 && (1.0..1.8).contains(&place.y.abs()), "{place}");
+        }
+    }
+}

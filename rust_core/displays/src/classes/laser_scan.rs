@@ -1,0 +1,273 @@
+//! `rviz/LaserScan`: the points that a `sensor_msgs/LaserScan` hit, each where the scanner was when it measured it.
+//!
+//! Reproduces `laser_geometry`'s projection with TF: the scanner's poses at the first and at the last ray are looked up,
+//! and each ray in between is taken from a pose in between (straight in translation, the shorter way in rotation). The
+//! points are then in the fixed frame, and so are the sides of squares and boxes and the positions that colour them. Rays
+//! count when `range_min ≤ range < range_max`.
+//!
+//! rviz lets the first scan of a longer duration pass as soon as its first ray can be placed, and loses it where the last
+//! one cannot be yet; here a scan waits until both can.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Point3};
+use rcs_messages::sensor_msgs::{LaserScan, PointField};
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{spare_bytes, AnyMessage, MessageKind, PointCloud2};
+use rcs_transforms::{interpolate, Time};
+
+use crate::framework::world::stamp;
+use crate::parts::cloud::{one_row, CloudSource, Nowhere, PlacedCloud};
+use crate::World;
+
+/// `sensor_msgs/LaserScan` as a cloud in the fixed frame.
+#[derive(Debug)]
+pub(crate) struct LaserScanSource;
+
+impl CloudSource for LaserScanSource {
+    type Message = LaserScan;
+    const KIND: MessageKind = MessageKind::LaserScan;
+    const NOWHERE: Nowhere = Nowhere::FarAway;
+
+    fn message(any: &AnyMessage) -> Option<&Arc<LaserScan>> {
+        match any {
+            AnyMessage::LaserScan(scan) => Some(scan),
+            _ => None,
+        }
+    }
+
+    fn header(scan: &LaserScan) -> &Header {
+        &scan.header
+    }
+
+    /// The time of the last ray. A scan whose rays have no time does not wait: it is refused when it is placed.
+    fn end(scan: &LaserScan) -> Time {
+        last_ray(scan).unwrap_or(stamp(&scan.header))
+    }
+
+    fn place(scan: &Arc<LaserScan>, world: &World<'_>) -> Result<PlacedCloud, String> {
+        let end = last_ray(scan).ok_or_else(|| {
+            format!("The scan's time increment of {} s leads to no time. Dropping message.", scan.time_increment)
+        })?;
+        let frame = &scan.header.frame_id;
+        let poses = [stamp(&scan.header), end].map(|time| world.fixed_from(frame, time));
+        let [Ok(first), Ok(last)] = poses else {
+            return Err(format!("Failed to transform from frame [{frame}] to frame [{}]", world.fixed_frame));
+        };
+        let cloud = Arc::new(project(scan, &first, &last));
+        Ok(PlacedCloud { cloud, fixed_from_cloud: Isometry3::identity() })
+    }
+}
+
+/// When the last ray was measured; `None` when that is no time.
+fn last_ray(scan: &LaserScan) -> Option<Time> {
+    let start = stamp(&scan.header);
+    let duration_secs = scan.ranges.len().saturating_sub(1) as f64 * f64::from(scan.time_increment);
+    let duration = std::time::Duration::try_from_secs_f64(duration_secs.abs()).ok()?;
+    // ROS counts durations in 32 bits of seconds.
+    (duration.as_secs() < 1 << 31).then_some(())?;
+    Some(if duration_secs < 0.0 { start.saturating_sub(duration) } else { start.saturating_add(duration) })
+}
+
+/// The points in the fixed frame, with their intensities where the scan has any (0 for those that are missing).
+fn project(scan: &LaserScan, fixed_from_first: &Isometry3<f64>, fixed_from_last: &Isometry3<f64>) -> PointCloud2 {
+    let has_intensity = !scan.intensities.is_empty();
+    let fields = [("x", 0), ("y", 4), ("z", 8), ("intensity", 12)].map(|(name, at)| (name, at, PointField::FLOAT32));
+    let (fields, point_step) = if has_intensity { (&fields[..], 16) } else { (&fields[..3], 12) };
+    let is_moving = fixed_from_first != fixed_from_last;
+    let mut data = spare_bytes(scan.ranges.len() * point_step as usize);
+    for (i, &range) in scan.ranges.iter().enumerate() {
+        if !(range >= scan.range_min && range < scan.range_max) {
+            continue;
+        }
+        let angle = f64::from(scan.angle_min) + i as f64 * f64::from(scan.angle_increment);
+        let (sin, cos) = angle.sin_cos();
+        // rviz rounds to single precision in the scanner's frame, and again in the fixed one.
+        let in_scanner = Point3::new(f64::from(range) * cos, f64::from(range) * sin, 0.0).cast::<f32>().cast::<f64>();
+        // Of a scan of one ray this is not a number, and rviz does not show it.
+        let share = i as f64 * (scan.ranges.len() as f64 - 1.0).recip();
+        let in_fixed = if is_moving || share.is_nan() {
+            interpolate(fixed_from_first, fixed_from_last, share) * in_scanner
+        } else {
+            fixed_from_first * in_scanner
+        };
+        data.extend(in_fixed.cast::<f32>().iter().flat_map(|value| value.to_le_bytes()));
+        if has_intensity {
+            data.extend(scan.intensities.get(i).copied().unwrap_or(0.0).to_le_bytes());
+        }
+    }
+    one_row(&scan.header, fields, point_step, data)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::UnitQuaternion;
+    use rcs_resources::{MeshStore, PackageIndex};
+    use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer};
+    use rcs_scene::{Geometry, PointBuffer};
+    use rcs_transforms::{RawTransform, TransformTree};
+
+    use super::*;
+    use crate::framework::display::Display;
+    use crate::parts::cloud::CloudDisplay;
+    use crate::{Level, Statuses};
+
+    /// A display of scans, and a scanner that drives in `map` and turns.
+    struct Bench {
+        display: CloudDisplay<LaserScanSource>,
+        tree: TransformTree,
+        meshes: MeshStore,
+    }
+
+    impl Bench {
+        fn new(settings: CloudSettings) -> Self {
+            let display = CloudDisplay::new(0, CloudSettings { topic: "/scan".to_owned(), ..settings });
+            Self { display, tree: TransformTree::new(), meshes: MeshStore::new(PackageIndex::new([])) }
+        }
+
+        /// Says where the scanner is in `map`, with its yaw in degrees.
+        fn place(&mut self, secs: u32, translation: [f64; 3], yaw_deg: f64) {
+            let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw_deg.to_radians());
+            let said = RawTransform {
+                parent: "map",
+                child: "laser",
+                stamp: Time::from_secs_nanos(secs, 0),
+                translation,
+                rotation_xyzw: turn.coords.into(),
+            };
+            self.tree.insert(&said, false, "/test").unwrap();
+        }
+
+        fn show(&mut self, scan: Option<LaserScan>) -> Option<Arc<PointBuffer>> {
+            let world = World {
+                transforms: &self.tree,
+                fixed_frame: "map",
+                now: Time::from_secs_nanos(100, 0),
+                meshes: &self.meshes,
+            };
+            if let Some(scan) = scan {
+                self.display.take(&AnyMessage::LaserScan(Arc::new(scan)), &world);
+            }
+            self.display.update(&world);
+            let drawable = self.display.drawables().first()?;
+            let Geometry::Points(points) = &drawable.geometry else { panic!("points") };
+            Some(points.buffer.clone())
+        }
+    }
+
+    fn scan(secs: u32, ranges: &[f32]) -> LaserScan {
+        let mut scan = LaserScan { ranges: ranges.to_vec(), range_min: 0.1, range_max: 10.0, ..LaserScan::default() };
+        scan.header.frame_id = "laser".to_owned();
+        scan.header.stamp.sec = secs;
+        scan
+    }
+
+    fn assert_near(positions: &[[f32; 3]], expected: &[[f64; 3]]) {
+        assert_eq!(positions.len(), expected.len());
+        for (position, expected) in positions.iter().zip(expected) {
+            let off_m = (Point3::from(*position).cast::<f64>() - Point3::from(*expected)).norm();
+            assert!(off_m < 2e-6, "{position:?} instead of {expected:?}");
+        }
+    }
+
+    #[test]
+    fn each_ray_starts_where_the_scanner_was_at_its_time() {
+        let mut bench = Bench::new(CloudSettings::default());
+        bench.place(10, [0.0, 0.0, 0.0], 0.0);
+        bench.place(12, [4.0, 0.0, 1.0], 180.0);
+        // All rays point forwards, from 10 s to 11 s: the scanner goes two metres, up half a metre and turns by 90°.
+        let moving = LaserScan { time_increment: 0.25, ..scan(10, &[2.0, 2.0, 20.0, 1.0, 3.0]) };
+        let positions = bench.show(Some(moving)).unwrap().positions.clone();
+        let (sin, cos) = 67.5_f64.to_radians().sin_cos();
+        let half = std::f64::consts::FRAC_PI_8;
+        assert_near(
+            &positions,
+            &[
+                [2.0, 0.0, 0.0],
+                [0.5 + 2.0 * half.cos(), 2.0 * half.sin(), 0.125],
+                [1.5 + cos, sin, 0.375],
+                [2.0, 3.0, 0.5],
+            ],
+        );
+    }
+
+    #[test]
+    fn rays_may_be_measured_backwards_in_time() {
+        let mut bench = Bench::new(CloudSettings::default());
+        bench.place(10, [0.0, 0.0, 0.0], 0.0);
+        bench.place(12, [4.0, 0.0, 0.0], 0.0);
+        let backwards = LaserScan { time_increment: -1.0, ..scan(12, &[1.0, 1.0, 1.0]) };
+        let positions = bench.show(Some(backwards)).unwrap().positions.clone();
+        assert_near(&positions, &[[5.0, 0.0, 0.0], [3.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
+    }
+
+    #[test]
+    fn a_scan_waits_for_the_pose_at_its_last_ray() {
+        let mut bench = Bench::new(CloudSettings::default());
+        bench.place(10, [0.0, 0.0, 0.0], 0.0);
+        assert!(bench.show(Some(LaserScan { time_increment: 1.0, ..scan(10, &[1.0, 1.0]) })).is_none());
+        let level = |statuses: &Statuses| statuses.iter().find(|(name, _)| *name == "Transform").map(|(_, s)| s.level);
+        assert_eq!(level(bench.display.statuses()), Some(Level::Warn));
+        bench.place(11, [1.0, 0.0, 0.0], 0.0);
+        assert_near(&bench.show(None).unwrap().positions, &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+        assert_eq!(level(bench.display.statuses()), Some(Level::Ok));
+    }
+
+    #[test]
+    fn rays_count_within_the_limits_and_angles_from_the_first() {
+        let mut bench = Bench::new(CloudSettings::default());
+        bench.place(10, [0.0, 0.0, 0.0], 90.0);
+        let ranges = [0.1, 0.099, 10.0, 9.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 2.0];
+        let quarter = std::f32::consts::FRAC_PI_2;
+        // The last angle is not what angle_max says; rviz does not look at that.
+        let scan = LaserScan { angle_min: -quarter, angle_increment: quarter, angle_max: 0.0, ..scan(10, &ranges) };
+        let positions = bench.show(Some(scan)).unwrap().positions.clone();
+        assert_near(&positions, &[[0.1, 0.0, 0.0], [0.0, -9.0, 0.0], [2.0, 0.0, 0.0]]);
+    }
+
+    #[test]
+    fn an_empty_scan_takes_the_one_before_away() {
+        let mut bench = Bench::new(CloudSettings::default());
+        bench.place(10, [0.0, 0.0, 0.0], 0.0);
+        bench.place(20, [0.0, 0.0, 0.0], 0.0);
+        assert_eq!(bench.show(Some(scan(10, &[1.0, 2.0]))).unwrap().positions.len(), 2);
+        assert_eq!(bench.show(Some(scan(11, &[]))).unwrap().positions.len(), 0);
+        assert_eq!(bench.show(Some(scan(12, &[f32::INFINITY; 3]))).unwrap().positions.len(), 0);
+    }
+
+    #[test]
+    fn intensities_color_their_own_rays_and_those_that_are_missing_are_zero() {
+        let mut bench = Bench::new(CloudSettings::default());
+        bench.place(10, [0.0, 0.0, 0.0], 0.0);
+        let intensities = vec![5.0, 99.0, 10.0];
+        let buffer = bench.show(Some(LaserScan { intensities, ..scan(10, &[1.0, 0.0, 1.0, 1.0]) })).unwrap();
+        let colors: Vec<[u8; 4]> = (0..3).map(|i| buffer.colors.get(i)).collect();
+        // From 0 to 10: 5 is in the middle, 10 magenta at the end, and the missing one red.
+        assert_eq!((colors[1], colors[2]), ([255, 0, 255, 255], [255, 0, 0, 255]));
+        assert_eq!(colors[0], [0, 255, 127, 255]);
+    }
+
+    #[test]
+    fn axes_color_by_positions_in_the_fixed_frame_even_where_the_own_frame_is_asked_for() {
+        let axis_color = AxisColorSettings { use_fixed_frame: false, ..AxisColorSettings::default() };
+        let color_transformer = Some(ColorTransformer::AxisColor);
+        let mut bench = Bench::new(CloudSettings { axis_color, color_transformer, ..CloudSettings::default() });
+        bench.place(10, [0.0, 0.0, 0.0], 0.0);
+        bench.place(11, [0.0, 0.0, 1.0], 0.0);
+        let buffer = bench.show(Some(LaserScan { time_increment: 1.0, ..scan(10, &[1.0, 1.0]) })).unwrap();
+        assert_eq!((buffer.colors.get(0), buffer.colors.get(1)), ([255, 0, 0, 255], [255, 0, 255, 255]));
+    }
+
+    #[test]
+    fn a_scan_without_a_time_is_refused() {
+        let mut bench = Bench::new(CloudSettings::default());
+        bench.place(10, [0.0, 0.0, 0.0], 0.0);
+        for time_increment in [f32::NAN, f32::INFINITY, 1e30] {
+            assert!(bench.show(Some(LaserScan { time_increment, ..scan(10, &[1.0, 1.0]) })).is_none());
+            let statuses = bench.display.statuses();
+            assert_eq!(statuses.level(), Level::Error, "{statuses:?}");
+        }
+        assert!(bench.show(Some(scan(10, &[1.0, 1.0]))).is_some());
+        assert_eq!(bench.display.statuses().level(), Level::Ok);
+    }
+}

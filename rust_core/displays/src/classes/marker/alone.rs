@@ -1,0 +1,37 @@
+//! A marker that is part of something else: only what it is drawn with, without namespace, action and lifetime.
+
+use nalgebra::Isometry3;
+use rcs_messages::visualization_msgs::Marker;
+use rcs_messages::PlainTransform;
+use rcs_resources::MeshStore;
+
+use super::checks::check_marker;
+use super::kind::Kind;
+use super::part::Part;
+use crate::framework::world::isometry;
+
+/// What a marker is drawn with, and its pose in the frame of its header.
+#[derive(Clone, Debug)]
+pub(crate) struct MarkerParts {
+    pub(crate) frame_from_marker: Isometry3<f64>,
+    pub(crate) parts: Vec<Part>,
+}
+
+impl MarkerParts {
+    /// Builds a marker as rviz draws one that comes for the first time. `None` for one that rviz refuses.
+    ///
+    /// # Errors
+    /// Why a marker that is in order shows nothing (its mesh cannot be loaded).
+    pub(crate) fn of(marker: &Marker, meshes: &MeshStore) -> Result<Option<Self>, String> {
+        if check_marker(marker).is_fatal() {
+            return Ok(None);
+        }
+        let Some(mut kind) = Kind::of(marker) else { return Ok(None) };
+        let mut pose = PlainTransform::from(&marker.pose);
+        if !kind.has_orientation() {
+            pose.rotation_xyzw = [0.0, 0.0, 0.0, 1.0];
+        }
+        let Some(frame_from_marker) = isometry(&pose) else { return Ok(None) };
+        Ok(Some(Self { frame_from_marker, parts: kind.parts(marker, meshes)? }))
+    }
+}

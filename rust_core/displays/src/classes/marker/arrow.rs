@@ -1,0 +1,64 @@
+//! ARROW: along x with the marker's scale, or between two points.
+//!
+//! An arrow that is sent again with the same id keeps what its new form does not set: one by two points the scale of an
+//! earlier one by pose, one by pose the start of an earlier one by two points. rviz does so.
+
+use nalgebra::{Matrix4, Vector3};
+use rcs_messages::visualization_msgs::Marker;
+use rcs_scene::Material;
+use std::sync::Arc;
+
+use super::numbers::{position, rgba, scale};
+use super::part::Part;
+use crate::parts::solids::{arrow, arrow_pose, ArrowSize};
+
+/// An arrow of 1 m that is as thick as it is long; the scale makes it slender.
+const BY_POSE: ArrowSize =
+    ArrowSize { shaft_length_m: 0.77, shaft_diameter_m: 1.0, head_length_m: 0.23, head_diameter_m: 2.0 };
+
+/// The share of its head in the length of an arrow by two points whose head length is not given.
+const HEAD_SHARE: f64 = 0.23;
+
+/// An arrow marker from message to message.
+#[derive(Clone, Debug)]
+pub(super) struct Arrow {
+    start: Vector3<f64>,
+    scale: [f64; 3],
+}
+
+impl Default for Arrow {
+    fn default() -> Self {
+        Self { start: Vector3::zeros(), scale: [1.0; 3] }
+    }
+}
+
+impl Arrow {
+    /// Shaft and head.
+    pub(super) fn parts(&mut self, marker: &Marker) -> Vec<Part> {
+        let (direction, size) = match marker.points.as_slice() {
+            [start, end] => {
+                let [start, end] = [start, end].map(|point| Vector3::from(position(point)).cast::<f64>());
+                self.start = start;
+                (end - start, size_by_points(marker, (end - start).norm()))
+            }
+            _ => {
+                self.scale = scale(marker);
+                (Vector3::x(), BY_POSE)
+            }
+        };
+        // In the arrow's frame −z points forward and x is up.
+        let [length, sideways, upwards] = self.scale;
+        let marker_from_arrow = arrow_pose(self.start, &direction)
+            * Matrix4::new_nonuniform_scaling(&Vector3::new(upwards, sideways, length));
+        let material = Arc::new(Material::lit(rgba(&marker.color)));
+        let parts = arrow(0, &marker_from_arrow, &size, &material, &material);
+        parts.map(|part| Part::new(part.fixed_from_object, part.geometry)).into()
+    }
+}
+
+fn size_by_points(marker: &Marker, distance_m: f64) -> ArrowSize {
+    let [shaft_diameter_m, head_diameter_m, head_length_m] = scale(marker);
+    let head_length_m =
+        if head_length_m == 0.0 { HEAD_SHARE * distance_m } else { head_length_m.min(distance_m).max(0.0) };
+    ArrowSize { shaft_length_m: distance_m - head_length_m, shaft_diameter_m, head_length_m, head_diameter_m }
+}

@@ -1,0 +1,204 @@
+//! `rviz/Marker` and `rviz/MarkerArray`: the twelve kinds of markers.
+//!
+//! Both are one display; a Marker display listens to single markers and to the arrays of the topic `…_array`, a
+//! MarkerArray display to the arrays of its topic only. Markers wait one by one until their frame is known at their
+//! stamp. A marker then stands where its frame was at that time; one with `frame_locked` follows the frame. What it is
+//! drawn with is built once for each message.
+//!
+//! Markers of a namespace that the config switches off are not kept, as in rviz. Messages that delete need no frame: as
+//! in rviz those that the queue drops are carried out all the same, at once, before what the same array adds.
+
+mod alone;
+mod arrow;
+mod checks;
+mod kind;
+mod lines;
+mod mesh;
+mod numbers;
+mod part;
+mod point_lists;
+mod shape;
+mod store;
+mod text;
+mod triangles;
+
+#[cfg(test)]
+mod tests;
+
+pub(crate) use alone::MarkerParts;
+pub(crate) use part::SortPoint;
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use rcs_messages::visualization_msgs::{Marker, MarkerArray};
+use rcs_messages::{AnyMessage, MessageKind};
+use rcs_rviz_config::MarkerSettings;
+use rcs_scene::{DisplayId, Drawable};
+use rcs_transforms::{Time, WaitingQueue};
+
+use crate::framework::display::{Display, TopicRequest};
+use crate::framework::frame;
+use crate::framework::world::stamp;
+use crate::{Level, Statuses, World};
+use store::MarkerStore;
+
+/// A marker that arrived by itself or in an array.
+#[derive(Clone, Debug)]
+enum Arrived {
+    Alone(Arc<Marker>),
+    /// The array and the marker's index, which is below the array's length.
+    InArray(Arc<MarkerArray>, usize),
+}
+
+impl Deref for Arrived {
+    type Target = Marker;
+
+    fn deref(&self) -> &Marker {
+        match self {
+            Self::Alone(marker) => marker,
+            Self::InArray(array, index) => &array.markers[*index],
+        }
+    }
+}
+
+/// A Marker or MarkerArray display.
+#[derive(Debug)]
+pub(crate) struct MarkerDisplay {
+    display: DisplayId,
+    settings: MarkerSettings,
+    takes_single_markers: bool,
+    waiting: WaitingQueue<Arrived>,
+    /// Markers whose frame is known, until the next update.
+    ready: Vec<Arrived>,
+    store: MarkerStore,
+    drawables: Vec<Drawable>,
+    statuses: Statuses,
+}
+
+impl MarkerDisplay {
+    pub(crate) fn single(display: DisplayId, settings: MarkerSettings) -> Self {
+        Self::new(display, settings, true)
+    }
+
+    pub(crate) fn array(display: DisplayId, settings: MarkerSettings) -> Self {
+        Self::new(display, settings, false)
+    }
+
+    fn new(display: DisplayId, settings: MarkerSettings, takes_single_markers: bool) -> Self {
+        Self {
+            display,
+            takes_single_markers,
+            waiting: WaitingQueue::new(settings.queue_size as usize).keeping_dropped(),
+            settings,
+            ready: Vec::new(),
+            store: MarkerStore::default(),
+            drawables: Vec::new(),
+            statuses: Statuses::default(),
+        }
+    }
+
+    /// Sorts a marker into those that are ready and those that wait.
+    fn arrive(&mut self, marker: Arrived, world: &World<'_>) {
+        let (frame, stamp) = (marker.header.frame_id.as_str(), stamp(&marker.header));
+        if world.transforms.can_transform(world.fixed_frame, frame, stamp) {
+            self.ready.push(marker);
+            return;
+        }
+        let frame = frame.to_owned();
+        self.waiting.push(&frame, stamp, marker);
+        self.look_at_waiting(world);
+    }
+
+    /// Moves waiting markers on whose frames are known now, and deals with those that the queue dropped.
+    fn look_at_waiting(&mut self, world: &World<'_>) {
+        self.ready.extend(self.waiting.take_ready(world.transforms, world.fixed_frame));
+        for (marker, reason) in self.waiting.take_dropped() {
+            let reason = frame::drop_reason(&reason, world.fixed_frame);
+            self.store.fail(&marker, &reason, world, &mut self.statuses);
+        }
+    }
+
+    fn process_ready(&mut self, world: &World<'_>) {
+        for marker in std::mem::take(&mut self.ready) {
+            let shows = |namespace: &str| self.settings.shows_namespace(namespace);
+            self.store.process(&marker, world, shows, &mut self.statuses);
+        }
+    }
+}
+
+impl Display for MarkerDisplay {
+    fn topics(&self) -> Vec<TopicRequest> {
+        let (topic, queue_size) = (&self.settings.topic, self.settings.queue_size);
+        let single = TopicRequest::new(topic, MessageKind::Marker, queue_size);
+        if !self.takes_single_markers {
+            return TopicRequest::new(topic, MessageKind::MarkerArray, queue_size).into_iter().collect();
+        }
+        let arrays = single.as_ref().map(|request| TopicRequest {
+            topic: format!("{}_array", request.topic),
+            kind: MessageKind::MarkerArray,
+            queue_size: request.queue_size,
+        });
+        single.into_iter().chain(arrays).collect()
+    }
+
+    fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
+        // What came with an earlier message is done before what this one brings.
+        self.process_ready(world);
+        self.statuses.set(Level::Ok, "Topic", "OK");
+        match message {
+            AnyMessage::Marker(marker) => self.arrive(Arrived::Alone(marker.clone()), world),
+            AnyMessage::MarkerArray(array) => {
+                match checks::check_array(array).status() {
+                    Some((level, text)) => self.statuses.set(level, "marker_array", text),
+                    None => self.statuses.remove("marker_array"),
+                }
+                for index in 0..array.markers.len() {
+                    self.arrive(Arrived::InArray(array.clone(), index), world);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.waiting.stamps().any(|waiting| waiting == stamp)
+    }
+
+    fn update(&mut self, world: &World<'_>) -> bool {
+        self.look_at_waiting(world);
+        self.process_ready(world);
+        match self.waiting.waiting_reason(world.transforms, world.fixed_frame) {
+            Some(reason) => {
+                let problem = frame::problem(&reason, world.fixed_frame);
+                self.statuses.set(Level::Warn, "Transform", problem);
+            }
+            None => self.statuses.remove("Transform"),
+        }
+        let changed = self.store.update(world, &mut self.statuses);
+        if changed {
+            self.drawables = self.store.drawables(self.display);
+        }
+        changed
+    }
+
+    fn drawables(&self) -> &[Drawable] {
+        &self.drawables
+    }
+
+    fn next_change(&self) -> Option<Time> {
+        self.store.next_change()
+    }
+
+    fn reset(&mut self) {
+        self.waiting.clear();
+        self.ready.clear();
+        self.store.clear();
+        self.drawables.clear();
+        self.statuses.clear();
+    }
+
+    fn statuses(&self) -> &Statuses {
+        &self.statuses
+    }
+}

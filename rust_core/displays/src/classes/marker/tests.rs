@@ -1,0 +1,545 @@
+//! Markers of every kind and action, by the drawables that they become.
+
+use std::sync::Arc;
+
+use nalgebra::{Point3, Vector3};
+use rcs_messages::geometry_msgs::Point;
+use rcs_messages::std_msgs::ColorRGBA;
+use rcs_messages::visualization_msgs::{Marker, MarkerArray};
+use rcs_messages::{AnyMessage, MessageKind};
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_rviz_config::MarkerSettings;
+use rcs_scene::{Blending, CullMode, Drawable, Geometry, Lighting, Material, PointStyle};
+use rcs_transforms::{RawTransform, Time, TransformTree};
+
+use super::MarkerDisplay;
+use crate::framework::display::Display;
+use crate::{Level, World};
+
+/// A display with the world around it. The frame `map` is fixed.
+struct Bench {
+    display: MarkerDisplay,
+    tree: TransformTree,
+    meshes: MeshStore,
+    now: Time,
+}
+
+impl Bench {
+    fn with(display: MarkerDisplay) -> Self {
+        let meshes = MeshStore::new(PackageIndex::new([]));
+        Self { display, tree: TransformTree::new(), meshes, now: Time::from_secs_nanos(100, 0) }
+    }
+
+    fn new() -> Self {
+        Self::with(MarkerDisplay::array(3, MarkerSettings::array_default()))
+    }
+
+    fn world(&self) -> World<'_> {
+        World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes }
+    }
+
+    /// Sends an array, without an update.
+    fn send(&mut self, markers: &[Marker]) {
+        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
+        let array = MarkerArray { markers: markers.to_vec() };
+        self.display.take(&AnyMessage::MarkerArray(Arc::new(array)), &world);
+    }
+
+    fn update(&mut self) -> bool {
+        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
+        self.display.update(&world)
+    }
+
+    /// Sends an array and returns all that is shown after it.
+    fn show(&mut self, markers: &[Marker]) -> Vec<Drawable> {
+        self.send(markers);
+        self.update();
+        self.display.drawables().to_vec()
+    }
+
+    fn only(&mut self, marker: &Marker) -> Drawable {
+        let [drawable] = self.show(std::slice::from_ref(marker)).try_into().expect("one drawable");
+        drawable
+    }
+
+    fn status(&self, name: &str) -> Option<(Level, String)> {
+        let status = self.display.statuses().iter().find(|(known, _)| *known == name)?.1;
+        Some((status.level, status.text.clone()))
+    }
+
+    fn place(&mut self, child: &str, secs: u32, x: f64) {
+        let said = RawTransform {
+            parent: "map",
+            child,
+            stamp: Time::from_secs_nanos(secs, 0),
+            translation: [x, 0.0, 0.0],
+            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+        };
+        self.tree.insert(&said, false, "/test").unwrap();
+    }
+}
+
+fn marker(marker_type: u8, id: i32) -> Marker {
+    let mut marker = Marker { type_: marker_type.into(), id, ns: "n".to_owned(), ..Marker::default() };
+    marker.header.frame_id = "map".to_owned();
+    marker.pose.orientation.w = 1.0;
+    (marker.scale.x, marker.scale.y, marker.scale.z) = (1.0, 1.0, 1.0);
+    marker.color = color(1.0, 0.5, 0.0, 1.0);
+    marker
+}
+
+fn color(r: f32, g: f32, b: f32, a: f32) -> ColorRGBA {
+    ColorRGBA { r, g, b, a }
+}
+
+fn points(coordinates: &[[f64; 3]]) -> Vec<Point> {
+    coordinates.iter().map(|&[x, y, z]| Point { x, y, z }).collect()
+}
+
+fn deleting(id: i32) -> Marker {
+    Marker { action: Marker::DELETE.into(), ..marker(Marker::CUBE, id) }
+}
+
+fn delete_all() -> Marker {
+    let mut marker = Marker { action: Marker::DELETEALL.into(), ..Marker::default() };
+    marker.header.frame_id = String::new();
+    marker
+}
+
+fn at(drawable: &Drawable, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    let point = drawable.fixed_from_object.transform_point(&Point3::new(x, y, z));
+    point.coords.map(|value| (value * 1e6).round() / 1e6).into()
+}
+
+fn material(drawable: &Drawable) -> &Material {
+    let Geometry::Mesh { material, .. } = &drawable.geometry else { panic!("no mesh: {:?}", drawable.geometry) };
+    material
+}
+
+fn diffuse(drawable: &Drawable) -> [f32; 4] {
+    let Lighting::Lit { diffuse, .. } = material(drawable).lighting else { panic!("unlit") };
+    diffuse.to_array()
+}
+
+#[test]
+fn a_marker_display_hears_markers_and_arrays_and_an_array_display_only_arrays() {
+    let single = MarkerDisplay::single(0, MarkerSettings { topic: "/m".to_owned(), ..MarkerSettings::default() });
+    let heard: Vec<_> = single.topics().into_iter().map(|t| (t.topic, t.kind)).collect();
+    assert_eq!(heard, [("/m".into(), MessageKind::Marker), ("/m_array".into(), MessageKind::MarkerArray)]);
+    let array = MarkerDisplay::array(0, MarkerSettings::array_default());
+    let heard: Vec<_> = array.topics().into_iter().map(|t| (t.topic, t.kind)).collect();
+    assert_eq!(heard, [("visualization_marker_array".to_owned(), MessageKind::MarkerArray)]);
+
+    let mut bench = Bench::with(single);
+    let message = AnyMessage::Marker(Arc::new(marker(Marker::CUBE, 1)));
+    let world = World { transforms: &bench.tree, fixed_frame: "map", now: bench.now, meshes: &bench.meshes };
+    bench.display.take(&message, &world);
+    assert!(bench.update() && bench.display.drawables().len() == 1);
+    assert!(!bench.update(), "nothing new");
+}
+
+#[test]
+fn a_cylinder_stands_along_z_in_its_pose() {
+    let mut cylinder = marker(Marker::CYLINDER, 1);
+    (cylinder.scale.x, cylinder.scale.y, cylinder.scale.z) = (2.0, 4.0, 6.0);
+    cylinder.pose.position.x = 10.0;
+    let drawn = Bench::new().only(&cylinder);
+    assert_eq!(drawn.display, 3);
+    assert_eq!(drawn.sort_point, Point3::new(10.0, 0.0, 0.0));
+    // The solid's axis is y; rviz's mirrored scale turns its top down.
+    assert_eq!(at(&drawn, [0.0, 0.5, 0.0]), [10.0, 0.0, -3.0]);
+    assert_eq!(at(&drawn, [0.5, 0.0, 0.0]), [11.0, 0.0, 0.0]);
+    assert_eq!(at(&drawn, [0.0, 0.0, 0.5]), [10.0, -2.0, 0.0]);
+    assert!(drawn.fixed_from_object.determinant() < 0.0);
+}
+
+#[test]
+fn quaternions_are_normalised_and_zero_ones_are_no_rotation_with_a_warning() {
+    let mut bench = Bench::new();
+    let mut cube = marker(Marker::CUBE, 1);
+    (cube.pose.orientation.w, cube.pose.orientation.z) = (3.0, 3.0);
+    let turned = bench.only(&cube);
+    assert_eq!(at(&turned, [0.5, 0.0, 0.0]), [0.0, 0.5, 0.0]);
+    assert_eq!(bench.status("n/1").unwrap().0, Level::Warn);
+    (cube.pose.orientation.w, cube.pose.orientation.z) = (0.0, 0.0);
+    assert_eq!(at(&bench.only(&cube), [0.5, 0.0, 0.0]), [0.5, 0.0, 0.0]);
+    assert_eq!(bench.status("n/1").unwrap().0, Level::Warn);
+    cube.pose.orientation.w = 1.0;
+    bench.only(&cube);
+    assert_eq!(bench.status("n/1"), None);
+}
+
+#[test]
+fn an_arrow_by_pose_points_along_x() {
+    let mut arrow = marker(Marker::ARROW, 1);
+    (arrow.scale.x, arrow.scale.y, arrow.scale.z) = (2.0, 0.1, 0.3);
+    let drawn = Bench::new().show(&[arrow]);
+    let [shaft, head] = drawn.as_slice() else { panic!("two parts") };
+    assert_eq!(at(shaft, [0.0, -0.5, 0.0]), [0.0; 3]);
+    assert_eq!(at(shaft, [0.0, 0.5, 0.0]), [1.54, 0.0, 0.0]);
+    assert_eq!(at(head, [0.0, 0.5, 0.0]), [2.0, 0.0, 0.0]);
+    // The thickness is y's sideways and z's upwards.
+    assert_eq!(at(shaft, [0.5, 0.0, 0.0]), [0.77, 0.0, 0.15]);
+    assert_eq!(at(shaft, [0.0, 0.0, 0.5]).map(f64::abs), [0.77, 0.05, 0.0]);
+    assert_eq!(head.sort_point.x, 2.0 * (0.77 + 0.115));
+}
+
+#[test]
+fn an_arrow_by_points_has_its_head_within_its_length() {
+    let mut arrow = marker(Marker::ARROW, 1);
+    arrow.points = points(&[[1.0, 0.0, 0.0], [1.0, 0.0, 2.0]]);
+    let mut bench = Bench::new();
+    for (head_length, head_base) in [(0.5, 1.5), (0.0, 2.0 * 0.77), (9.0, 0.0)] {
+        (arrow.scale.x, arrow.scale.y, arrow.scale.z) = (0.1, 0.2, head_length);
+        let drawn = bench.show(&[arrow.clone()]);
+        let [shaft, head] = drawn.as_slice() else { panic!("two parts") };
+        assert_eq!(at(shaft, [0.0, -0.5, 0.0]), [1.0, 0.0, 0.0]);
+        assert_eq!(at(head, [0.0, -0.5, 0.0]), [1.0, 0.0, head_base]);
+        assert_eq!(at(head, [0.0, 0.5, 0.0]), [1.0, 0.0, 2.0]);
+    }
+    arrow.points.push(Point::default());
+    assert!(bench.show(&[arrow]).is_empty(), "three points are an error and take the old arrow away");
+    assert_eq!(bench.status("n/1").unwrap().0, Level::Error);
+}
+
+#[test]
+fn an_arrow_keeps_what_its_new_form_does_not_set() {
+    let mut bench = Bench::new();
+    let mut by_points = marker(Marker::ARROW, 1);
+    by_points.points = points(&[[0.0, 3.0, 0.0], [0.0, 4.0, 0.0]]);
+    bench.show(&[by_points]);
+    let by_pose = bench.show(&[marker(Marker::ARROW, 1)]);
+    assert_eq!(at(&by_pose[0], [0.0, -0.5, 0.0]), [0.0, 3.0, 0.0]);
+}
+
+#[test]
+fn lines_blend_by_the_markers_alpha_and_sort_by_the_middle_of_their_own_box() {
+    let mut strip = marker(Marker::LINE_STRIP, 1);
+    strip.points = points(&[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [f64::NAN, 0.0, 0.0], [2.0, 4.0, 0.0]]);
+    strip.colors = [0.1, 0.2, 0.3, 0.4].map(|a| color(1.0, 0.0, 0.0, a)).to_vec();
+    (strip.scale.x, strip.pose.position.x) = (0.25, 50.0);
+    let mut bench = Bench::new();
+    let drawn = bench.only(&strip);
+    let Geometry::Ribbons(ribbons) = &drawn.geometry else { panic!("no ribbons") };
+    assert_eq!((ribbons.chains.len(), ribbons.chains[0].len(), ribbons.width_m), (1, 3, 0.25));
+    assert_eq!(ribbons.chains[0][2].color, [255, 0, 0, 102]);
+    assert_eq!(ribbons.blending, Blending::Replace);
+    assert_eq!(drawn.sort_point, Point3::new(1.0, 2.0, 0.0));
+    strip.color.a = 0.5;
+    assert!(bench.only(&strip).geometry.is_translucent());
+
+    strip.type_ = Marker::LINE_LIST.into();
+    let drawn = bench.only(&strip);
+    let Geometry::Ribbons(ribbons) = &drawn.geometry else { panic!("no ribbons") };
+    assert_eq!(ribbons.chains.iter().map(Vec::len).collect::<Vec<_>>(), [2], "the second line is not finite");
+    strip.points.pop();
+    strip.colors.pop();
+    assert!(bench.show(&[strip]).is_empty());
+    assert!(bench.status("n/1").unwrap().1.contains("two points a line"));
+}
+
+#[test]
+fn a_long_strip_is_cut_where_rviz_cuts_it() {
+    let mut strip = marker(Marker::LINE_STRIP, 1);
+    strip.points = (0..16_385 + 1).map(|i| Point { x: f64::from(i), y: 0.0, z: 0.0 }).collect();
+    let drawn = Bench::new().show(&[strip]);
+    let lengths: Vec<usize> = drawn
+        .iter()
+        .map(|drawable| match &drawable.geometry {
+            Geometry::Ribbons(ribbons) => ribbons.chains[0].len(),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(lengths, [16_384, 2]);
+}
+
+#[test]
+fn a_translucent_list_is_drawn_twice_with_its_alpha_in_both_places() {
+    let mut list = marker(Marker::CUBE_LIST, 1);
+    list.points = points(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, f64::INFINITY, 0.0]]);
+    (list.scale.x, list.scale.y, list.scale.z) = (1.0, 2.0, 3.0);
+    let mut bench = Bench::new();
+    assert_eq!(bench.show(&[list.clone()]).len(), 1);
+    list.color.a = 0.5;
+    let drawn = bench.show(&[list.clone()]);
+    assert_eq!(drawn.len(), 2);
+    let Geometry::Points(cloud) = &drawn[0].geometry else { panic!("no points") };
+    assert_eq!(cloud.style, PointStyle::Boxes { size_m: [1.0, 2.0, 3.0] });
+    assert_eq!((cloud.alpha, cloud.buffer.positions.len(), cloud.buffer.colors.get(0)[3]), (0.5, 2, 127));
+    assert_eq!(drawn[1].sort_point, Point3::new(1.0, 0.0, 0.0));
+
+    list.colors = [1.0, 1.0, 0.2].map(|a| color(0.0, 1.0, 0.0, a)).to_vec();
+    let drawn = bench.show(&[list]);
+    let Geometry::Points(cloud) = &drawn[0].geometry else { panic!("no points") };
+    assert_eq!((cloud.alpha, cloud.blended, cloud.buffer.colors.get(1)), (1.0, true, [0, 255, 0, 255]));
+}
+
+#[test]
+fn discs_with_one_negative_side_are_seen_from_behind_which_is_not_at_all() {
+    let mut list = marker(Marker::SPHERE_LIST, 1);
+    list.points = points(&[[0.0; 3]]);
+    (list.scale.x, list.scale.y) = (-1.0, -2.0);
+    let mut bench = Bench::new();
+    let Geometry::Points(cloud) = bench.only(&list).geometry else { panic!("no points") };
+    assert_eq!(cloud.style, PointStyle::Spheres { size_m: [1.0, 2.0] });
+    list.scale.y = 2.0;
+    assert!(bench.show(&[list]).is_empty());
+}
+
+#[test]
+fn triangles_are_lit_in_one_colour_and_unlit_in_several() {
+    let mut triangles = marker(Marker::TRIANGLE_LIST, 1);
+    triangles.points =
+        points(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
+    triangles.scale.x = 2.0;
+    let mut bench = Bench::new();
+    let lit = bench.only(&triangles);
+    let Geometry::Mesh { mesh, .. } = &lit.geometry else { panic!("no mesh") };
+    assert_eq!((mesh.vertices[0].normal, mesh.vertices[5].normal), ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]));
+    assert_eq!(at(&lit, [1.0, 1.0, 1.0]), [2.0, 1.0, 1.0]);
+    assert_eq!((material(&lit).cull, diffuse(&lit)), (CullMode::None, [1.0, 0.5, 0.0, 1.0]));
+
+    // The vertices have no place for colours that come later.
+    triangles.colors = vec![color(0.0, 0.0, 1.0, 1.0); 2];
+    let Geometry::Mesh { mesh, .. } = bench.only(&triangles).geometry else { panic!("no mesh") };
+    assert_eq!(mesh.vertices[0].color, [255; 4]);
+    bench.show(&[delete_all()]);
+
+    // A colour for each face: the faces' alpha does not make it blend, the marker's would.
+    triangles.colors = vec![color(0.0, 0.0, 1.0, 0.5); 2];
+    let faces = bench.only(&triangles);
+    assert_eq!((material(&faces).lighting, material(&faces).blending), (Lighting::Unlit, Blending::Replace));
+    triangles.color.a = 0.5;
+    assert_eq!(material(&bench.only(&triangles)).blending, Blending::Alpha);
+
+    // A colour for each vertex: only theirs counts.
+    triangles.colors = vec![color(0.0, 0.0, 1.0, 1.0); 6];
+    let vertices = bench.only(&triangles);
+    assert_eq!(material(&vertices).blending, Blending::Replace);
+    let Geometry::Mesh { mesh, .. } = &vertices.geometry else { panic!("no mesh") };
+    assert_eq!(mesh.vertices[0].color, [0, 0, 255, 127]);
+    triangles.colors[4].a = 0.9;
+    assert_eq!(material(&bench.only(&triangles)).blending, Blending::Alpha);
+}
+
+#[test]
+fn text_stands_at_its_position_whatever_its_orientation() {
+    let mut text = marker(Marker::TEXT_VIEW_FACING, 1);
+    text.text = "goal".to_owned();
+    text.pose.position.y = 2.0;
+    text.pose.orientation.x = f64::NAN;
+    let mut bench = Bench::new();
+    let drawn = bench.only(&text);
+    assert!(matches!(drawn.geometry, Geometry::Text(_)));
+    assert_eq!(at(&drawn, [0.0; 3]), [0.0, 2.0, 0.0]);
+    text.text = " \n".to_owned();
+    assert!(bench.show(&[text]).is_empty());
+}
+
+#[test]
+fn a_mesh_that_cannot_be_loaded_is_named() {
+    let mut mesh = marker(Marker::MESH_RESOURCE, 7);
+    mesh.mesh_resource = "package://nowhere/none.stl".to_owned();
+    let mut bench = Bench::new();
+    assert!(bench.show(&[mesh, marker(Marker::CUBE, 1)]).len() == 1);
+    let (level, text) = bench.status("n/7").unwrap();
+    assert!(level == Level::Error && text.contains("package://nowhere/none.stl"), "{text}");
+}
+
+/// A mesh of one triangle with a material of its own, and the bench that finds it.
+fn with_mesh(extension: &str) -> (Bench, Marker, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("m.mtl", "newmtl blue\nKd 0 0 1\n");
+    write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl blue\nf 1 2 3\n");
+    write(
+        "m.stl",
+        "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n",
+    );
+    let mut marker = marker(Marker::MESH_RESOURCE, 1);
+    marker.mesh_resource = format!("file://{}", folder.path().join(format!("m.{extension}")).display());
+    (Bench::new(), marker, folder)
+}
+
+#[test]
+fn a_mesh_takes_the_markers_colour_or_is_tinted_with_it() {
+    let (mut bench, mut mesh, _folder) = with_mesh("obj");
+    let drawn = bench.only(&mesh);
+    assert_eq!(diffuse(&drawn), [1.0, 0.5, 0.0, 1.0]);
+
+    mesh.mesh_use_embedded_materials = true;
+    let drawn = bench.show(&[mesh.clone()]);
+    let [own, tint] = drawn.as_slice() else { panic!("own material and tint") };
+    assert_eq!((diffuse(own), diffuse(tint)), ([0.0, 0.0, 1.0, 1.0], [1.0, 0.5, 0.0, 0.5]));
+    assert_eq!((material(own).blending, material(tint).blending), (Blending::Replace, Blending::Alpha));
+    assert!(!tint.geometry.is_translucent(), "the tint of an opaque part is drawn with the opaque things");
+
+    mesh.color.a = 0.25;
+    let drawn = bench.show(&[mesh.clone()]);
+    assert_eq!(drawn.iter().map(diffuse).collect::<Vec<_>>(), [[0.0, 0.0, 1.0, 0.25], [1.0, 0.5, 0.0, 0.25]]);
+    assert!(drawn.iter().all(|drawable| drawable.geometry.is_translucent()));
+
+    // All zero asks for the file's colours, but only of a new mesh.
+    mesh.color = color(0.0, 0.0, 0.0, 0.0);
+    let drawn = bench.show(&[mesh.clone()]);
+    assert_eq!((drawn.len(), diffuse(&drawn[0])), (2, [0.0, 0.0, 1.0, 0.0]));
+    mesh.id = 2;
+    bench.show(&[delete_all()]);
+    assert_eq!(diffuse(&bench.only(&mesh)), [0.0, 0.0, 1.0, 1.0]);
+}
+
+#[test]
+fn a_mesh_without_materials_takes_the_tint_for_its_colour() {
+    let (mut bench, mut mesh, _folder) = with_mesh("stl");
+    mesh.mesh_use_embedded_materials = true;
+    let drawn = bench.only(&mesh);
+    assert_eq!((diffuse(&drawn), drawn.geometry.is_translucent()), ([1.0, 0.5, 0.0, 0.5], false));
+}
+
+#[test]
+fn markers_are_replaced_by_namespace_and_id_and_change_their_type() {
+    let mut bench = Bench::new();
+    let other_namespace = Marker { ns: "other".to_owned(), ..marker(Marker::CUBE, 1) };
+    assert_eq!(bench.show(&[marker(Marker::CUBE, 1), marker(Marker::CUBE, 1), other_namespace]).len(), 2);
+    assert_eq!(bench.status("marker_array").unwrap().0, Level::Warn);
+    let mut moved = marker(Marker::CUBE, 1);
+    moved.pose.position.x = 5.0;
+    let drawn = bench.show(&[moved]);
+    assert_eq!((drawn.len(), at(&drawn[0], [0.0; 3])), (2, [5.0, 0.0, 0.0]), "a moved marker keeps its turn");
+    assert_eq!(bench.status("marker_array"), None);
+    let drawn = bench.show(&[marker(Marker::ARROW, 1)]);
+    assert_eq!((drawn.len(), drawn[0].sort_point.x), (3, 0.0), "a marker of another type is a new one");
+}
+
+#[test]
+fn deleting_takes_one_or_all_away_in_any_order() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.show(&[deleting(1), marker(Marker::CUBE, 1), marker(Marker::CUBE, 2)]).len(), 2);
+    assert_eq!(bench.show(&[deleting(1), deleting(9)]).len(), 1);
+    let in_frame = Marker { header: marker(Marker::CUBE, 0).header, ..delete_all() };
+    assert_eq!(bench.show(&[in_frame.clone(), marker(Marker::CUBE, 3)]).len(), 1);
+    assert_eq!(bench.show(&[marker(Marker::CUBE, 4), in_frame]).len(), 0);
+    assert_eq!(bench.status("marker_array").unwrap().0, Level::Warn);
+}
+
+#[test]
+fn delete_all_without_a_frame_comes_before_what_its_array_adds_and_after_earlier_messages() {
+    let mut bench = Bench::new();
+    bench.send(&[marker(Marker::CUBE, 1)]);
+    bench.send(&[marker(Marker::CUBE, 2), delete_all()]);
+    bench.update();
+    assert_eq!(bench.display.drawables().len(), 1);
+    assert_eq!(bench.status("/0"), None);
+    // Adding without a frame is an error.
+    let mut lost = marker(Marker::CUBE, 5);
+    lost.header.frame_id.clear();
+    assert_eq!(bench.show(&[lost]).len(), 1);
+    assert_eq!(bench.status("n/5").unwrap().0, Level::Error);
+}
+
+#[test]
+fn a_namespace_that_is_switched_off_is_not_shown() {
+    let mut settings = MarkerSettings::array_default();
+    settings.namespaces.insert("n".to_owned(), false);
+    let mut bench = Bench::with(MarkerDisplay::array(0, settings));
+    let other = Marker { ns: "new".to_owned(), ..marker(Marker::CUBE, 1) };
+    assert_eq!(bench.show(&[marker(Marker::CUBE, 1), other]).len(), 1);
+}
+
+#[test]
+fn a_marker_goes_when_its_lifetime_is_over_in_ros_time() {
+    let mut bench = Bench::new();
+    let mut short = marker(Marker::CUBE, 1);
+    (short.lifetime.sec, short.lifetime.nsec) = (1, 500_000_000);
+    let mut negative = marker(Marker::CUBE, 2);
+    negative.lifetime.sec = -1;
+    assert_eq!(bench.show(&[short.clone(), negative]).len(), 2);
+    assert_eq!(bench.display.next_change(), Some(Time::from_secs_nanos(101, 500_000_000)));
+    bench.now = Time::from_secs_nanos(101, 499_999_999);
+    assert!(!bench.update());
+    assert_eq!(bench.show(&[short]).len(), 2, "seen again, it lives on");
+    bench.now = Time::from_secs_nanos(102, 0);
+    assert!(!bench.update());
+    bench.now = Time::from_secs_nanos(103, 0);
+    assert!(bench.update());
+    assert_eq!((bench.display.drawables().len(), bench.display.next_change()), (1, None));
+}
+
+#[test]
+fn a_locked_marker_follows_its_frame_and_another_stays() {
+    let mut bench = Bench::new();
+    bench.place("arm", 99, 1.0);
+    let mut fixed = marker(Marker::CUBE, 1);
+    fixed.header.frame_id = "arm".to_owned();
+    let locked = Marker { id: 2, frame_locked: true, ..fixed.clone() };
+    bench.show(&[fixed, locked]);
+    let before = bench.display.drawables().to_vec();
+    bench.place("arm", 100, 2.0);
+    assert!(bench.update());
+    let x = |drawable: &Drawable| at(drawable, [0.0; 3])[0];
+    assert_eq!(bench.display.drawables().iter().map(x).collect::<Vec<_>>(), [1.0, 2.0]);
+    let shared = |drawable: &Drawable| match &drawable.geometry {
+        Geometry::Mesh { mesh, material } => (Arc::as_ptr(mesh), Arc::as_ptr(material)),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(shared(&before[1]), shared(&bench.display.drawables()[1]), "nothing is built again");
+    assert!(!bench.update());
+}
+
+#[test]
+fn markers_wait_for_their_frame_and_the_oldest_are_dropped_by_name() {
+    let settings = MarkerSettings { queue_size: 2, ..MarkerSettings::array_default() };
+    let mut bench = Bench::with(MarkerDisplay::array(0, settings));
+    let waiting: Vec<Marker> = (1..=3)
+        .map(|id| {
+            let mut marker = marker(Marker::CUBE, id);
+            marker.header.frame_id = "arm".to_owned();
+            marker
+        })
+        .collect();
+    let placed: Vec<Marker> = (11..=15).map(|id| marker(Marker::CUBE, id)).collect();
+    assert_eq!(bench.show(&[placed, waiting].concat()).len(), 5, "what can be placed needs no room in the queue");
+    assert_eq!(bench.status("Transform").unwrap().0, Level::Warn);
+    assert!(bench.status("n/1").unwrap().1.contains("[arm]"));
+    bench.place("arm", 99, 1.0);
+    assert!(bench.update());
+    assert_eq!(bench.display.drawables().len(), 7);
+    assert_eq!(bench.status("Transform"), None);
+}
+
+#[test]
+fn what_is_not_finite_is_an_error_and_the_others_are_shown() {
+    let mut bench = Bench::new();
+    let mut bad = [marker(Marker::CUBE, 1), marker(Marker::SPHERE, 2), marker(Marker::CYLINDER, 3)];
+    bad[0].pose.position.x = f64::NAN;
+    bad[1].scale.y = 1e300;
+    bad[2].color.g = f32::INFINITY;
+    let unknown = Marker { type_: 12, id: 4, ..marker(Marker::CUBE, 4) };
+    let drawn = bench.show(&[&bad[..], &[unknown, marker(Marker::CUBE, 5)]].concat());
+    assert_eq!(drawn.len(), 1);
+    for id in 1..=4 {
+        assert_eq!(bench.status(&format!("n/{id}")).unwrap().0, Level::Error, "{id}");
+    }
+    assert_eq!(bench.status("n/5"), None);
+}
+
+#[test]
+fn a_zero_scale_is_drawn_with_a_warning() {
+    let mut bench = Bench::new();
+    let mut flat = marker(Marker::CUBE, 1);
+    flat.scale.z = 0.0;
+    let drawn = bench.only(&flat);
+    assert_eq!(at(&drawn, [0.5, 0.5, 0.5]), [0.5, -0.5, 0.0]);
+    assert_eq!(bench.status("n/1").unwrap().0, Level::Warn);
+}
+
+#[test]
+fn forgetting_everything_leaves_an_empty_scene() {
+    let mut bench = Bench::new();
+    bench.show(&[marker(Marker::CUBE, 1)]);
+    bench.display.reset();
+    assert!(bench.display.drawables().is_empty() && bench.update());
+    assert!(bench.display.drawables().is_empty());
+    let world = bench.world();
+    assert_eq!(world.fixed_from("map", Time::ZERO).map(|place| place.translation.vector), Ok(Vector3::zeros()));
+}

@@ -1,0 +1,203 @@
+//! `rviz/Odometry`: the poses that a robot went through, each where its frame was when it was there.
+//!
+//! A pose is added when it is far enough from the last one that was added, as the messages have them, whatever their
+//! frames.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Quaternion, Vector3};
+use rcs_messages::geometry_msgs::Twist;
+use rcs_messages::nav_msgs::Odometry;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
+use rcs_rviz_config::OdometrySettings;
+use rcs_scene::{DisplayId, Drawable};
+
+use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
+use crate::parts::covariance::{uncertain_pose, CovarianceScales, CovarianceSymbol};
+use crate::parts::pose_symbol::PoseSymbol;
+
+/// An Odometry display.
+pub(crate) type OdometryDisplay = MessageDisplay<OdometryVisual>;
+
+/// What an Odometry display draws.
+#[derive(Debug)]
+pub(crate) struct OdometryVisual {
+    display: DisplayId,
+    settings: OdometrySettings,
+    symbol: PoseSymbol,
+    covariance: CovarianceSymbol,
+    /// The last pose that was added, as the message had it.
+    last: Option<PlainTransform>,
+    /// How many drawables each pose has, oldest first.
+    counts: VecDeque<usize>,
+    drawables: Vec<Drawable>,
+}
+
+impl OdometryDisplay {
+    /// A display that has no message yet.
+    pub(crate) fn of(display: DisplayId, settings: &OdometrySettings) -> Self {
+        let visual = OdometryVisual {
+            display,
+            symbol: (&settings.symbol).into(),
+            covariance: CovarianceSymbol::new(display, &settings.covariance),
+            settings: settings.clone(),
+            last: None,
+            counts: VecDeque::new(),
+            drawables: Vec::new(),
+        };
+        Self::new(&settings.topic, settings.queue_size, visual)
+    }
+}
+
+impl OdometryVisual {
+    /// Whether a pose is no farther from another one than the tolerances allow.
+    fn is_near(&self, a: &PlainTransform, b: &PlainTransform) -> bool {
+        let single = |pose: &PlainTransform| Vector3::from(pose.translation).cast::<f32>();
+        (single(a) - single(b)).norm() < self.settings.position_tolerance_m
+            && angle_rad(a, b) < self.settings.angle_tolerance_rad
+    }
+
+    fn drop_old(&mut self) {
+        let keep = self.settings.keep as usize;
+        if keep > 0 && self.counts.len() > keep {
+            let old: usize = self.counts.drain(..self.counts.len() - keep).sum();
+            self.drawables.drain(..old);
+        }
+    }
+}
+
+impl MessageVisual for OdometryVisual {
+    type Message = Odometry;
+    const KIND: MessageKind = MessageKind::Odometry;
+
+    fn message(any: &AnyMessage) -> Option<&Arc<Odometry>> {
+        if let AnyMessage::Odometry(message) = any {
+            Some(message)
+        } else {
+            None
+        }
+    }
+
+    fn header(message: &Odometry) -> &Header {
+        &message.header
+    }
+
+    fn show(&mut self, message: &Odometry, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
+        let (frame_from_pose, covariance) = uncertain_pose(&message.pose).ok_or(InvalidFloats)?;
+        if !is_finite(&message.twist.twist) {
+            return Err(InvalidFloats);
+        }
+        let pose = PlainTransform::from(&message.pose.pose);
+        if self.last.as_ref().is_some_and(|last| self.is_near(last, &pose)) {
+            return Ok(false);
+        }
+        let before = self.drawables.len();
+        self.drawables.extend(self.symbol.drawables(self.display, &(fixed_from_frame * frame_from_pose)));
+        let mut scales = CovarianceScales::default();
+        let covariance = self.covariance.drawables(fixed_from_frame, &frame_from_pose, &covariance, &mut scales);
+        self.drawables.extend(covariance);
+        self.counts.push_back(self.drawables.len() - before);
+        self.last = Some(pose);
+        self.drop_old();
+        Ok(true)
+    }
+
+    fn drawables(&self) -> &[Drawable] {
+        &self.drawables
+    }
+
+    fn clear(&mut self) {
+        self.drawables.clear();
+        self.counts.clear();
+        self.last = None;
+    }
+}
+
+/// The angle between two orientations, 0 to π; quaternions need not be of unit length.
+fn angle_rad(a: &PlainTransform, b: &PlainTransform) -> f32 {
+    let [a, b] = [a, b].map(|pose| {
+        let [x, y, z, w] = pose.rotation_xyzw.map(|value| value as f32);
+        Quaternion::new(w, x, y, z)
+    });
+    let between = a * b.conjugate();
+    2.0 * between.imag().norm().atan2(between.w.abs())
+}
+
+fn is_finite(twist: &Twist) -> bool {
+    [&twist.linear, &twist.angular].iter().all(|v| v.x.is_finite() && v.y.is_finite() && v.z.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rcs_rviz_config::CovarianceSettings;
+
+    fn odometry(x: f64, yaw_rad: f64) -> Odometry {
+        let mut message = Odometry::default();
+        message.pose.pose.position.x = x;
+        (message.pose.pose.orientation.z, message.pose.pose.orientation.w) = (yaw_rad / 2.0).sin_cos();
+        message
+    }
+
+    fn visual(keep: u32) -> OdometryVisual {
+        let settings = OdometrySettings {
+            keep,
+            position_tolerance_m: 0.5,
+            angle_tolerance_rad: 0.3,
+            covariance: CovarianceSettings { position: None, orientation: None },
+            ..OdometrySettings::default()
+        };
+        let display = OdometryDisplay::of(0, &settings);
+        display.into_visual()
+    }
+
+    fn shown(visual: &mut OdometryVisual, message: &Odometry) -> Result<bool, InvalidFloats> {
+        visual.show(message, &Isometry3::identity())
+    }
+
+    #[test]
+    fn a_pose_within_both_tolerances_of_the_last_that_was_added_is_left_out() {
+        let mut visual = visual(0);
+        // The creeping 0.4 m steps count from the last pose that was added, not from the last message.
+        let added = [(0.0, 0.0), (0.4, 0.0), (0.8, 0.0), (0.9, 0.2), (0.9, 0.35), (0.9, 0.35)]
+            .map(|(x, yaw_rad)| shown(&mut visual, &odometry(x, yaw_rad)));
+        assert_eq!(added, [Ok(true), Ok(false), Ok(true), Ok(false), Ok(true), Ok(false)]);
+        assert_eq!(visual.drawables().len(), 3 * 2);
+    }
+
+    #[test]
+    fn the_oldest_give_way_unless_all_are_kept() {
+        for (keep, expected) in [(0, 9), (1, 1), (4, 4)] {
+            let mut visual = visual(keep);
+            for i in 0..9 {
+                assert_eq!(shown(&mut visual, &odometry(f64::from(i), 0.0)), Ok(true));
+            }
+            assert_eq!(visual.drawables().len(), expected * 2, "keep {keep}");
+            let last = visual.drawables().last().map(|head| head.fixed_from_object[(0, 3)]);
+            assert!(last.is_some_and(|x| (x - 9.15).abs() < 1e-6), "{last:?}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_none_change_nothing() {
+        let mut visual = visual(0);
+        let spoil: [fn(&mut Odometry); 4] = [
+            |m| m.pose.pose.position.y = f64::NAN,
+            |m| m.pose.pose.orientation.x = f64::INFINITY,
+            |m| m.pose.covariance[35] = f64::NAN,
+            |m| m.twist.twist.angular.z = f64::NEG_INFINITY,
+        ];
+        for spoil in spoil {
+            let mut message = odometry(0.0, 0.0);
+            spoil(&mut message);
+            assert_eq!(shown(&mut visual, &message), Err(InvalidFloats));
+        }
+        assert_eq!(visual.drawables().len(), 0);
+        // The twist's covariance is of no interest.
+        let mut message = odometry(0.0, 0.0);
+        message.twist.covariance[0] = f64::NAN;
+        assert_eq!(shown(&mut visual, &message), Ok(true));
+    }
+}

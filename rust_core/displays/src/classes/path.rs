@@ -1,0 +1,164 @@
+//! `rviz/Path`: a line through poses, with axes or arrows at them.
+//!
+//! A path stands where its frame was at its stamp, whatever the frame does later. Its opacity has no effect: rviz sets
+//! the colour's alpha, and its line's material replaces what is behind.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Translation3, Vector3};
+use rcs_messages::nav_msgs::Path;
+use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
+use rcs_rviz_config::{LineStyle, PathSettings, PoseStyle};
+use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Material, Rgba, RibbonElement, Ribbons};
+use rcs_transforms::Time;
+
+use crate::framework::display::{Display, TopicRequest};
+use crate::framework::placed::Incoming;
+use crate::framework::world::isometry;
+use crate::parts::solids::{arrow, arrow_pose, axes, axes_materials, drawable, ArrowSize};
+use crate::{Level, Statuses, World};
+
+/// A Path display.
+#[derive(Debug)]
+pub(crate) struct PathDisplay {
+    display: DisplayId,
+    settings: PathSettings,
+    incoming: Incoming<Path>,
+    /// What each of the last paths is drawn with, oldest first.
+    paths: VecDeque<Vec<Drawable>>,
+    drawables: Vec<Drawable>,
+    statuses: Statuses,
+}
+
+impl PathDisplay {
+    pub(crate) fn new(display: DisplayId, settings: PathSettings) -> Self {
+        Self {
+            display,
+            incoming: Incoming::new(settings.queue_size),
+            settings,
+            paths: VecDeque::new(),
+            drawables: Vec::new(),
+            statuses: Statuses::default(),
+        }
+    }
+
+    /// The poses in the fixed frame with the display's offset; `None` where a number is NaN or infinite.
+    fn poses(&self, path: &Path, fixed_from_path: &Isometry3<f64>) -> Option<Vec<Isometry3<f64>>> {
+        let offset = Translation3::from(Vector3::from(self.settings.offset_m).cast::<f64>());
+        let poses = path.poses.iter().map(|stamped| {
+            let path_from_pose = isometry(&PlainTransform::from(&stamped.pose))?;
+            Some(offset * fixed_from_path * path_from_pose)
+        });
+        poses.collect()
+    }
+
+    fn line(&self, poses: &[Isometry3<f64>]) -> Drawable {
+        let color = Rgba::from_rgb8(self.settings.color, self.settings.alpha).to_rgba8();
+        // Positions are kept relative to the first pose, so that single precision does for a path far away.
+        let origin = poses.first().map_or_else(Vector3::zeros, |pose| pose.translation.vector);
+        let positions = poses.iter().map(|pose| (pose.translation.vector - origin).cast::<f32>().into());
+        let geometry = match self.settings.line_style {
+            LineStyle::Lines => Geometry::Lines(Arc::new(Lines {
+                positions: positions.collect(),
+                colors: vec![color],
+                topology: LineTopology::Strip,
+                blending: Blending::Replace,
+            })),
+            LineStyle::Billboards => Geometry::Ribbons(Arc::new(Ribbons {
+                chains: vec![positions.map(|position| RibbonElement { position, color }).collect()],
+                width_m: self.settings.line_width_m,
+                blending: Blending::Replace,
+            })),
+        };
+        drawable(self.display, Translation3::from(origin).to_homogeneous(), geometry)
+    }
+
+    fn symbols(&self, poses: &[Isometry3<f64>]) -> Vec<Drawable> {
+        let settings = &self.settings;
+        match settings.pose_style {
+            PoseStyle::None => Vec::new(),
+            PoseStyle::Axes => {
+                let materials = axes_materials(1.0);
+                let (length_m, diameter_m) = (settings.axes_length_m.into(), settings.axes_radius_m.into());
+                let symbol = |pose: &Isometry3<f64>| {
+                    axes(self.display, &pose.to_homogeneous(), length_m, diameter_m, &materials)
+                };
+                poses.iter().flat_map(symbol).collect()
+            }
+            PoseStyle::Arrows => {
+                let material = Arc::new(Material::lit(Rgba::from_rgb8(settings.arrow_color, 1.0)));
+                let size = ArrowSize {
+                    shaft_length_m: settings.shaft_length_m.into(),
+                    shaft_diameter_m: settings.shaft_diameter_m.into(),
+                    head_length_m: settings.head_length_m.into(),
+                    head_diameter_m: settings.head_diameter_m.into(),
+                };
+                let symbol = |pose: &Isometry3<f64>| {
+                    let fixed_from_arrow = arrow_pose(pose.translation.vector, &(pose.rotation * Vector3::x()));
+                    arrow(self.display, &fixed_from_arrow, &size, &material, &material)
+                };
+                poses.iter().flat_map(symbol).collect()
+            }
+        }
+    }
+}
+
+impl Display for PathDisplay {
+    fn topics(&self) -> Vec<TopicRequest> {
+        TopicRequest::new(&self.settings.topic, MessageKind::Path, self.settings.queue_size).into_iter().collect()
+    }
+
+    fn take(&mut self, message: &AnyMessage, _world: &World<'_>) {
+        if let AnyMessage::Path(path) = message {
+            self.incoming.push(&path.header, path.clone(), &mut self.statuses);
+        }
+    }
+
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.incoming.is_waiting(stamp)
+    }
+
+    fn update(&mut self, world: &World<'_>) -> bool {
+        let ready = self.incoming.take_ready(world, &mut self.statuses);
+        let mut changed = false;
+        for path in ready {
+            let Ok(fixed_from_path) = world.fixed_from_header(&path.header) else { continue };
+            if self.paths.len() >= (self.settings.buffer_length.max(1) as usize) {
+                self.paths.pop_front();
+            }
+            let drawn = match self.poses(&path, &fixed_from_path) {
+                Some(poses) => {
+                    self.statuses.remove("Message");
+                    std::iter::once(self.line(&poses)).chain(self.symbols(&poses)).collect()
+                }
+                None => {
+                    let text = "Message contained invalid floating point values (nans or infs)";
+                    self.statuses.set(Level::Error, "Message", text);
+                    Vec::new()
+                }
+            };
+            self.paths.push_back(drawn);
+            changed = true;
+        }
+        if changed {
+            self.drawables = self.paths.iter().flatten().cloned().collect();
+        }
+        changed
+    }
+
+    fn drawables(&self) -> &[Drawable] {
+        &self.drawables
+    }
+
+    fn reset(&mut self) {
+        self.incoming.clear();
+        self.paths.clear();
+        self.drawables.clear();
+        self.statuses.clear();
+    }
+
+    fn statuses(&self) -> &Statuses {
+        &self.statuses
+    }
+}

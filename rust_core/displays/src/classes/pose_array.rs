@@ -1,0 +1,118 @@
+//! `rviz/PoseArray`: all poses of the last message.
+//!
+//! Flat arrows are lines whose material replaces what is behind, so that their opacity has no effect.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Point3, Vector3};
+use rcs_messages::geometry_msgs::PoseArray;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
+use rcs_rviz_config::{PoseArraySettings, PoseArrayShape};
+use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Rgba};
+
+use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
+use crate::framework::world::isometry;
+use crate::parts::pose_symbol::PoseSymbol;
+use crate::parts::solids::{drawable, ArrowSize};
+
+/// A PoseArray display.
+pub(crate) type PoseArrayDisplay = MessageDisplay<PoseArrayVisual>;
+
+/// What stands at each pose.
+#[derive(Debug)]
+enum Symbol {
+    FlatArrow { length_m: f64, color: [u8; 4] },
+    Solid(PoseSymbol),
+}
+
+/// What a PoseArray display draws.
+#[derive(Debug)]
+pub(crate) struct PoseArrayVisual {
+    display: DisplayId,
+    symbol: Symbol,
+    drawables: Vec<Drawable>,
+}
+
+impl PoseArrayDisplay {
+    /// A display that has no message yet.
+    pub(crate) fn of(display: DisplayId, settings: &PoseArraySettings) -> Self {
+        let symbol = match settings.shape {
+            PoseArrayShape::ArrowFlat => Symbol::FlatArrow {
+                length_m: settings.flat_arrow_length_m.into(),
+                color: Rgba::from_rgb8(settings.color, settings.alpha).to_rgba8(),
+            },
+            PoseArrayShape::Arrow3d => {
+                // rviz hands its "radii" to something that takes diameters.
+                let size = ArrowSize {
+                    shaft_length_m: settings.shaft_length_m.into(),
+                    shaft_diameter_m: settings.shaft_radius_m.into(),
+                    head_length_m: settings.head_length_m.into(),
+                    head_diameter_m: settings.head_radius_m.into(),
+                };
+                Symbol::Solid(PoseSymbol::arrow(size, settings.color, settings.alpha))
+            }
+            PoseArrayShape::Axes => Symbol::Solid(PoseSymbol::axes(settings.axes_length_m, settings.axes_radius_m)),
+        };
+        let visual = PoseArrayVisual { display, symbol, drawables: Vec::new() };
+        Self::new(&settings.topic, settings.queue_size, visual)
+    }
+}
+
+impl MessageVisual for PoseArrayVisual {
+    type Message = PoseArray;
+    const KIND: MessageKind = MessageKind::PoseArray;
+
+    fn message(any: &AnyMessage) -> Option<&Arc<PoseArray>> {
+        if let AnyMessage::PoseArray(message) = any {
+            Some(message)
+        } else {
+            None
+        }
+    }
+
+    fn header(message: &PoseArray) -> &Header {
+        &message.header
+    }
+
+    fn show(&mut self, message: &PoseArray, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
+        let poses: Option<Vec<Isometry3<f64>>> =
+            message.poses.iter().map(|pose| isometry(&PlainTransform::from(pose))).collect();
+        let poses = poses.ok_or(InvalidFloats)?;
+        self.drawables = match &self.symbol {
+            Symbol::FlatArrow { length_m, color } => {
+                let lines = Lines {
+                    positions: poses.iter().flat_map(|pose| flat_arrow(pose, *length_m)).collect(),
+                    colors: vec![*color],
+                    topology: LineTopology::List,
+                    blending: Blending::Replace,
+                };
+                let fixed_from_frame = fixed_from_frame.to_homogeneous();
+                vec![drawable(self.display, fixed_from_frame, Geometry::Lines(Arc::new(lines)))]
+            }
+            Symbol::Solid(symbol) => {
+                let symbol = |pose: &Isometry3<f64>| symbol.drawables(self.display, &(fixed_from_frame * pose));
+                poses.iter().flat_map(symbol).collect()
+            }
+        };
+        Ok(true)
+    }
+
+    fn drawables(&self) -> &[Drawable] {
+        &self.drawables
+    }
+
+    fn clear(&mut self) {
+        self.drawables.clear();
+    }
+}
+
+/// The ends of three lines in the pose's XY plane: shaft and both sides of the head.
+fn flat_arrow(frame_from_pose: &Isometry3<f64>, length_m: f64) -> [[f32; 3]; 6] {
+    let at = |x: f64, y: f64| {
+        let point = frame_from_pose * Point3::from(Vector3::new(x, y, 0.0) * length_m);
+        point.cast::<f32>().into()
+    };
+    let tip = at(1.0, 0.0);
+    [at(0.0, 0.0), tip, tip, at(0.75, 0.2), tip, at(0.75, -0.2)]
+}

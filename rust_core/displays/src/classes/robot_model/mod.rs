@@ -1,0 +1,236 @@
+//! `rviz/RobotModel`: a robot's links where TF says that they are.
+//!
+//! The links follow TF at its latest time. One whose frame is not known stays where it was last (at first: in the fixed
+//! frame's origin) and is drawn in plain white without light, with its own materials no more, until its frame comes: that
+//! is how rviz shows that something is missing.
+
+mod build;
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::time::Duration;
+
+use nalgebra::{Isometry3, Matrix4, Vector3};
+use rcs_rviz_config::{LinkSettings, RobotModelSettings};
+use rcs_scene::{DisplayId, Drawable, Geometry, Material};
+use rcs_transforms::Time;
+
+use crate::framework::display::Display;
+use crate::parts::robot_description::{link_frame, RobotDescription, Words, STATUS};
+use crate::parts::solids::{axes, axes_materials, drawable};
+use crate::parts::trail::Trail;
+use crate::parts::urdf::Robot;
+use crate::{Level, Statuses, World};
+
+use build::{Builder, LinkPieces, Piece};
+
+const WORDS: Words = Words { good: "URDF parsed OK", bad: "Failed to parse URDF model" };
+/// Shorter intervals are none.
+const SHORTEST_INTERVAL_SECS: f32 = 0.0001;
+/// rviz's length and diameter (which it calls radius) of a link's axes.
+const AXES_M: (f64, f64) = (0.1, 0.01);
+const TRAIL_COLOR: [u8; 4] = [0, 127, 127, 255];
+
+/// A link and where it is.
+#[derive(Debug)]
+struct ShownLink {
+    frame: String,
+    settings: LinkSettings,
+    pieces: LinkPieces,
+    fixed_from_link: Isometry3<f64>,
+    /// Whether its frame is known; `None` before the first look.
+    is_placed: Option<bool>,
+    trail: Option<Trail>,
+}
+
+impl ShownLink {
+    /// A link without geometry cannot be switched off.
+    fn is_shown(&self) -> bool {
+        self.settings.enabled || (self.pieces.visuals.is_empty() && self.pieces.collisions.is_empty())
+    }
+
+    /// Looks where it is. Returns whether that, or whether it is known, changed.
+    fn follow(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
+        let place = world.fixed_from(&self.frame, Time::ZERO).ok();
+        let was_placed = self.is_placed.replace(place.is_some());
+        if was_placed != self.is_placed {
+            match place {
+                Some(_) => statuses.set(Level::Ok, &self.frame, "Transform OK"),
+                None => {
+                    let text = format!("No transform from [{}] to [{}]", self.frame, world.fixed_frame);
+                    statuses.set(Level::Error, &self.frame, text);
+                }
+            }
+        }
+        let moved = place.is_some_and(|place| place != self.fixed_from_link);
+        self.fixed_from_link = place.unwrap_or(self.fixed_from_link);
+        if let Some(trail) = &mut self.trail {
+            if moved {
+                trail.follow(self.fixed_from_link.translation.vector);
+            }
+        }
+        moved || was_placed != self.is_placed
+    }
+}
+
+/// A RobotModel display.
+#[derive(Debug)]
+pub(crate) struct RobotModelDisplay {
+    display: DisplayId,
+    settings: RobotModelSettings,
+    description: RobotDescription,
+    links: Vec<ShownLink>,
+    /// What is wrong with the links' files.
+    faults: String,
+    axes_materials: [Arc<Material>; 3],
+    unplaced_material: Arc<Material>,
+    /// When the links were last moved.
+    updated: Option<Time>,
+    drawables: Vec<Drawable>,
+    statuses: Statuses,
+}
+
+impl RobotModelDisplay {
+    pub(crate) fn new(display: DisplayId, settings: RobotModelSettings) -> Self {
+        let mut statuses = Statuses::default();
+        Self {
+            display,
+            description: RobotDescription::new(&settings.robot_description, &mut statuses),
+            settings,
+            links: Vec::new(),
+            faults: String::new(),
+            axes_materials: axes_materials(1.0),
+            unplaced_material: Arc::new(Material { vertex_colors: false, ..Material::unlit(false) }),
+            updated: None,
+            drawables: Vec::new(),
+            statuses,
+        }
+    }
+
+    fn load(&mut self, robot: &Robot, world: &World<'_>) {
+        let mut builder = Builder::new(robot, world.meshes);
+        self.faults.clear();
+        for (name, link) in &robot.links {
+            let settings = self.settings.link(name).clone();
+            let pieces = builder.link(link, self.settings.alpha * settings.alpha);
+            if !pieces.faults.is_empty() {
+                // Writing to a text does not fail.
+                let _ = write!(self.faults, "\n• for link '{name}':\n{}", pieces.faults.join("\n"));
+            }
+            self.links.push(ShownLink {
+                frame: link_frame(&self.settings.tf_prefix, name),
+                trail: settings.show_trail.then(trail_from_origin),
+                settings,
+                pieces,
+                fixed_from_link: Isometry3::identity(),
+                is_placed: None,
+            });
+        }
+        self.say_faults();
+    }
+
+    fn say_faults(&mut self) {
+        if !self.faults.is_empty() {
+            let text = format!("Errors loading geometries:{}", self.faults);
+            self.statuses.set(Level::Error, STATUS, text);
+        }
+    }
+
+    fn interval(&self) -> Option<Duration> {
+        let interval_secs = self.settings.update_interval_secs;
+        (interval_secs >= SHORTEST_INTERVAL_SECS).then(|| Duration::try_from_secs_f32(interval_secs).ok()).flatten()
+    }
+
+    /// Whether the links are to be moved. Those that were never placed are looked for at any time.
+    fn is_due(&self, now: Time) -> bool {
+        let (Some(interval), Some(updated)) = (self.interval(), self.updated) else { return true };
+        let unplaced = self.links.iter().any(|link| link.is_placed != Some(true));
+        unplaced || now < updated || now >= updated.saturating_add(interval)
+    }
+
+    fn draw(&mut self) {
+        self.drawables.clear();
+        let (display, settings) = (self.display, &self.settings);
+        for link in self.links.iter().filter(|link| link.is_shown()) {
+            let fixed_from_link = link.fixed_from_link.to_homogeneous();
+            let is_placed = link.is_placed == Some(true);
+            let visuals = link.pieces.visuals.iter().filter(|_| settings.visual_enabled);
+            let collisions = link.pieces.collisions.iter().filter(|_| settings.collision_enabled);
+            self.drawables.extend(visuals.chain(collisions).map(|piece| {
+                let material = if is_placed { &piece.material } else { &self.unplaced_material };
+                placed(display, &fixed_from_link, piece, material)
+            }));
+            if link.settings.show_axes {
+                let (length_m, diameter_m) = AXES_M;
+                self.drawables.extend(axes(display, &fixed_from_link, length_m, diameter_m, &self.axes_materials));
+            }
+            self.drawables.extend(link.trail.as_ref().and_then(|trail| trail.drawable(display, TRAIL_COLOR)));
+        }
+    }
+}
+
+/// Where a link's ribbon begins: when rviz reads its config it has no frames yet.
+fn trail_from_origin() -> Trail {
+    let mut trail = Trail::default();
+    trail.follow(Vector3::zeros());
+    trail
+}
+
+fn placed(display: DisplayId, fixed_from_link: &Matrix4<f64>, piece: &Piece, material: &Arc<Material>) -> Drawable {
+    let geometry = Geometry::Mesh { mesh: piece.mesh.clone(), material: material.clone() };
+    drawable(display, fixed_from_link * piece.link_from_object, geometry)
+}
+
+impl Display for RobotModelDisplay {
+    fn parameters(&self) -> Vec<String> {
+        self.description.parameters()
+    }
+
+    fn take_parameter(&mut self, _name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
+        if let Some(robot) = self.description.take(text, &WORDS, &mut self.statuses) {
+            self.load(&robot, world);
+        }
+    }
+
+    fn update(&mut self, world: &World<'_>) -> bool {
+        if self.links.is_empty() || !self.is_due(world.now) {
+            return false;
+        }
+        self.updated = Some(world.now);
+        let mut changed = false;
+        for link in &mut self.links {
+            changed |= link.follow(world, &mut self.statuses);
+        }
+        if changed {
+            self.draw();
+        }
+        changed
+    }
+
+    fn drawables(&self) -> &[Drawable] {
+        &self.drawables
+    }
+
+    fn next_change(&self) -> Option<Time> {
+        let interval = self.interval().filter(|_| !self.links.is_empty())?;
+        Some(self.updated?.saturating_add(interval))
+    }
+
+    fn reset(&mut self) {
+        // The robot stays, as in rviz, and its links are looked for anew.
+        self.updated = None;
+        for link in &mut self.links {
+            link.is_placed = None;
+            if let Some(trail) = &mut link.trail {
+                *trail = trail_from_origin();
+            }
+        }
+    }
+
+    fn statuses(&self) -> &Statuses {
+        &self.statuses
+    }
+}
+
+#[cfg(test)]
+mod tests;

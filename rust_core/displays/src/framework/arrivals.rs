@@ -1,0 +1,122 @@
+//! Which of the messages that a display was given it shows by now.
+//!
+//! A message may wait for its frame, be dropped or be replaced by the next one before it is ever seen. So it counts as
+//! shown in that update in which what the display shows changed and the message did not wait any more; the newest of
+//! those speaks for the display. When it was received is the caller's knowledge, which goes through here unread: no
+//! clock decides what is shown.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use rcs_messages::{header, AnyMessage, MessageKind};
+use rcs_transforms::Time;
+
+use crate::framework::world::stamp;
+
+/// Beyond so many that wait, the oldest are not counted any more.
+const MOST_WAITING: usize = 100;
+
+/// A message that a display shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShownMessage {
+    /// The time in its header, of an array's first element; zero where it has none.
+    pub stamp: Time,
+    /// When it was received, where the giver of the message said so.
+    pub received: Option<Instant>,
+}
+
+/// The messages of a display on their way, and the last that is shown.
+#[derive(Debug, Default)]
+pub(crate) struct Arrivals {
+    /// Those that were given since the last update, and those that wait for their frames; oldest first.
+    on_the_way: VecDeque<ShownMessage>,
+    shown: Option<ShownMessage>,
+}
+
+impl Arrivals {
+    /// Takes note of a message that the display is given. A CameraInfo shows nothing itself.
+    pub(crate) fn note(&mut self, message: &AnyMessage, received: Option<Instant>) {
+        if message.kind() == MessageKind::CameraInfo {
+            return;
+        }
+        if self.on_the_way.len() >= MOST_WAITING {
+            self.on_the_way.pop_front();
+        }
+        self.on_the_way.push_back(ShownMessage { stamp: header(message).map_or(Time::ZERO, stamp), received });
+    }
+
+    /// Takes note of an update. Returns the newest message that is shown since then, if one is.
+    pub(crate) fn settle(&mut self, changed: bool, is_waiting: impl Fn(Time) -> bool) -> Option<ShownMessage> {
+        let mut newest = None;
+        self.on_the_way.retain(|message| {
+            let stays = is_waiting(message.stamp);
+            if !stays {
+                newest = Some(*message);
+            }
+            stays
+        });
+        let newest = newest.filter(|_| changed)?;
+        self.shown = Some(newest);
+        Some(newest)
+    }
+
+    /// The newest message that is shown.
+    pub(crate) fn shown(&self) -> Option<ShownMessage> {
+        self.shown
+    }
+
+    /// Forgets all messages, as the display does.
+    pub(crate) fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use rcs_messages::geometry_msgs::PoseStamped;
+
+    use super::*;
+
+    fn note(arrivals: &mut Arrivals, secs: u32) {
+        let mut pose = PoseStamped::default();
+        pose.header.stamp.sec = secs;
+        arrivals.note(&AnyMessage::PoseStamped(Arc::new(pose)), None);
+    }
+
+    /// The stamp of what is newly shown after an update, while stamps from `waiting_secs` on wait.
+    fn settle(arrivals: &mut Arrivals, changed: bool, waiting_secs: u32) -> Option<u32> {
+        let waits = |stamp: Time| stamp >= Time::from_secs_nanos(waiting_secs, 0);
+        arrivals.settle(changed, waits).map(|shown| shown.stamp.as_secs_nanos().0)
+    }
+
+    #[test]
+    fn the_newest_that_does_not_wait_is_shown_once() {
+        let mut arrivals = Arrivals::default();
+        [1, 2, 3].into_iter().for_each(|secs| note(&mut arrivals, secs));
+        assert_eq!(settle(&mut arrivals, true, 3), Some(2));
+        assert_eq!(settle(&mut arrivals, true, 3), None, "something else changed");
+        assert_eq!(settle(&mut arrivals, true, 4), Some(3));
+        assert_eq!(arrivals.shown().unwrap().stamp, Time::from_secs_nanos(3, 0));
+        arrivals.clear();
+        assert_eq!(arrivals.shown(), None);
+    }
+
+    #[test]
+    fn a_message_that_changed_nothing_is_never_shown() {
+        let mut arrivals = Arrivals::default();
+        note(&mut arrivals, 1);
+        assert_eq!(settle(&mut arrivals, false, 9), None);
+        assert_eq!(settle(&mut arrivals, true, 9), None, "a later change is not its own");
+        assert_eq!(arrivals.shown(), None);
+    }
+
+    #[test]
+    fn messages_that_wait_for_good_do_not_pile_up() {
+        let mut arrivals = Arrivals::default();
+        (0..10_000).for_each(|secs| note(&mut arrivals, secs));
+        assert_eq!(arrivals.on_the_way.len(), MOST_WAITING);
+        assert_eq!(settle(&mut arrivals, true, 10_000), Some(9_999));
+    }
+}

@@ -1,0 +1,232 @@
+//! Displays that make something of each message where its frame was at its stamp.
+//!
+//! Reproduces what `rviz::MessageFilterDisplay` does for the small displays: a message waits for its frame, is checked,
+//! and is drawn at the place that its frame had at its stamp, wherever the frame goes afterwards. A message with a number
+//! that is NaN or infinite becomes an error, and what was shown before it stays.
+
+use std::sync::Arc;
+
+use nalgebra::Isometry3;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{AnyMessage, MessageKind};
+use rcs_scene::Drawable;
+use rcs_transforms::Time;
+
+use crate::framework::display::{Display, TopicRequest};
+use crate::framework::placed::Incoming;
+use crate::{Level, Statuses, World};
+
+/// A message has a number that is NaN or infinite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("Message contained invalid floating point values (nans or infs)")]
+pub(crate) struct InvalidFloats;
+
+/// What a display makes of its messages.
+pub(crate) trait MessageVisual: Send {
+    /// What it listens to.
+    type Message: Send + Sync;
+
+    /// The same, by name.
+    const KIND: MessageKind;
+
+    /// The message, if it is one of this type.
+    fn message(any: &AnyMessage) -> Option<&Arc<Self::Message>>;
+
+    /// The message's header.
+    fn header(message: &Self::Message) -> &Header;
+
+    /// Shows a message whose frame stood there in the fixed frame at its stamp. Returns whether its drawables changed.
+    ///
+    /// # Errors
+    /// [`InvalidFloats`]; then everything is as it was.
+    fn show(&mut self, message: &Self::Message, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats>;
+
+    /// What it shows.
+    fn drawables(&self) -> &[Drawable];
+
+    /// Shows nothing any more.
+    fn clear(&mut self);
+}
+
+/// A display of a [`MessageVisual`].
+pub(crate) struct MessageDisplay<V: MessageVisual> {
+    visual: V,
+    topics: Vec<TopicRequest>,
+    incoming: Incoming<V::Message>,
+    statuses: Statuses,
+}
+
+impl<V: MessageVisual> MessageDisplay<V> {
+    /// A display that listens to a topic (none when it is empty); at most `queue_size` messages wait for their frames, 0
+    /// sets no limit.
+    pub(crate) fn new(topic: &str, queue_size: u32, visual: V) -> Self {
+        Self {
+            visual,
+            topics: TopicRequest::new(topic, V::KIND, queue_size).into_iter().collect(),
+            incoming: Incoming::new(queue_size),
+            statuses: Statuses::default(),
+        }
+    }
+
+    /// What it draws with.
+    #[cfg(test)]
+    pub(crate) fn into_visual(self) -> V {
+        self.visual
+    }
+}
+
+impl<V: MessageVisual> Display for MessageDisplay<V> {
+    fn topics(&self) -> Vec<TopicRequest> {
+        self.topics.clone()
+    }
+
+    fn take(&mut self, message: &AnyMessage, _world: &World<'_>) {
+        if let Some(message) = V::message(message) {
+            self.incoming.push(V::header(message), message.clone(), &mut self.statuses);
+        }
+    }
+
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.incoming.is_waiting(stamp)
+    }
+
+    fn update(&mut self, world: &World<'_>) -> bool {
+        let mut changed = false;
+        // The last message decides: each one that is good takes the complaint about those before it away.
+        let mut last = Ok(());
+        for message in self.incoming.take_ready(world, &mut self.statuses) {
+            let Ok(fixed_from_frame) = world.fixed_from_header(V::header(&message)) else { continue };
+            let shown = self.visual.show(&message, &fixed_from_frame);
+            changed |= shown == Ok(true);
+            last = shown.map(|_| ());
+        }
+        if let Err(error) = last {
+            self.statuses.set(Level::Error, "Topic", error.to_string());
+        }
+        changed
+    }
+
+    fn drawables(&self) -> &[Drawable] {
+        self.visual.drawables()
+    }
+
+    fn reset(&mut self) {
+        self.incoming.clear();
+        self.visual.clear();
+        self.statuses.clear();
+    }
+
+    fn statuses(&self) -> &Statuses {
+        &self.statuses
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::classes::pose::PoseDisplay;
+    use rcs_messages::geometry_msgs::PoseStamped;
+    use rcs_resources::{MeshStore, PackageIndex};
+    use rcs_rviz_config::{PoseSettings, PoseShape, PoseSymbolSettings};
+    use rcs_transforms::{RawTransform, Time, TransformTree};
+
+    /// A Pose display of axes with the world around it. The frame `map` is fixed.
+    struct Bench {
+        display: PoseDisplay,
+        tree: TransformTree,
+        meshes: MeshStore,
+    }
+
+    impl Bench {
+        fn new() -> Self {
+            let symbol = PoseSymbolSettings { shape: PoseShape::Axes, ..PoseSymbolSettings::default() };
+            let settings = PoseSettings { topic: "/p".to_owned(), symbol, ..PoseSettings::default() };
+            let meshes = MeshStore::new(PackageIndex::new([]));
+            Self { display: PoseDisplay::of(0, &settings), tree: TransformTree::new(), meshes }
+        }
+
+        /// Sends a pose at x in the frame `robot`, without an update.
+        fn send(&mut self, secs: u32, x: f64) {
+            let mut pose = PoseStamped::default();
+            pose.header.frame_id = "robot".to_owned();
+            pose.header.stamp.sec = secs;
+            pose.pose.position.x = x;
+            let now = Time::from_secs_nanos(10, 0);
+            let world = World { transforms: &self.tree, fixed_frame: "map", now, meshes: &self.meshes };
+            self.display.take(&AnyMessage::PoseStamped(Arc::new(pose)), &world);
+        }
+
+        fn update(&mut self) -> bool {
+            let now = Time::from_secs_nanos(10, 0);
+            let world = World { transforms: &self.tree, fixed_frame: "map", now, meshes: &self.meshes };
+            self.display.update(&world)
+        }
+
+        fn place_robot(&mut self, secs: u32, x: f64) {
+            let said = RawTransform {
+                parent: "map",
+                child: "robot",
+                stamp: Time::from_secs_nanos(secs, 0),
+                translation: [x, 0.0, 0.0],
+                rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+            };
+            self.tree.insert(&said, false, "/test").unwrap();
+        }
+
+        /// Where the y axis' foot stands along x.
+        fn x(&self) -> Option<f64> {
+            self.display.drawables().get(1).map(|axis| axis.sort_point.x)
+        }
+
+        fn topic_status(&self) -> Option<(Level, &str)> {
+            let status = self.display.statuses().iter().find(|(name, _)| *name == "Topic")?.1;
+            Some((status.level, status.text.as_str()))
+        }
+    }
+
+    #[test]
+    fn a_message_waits_for_its_frame_and_stays_where_that_was_at_its_stamp() {
+        let mut bench = Bench::new();
+        bench.send(2, 0.5);
+        assert!(!bench.update());
+        bench.place_robot(1, 10.0);
+        assert!(!bench.update() && bench.x().is_none());
+        bench.place_robot(3, 20.0);
+        assert!(bench.update());
+        assert_eq!(bench.x(), Some(15.5));
+        bench.place_robot(4, 90.0);
+        assert!(!bench.update());
+        assert_eq!(bench.x(), Some(15.5));
+    }
+
+    #[test]
+    fn a_bad_message_is_an_error_until_the_next_good_one_and_what_was_shown_stays() {
+        let mut bench = Bench::new();
+        bench.place_robot(1, 0.0);
+        bench.send(1, 4.0);
+        assert!(bench.update());
+        bench.send(1, f64::NAN);
+        assert!(!bench.update());
+        assert_eq!(bench.x(), Some(4.0));
+        let text = "Message contained invalid floating point values (nans or infs)";
+        assert_eq!(bench.topic_status(), Some((Level::Error, text)));
+        bench.send(1, f64::INFINITY);
+        bench.send(1, 5.0);
+        assert!(bench.update());
+        assert_eq!(bench.x(), Some(5.0));
+        assert_eq!(bench.topic_status(), Some((Level::Ok, "4 messages received")));
+    }
+
+    #[test]
+    fn a_reset_display_shows_nothing_and_counts_anew() {
+        let mut bench = Bench::new();
+        bench.place_robot(1, 0.0);
+        bench.send(1, 4.0);
+        bench.update();
+        bench.display.reset();
+        assert_eq!((bench.x(), bench.topic_status()), (None, None));
+        bench.send(1, 6.0);
+        assert!(bench.update());
+        assert_eq!((bench.x(), bench.topic_status()), (Some(6.0), Some((Level::Ok, "1 messages received"))));
+    }
+}

@@ -1,0 +1,121 @@
+//! What is told of a display to somebody who cannot see rviz's tree.
+//!
+//! A display says how it does with the messages that it has. What rviz says of every display with a topic before there is
+//! a message, and that there was none so far, is added here for all of them.
+
+use std::borrow::Cow;
+
+use crate::framework::display::Display;
+use crate::framework::set::ListedDisplay;
+use crate::{Level, ShownMessage, Statuses, TopicRequest};
+
+/// A display and how it does.
+#[derive(Clone, Debug)]
+pub struct DisplayReport<'a> {
+    /// Which display it is.
+    pub listed: &'a ListedDisplay,
+    /// What it listens to.
+    pub topics: Vec<TopicRequest>,
+    /// How many messages it was given since the start or the last jump in time.
+    pub received: u64,
+    /// The newest message that it shows.
+    pub shown: Option<ShownMessage>,
+    /// How it does, its topic included.
+    pub statuses: Cow<'a, Statuses>,
+}
+
+impl<'a> DisplayReport<'a> {
+    pub(crate) fn new(
+        listed: &'a ListedDisplay,
+        display: &'a dyn Display,
+        received: u64,
+        shown: Option<ShownMessage>,
+    ) -> Self {
+        let topics = display.topics();
+        let mut statuses = Cow::Borrowed(display.statuses());
+        if let Some((level, text)) = topic_status(listed, &topics, received, &statuses) {
+            statuses.to_mut().set(level, Statuses::TOPIC, text);
+        }
+        Self { listed, topics, received, shown, statuses }
+    }
+}
+
+/// The status of a display's topic, where the display itself has none to give.
+fn topic_status(
+    listed: &ListedDisplay,
+    topics: &[TopicRequest],
+    received: u64,
+    own: &Statuses,
+) -> Option<(Level, String)> {
+    if topics.is_empty() {
+        // A display without a topic listens to nothing; that is wrong only where its class has a topic.
+        let has_no_topic = listed.topic.as_ref().is_some_and(String::is_empty) && own.get(Statuses::CLASS).is_none();
+        return has_no_topic.then(|| (Level::Error, "Error subscribing: Empty topic name".to_owned()));
+    }
+    if received == 0 {
+        return Some((Level::Warn, "No messages received".to_owned()));
+    }
+    own.get(Statuses::TOPIC).is_none().then(|| (Level::Ok, format!("{received} messages received")))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use rcs_messages::{nav_msgs, AnyMessage};
+    use rcs_resources::{MeshStore, PackageIndex};
+    use rcs_transforms::{Time, TransformTree};
+
+    use super::*;
+    use crate::{DisplaySet, World};
+
+    const CONFIG: &str = "
+Visualization Manager:
+  Displays:
+  - {Class: rviz/Path, Name: path, Enabled: true, Topic: /path}
+  - {Class: rviz/Path, Name: none, Enabled: true, Topic: ''}
+  - {Class: rviz/Path, Name: off, Enabled: false, Topic: /path}
+  - {Class: rviz/Grid, Name: grid, Enabled: true}
+  - Class: rviz/Group
+    Name: group
+    Enabled: true
+    Displays:
+    - {Class: fancy/Hologram, Name: ghost, Enabled: true, Topic: /x}
+";
+
+    fn said(displays: &DisplaySet) -> Vec<String> {
+        let line = |report: DisplayReport<'_>| {
+            let (name, status) = report.statuses.worst().unwrap();
+            format!("{} | {name} | {:?} | {}", report.listed.path.join("/"), status.level, status.text)
+        };
+        displays.reports().map(line).collect()
+    }
+
+    #[test]
+    fn every_display_with_a_topic_tells_whether_it_heard_something() {
+        let mut displays = DisplaySet::new(&rcs_rviz_config::parse(CONFIG, "test").unwrap());
+        let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
+        let world = World { transforms: &transforms, fixed_frame: "map", now: Time::ZERO, meshes: &meshes };
+        displays.update(&world);
+        let silent = "path | Topic | Warn | No messages received";
+        let rest = [
+            "none | Topic | Error | Error subscribing: Empty topic name",
+            "grid | Transform | Ok | Transform OK",
+            "group/ghost | Class | Error | The class required for this display could not be loaded.",
+        ];
+        assert_eq!(said(&displays), [&[silent], &rest[..]].concat());
+
+        let mut path = nav_msgs::Path::default();
+        path.header.frame_id = "arm".to_owned();
+        let path = AnyMessage::Path(Arc::new(path));
+        displays.take("/path", &path, &world);
+        displays.update(&world);
+        let waits = "path | Transform | Warn | For frame [arm]: Fixed Frame [map] does not exist";
+        assert_eq!(said(&displays), [&[waits], &rest[..]].concat());
+        let heard = displays.reports().next().unwrap();
+        assert_eq!(heard.statuses.get(Statuses::TOPIC).unwrap().text, "1 messages received");
+
+        displays.reset();
+        assert_eq!(said(&displays)[0], silent);
+    }
+}

@@ -1,0 +1,569 @@
+//! All displays of a config, and the scene that they make together.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+use std::time::Instant;
+
+use nalgebra::Vector3;
+use rcs_messages::{AnyMessage, MessageKind};
+use rcs_rviz_config::{
+    CameraPubSettings, CloudSettings, Config, DisplayConfig, DisplaySettings, PlacedDisplay, ViewConfig, Visibility,
+};
+use rcs_scene::{DirectionalLight, DisplayId, DisplayMask, Scene};
+use rcs_transforms::Time;
+
+use crate::classes::axes::AxesDisplay;
+use crate::classes::depth_cloud::DepthCloudDisplay;
+use crate::classes::effort::EffortDisplay;
+use crate::classes::grid::GridDisplay;
+use crate::classes::grid_cells::GridCellsDisplay;
+use crate::classes::interactive_markers::InteractiveMarkersDisplay;
+use crate::classes::laser_scan::LaserScanSource;
+use crate::classes::map::MapDisplay;
+use crate::classes::marker::MarkerDisplay;
+use crate::classes::not_drawn::NotDrawnDisplay;
+use crate::classes::odometry::OdometryDisplay;
+use crate::classes::path::PathDisplay;
+use crate::classes::point_cloud::PointCloudSource;
+use crate::classes::point_cloud2::PointCloud2Source;
+use crate::classes::point_stamped::PointStampedDisplay;
+use crate::classes::polygon::PolygonDisplay;
+use crate::classes::pose::PoseDisplay;
+use crate::classes::pose_array::PoseArrayDisplay;
+use crate::classes::pose_with_covariance::PoseWithCovarianceDisplay;
+use crate::classes::range::RangeDisplay;
+use crate::classes::robot_model::RobotModelDisplay;
+use crate::classes::scalar::{FluidPressureSource, IlluminanceSource, RelativeHumiditySource, TemperatureSource};
+use crate::classes::screw::ScrewDisplay;
+use crate::classes::tf::TfDisplay;
+use crate::framework::arrivals::{Arrivals, ShownMessage};
+use crate::framework::display::Display;
+use crate::framework::recall::Recall;
+use crate::framework::report::DisplayReport;
+use crate::parts::cloud::{CloudDisplay, CloudSource};
+use crate::{TopicRequest, World};
+
+/// A camera of a config: an enabled CameraPub display.
+#[derive(Clone, Debug)]
+pub struct CameraView {
+    /// The display's name.
+    pub name: String,
+    /// The names of the groups around it and its own.
+    pub path: Vec<String>,
+    /// Its properties.
+    pub settings: CameraPubSettings,
+    /// Which displays it shows.
+    pub visible: DisplayMask,
+}
+
+/// A display of a config, drawn or not.
+#[derive(Clone, Debug)]
+pub struct ListedDisplay {
+    /// The names of the groups around it and its own.
+    pub path: Vec<String>,
+    /// Such as `rviz/Grid`.
+    pub class: String,
+    /// The topic that the config gives it, which may be empty; `None` for a class without topic.
+    pub topic: Option<String>,
+}
+
+/// The one place where a display class becomes a display. `None` for what is no display in the scene: groups and cameras.
+fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>> {
+    Some(match settings {
+        DisplaySettings::PointCloud2(settings) => clouds::<PointCloud2Source>(id, settings),
+        DisplaySettings::PointCloud(settings) => clouds::<PointCloudSource>(id, settings),
+        DisplaySettings::LaserScan(settings) => clouds::<LaserScanSource>(id, settings),
+        DisplaySettings::FluidPressure(settings) => clouds::<FluidPressureSource>(id, settings),
+        DisplaySettings::Illuminance(settings) => clouds::<IlluminanceSource>(id, settings),
+        DisplaySettings::RelativeHumidity(settings) => clouds::<RelativeHumiditySource>(id, settings),
+        DisplaySettings::Temperature(settings) => clouds::<TemperatureSource>(id, settings),
+        DisplaySettings::GridCells(settings) => Box::new(GridCellsDisplay::new(id, settings.clone())),
+        DisplaySettings::Range(settings) => Box::new(RangeDisplay::new(id, settings.clone())),
+        DisplaySettings::Grid(settings) => Box::new(GridDisplay::new(id, settings.clone())),
+        DisplaySettings::Axes(settings) => Box::new(AxesDisplay::new(id, settings.clone())),
+        DisplaySettings::Marker(settings) => Box::new(MarkerDisplay::single(id, settings.clone())),
+        DisplaySettings::MarkerArray(settings) => Box::new(MarkerDisplay::array(id, settings.clone())),
+        DisplaySettings::Path(settings) => Box::new(PathDisplay::new(id, settings.clone())),
+        DisplaySettings::WrenchStamped(settings) => {
+            Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::WrenchStamped))
+        }
+        DisplaySettings::TwistStamped(settings) => {
+            Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::TwistStamped))
+        }
+        DisplaySettings::AccelStamped(settings) => {
+            Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::AccelStamped))
+        }
+        DisplaySettings::Tf(settings) => Box::new(TfDisplay::new(id, settings.clone())),
+        DisplaySettings::Odometry(settings) => Box::new(OdometryDisplay::of(id, settings)),
+        DisplaySettings::PointStamped(settings) => Box::new(PointStampedDisplay::of(id, settings)),
+        DisplaySettings::Polygon(settings) => Box::new(PolygonDisplay::of(id, settings)),
+        DisplaySettings::Pose(settings) => Box::new(PoseDisplay::of(id, settings)),
+        DisplaySettings::PoseArray(settings) => Box::new(PoseArrayDisplay::of(id, settings)),
+        DisplaySettings::PoseWithCovariance(settings) => Box::new(PoseWithCovarianceDisplay::of(id, settings)),
+        DisplaySettings::InteractiveMarkers(settings) => Box::new(InteractiveMarkersDisplay::new(id, settings.clone())),
+        DisplaySettings::DepthCloud(settings) => Box::new(DepthCloudDisplay::new(id, settings.clone())),
+        DisplaySettings::Map(settings) => Box::new(MapDisplay::new(id, settings.clone())),
+        DisplaySettings::Image(_) | DisplaySettings::Camera(_) => Box::new(NotDrawnDisplay::of_window()),
+        DisplaySettings::NotDrawn { known, .. } => Box::new(NotDrawnDisplay::new(*known)),
+        DisplaySettings::RobotModel(settings) => Box::new(RobotModelDisplay::new(id, settings.clone())),
+        DisplaySettings::Effort(settings) => Box::new(EffortDisplay::new(id, settings.clone())),
+        DisplaySettings::Group(_) | DisplaySettings::CameraPub(_) => return None,
+    })
+}
+
+/// A display of clouds that come from messages of a type.
+fn clouds<S: CloudSource + 'static>(id: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
+    Box::new(CloudDisplay::<S>::new(id, settings.clone()))
+}
+
+struct Entry {
+    /// Stays as long as the display does, whatever is listed around it.
+    id: DisplayId,
+    listed: ListedDisplay,
+    settings: DisplaySettings,
+    display: Box<dyn Display>,
+    /// How many messages it was given since the start or the last reset.
+    received: u64,
+    /// Which of them it shows.
+    arrivals: Arrivals,
+}
+
+/// What reading a config again changed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Reconfigured {
+    /// How many displays stay as they are, with all that they show.
+    pub kept: usize,
+    /// How many were made, for they are new or have other settings.
+    pub made: usize,
+    /// How many are gone, those with other settings now included.
+    pub gone: usize,
+}
+
+/// The enabled displays of a config, in its order.
+pub struct DisplaySet {
+    entries: Vec<Entry>,
+    cameras: Vec<CameraView>,
+    /// rviz's main view, where the default light is on.
+    lit_by: Option<ViewConfig>,
+    light: Option<DirectionalLight>,
+    recall: Recall,
+    /// What the last update brought to be seen.
+    newly_shown: Vec<(DisplayId, ShownMessage)>,
+}
+
+impl std::fmt::Debug for DisplaySet {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let listed: Vec<&ListedDisplay> = self.entries.iter().map(|entry| &entry.listed).collect();
+        f.debug_struct("DisplaySet").field("displays", &listed).field("cameras", &self.cameras).finish_non_exhaustive()
+    }
+}
+
+impl DisplaySet {
+    /// Makes the displays and the cameras of a config that are enabled, all groups around them included.
+    pub fn new(config: &Config) -> Self {
+        let mut set = Self {
+            entries: Vec::new(),
+            cameras: Vec::new(),
+            lit_by: None,
+            light: None,
+            recall: Recall::default(),
+            newly_shown: Vec::new(),
+        };
+        set.arrange(config);
+        set
+    }
+
+    /// Goes over to another config. A display of the same class, name, groups and settings stays as it is; another one
+    /// is made anew and told what was heard last on its topics.
+    pub fn reconfigure(&mut self, config: &Config, world: &World<'_>) -> Reconfigured {
+        let before = self.entries.len();
+        let made = self.arrange(config);
+        for entry in self.entries.iter_mut().filter(|entry| made.contains(&entry.id)) {
+            tell_parameters(entry, &self.recall, world);
+            tell_messages(entry, &self.recall, world);
+        }
+        self.recall.limit_to(&self.topics(), &self.parameters());
+        let kept = self.entries.len() - made.len();
+        Reconfigured { kept, made: made.len(), gone: before - kept }
+    }
+
+    /// Makes the enabled displays of a config, out of those that there are where they fit. Returns which are new.
+    fn arrange(&mut self, config: &Config) -> Vec<DisplayId> {
+        let mut old = std::mem::take(&mut self.entries);
+        let mut fits = |path: &[&str], placed: &DisplayConfig| {
+            let same = |entry: &Entry| {
+                entry.listed.class == placed.class && entry.listed.path == path && entry.settings == placed.settings
+            };
+            old.iter().position(same).map(|index| old.remove(index))
+        };
+        let placed = config.placed_displays();
+        let enabled = placed.iter().filter(|placed| placed.enabled);
+        let found: Vec<_> = enabled.map(|placed| (placed, fits(&placed.path, placed.display))).collect();
+        let used: HashSet<DisplayId> = found.iter().filter_map(|(_, entry)| Some(entry.as_ref()?.id)).collect();
+        let mut free = (0..).filter(|id| !used.contains(id));
+        let mut made = Vec::new();
+        for (placed, entry) in found {
+            let new = || {
+                let id = free.next()?;
+                let display = create(id, &placed.display.settings)?;
+                let listed = ListedDisplay {
+                    path: owned(&placed.path),
+                    class: placed.display.class.clone(),
+                    topic: placed.display.topic_setting().map(str::to_owned),
+                };
+                made.push(id);
+                let (settings, arrivals) = (placed.display.settings.clone(), Arrivals::default());
+                Some(Entry { id, listed, settings, display, received: 0, arrivals })
+            };
+            self.entries.extend(entry.or_else(new));
+        }
+        self.cameras = placed.iter().filter(|placed| placed.enabled).filter_map(|camera| self.camera(camera)).collect();
+        self.lit_by = config.global.default_light.then(|| config.view.clone());
+        made
+    }
+
+    fn camera(&self, placed: &PlacedDisplay<'_>) -> Option<CameraView> {
+        let DisplaySettings::CameraPub(settings) = &placed.display.settings else { return None };
+        let (name, path) = (placed.display.name.clone(), owned(&placed.path));
+        Some(CameraView { name, path, settings: settings.clone(), visible: self.mask(&settings.visibility) })
+    }
+
+    /// Which displays these tick boxes show.
+    pub fn mask(&self, visibility: &Visibility) -> DisplayMask {
+        let mut visible = DisplayMask::all();
+        for entry in &self.entries {
+            let path: Vec<&str> = entry.listed.path.iter().map(String::as_str).collect();
+            visible.set(entry.id, visibility.shows(&path));
+        }
+        visible
+    }
+
+    /// The cameras, in the config's order.
+    pub fn cameras(&self) -> &[CameraView] {
+        &self.cameras
+    }
+
+    /// What the displays listen to; a topic that several want stands here once, with the longest of their queues.
+    pub fn topics(&self) -> Vec<TopicRequest> {
+        let mut topics: Vec<TopicRequest> = Vec::new();
+        for request in self.entries.iter().flat_map(|entry| entry.display.topics()) {
+            match topics.iter_mut().find(|known| (&known.topic, known.kind) == (&request.topic, request.kind)) {
+                Some(known) => known.queue_size = known.queue_size.max(request.queue_size),
+                None => topics.push(request),
+            }
+        }
+        topics
+    }
+
+    /// Hands a message of a topic (by the name in the config) to the displays that want it.
+    pub fn take(&mut self, topic: &str, message: &AnyMessage, world: &World<'_>) {
+        self.take_received(topic, message, None, world);
+    }
+
+    /// As [`take`](Self::take), with the moment when the message was received: [`newly_shown`](Self::newly_shown) tells
+    /// it again.
+    pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, world: &World<'_>) {
+        let mut wanted = false;
+        for entry in &mut self.entries {
+            let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
+            if entry.display.topics().iter().any(wants) {
+                entry.received += 1;
+                entry.arrivals.note(message, received);
+                entry.display.take_from(topic, message, world);
+                wanted = true;
+            }
+        }
+        if wanted {
+            self.recall.keep(topic, message, world.now);
+        }
+    }
+
+    /// The names of the ROS parameters that the displays want to know, each once.
+    pub fn parameters(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.entries.iter().flat_map(|entry| entry.display.parameters()).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// Hands the text of a parameter to the displays that want it; `None` while nobody has set it.
+    pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
+        self.recall.keep_parameter(name, text);
+        for entry in &mut self.entries {
+            if entry.display.parameters().iter().any(|wanted| wanted == name) {
+                entry.display.take_parameter(name, text, world);
+            }
+        }
+    }
+
+    /// Tells the displays that listen to a topic (by the name in the config) that a publisher of it is gone.
+    pub fn publisher_left(&mut self, topic: &str) {
+        for entry in &mut self.entries {
+            if entry.display.topics().iter().any(|request| request.topic == topic) {
+                entry.display.publisher_left(topic);
+            }
+        }
+    }
+
+    /// Brings all displays up to date. Returns whether the scene changed.
+    pub fn update(&mut self, world: &World<'_>) -> bool {
+        let light = self.lit_by.as_ref().map(|view| light(view, world));
+        let mut changed = light != self.light;
+        self.light = light;
+        self.newly_shown.clear();
+        for entry in &mut self.entries {
+            let has_changed = entry.display.update(world);
+            let shown = entry.arrivals.settle(has_changed, |stamp| entry.display.is_waiting(stamp));
+            self.newly_shown.extend(shown.map(|shown| (entry.id, shown)));
+            changed |= has_changed;
+        }
+        changed
+    }
+
+    /// The displays that show another message since the last update, each with the newest one.
+    pub fn newly_shown(&self) -> &[(DisplayId, ShownMessage)] {
+        &self.newly_shown
+    }
+
+    /// The next time at which the scene changes by itself.
+    pub fn next_change(&self) -> Option<Time> {
+        self.entries.iter().filter_map(|entry| entry.display.next_change()).min()
+    }
+
+    /// The scene as it is since the last update.
+    pub fn scene(&self) -> Scene {
+        Scene {
+            drawables: self.entries.iter().flat_map(|entry| entry.display.drawables()).cloned().collect(),
+            light: self.light,
+        }
+    }
+
+    /// Forgets all messages.
+    pub fn reset(&mut self) {
+        self.recall.forget_messages();
+        for entry in &mut self.entries {
+            entry.received = 0;
+            entry.arrivals.clear();
+            entry.display.reset();
+        }
+    }
+
+    /// Places everything anew: the fixed frame is another one.
+    pub fn place_anew(&mut self, world: &World<'_>) {
+        for entry in &mut self.entries {
+            entry.display.reset();
+            entry.received = 0;
+            entry.arrivals.clear();
+            tell_messages(entry, &self.recall, world);
+        }
+    }
+
+    /// How each display does, those of classes that are not drawn among them.
+    pub fn reports(&self) -> impl Iterator<Item = DisplayReport<'_>> {
+        self.entries.iter().map(|entry| {
+            let shown = entry.arrivals.shown();
+            DisplayReport::new(&entry.listed, entry.display.as_ref(), entry.received, shown)
+        })
+    }
+}
+
+fn owned(path: &[&str]) -> Vec<String> {
+    path.iter().map(|name| (*name).to_owned()).collect()
+}
+
+/// Tells a display its parameters.
+fn tell_parameters(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
+    for name in entry.display.parameters() {
+        if let Some(text) = recall.parameter(&name) {
+            entry.display.take_parameter(&name, text, world);
+        }
+    }
+}
+
+/// Tells a display what was heard on its topics.
+fn tell_messages(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
+    for (topic, message) in recall.messages(&entry.display.topics(), world.now) {
+        entry.received += 1;
+        entry.arrivals.note(&message, None);
+        entry.display.take_from(topic, &message, world);
+    }
+}
+
+/// rviz's default light shines along the main window's view.
+fn light(view: &ViewConfig, world: &World<'_>) -> DirectionalLight {
+    let fixed_from_target =
+        view.target_frame.as_deref().and_then(|frame| world.fixed_from(frame, Time::ZERO).ok()).unwrap_or_default();
+    let rotation = fixed_from_target.rotation.into_inner().coords.into();
+    DirectionalLight { direction: Vector3::from(view.direction_in_fixed_frame(rotation)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rcs_messages::nav_msgs::Path;
+    use rcs_messages::sensor_msgs::PointField;
+    use rcs_messages::PointCloud2;
+    use rcs_resources::{MeshStore, PackageIndex};
+    use rcs_transforms::{RawTransform, TransformTree};
+
+    use crate::Level;
+
+    /// Drawables of each display that a camera with these tick boxes shows, in the scene's order.
+    fn shown(set: &DisplaySet, mask: &DisplayMask) -> Vec<DisplayId> {
+        let scene = set.scene();
+        scene.drawables.iter().map(|drawable| drawable.display).filter(|id| mask.shows(*id)).collect()
+    }
+
+    fn config(displays: &str) -> Config {
+        let text = format!("Visualization Manager:\n  Displays:\n{displays}  Global Options: {{Fixed Frame: map}}\n");
+        rcs_rviz_config::parse(&text, "test").unwrap()
+    }
+
+    const PATH: &str = "  - {Class: rviz/Path, Name: path, Enabled: true, Topic: /p}\n";
+    const RED_PATH: &str = "  - {Class: rviz/Path, Name: path, Enabled: true, Topic: /p, Color: 255; 0; 0}\n";
+    const GRID: &str = "  - {Class: rviz/Grid, Name: grid, Enabled: true}\n";
+    const CAMERA: &str = "  - {Class: rviz_camera_stream/CameraPub, Name: eye, Enabled: true, Image Topic: /i, \
+         Visibility: {Value: true, grid: false}}\n";
+
+    /// A path of two poses on `/p`, in the fixed frame.
+    fn path() -> AnyMessage {
+        let mut path = Path { poses: vec![Default::default(); 2], ..Path::default() };
+        path.header.frame_id = "map".to_owned();
+        for (x, pose) in path.poses.iter_mut().enumerate() {
+            pose.pose.position.x = x as f64;
+            pose.pose.orientation.w = 1.0;
+        }
+        AnyMessage::Path(Arc::new(path))
+    }
+
+    /// Runs a test with a set of a config's displays that has heard a path, and the world that it is in.
+    fn with_set(first: &str, test: impl FnOnce(DisplaySet, World<'_>)) {
+        let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
+        let world =
+            World { transforms: &transforms, fixed_frame: "map", now: Time::from_secs_f64(10.0), meshes: &meshes };
+        let mut set = DisplaySet::new(&config(first));
+        set.take("/p", &path(), &world);
+        set.update(&world);
+        test(set, world);
+    }
+
+    #[test]
+    fn a_display_that_stays_keeps_what_it_shows_wherever_it_is_listed() {
+        with_set(&format!("{PATH}{CAMERA}"), |mut set, world| {
+            let changed = set.reconfigure(&config(&format!("{GRID}{CAMERA}{PATH}")), &world);
+            assert_eq!(changed, Reconfigured { kept: 1, made: 1, gone: 0 });
+            // Without an update: nothing is placed anew.
+            let everything = DisplayMask::all();
+            let paths = shown(&set, &everything);
+            assert_eq!(paths.len(), 1);
+            set.update(&world);
+            let mask = &set.cameras()[0].visible;
+            assert_eq!(shown(&set, mask), paths, "the camera hides the grid, whatever number it has");
+            assert!(shown(&set, &everything).len() > 1);
+            assert_eq!(shown(&set, &everything).last(), paths.last(), "in the new order");
+        });
+    }
+
+    #[test]
+    fn a_display_with_other_settings_shows_the_last_message_in_them() {
+        with_set(&format!("{PATH}{GRID}"), |mut set, world| {
+            let changed = set.reconfigure(&config(&format!("{RED_PATH}{GRID}")), &world);
+            assert_eq!(changed, Reconfigured { kept: 1, made: 1, gone: 1 });
+            set.update(&world);
+            assert!(!shown(&set, &set.mask(&hiding("grid"))).is_empty());
+        });
+    }
+
+    /// Tick boxes that hide one display.
+    fn hiding(hidden: &str) -> Visibility {
+        let mut visibility = Visibility::default();
+        visibility.set(&[hidden], false);
+        visibility
+    }
+
+    #[test]
+    fn a_display_that_was_switched_off_is_told_the_last_message_only_while_its_topic_is_heard() {
+        with_set(PATH, |mut set, world| {
+            let off = PATH.replace("true", "false");
+            assert_eq!(set.reconfigure(&config(&off), &world), Reconfigured { kept: 0, made: 0, gone: 1 });
+            assert!(set.topics().is_empty());
+            assert_eq!(set.reconfigure(&config(PATH), &world), Reconfigured { kept: 0, made: 1, gone: 0 });
+            set.update(&world);
+            assert!(shown(&set, &DisplayMask::all()).is_empty(), "it hears what its topic says from now on");
+            assert_eq!(set.topics()[0].kind, MessageKind::Path);
+        });
+    }
+
+    /// rviz shows Axes to every camera, whatever its tick boxes say.
+    #[test]
+    fn axes_are_hidden_where_a_tick_box_says_so() {
+        let axes = "  - {Class: rviz/Axes, Name: axes, Enabled: true}\n";
+        with_set(&format!("{axes}{GRID}"), |set, _| {
+            let with_axes = shown(&set, &DisplayMask::all());
+            let without = shown(&set, &set.mask(&hiding("axes")));
+            assert!(without.len() < with_axes.len() && !without.is_empty(), "{without:?} of {with_axes:?}");
+            assert_eq!(shown(&set, &set.mask(&hiding("grid"))).len(), with_axes.len() - without.len());
+        });
+    }
+
+    #[test]
+    fn points_that_are_left_out_are_counted_in_the_status() {
+        let cloud =
+            "  - {Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /c, Color Transformer: FlatColor}\n";
+        with_set(cloud, |mut set, world| {
+            let mut points = PointCloud2::default();
+            points.header.frame_id = "map".to_owned();
+            points.fields = [("x", 0), ("y", 4), ("z", 8)]
+                .map(|(name, offset)| PointField {
+                    name: name.to_owned(),
+                    offset,
+                    datatype: PointField::FLOAT32,
+                    count: 1,
+                })
+                .to_vec();
+            (points.height, points.width, points.point_step, points.row_step) = (1, 3, 12, 36);
+            let values = [0.0_f32, 0.0, 1.0, f32::NAN, 0.0, 1.0, 0.0, f32::INFINITY, 1.0];
+            points.set_data(values.iter().flat_map(|value| value.to_le_bytes()).collect());
+            set.take("/c", &AnyMessage::PointCloud2(Arc::new(points)), &world);
+            set.update(&world);
+            let report = set.reports().next().unwrap();
+            let said = report.statuses.get("Points").map(|status| (status.level, status.text.as_str()));
+            assert_eq!(said, Some((Level::Ok, "Showing 1 points, 2 without a finite position left out")));
+        });
+    }
+
+    #[test]
+    fn a_message_counts_as_shown_from_when_its_frame_is_known() {
+        let meshes = MeshStore::new(PackageIndex::new([]));
+        let mut transforms = TransformTree::new();
+        let mut set = DisplaySet::new(&config(&format!("{PATH}{GRID}")));
+        let AnyMessage::Path(path) = path() else { return };
+        let mut path = Arc::unwrap_or_clone(path);
+        (path.header.frame_id, path.header.stamp.sec) = ("arm".to_owned(), 7);
+        let (message, received) = (AnyMessage::Path(Arc::new(path)), Some(Instant::now()));
+        let mut news = |transforms: &TransformTree, message: Option<&AnyMessage>| {
+            let world = World { transforms, fixed_frame: "map", now: Time::from_secs_f64(10.0), meshes: &meshes };
+            message.into_iter().for_each(|message| set.take_received("/p", message, received, &world));
+            set.update(&world);
+            (set.newly_shown().to_vec(), set.reports().next().unwrap().shown)
+        };
+        assert_eq!(news(&transforms, Some(&message)), (Vec::new(), None));
+        let (translation, rotation_xyzw) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0]);
+        let stamp = Time::from_secs_nanos(7, 0);
+        let place = RawTransform { parent: "map", child: "arm", stamp, translation, rotation_xyzw };
+        transforms.insert(&place, true, "/a").unwrap();
+        let shown = ShownMessage { stamp, received };
+        assert_eq!(news(&transforms, None), (vec![(0, shown)], Some(shown)));
+        assert_eq!(news(&transforms, None), (Vec::new(), Some(shown)), "told once");
+    }
+
+    #[test]
+    fn equal_displays_are_kept_one_for_one() {
+        with_set(&format!("{GRID}{GRID}"), |mut set, world| {
+            let changed = set.reconfigure(&config(&format!("{GRID}{GRID}{GRID}")), &world);
+            assert_eq!(changed, Reconfigured { kept: 2, made: 1, gone: 0 });
+            let ids: HashSet<DisplayId> = set.entries.iter().map(|entry| entry.id).collect();
+            assert_eq!(ids.len(), 3);
+        });
+    }
+}

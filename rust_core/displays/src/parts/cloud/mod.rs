@@ -1,0 +1,262 @@
+//! What all displays of clouds share: points in one of five styles, coloured by one of six transformers.
+//!
+//! Reproduces `rviz::PointCloudCommon`. As there, whatever a display listens to becomes a `sensor_msgs/PointCloud2`
+//! ([`CloudSource`]); that is decoded and coloured once, when it is placed, and drawing it again costs no decoding. A
+//! cloud stands where its frame was at its stamp. Without a decay time the newest cloud replaces the one before it.
+
+mod color;
+mod display;
+mod fields;
+mod pieces;
+mod points;
+mod spare;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Point3};
+use rcs_messages::sensor_msgs::PointField;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::PointCloud2;
+use rcs_rviz_config::{CloudSettings, ColorTransformer, PointStyle as StyleSetting};
+use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, RenderGroup};
+use rcs_transforms::Time;
+
+use crate::parts::bounds::middle;
+use crate::{Level, Statuses, World};
+use fields::Layout;
+use spare::SparePoints;
+
+pub(crate) use color::rainbow;
+pub(crate) use display::{CloudDisplay, CloudSource};
+pub(crate) use pieces::max_points;
+pub(crate) use points::Nowhere;
+
+/// The largest point that Mesa and Intel's drivers draw, in pixels; rviz's larger ones come out at this size.
+const MAX_POINT_PX: f32 = 255.0;
+
+/// A field of a cloud: its name, the bytes before it in a point, and its datatype (see [`PointField`]).
+pub(crate) type Field<'a> = (&'a str, u32, u8);
+
+/// A cloud of one row, from the little-endian bytes of its points.
+pub(crate) fn one_row(header: &Header, fields: &[Field<'_>], point_step: u32, data: Vec<u8>) -> PointCloud2 {
+    let field =
+        |&(name, offset, datatype): &Field<'_>| PointField { name: name.to_owned(), offset, datatype, count: 1 };
+    let mut cloud = PointCloud2::default();
+    cloud.header = header.clone();
+    cloud.fields = fields.iter().map(field).collect();
+    cloud.height = 1;
+    cloud.width = data.len().checked_div(point_step as usize).unwrap_or(0) as u32;
+    cloud.point_step = point_step;
+    cloud.row_step = data.len() as u32;
+    cloud.with_data(data)
+}
+
+/// A cloud and where it stands.
+#[derive(Clone, Debug)]
+pub(crate) struct PlacedCloud {
+    pub(crate) cloud: Arc<PointCloud2>,
+    pub(crate) fixed_from_cloud: Isometry3<f64>,
+}
+
+impl PlacedCloud {
+    /// A cloud that stands where its frame was at its stamp.
+    ///
+    /// # Errors
+    /// A sentence of rviz's when that is not known.
+    pub(crate) fn at_stamp(cloud: Arc<PointCloud2>, world: &World<'_>) -> Result<Self, String> {
+        match world.fixed_from_header(&cloud.header) {
+            Ok(fixed_from_cloud) => Ok(Self { cloud, fixed_from_cloud }),
+            Err(_) => {
+                let (frame, fixed_frame) = (&cloud.header.frame_id, world.fixed_frame);
+                Err(format!("Failed to transform from frame [{frame}] to frame [{fixed_frame}]"))
+            }
+        }
+    }
+}
+
+/// The clouds that a display shows.
+#[derive(Debug)]
+pub(crate) struct Clouds {
+    display: DisplayId,
+    settings: CloudSettings,
+    nowhere: Nowhere,
+    /// Sizes are multiplied by each point's z.
+    auto_size: bool,
+    shown: VecDeque<Shown>,
+    drawables: Vec<Drawable>,
+    spare: SparePoints,
+}
+
+/// A cloud that can be shown.
+#[derive(Debug)]
+pub(crate) struct Decoded {
+    drawables: Vec<Drawable>,
+    transformer: ColorTransformer,
+    /// Kept where the cloud may be coloured again.
+    source: Option<PlacedCloud>,
+}
+
+#[derive(Debug)]
+struct Shown {
+    received: Time,
+    decoded: Decoded,
+}
+
+impl Clouds {
+    pub(crate) fn new(display: DisplayId, settings: CloudSettings, nowhere: Nowhere) -> Self {
+        Self {
+            display,
+            settings,
+            nowhere,
+            auto_size: false,
+            shown: VecDeque::new(),
+            drawables: Vec::new(),
+            spare: SparePoints::default(),
+        }
+    }
+
+    pub(crate) fn drawables(&self) -> &[Drawable] {
+        &self.drawables
+    }
+
+    /// From now on points have a size in metres for each metre of their z, whatever the settings say.
+    pub(crate) fn set_auto_size(&mut self, size_m: f32) {
+        (self.auto_size, self.settings.size_m) = (true, size_m);
+    }
+
+    /// Whether only the newest cloud is seen.
+    pub(crate) fn keeps_one(&self) -> bool {
+        self.settings.decay_time_secs <= 0.0
+    }
+
+    /// The cloud as it is drawn, for [`update`](Self::update); `None`, with a status that says why, where it cannot be shown.
+    /// Where only one is seen, those before are gone by then.
+    pub(crate) fn decode(&mut self, placed: PlacedCloud, statuses: &mut Statuses) -> Option<Decoded> {
+        let layout = match Layout::of(&placed.cloud) {
+            Ok(layout) => layout,
+            Err(error) => {
+                statuses.set(Level::Error, "Message", format!("{error}. Dropping message."));
+                return None;
+            }
+        };
+        if self.keeps_one() {
+            // It takes the place of the one before, and its memory.
+            self.let_go();
+        }
+        let transformer = layout.fitting_transformer(self.settings.color_transformer);
+        self.settings.color_transformer = Some(transformer);
+        let (drawables, nowhere_count) = self.draw(&placed, &layout, transformer);
+        let shown_count = layout.point_count - nowhere_count;
+        let left_out = match nowhere_count {
+            0 => String::new(),
+            _ => format!(", {nowhere_count} without a finite position left out"),
+        };
+        statuses.set(Level::Ok, "Points", format!("Showing {shown_count} points{left_out}"));
+        statuses.remove("Message");
+        let source = (!self.keeps_one()).then_some(placed);
+        Some(Decoded { drawables, transformer, source })
+    }
+
+    /// A cloud's drawables, and how many of its points have no finite position.
+    fn draw(&mut self, placed: &PlacedCloud, layout: &Layout, transformer: ColorTransformer) -> (Vec<Drawable>, usize) {
+        let (settings, spare) = (&self.settings, &mut self.spare);
+        spare.reclaim(layout.point_count);
+        let coloring = color::Coloring::new(settings, transformer, &placed.fixed_from_cloud);
+        let (buffer, nowhere_count) = points::read(&placed.cloud, layout, &coloring, self.nowhere, spare);
+        let size_m = settings.size_m;
+        let style = match settings.style {
+            StyleSetting::Points => PointStyle::Points { diameter_px: settings.size_px.min(MAX_POINT_PX) },
+            StyleSetting::Squares => PointStyle::Squares { size_m: [size_m; 2] },
+            StyleSetting::FlatSquares => PointStyle::FlatSquares { side_m: size_m },
+            StyleSetting::Spheres => PointStyle::Spheres { size_m: [size_m; 2] },
+            StyleSetting::Boxes => PointStyle::Boxes { size_m: [size_m; 3] },
+        };
+        let blended = settings.alpha < Material::OPAQUE_FROM_ALPHA || layout.has_point_alpha();
+        // The order of the pieces does not show where nothing blends.
+        let buffers = if blended { pieces::cut(buffer, &style, spare) } else { vec![buffer] };
+        let drawable = |buffer: PointBuffer| {
+            // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.
+            // Opaque ones are not sorted.
+            let sort_point = if blended { middle(buffer.positions.iter().copied()) } else { [0.0; 3] };
+            let buffer = Arc::new(buffer);
+            Drawable {
+                display: self.display,
+                fixed_from_object: placed.fixed_from_cloud.to_homogeneous(),
+                sort_point: Point3::from(sort_point).cast(),
+                group: RenderGroup::Main,
+                geometry: Geometry::Points(Points {
+                    buffer,
+                    style,
+                    alpha: settings.alpha,
+                    blended,
+                    auto_size: self.auto_size,
+                }),
+            }
+        };
+        (buffers.into_iter().map(drawable).collect(), nowhere_count)
+    }
+
+    /// Shows new clouds, oldest first, and lets old ones go. Returns whether anything changed.
+    pub(crate) fn update(&mut self, new: Vec<Decoded>, now: Time) -> bool {
+        let changed = self.expire(now, !new.is_empty()) || !new.is_empty();
+        self.shown.extend(new.into_iter().map(|decoded| Shown { received: now, decoded }));
+        if changed {
+            self.recolor();
+            self.drawables.clear();
+            self.drawables.extend(self.shown.iter().flat_map(|shown| &shown.decoded.drawables).cloned());
+        }
+        changed
+    }
+
+    /// Colours anew what another transformer than the present one coloured: when a cloud that does not fit changes the
+    /// transformer, that goes for those before it as well.
+    fn recolor(&mut self) {
+        let Some(transformer) = self.settings.color_transformer else { return };
+        let mut shown = std::mem::take(&mut self.shown);
+        for Shown { decoded, .. } in &mut shown {
+            let Some(source) = decoded.source.as_ref().filter(|_| decoded.transformer != transformer) else { continue };
+            let Ok(layout) = Layout::of(&source.cloud) else { continue };
+            if layout.fitting_transformer(Some(transformer)) == transformer {
+                decoded.drawables = self.draw(source, &layout, transformer).0;
+                decoded.transformer = transformer;
+            }
+        }
+        self.shown = shown;
+    }
+
+    /// Takes away the clouds that are too old. Without a decay time that is all of them, but only once there is a new
+    /// one.
+    fn expire(&mut self, now: Time, is_followed: bool) -> bool {
+        let decay_secs = f64::from(self.settings.decay_time_secs);
+        let before = self.shown.len();
+        if decay_secs > 0.0 || is_followed {
+            while self.shown.front().is_some_and(|shown| now.secs_since(shown.received) >= decay_secs) {
+                let gone = self.shown.pop_front().filter(|_| is_followed);
+                self.spare.retire(gone.as_ref().map_or(&[], |gone| &gone.decoded.drawables));
+            }
+        }
+        self.shown.len() != before
+    }
+
+    /// Shows nothing any more.
+    fn let_go(&mut self) {
+        self.drawables.clear();
+        for gone in self.shown.drain(..) {
+            self.spare.retire(&gone.decoded.drawables);
+        }
+    }
+
+    /// When the oldest cloud goes.
+    pub(crate) fn next_change(&self) -> Option<Time> {
+        let decay = std::time::Duration::try_from_secs_f32(self.settings.decay_time_secs).ok()?;
+        let oldest = self.shown.front().filter(|_| !decay.is_zero())?;
+        Some(oldest.received.saturating_add(decay))
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.shown.clear();
+        self.drawables.clear();
+        self.spare = SparePoints::default();
+    }
+}

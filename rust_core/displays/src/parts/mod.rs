@@ -1,0 +1,11 @@
+//! What several display classes are made of.
+
+pub(crate) mod bounds;
+pub(crate) mod cloud;
+pub(crate) mod covariance;
+pub(crate) mod pose_symbol;
+pub(crate) mod robot_description;
+pub(crate) mod shapes;
+pub(crate) mod solids;
+pub(crate) mod trail;
+pub(crate) mod urdf;

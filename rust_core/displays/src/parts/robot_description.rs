@@ -1,0 +1,140 @@
+//! The parameter with a robot's description, with rviz's statuses for it.
+//!
+//! rviz looks for the parameter when the display starts and once a second until it is there. After that it does not look
+//! again, so a robot does not change while the display lives.
+
+use std::sync::Arc;
+
+use crate::parts::urdf::{self, Robot};
+use crate::{Level, Statuses};
+
+/// The status that tells about the description.
+pub(crate) const STATUS: &str = "URDF";
+
+/// What two displays of rviz say otherwise about the same.
+pub(crate) struct Words {
+    /// A description was read.
+    pub(crate) good: &'static str,
+    /// A description cannot be read.
+    pub(crate) bad: &'static str,
+}
+
+/// A robot's description: the name of a parameter, and whether it was read.
+#[derive(Debug)]
+pub(crate) struct RobotDescription {
+    name: String,
+    is_read: bool,
+}
+
+impl RobotDescription {
+    pub(crate) fn new(name: &str, statuses: &mut Statuses) -> Self {
+        if let Err(reason) = check_name(name) {
+            statuses.set(Level::Error, STATUS, format!("Invalid parameter name: {name}.\n{reason}"));
+        }
+        Self { name: name.to_owned(), is_read: false }
+    }
+
+    /// The parameters that are to be looked for.
+    pub(crate) fn parameters(&self) -> Vec<String> {
+        check_name(&self.name).map(|()| self.name.clone()).into_iter().collect()
+    }
+
+    /// The robot of a parameter's text; `None` where there is none, which the status then says, or where it was read
+    /// before.
+    pub(crate) fn take(&mut self, text: Option<&Arc<str>>, words: &Words, statuses: &mut Statuses) -> Option<Robot> {
+        if self.is_read {
+            return None;
+        }
+        let name = &self.name;
+        let Some(text) = text else {
+            let text = format!("Parameter [{name}] does not exist, and was not found by searchParam()");
+            statuses.set(Level::Error, STATUS, text);
+            return None;
+        };
+        self.is_read = true;
+        if text.is_empty() {
+            statuses.set(Level::Error, STATUS, "URDF is empty");
+            return None;
+        }
+        match urdf::parse(text) {
+            Ok(robot) => {
+                for fault in &robot.left_out {
+                    log::warn!("parameter {name}: {fault}");
+                }
+                statuses.set(Level::Ok, STATUS, words.good);
+                Some(robot)
+            }
+            Err(error) => {
+                statuses.set(Level::Error, STATUS, format!("{}: {name}, {error}", words.bad));
+                None
+            }
+        }
+    }
+}
+
+/// What roscpp's node handles take for a parameter's name.
+fn check_name(name: &str) -> Result<(), String> {
+    if name.starts_with('~') {
+        return Err("Private names (~) cannot be used here".to_owned());
+    }
+    if let Some(first) = name.chars().next().filter(|first| !first.is_ascii_alphabetic() && *first != '/') {
+        return Err(format!("A name begins with a letter or a slash, not with [{first}]"));
+    }
+    match name.chars().find(|letter| !letter.is_ascii_alphanumeric() && !matches!(letter, '/' | '_')) {
+        Some(letter) => Err(format!("[{letter}] cannot be part of a name")),
+        None => Ok(()),
+    }
+}
+
+/// The frame of a link.
+pub(crate) fn link_frame(tf_prefix: &str, link: &str) -> String {
+    if tf_prefix.is_empty() {
+        link.to_owned()
+    } else {
+        format!("{tf_prefix}/{link}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WORDS: Words = Words { good: "fine", bad: "not good" };
+
+    fn said(statuses: &Statuses) -> (Level, String) {
+        let status = statuses.iter().find(|(name, _)| *name == STATUS).unwrap().1;
+        (status.level, status.text.clone())
+    }
+
+    #[test]
+    fn a_description_is_missed_until_it_is_there_and_read_once() {
+        let mut statuses = Statuses::default();
+        let mut description = RobotDescription::new("robot_description", &mut statuses);
+        assert_eq!(description.parameters(), ["robot_description"]);
+        assert_eq!(statuses, Statuses::default());
+        assert!(description.take(None, &WORDS, &mut statuses).is_none());
+        let missing = "Parameter [robot_description] does not exist, and was not found by searchParam()";
+        assert_eq!(said(&statuses), (Level::Error, missing.to_owned()));
+        let text: Arc<str> = "<robot name='r'><link name='a'/></robot>".into();
+        assert!(description.take(Some(&text), &WORDS, &mut statuses).is_some());
+        assert_eq!(said(&statuses), (Level::Ok, "fine".to_owned()));
+        assert!(description.take(Some(&text), &WORDS, &mut statuses).is_none());
+    }
+
+    #[test]
+    fn damaged_descriptions_and_names_are_statuses() {
+        let take = |text: &str| {
+            let mut statuses = Statuses::default();
+            let mut description = RobotDescription::new("d", &mut statuses);
+            assert!(description.take(Some(&text.into()), &WORDS, &mut statuses).is_none());
+            said(&statuses).1
+        };
+        assert_eq!(take(""), "URDF is empty");
+        assert_eq!(take("<robot\nname='r'/>"), "not good: d, line 1: robot \"r\": it has no links");
+        for name in ["~x", "1x", "a b"] {
+            let mut statuses = Statuses::default();
+            assert!(RobotDescription::new(name, &mut statuses).parameters().is_empty());
+            assert!(said(&statuses).1.starts_with("Invalid parameter name"));
+        }
+    }
+}

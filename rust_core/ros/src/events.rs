@@ -1,0 +1,250 @@
+//! The queue between the threads that receive and the one that draws.
+
+use rcs_messages::dynamic_reconfigure::Config;
+use rcs_messages::tf2_msgs::TFMessage;
+use rcs_messages::{AnyMessage, Time};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::mpsc::{sync_channel, Receiver, SyncSender};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Something that happened on the network.
+#[derive(Debug)]
+pub enum NodeEvent {
+    /// A message of a subscribed topic.
+    Message {
+        /// The topic's whole name, after remapping.
+        topic: Arc<str>,
+        /// The message.
+        message: AnyMessage,
+        /// Name of the node that sent it.
+        publisher: Arc<str>,
+        /// When it was there, not decoded yet.
+        received: Instant,
+    },
+    /// Transforms of `/tf` or `/tf_static`.
+    Transforms {
+        /// The transforms, as sent.
+        message: Arc<TFMessage>,
+        /// Whether they hold for all times.
+        is_static: bool,
+        /// Name of the node that sent them.
+        authority: Arc<str>,
+        /// When they were there, not decoded yet.
+        received: Instant,
+    },
+    /// The simulation's time went back.
+    TimeJumpedBack {
+        /// The latest time before.
+        from: Time,
+        /// The time now.
+        to: Time,
+    },
+    /// Somebody called a trigger service.
+    Trigger {
+        /// The service's whole name.
+        service: Arc<str>,
+        /// To be answered.
+        reply: TriggerReply,
+    },
+    /// A parameter that was asked for.
+    Parameter {
+        /// Its name, as it was asked for.
+        name: Arc<str>,
+        /// Its text; none while it is not there.
+        text: Option<Arc<str>>,
+    },
+    /// Somebody sets parameters of a [`ReconfigureServer`](crate::ReconfigureServer).
+    Reconfigure {
+        /// The server's whole name.
+        server: Arc<str>,
+        /// The parameters to be set; some or all.
+        request: Config,
+        /// To be answered with the values that hold then.
+        reply: Reply<Config>,
+    },
+    /// A publisher of a subscribed topic said farewell to the master.
+    PublisherLeft {
+        /// The topic's whole name, after remapping.
+        topic: Arc<str>,
+    },
+    /// A topic that this node publishes has a new subscriber.
+    SubscriberConnected {
+        /// The topic's whole name.
+        topic: Arc<str>,
+    },
+}
+
+/// The way back to a service's caller. Dropped unused, the caller gets an error.
+#[derive(Debug)]
+pub struct Reply<T>(SyncSender<T>);
+
+/// The way back to the caller of a trigger service.
+pub type TriggerReply = Reply<(bool, String)>;
+
+impl<T> Reply<T> {
+    pub(crate) fn new() -> (Self, Receiver<T>) {
+        let (sender, receiver) = sync_channel(1);
+        (Self(sender), receiver)
+    }
+
+    /// Answers the caller.
+    pub fn answer(self, answer: T) {
+        // The caller may have given up; then there is nobody to tell.
+        let _ = self.0.try_send(answer);
+    }
+}
+
+impl TriggerReply {
+    /// Answers the caller.
+    pub fn send(self, success: bool, message: impl Into<String>) {
+        self.answer((success, message.into()));
+    }
+}
+
+/// Events in the order of their arrival.
+#[derive(Debug, Default)]
+pub struct EventQueue {
+    state: Mutex<State>,
+    changed: Condvar,
+    next_id: AtomicU64,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    waiting: VecDeque<(u64, NodeEvent)>,
+    woken: bool,
+}
+
+/// Puts one source's events into a queue, at most so many at a time.
+#[derive(Clone, Debug)]
+pub struct EventSender {
+    queue: Arc<EventQueue>,
+    id: u64,
+    queue_size: Arc<AtomicUsize>,
+}
+
+impl EventSender {
+    /// Adds an event and wakes the queue's reader. When `queue_size` events of this sender wait already, the oldest of
+    /// them is dropped. Never waits.
+    pub fn push(&self, event: NodeEvent) {
+        let mut state = self.queue.lock();
+        let queue_size = self.queue_size.load(Ordering::Relaxed);
+        if queue_size > 0 {
+            let mine = || state.waiting.iter().enumerate().filter(|(_, (id, _))| *id == self.id);
+            let (count, oldest) = (mine().count(), mine().next().map(|(index, _)| index));
+            if let (true, Some(index)) = (count >= queue_size, oldest) {
+                state.waiting.remove(index);
+            }
+        }
+        state.waiting.push_back((self.id, event));
+        drop(state);
+        self.queue.changed.notify_all();
+    }
+
+    /// How many of its events may wait from now on (0: any number). Clones share this.
+    pub fn set_queue_size(&self, queue_size: usize) {
+        self.queue_size.store(queue_size, Ordering::Relaxed);
+    }
+
+    /// Drops those of its events that wait.
+    pub(crate) fn forget(&self) {
+        self.queue.lock().waiting.retain(|(id, _)| *id != self.id);
+    }
+}
+
+impl EventQueue {
+    /// A new source of events, of which at most `queue_size` wait (0: any number).
+    pub fn sender(self: &Arc<Self>, queue_size: usize) -> EventSender {
+        let id = self.next_id.fetch_add(1, Ordering::Relaxed);
+        EventSender { queue: Arc::clone(self), id, queue_size: Arc::new(queue_size.into()) }
+    }
+
+    /// Waits until there are events, [`wake`](Self::wake) is called or `timeout` is over; takes all events there are.
+    pub fn wait(&self, timeout: Duration) -> Vec<NodeEvent> {
+        let idle = |state: &mut State| state.waiting.is_empty() && !state.woken;
+        let waited = self.changed.wait_timeout_while(self.lock(), timeout, idle);
+        let mut state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        state.woken = false;
+        state.waiting.drain(..).map(|(_, event)| event).collect()
+    }
+
+    /// Takes all events there are.
+    pub fn drain(&self) -> Vec<NodeEvent> {
+        self.lock().waiting.drain(..).map(|(_, event)| event).collect()
+    }
+
+    /// Lets the present or the next [`wait`](Self::wait) return at once.
+    pub fn wake(&self) {
+        self.lock().woken = true;
+        self.changed.notify_all();
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn jump(sec: u32) -> NodeEvent {
+        NodeEvent::TimeJumpedBack { from: Time::default(), to: Time { sec, nsec: 0 } }
+    }
+
+    fn secs(events: Vec<NodeEvent>) -> Vec<u32> {
+        let sec = |event| match event {
+            NodeEvent::TimeJumpedBack { to, .. } => to.sec,
+            other => panic!("{other:?}"),
+        };
+        events.into_iter().map(sec).collect()
+    }
+
+    #[test]
+    fn the_oldest_event_of_the_same_source_gives_way() {
+        let queue = Arc::new(EventQueue::default());
+        let (small, large) = (queue.sender(2), queue.sender(0));
+        large.push(jump(1));
+        for sec in 10..14 {
+            small.push(jump(sec));
+        }
+        large.push(jump(2));
+        assert_eq!(secs(queue.drain()), [1, 12, 13, 2]);
+        assert!(queue.drain().is_empty());
+        small.set_queue_size(1);
+        small.push(jump(14));
+        small.push(jump(15));
+        assert_eq!(secs(queue.drain()), [15]);
+    }
+
+    #[test]
+    fn waiting_ends_with_an_event_a_wake_or_the_timeout() {
+        let queue = Arc::new(EventQueue::default());
+        assert!(queue.wait(Duration::from_millis(1)).is_empty());
+        queue.wake();
+        assert!(queue.wait(Duration::from_secs(60)).is_empty());
+        let sender = queue.sender(1);
+        let pushing = std::thread::spawn(move || sender.push(jump(3)));
+        assert_eq!(secs(queue.wait(Duration::from_secs(60))), [3]);
+        pushing.join().unwrap();
+    }
+
+    #[test]
+    fn what_a_dropped_source_left_is_forgotten() {
+        let queue = Arc::new(EventQueue::default());
+        let (gone, stays) = (queue.sender(0), queue.sender(0));
+        gone.push(jump(1));
+        stays.push(jump(2));
+        gone.forget();
+        assert_eq!(secs(queue.drain()), [2]);
+    }
+
+    #[test]
+    fn a_reply_that_is_dropped_is_noticed() {
+        let (reply, answer) = TriggerReply::new();
+        drop(reply);
+        assert!(answer.recv().is_err());
+    }
+}

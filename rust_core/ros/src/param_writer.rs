@@ -1,0 +1,45 @@
+//! Writes parameters to the parameter server on a thread of its own, for the master may take its time.
+
+use crate::lock;
+use std::sync::mpsc::{channel, Sender};
+use std::sync::Mutex;
+use xml_rpc::Value;
+
+/// A whole name and a value.
+type Param = (String, Value);
+
+/// Started with the first parameter.
+#[derive(Default)]
+pub(crate) struct ParamWriter(Mutex<Option<Sender<Param>>>);
+
+impl ParamWriter {
+    /// Sets a parameter soon, after those that were set before. What fails is said in the log.
+    pub(crate) fn set(&self, name: String, value: Value) {
+        let mut sender = lock(&self.0);
+        let sent = sender.as_ref().is_some_and(|sender| sender.send((name.clone(), value.clone())).is_ok());
+        if !sent {
+            *sender = start();
+            // The thread has just begun; where there is none, `start` has said so.
+            let _ = sender.as_ref().map(|sender| sender.send((name, value)));
+        }
+    }
+}
+
+fn start() -> Option<Sender<Param>> {
+    let (sender, params) = channel::<Param>();
+    let writing = move || {
+        for (name, value) in params {
+            let Some(param) = rosrust::param(&name) else { continue };
+            if let Err(error) = param.set_raw(value) {
+                log::warn!("parameter {name} cannot be set: {error}");
+            }
+        }
+    };
+    match std::thread::Builder::new().name("ros-params".to_owned()).spawn(writing) {
+        Ok(_) => Some(sender),
+        Err(error) => {
+            log::warn!("parameters cannot be set: {error}");
+            None
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Shows a test pattern full screen, as `projector_window` shows an image topic.
+//!
+//! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png]`: pixel (u, v) of the pattern has red
+//! u % 256, green v % 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same.
+//! The second picture, of the same content, comes half a second later. Escape or q quit.
+
+use std::error::Error;
+use std::thread;
+use std::time::Duration;
+
+use rcs_window::MonitorChoice;
+use rcs_window::ScreenPicture;
+use rcs_window::{self as window, WindowOptions};
+
+/// Prints log messages, as the programs do.
+struct Stderr;
+
+impl log::Log for Stderr {
+    fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
+        metadata.target().starts_with("rcs_")
+    }
+    fn log(&self, record: &log::Record<'_>) {
+        if self.enabled(record.metadata()) {
+            eprintln!("{}: {}", record.level(), record.args());
+        }
+    }
+    fn flush(&self) {}
+}
+
+fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
+    ScreenPicture::from_fn(width_px, height_px, |u, v| {
+        let blue = 16 * (u / 256) + v / 256;
+        [(u % 256) as u8, (v % 256) as u8, (blue % 256) as u8]
+    })
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    log::set_logger(&Stderr).map_err(|error| error.to_string())?;
+    log::set_max_level(log::LevelFilter::Info);
+    let mut arguments = std::env::args().skip(1);
+    let size = arguments.next().ok_or("usage: window_pattern WIDTHxHEIGHT")?;
+    let (width, height) = size.split_once('x').ok_or("the size is WIDTHxHEIGHT")?;
+    let (width, height): (u32, u32) = (width.parse()?, height.parse()?);
+    let mut options =
+        WindowOptions { source: "the test pattern".to_owned(), monitor: MonitorChoice::default(), screenshot: None };
+    while let Some(flag) = arguments.next() {
+        let value = arguments.next().ok_or("each option takes a value")?;
+        match flag.as_str() {
+            "--monitor" => options.monitor = value.parse()?,
+            "--screenshot" => options.screenshot = Some(value.into()),
+            _ => return Err(format!("unknown option {flag}").into()),
+        }
+    }
+    window::run(options, move |sink| {
+        thread::spawn(move || {
+            sink.show(pattern(width, height));
+            thread::sleep(Duration::from_millis(500));
+            sink.show(pattern(width, height));
+        });
+    })?;
+    Ok(())
+}

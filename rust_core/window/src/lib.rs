@@ -1,0 +1,324 @@
+//! The projector's window: a picture full screen on a chosen monitor, pixel for pixel.
+//!
+//! [`run`] opens the window on the calling thread, which must be the main thread, and stays until the user presses
+//! Escape or q, closes it, or the [`PictureSink`] is told to close it. Other threads hand pictures to the sink; only the
+//! newest is kept, and the window is drawn when a new picture comes or the window system asks for it, so a picture
+//! that stands still costs nothing.
+//!
+//! Nothing is ever scaled, because a projection fits the world only while picture pixel (u, v) is screen pixel (u, v):
+//! all sizes here are physical pixels, whatever the desktop's scale factor. A picture of another size than the
+//! monitor is shown at the top left on black, and warned about once for each size.
+
+#![forbid(unsafe_code)]
+
+mod monitor;
+mod open;
+mod picture;
+mod place;
+mod x11;
+
+pub use monitor::{list as list_lines, MonitorChoice, MonitorError, MonitorInfo};
+pub use picture::{PictureError, RawPicture, ScreenPicture};
+
+use std::collections::HashSet;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use winit::application::ApplicationHandler;
+use winit::error::EventLoopError;
+use winit::event::{ElementState, KeyEvent, StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy, OwnedDisplayHandle};
+use winit::keyboard::{Key, NamedKey};
+use winit::window::WindowId;
+
+use crate::open::{monitors, OpenWindow};
+use crate::picture::rgb_bytes;
+use rcs_files::png::{write_png, PngError, PngFormat};
+
+/// What the window shows and where.
+#[derive(Debug, Clone)]
+pub struct WindowOptions {
+    /// Where the pictures come from, for the window's title and for warnings: a topic.
+    pub source: String,
+    /// The monitor to cover.
+    pub monitor: MonitorChoice,
+    /// A PNG file that gets what the window shows once the first picture is on the screen.
+    pub screenshot: Option<PathBuf>,
+}
+
+/// Why there is no window, or no longer one.
+#[derive(Debug, thiserror::Error)]
+pub enum WindowError {
+    /// There is no window system, or it broke off.
+    #[error("no window: {0} (DISPLAY or WAYLAND_DISPLAY must name a running display)")]
+    EventLoop(String),
+    /// The monitor that was asked for does not exist.
+    #[error(transparent)]
+    Monitor(#[from] MonitorError),
+    /// The window system refuses the window.
+    #[error("cannot open a window on monitor {monitor}: {reason}")]
+    Open {
+        /// The monitor.
+        monitor: MonitorInfo,
+        /// What the window system says.
+        reason: String,
+    },
+    /// The pixels cannot be brought to the window.
+    #[error("cannot draw on monitor {monitor}: {reason}")]
+    Draw {
+        /// The monitor.
+        monitor: MonitorInfo,
+        /// What the window system says.
+        reason: String,
+    },
+    /// The screenshot cannot be written.
+    #[error(transparent)]
+    Screenshot(#[from] PngError),
+}
+
+/// What other threads tell the window.
+#[derive(Debug, Clone, Copy)]
+enum Wake {
+    NewPicture,
+    Close,
+}
+
+/// The end of the window that other threads hold: they give it pictures and close it.
+#[derive(Debug, Clone)]
+pub struct PictureSink {
+    newest: Arc<Mutex<Option<ScreenPicture>>>,
+    proxy: EventLoopProxy<Wake>,
+}
+
+impl PictureSink {
+    /// Shows a picture, in place of one that was not drawn yet.
+    pub fn show(&self, picture: ScreenPicture) {
+        let replaced = self.lock().replace(picture);
+        // One wake-up is enough for any number of pictures; an error means that the window is closed already.
+        if replaced.is_none() {
+            let _ = self.proxy.send_event(Wake::NewPicture);
+        }
+    }
+
+    /// Closes the window; [`run`] returns.
+    pub fn close(&self) {
+        let _ = self.proxy.send_event(Wake::Close);
+    }
+
+    fn take(&self) -> Option<ScreenPicture> {
+        self.lock().take()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<ScreenPicture>> {
+        self.newest.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Opens the window and shows pictures until it is closed.
+///
+/// `start` is called once, when the window stands, with the sink for pictures. It must not block: it starts threads.
+///
+/// # Errors
+/// [`WindowError`] when there is no display, no such monitor, or the window system refuses the window.
+pub fn run(options: WindowOptions, start: impl FnOnce(PictureSink)) -> Result<(), WindowError> {
+    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(event_loop_error)?;
+    let sink = PictureSink { newest: Arc::default(), proxy: event_loop.create_proxy() };
+    let mut application = Application {
+        display: event_loop.owned_display_handle(),
+        screenshot: options.screenshot.clone(),
+        options,
+        start: Some(start),
+        sink,
+        open: None,
+        picture: None,
+        warned_sizes: HashSet::new(),
+        failure: None,
+    };
+    event_loop.run_app(&mut application).map_err(event_loop_error)?;
+    application.failure.map_or(Ok(()), Err)
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "for map_err")]
+fn event_loop_error(error: EventLoopError) -> WindowError {
+    WindowError::EventLoop(without_place(&error.to_string()))
+}
+
+/// winit begins its messages with the place in its sources, `os error at FILE:LINE: `, which helps no user.
+pub(crate) fn without_place(message: &str) -> String {
+    let rest = message.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+    rest.map_or(message, |(_, reason)| reason).trim_end_matches('.').to_owned()
+}
+
+/// All monitors, in the order in which [`MonitorChoice`] counts them.
+///
+/// # Errors
+/// [`WindowError::EventLoop`] when there is no display.
+pub fn list_monitors() -> Result<Vec<MonitorInfo>, WindowError> {
+    struct Lister(Vec<MonitorInfo>);
+    impl ApplicationHandler<Wake> for Lister {
+        fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+            self.0 = monitors(event_loop).into_iter().map(|(info, _)| info).collect();
+            event_loop.exit();
+        }
+        fn window_event(&mut self, _: &ActiveEventLoop, _: WindowId, _: WindowEvent) {}
+    }
+    let mut lister = Lister(Vec::new());
+    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(event_loop_error)?;
+    event_loop.run_app(&mut lister).map_err(event_loop_error)?;
+    Ok(lister.0)
+}
+
+struct Application<F> {
+    options: WindowOptions,
+    display: OwnedDisplayHandle,
+    start: Option<F>,
+    sink: PictureSink,
+    open: Option<OpenWindow>,
+    picture: Option<ScreenPicture>,
+    screenshot: Option<PathBuf>,
+    /// Sizes (of the picture, of the monitor) whose difference was warned about.
+    warned_sizes: HashSet<((u32, u32), (u32, u32))>,
+    failure: Option<WindowError>,
+}
+
+impl<F> Application<F> {
+    fn draw(&mut self) -> Result<(), WindowError> {
+        let Some(open) = &mut self.open else {
+            return Ok(());
+        };
+        let wants_copy = self.screenshot.is_some() && self.picture.is_some() && open.has_monitors_size();
+        let shown = open.draw(self.picture.as_ref(), wants_copy)?;
+        if let (Some(shown), Some(path)) = (shown, self.screenshot.take_if(|_| wants_copy)) {
+            let (width, height) = shown.size_px;
+            write_png(&path, width, height, PngFormat::Rgb8, &rgb_bytes(&shown.pixels))?;
+            log::info!("saved what the window shows: {}", path.display());
+        }
+        Ok(())
+    }
+
+    /// Takes the newest picture, if there is a new one, and has the window painted.
+    fn take_picture(&mut self) {
+        if let Some(picture) = self.sink.take() {
+            self.picture = Some(picture);
+            self.compare_sizes();
+        }
+        if let Some(open) = &self.open {
+            open.request_redraw();
+        }
+    }
+
+    /// Warns, once for each size, about a picture that is not as large as the monitor.
+    fn compare_sizes(&mut self) {
+        let (Some(open), Some(picture)) = (&self.open, &self.picture) else {
+            return;
+        };
+        let (picture_size, monitor_size) = (picture.size_px(), open.monitor().size_px);
+        if picture_size != monitor_size && self.warned_sizes.insert((picture_size, monitor_size)) {
+            let (width, height) = picture_size;
+            log::warn!(
+                "THE PICTURE ON {} IS {width}x{height} PIXELS, THE MONITOR IS {}: it is shown unscaled at the top \
+                 left; set the CameraInfo (or the monitor's mode) so that both are the same",
+                self.options.source,
+                open.monitor()
+            );
+        }
+    }
+
+    /// Ends with an error, or goes on.
+    fn end_on_error(&mut self, event_loop: &ActiveEventLoop, result: Result<(), WindowError>) {
+        if let Err(error) = result {
+            self.failure = Some(error);
+            event_loop.exit();
+        }
+    }
+}
+
+impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.open.is_some() {
+            return;
+        }
+        match OpenWindow::open(event_loop, self.display.clone(), &self.options) {
+            Ok(open) => {
+                self.open = Some(open);
+                if let Some(start) = self.start.take() {
+                    start(self.sink.clone());
+                }
+            }
+            Err(error) => self.end_on_error(event_loop, Err(error)),
+        }
+    }
+
+    fn new_events(&mut self, event_loop: &ActiveEventLoop, _: StartCause) {
+        let Some(open) = &mut self.open else {
+            return;
+        };
+        let now = Instant::now();
+        let looks = now >= open.next_look();
+        if looks && open.look(event_loop, now) {
+            self.compare_sizes();
+        }
+        if looks {
+            // What a busy display server lost (an exposure, a wake-up) does not stay lost.
+            self.take_picture();
+        }
+        if let Some(open) = &self.open {
+            event_loop.set_control_flow(ControlFlow::WaitUntil(open.next_look()));
+        }
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, wake: Wake) {
+        match wake {
+            Wake::Close => event_loop.exit(),
+            Wake::NewPicture => self.take_picture(),
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match event {
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
+            WindowEvent::KeyboardInput {
+                event: KeyEvent { logical_key, state: ElementState::Pressed, .. }, ..
+            } if is_quit_key(&logical_key) => event_loop.exit(),
+            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
+                if let Some(open) = &self.open {
+                    open.request_redraw();
+                }
+            }
+            WindowEvent::RedrawRequested => {
+                let result = self.draw();
+                self.end_on_error(event_loop, result);
+            }
+            _ => {}
+        }
+    }
+}
+
+fn is_quit_key(key: &Key) -> bool {
+    match key {
+        Key::Named(NamedKey::Escape) => true,
+        Key::Character(text) => text.eq_ignore_ascii_case("q"),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_lose_the_place_in_the_librarys_sources() {
+        assert_eq!(without_place("os error at /x/y.rs:7: DISPLAY: not set."), "DISPLAY: not set");
+        assert_eq!(without_place("something else: bad"), "something else: bad");
+    }
+
+    #[test]
+    fn escape_and_q_quit_and_nothing_else() {
+        assert!(is_quit_key(&Key::Named(NamedKey::Escape)));
+        assert!(is_quit_key(&Key::Character("q".into())));
+        assert!(is_quit_key(&Key::Character("Q".into())));
+        assert!(!is_quit_key(&Key::Character("w".into())));
+        assert!(!is_quit_key(&Key::Named(NamedKey::Enter)));
+    }
+}

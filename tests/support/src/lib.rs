@@ -1,0 +1,6 @@
+//! What only tests use and several crates share: writing bags.
+#![forbid(unsafe_code)]
+
+mod bag_writer;
+
+pub use bag_writer::BagWriter;
