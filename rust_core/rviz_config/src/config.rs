@@ -60,8 +60,8 @@ fn place<'a>(
         path.push(&display.name);
         let enabled = group_enabled && display.enabled;
         placed.push(PlacedDisplay { display, path: path.clone(), enabled });
-        if let DisplaySettings::Group(children) = &display.settings {
-            place(children, &path, enabled, placed);
+        if let DisplaySettings::Group(group) = &display.settings {
+            place(&group.displays, &path, enabled, placed);
         }
     }
 }

@@ -18,14 +18,9 @@ pub struct Finding {
 pub enum FindingKind {
     /// A key that rviz 1.14 does not read at this place. It has no effect.
     UnknownKey,
-    /// A display or view class that is not known. It is not drawn and its keys are not looked at.
+    /// A display or view class that is not known. It is not drawn and its keys are not read.
     UnknownClass {
         /// The class as the file names it; empty when there is none.
-        class: String,
-    },
-    /// A display class that rviz has and that is not drawn yet. Its keys are not looked at.
-    NotDrawnYet {
-        /// The class as the file names it.
         class: String,
     },
     /// A value that cannot be taken as it stands.
@@ -37,14 +32,6 @@ pub enum FindingKind {
     },
 }
 
-impl Finding {
-    /// Whether the file asks for something that is not understood. A class that is known and merely not drawn yet is
-    /// understood.
-    pub fn is_not_understood(&self) -> bool {
-        !matches!(self.kind, FindingKind::NotDrawnYet { .. })
-    }
-}
-
 impl fmt::Display for Finding {
     /// One line, whatever the file holds: control characters are escaped and long values cut.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -53,9 +40,6 @@ impl fmt::Display for Finding {
             FindingKind::UnknownKey => write!(f, "unknown key"),
             FindingKind::UnknownClass { class } if class.is_empty() => write!(f, "no class named"),
             FindingKind::UnknownClass { class } => write!(f, "unknown class {}", one_line(class)),
-            FindingKind::NotDrawnYet { class } => {
-                write!(f, "class {} is not drawn yet", one_line(class))
-            }
             FindingKind::InvalidValue { value, used } => {
                 write!(f, "invalid value \"{}\", using {}", one_line(value), one_line(used))
             }
@@ -97,14 +81,5 @@ mod tests {
         assert_eq!(text.lines().count(), 1);
         assert!(text.starts_with("line 7: Displays / a\\nb / Style: invalid value \"x\\r\\n"));
         assert!(text.ends_with("…\", using Points"));
-    }
-
-    #[test]
-    fn only_a_class_not_drawn_yet_is_understood() {
-        let with = |kind| Finding { line: 1, path: String::new(), kind };
-        let class = || "rviz/TF".to_owned();
-        assert!(!with(FindingKind::NotDrawnYet { class: class() }).is_not_understood());
-        assert!(with(FindingKind::UnknownClass { class: class() }).is_not_understood());
-        assert!(with(FindingKind::UnknownKey).is_not_understood());
     }
 }

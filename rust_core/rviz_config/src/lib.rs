@@ -28,38 +28,17 @@ mod view;
 mod view_direction;
 
 pub use config::{Config, PlacedDisplay};
-pub use displays::axes::AxesSettings;
-pub use displays::camera_pub::{CameraPubSettings, ImageEncoding};
-pub use displays::cloud::{Axis, AxisColorSettings, CloudSettings, ColorTransformer, IntensitySettings, PointStyle};
 pub use displays::covariance::{
     CovarianceColorStyle, CovarianceFrame, CovarianceSettings, OrientationCovarianceSettings,
     PositionCovarianceSettings,
 };
-pub use displays::depth_cloud::DepthCloudSettings;
-pub use displays::effort::EffortSettings;
-pub use displays::grid::{GridPlane, GridSettings};
-pub use displays::grid_cells::GridCellsSettings;
-pub use displays::image::ImageSettings;
-pub use displays::interactive_markers::InteractiveMarkersSettings;
-pub use displays::map::{MapPalette, MapSettings};
-pub use displays::marker::MarkerSettings;
-pub use displays::odometry::OdometrySettings;
-pub use displays::path::{PathSettings, PoseStyle};
-pub use displays::point_stamped::PointStampedSettings;
-pub use displays::polygon::PolygonSettings;
-pub use displays::pose::PoseSettings;
-pub use displays::pose_array::{PoseArraySettings, PoseArrayShape};
 pub use displays::pose_symbol::{PoseShape, PoseSymbolSettings};
-pub use displays::pose_with_covariance::PoseWithCovarianceSettings;
-pub use displays::range::RangeSettings;
-pub use displays::robot_model::{LinkSettings, RobotModelSettings};
-pub use displays::screw::ScrewSettings;
-pub use displays::tf::TfSettings;
 pub use displays::visibility::Visibility;
-pub use displays::{DisplayConfig, DisplaySettings, LineStyle};
+pub use displays::*;
 pub use error::ConfigError;
 pub use finding::{Finding, FindingKind};
 pub use global_options::GlobalOptions;
+pub use section::{Property, ENTRY};
 pub use view::{FrameAxis, OrbitView, ViewConfig, ViewController};
 pub use view_direction::FollowedRotation;
 

@@ -57,6 +57,9 @@ pub(crate) struct SyntaxError {
 }
 
 impl Node {
+    /// A key's value where there is none.
+    pub(crate) const NO_VALUE: Node = Node { line: 0, content: Content::Null, height: 0, size: 1 };
+
     fn leaf(line: usize, content: Content) -> Node {
         Node { line, content, height: 0, size: 1 }
     }

@@ -3,6 +3,9 @@
 //! The readers of a [`Section`] do what rviz's properties do when they load: a missing key or a null leaves the
 //! setting as it is, a property may be written as `key: value` or as `key: {Value: value}`, text is converted by Qt's
 //! rules and numbers are clamped. Each reader marks its key as read; [`Section::finish`] reports all the others.
+//!
+//! A [`Report::recording`] notes each property that is read with its default. A class's reader, run over a section
+//! without keys, so lists the class's properties.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -12,13 +15,40 @@ use crate::finding::{Finding, FindingKind};
 use crate::node::{Content, Node};
 use crate::qt_value;
 
-/// The findings of one file, in the order of reading.
+/// A property that a display class reads.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Property {
+    /// The keys that lead to it in the display's section, as in `Line Style / Line Width`. Where the keys are names of
+    /// joints, links and the like, [`ENTRY`] stands for any of them.
+    pub key: String,
+    /// The text with which a file would set it to its default; empty where that is no text at all.
+    pub default: String,
+}
+
+/// Stands for any name in the key of a [`Property`].
+pub const ENTRY: &str = "(name)";
+
+/// What reading a file brings to light, in the order of reading.
 #[derive(Debug, Default)]
-pub(crate) struct Report(RefCell<Vec<Finding>>);
+pub(crate) struct Report {
+    findings: RefCell<Vec<Finding>>,
+    /// The properties that are read; `None` unless they are recorded.
+    properties: Option<RefCell<Vec<Property>>>,
+}
 
 impl Report {
+    /// One that records which properties are read.
+    pub(crate) fn recording() -> Self {
+        Self { findings: RefCell::default(), properties: Some(RefCell::default()) }
+    }
+
+    /// The properties that were read, in the order of reading.
+    pub(crate) fn into_properties(self) -> Vec<Property> {
+        self.properties.map(RefCell::into_inner).unwrap_or_default()
+    }
+
     pub(crate) fn add(&self, line: usize, path: &str, kind: FindingKind) {
-        self.0.borrow_mut().push(Finding { line, path: path.to_owned(), kind });
+        self.findings.borrow_mut().push(Finding { line, path: path.to_owned(), kind });
     }
 
     /// Reports a value that cannot be taken as it stands, and what counts instead.
@@ -29,7 +59,7 @@ impl Report {
 
     /// All findings in the order of their lines.
     pub(crate) fn into_findings(self) -> Vec<Finding> {
-        let mut findings = self.0.into_inner();
+        let mut findings = self.findings.into_inner();
         findings.sort_by_key(|finding| finding.line);
         findings
     }
@@ -123,6 +153,15 @@ impl<'a> Section<'a> {
         self.report
     }
 
+    /// Notes that a property is read, with its default. A property's own value inside a section of its own goes by the
+    /// section's path.
+    pub(crate) fn record(&self, key: &str, default: impl FnOnce() -> String) {
+        if let Some(properties) = &self.report.properties {
+            let key = if key == OWN_VALUE { self.path.clone() } else { join(&self.path, key) };
+            properties.borrow_mut().push(Property { key, default: default() });
+        }
+    }
+
     fn invalid(&self, line: usize, path: &str, value: &str, used: &str) {
         self.report.add_invalid(line, path, value, used);
     }
@@ -157,8 +196,12 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// All keys with their values and lines, each marked as read.
+    /// All keys with their values and lines, each marked as read: names of joints, links and the like. Where properties
+    /// are recorded, one [`ENTRY`], but none inside of another.
     pub(crate) fn all(&mut self) -> Vec<(&'a str, &'a Node, usize)> {
+        if self.report.properties.is_some() && !self.path.ends_with(ENTRY) {
+            return vec![(ENTRY, &Node::NO_VALUE, 0)];
+        }
         self.skip_rest();
         let last = |(index, item): (usize, &Item<'a>)| {
             (self.index_of.get(item.key) == Some(&index)).then_some((item.key, item.value, item.line))
@@ -197,8 +240,17 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// Reads a topic and how many of its messages may wait, at least `min_queue_size`. That UDP is preferred makes no
+    /// difference: all connections are TCP.
+    pub(crate) fn subscription(&mut self, topic: &mut String, min_queue_size: u32, queue_size: &mut u32) {
+        self.text("Topic", topic);
+        self.skip(&["Unreliable"]);
+        self.count("Queue Size", min_queue_size, queue_size);
+    }
+
     /// Reads a text.
     pub(crate) fn text(&mut self, key: &str, setting: &mut String) {
+        self.record(key, || setting.clone());
         if let Some((text, _)) = self.scalar(key) {
             text.clone_into(setting);
         }
@@ -206,6 +258,7 @@ impl<'a> Section<'a> {
 
     /// Reads a bool.
     pub(crate) fn bool(&mut self, key: &str, setting: &mut bool) {
+        self.record(key, || setting.to_string());
         if let Some((text, line)) = self.scalar(key) {
             let (value, meant) = qt_value::to_bool(text);
             *setting = value;
@@ -234,6 +287,7 @@ impl<'a> Section<'a> {
     }
 
     fn int_in(&mut self, key: &str, range: RangeInclusive<i32>, setting: &mut i32) {
+        self.record(key, || setting.to_string());
         if let Some((text, line)) = self.scalar(key) {
             let read = qt_value::to_int(text);
             *setting = read.unwrap_or(0).clamp(*range.start(), *range.end());
@@ -245,6 +299,7 @@ impl<'a> Section<'a> {
 
     /// Reads a number, clamped to `range`; what is no number counts as 0. Whatever the text, the setting is finite.
     pub(crate) fn float(&mut self, key: &str, range: RangeInclusive<f32>, setting: &mut f32) {
+        self.record(key, || setting.to_string());
         if let Some((text, line)) = self.scalar(key) {
             let read = qt_value::to_f64(text).map(|value| value as f32);
             match read.unwrap_or(0.0) {
@@ -260,21 +315,21 @@ impl<'a> Section<'a> {
 
     /// Reads a colour; what is none leaves the setting.
     pub(crate) fn color(&mut self, key: &str, setting: &mut [u8; 3]) {
+        self.record(key, || numbers(setting));
         if let Some((text, line)) = self.scalar(key) {
             let read = qt_value::to_color(text);
             if let Some((color, _)) = read {
                 *setting = color;
             }
             if !matches!(read, Some((_, true))) {
-                let [r, g, b] = *setting;
-                let path = join(&self.path, key);
-                self.invalid(line, &path, text, &format!("{r}; {g}; {b}"));
+                self.invalid(line, &join(&self.path, key), text, &numbers(setting));
             }
         }
     }
 
     /// Reads one of `choices` by its name in the file; an unknown name counts as the first.
-    pub(crate) fn choice<T: Copy>(&mut self, key: &str, choices: &[(&str, T)], setting: &mut T) {
+    pub(crate) fn choice<T: Copy + PartialEq>(&mut self, key: &str, choices: &[(&str, T)], setting: &mut T) {
+        self.record(key, || name_of(choices, setting));
         if let Some((text, line)) = self.scalar(key) {
             if let Some((_, value)) = choices.iter().find(|(name, _)| *name == text) {
                 *setting = *value;
@@ -286,7 +341,13 @@ impl<'a> Section<'a> {
     }
 
     /// Reads one of `choices` where rviz finds a value of its own for a name that is unknown or empty: `None`.
-    pub(crate) fn choice_or_automatic<T: Copy>(&mut self, key: &str, choices: &[(&str, T)], setting: &mut Option<T>) {
+    pub(crate) fn choice_or_automatic<T: Copy + PartialEq>(
+        &mut self,
+        key: &str,
+        choices: &[(&str, T)],
+        setting: &mut Option<T>,
+    ) {
+        self.record(key, || setting.as_ref().map(|chosen| name_of(choices, chosen)).unwrap_or_default());
         if let Some((text, line)) = self.scalar(key) {
             let found = choices.iter().find(|(name, _)| *name == text);
             *setting = found.map(|(_, value)| *value);
@@ -307,6 +368,7 @@ impl<'a> Section<'a> {
     /// Reads a frame name where `<Fixed Frame>` stands for the config's fixed frame: `None`.
     pub(crate) fn frame_or_fixed(&mut self, key: &str, setting: &mut Option<String>) {
         let mut name = String::new();
+        self.record(key, || setting.as_deref().unwrap_or(FIXED_FRAME).to_owned());
         if self.index_of.contains_key(key) {
             setting.as_deref().unwrap_or(FIXED_FRAME).clone_into(&mut name);
             self.frame(key, &mut name);
@@ -316,6 +378,7 @@ impl<'a> Section<'a> {
 
     /// Reads a vector from the keys X, Y and Z inside `key`; unless all three are numbers the setting is left.
     pub(crate) fn vector(&mut self, key: &str, setting: &mut [f32; 3]) {
+        self.record(key, || numbers(setting));
         let Some(node) = self.node(key) else {
             return;
         };
@@ -332,12 +395,20 @@ impl<'a> Section<'a> {
             *setting = [x, y, z];
         } else {
             inside.skip(&[OWN_VALUE]);
-            let [x, y, z] = *setting;
-            let used = format!("{x}; {y}; {z}");
-            self.invalid(node.line, &inside.path, "not three numbers X, Y, Z", &used);
+            self.invalid(node.line, &inside.path, "not three numbers X, Y, Z", &numbers(setting));
         }
         inside.finish();
     }
+}
+
+/// Colours and vectors as a config writes colours.
+fn numbers<T: ToString>(values: &[T; 3]) -> String {
+    values.each_ref().map(ToString::to_string).join("; ")
+}
+
+/// The name of a value among choices; empty for one that is not among them.
+fn name_of<T: PartialEq>(choices: &[(&str, T)], value: &T) -> String {
+    choices.iter().find(|(_, choice)| choice == value).map(|(name, _)| (*name).to_owned()).unwrap_or_default()
 }
 
 /// How a config names its own fixed frame.

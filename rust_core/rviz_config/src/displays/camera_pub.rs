@@ -1,52 +1,10 @@
 //! `rviz_camera_stream/CameraPub`: a virtual camera that takes its optics from a CameraInfo topic and publishes what
 //! it sees.
 
+use rcs_scene::Encoding;
+
 use crate::displays::visibility::Visibility;
 use crate::section::{at_least, Section};
-
-/// The pixel layout of published images, named as in `sensor_msgs/Image`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ImageEncoding {
-    /// `rgb8`
-    Rgb8,
-    /// `rgba8`
-    Rgba8,
-    /// `bgr8`
-    Bgr8,
-    /// `bgra8`
-    Bgra8,
-    /// `mono8`
-    Mono8,
-    /// `mono16`
-    Mono16,
-}
-
-const ENCODINGS: [(&str, ImageEncoding); 6] = [
-    ("rgb8", ImageEncoding::Rgb8),
-    ("rgba8", ImageEncoding::Rgba8),
-    ("bgr8", ImageEncoding::Bgr8),
-    ("bgra8", ImageEncoding::Bgra8),
-    ("mono8", ImageEncoding::Mono8),
-    ("mono16", ImageEncoding::Mono16),
-];
-
-impl ImageEncoding {
-    /// All of them.
-    pub fn all() -> impl Iterator<Item = Self> {
-        ENCODINGS.iter().map(|(_, encoding)| *encoding)
-    }
-
-    /// The encoding of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::all().find(|encoding| encoding.name() == name)
-    }
-
-    /// The name in `sensor_msgs/Image`.
-    pub fn name(self) -> &'static str {
-        let named = ENCODINGS.iter().find(|(_, encoding)| *encoding == self);
-        named.map_or("rgb8", |(name, _)| name)
-    }
-}
 
 /// The properties of a CameraPub display.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,7 +22,7 @@ pub struct CameraPubSettings {
     /// What is seen where there is nothing, as red, green and blue.
     pub background_color: [u8; 3],
     /// Pixel layout of the images.
-    pub image_encoding: ImageEncoding,
+    pub image_encoding: Encoding,
     /// Nearer than this nothing is drawn, in metres; at least 0.01.
     pub near_clip_m: f32,
     /// Which displays this camera sees.
@@ -80,7 +38,7 @@ impl Default for CameraPubSettings {
             queue_size: 2,
             frame_rate_hz: -1.0,
             background_color: [0, 0, 0],
-            image_encoding: ImageEncoding::Rgb8,
+            image_encoding: Encoding::Rgb8,
             near_clip_m: 0.01,
             visibility: Visibility::default(),
         }
@@ -96,7 +54,7 @@ impl CameraPubSettings {
         section.count("Queue Size", 1, &mut settings.queue_size);
         section.float("Frame Rate", at_least(-1.0), &mut settings.frame_rate_hz);
         section.color("Background Color", &mut settings.background_color);
-        section.choice("Image Encoding", &ENCODINGS, &mut settings.image_encoding);
+        section.choice("Image Encoding", &Encoding::ALL.map(|encoding| (encoding.name(), encoding)), &mut settings.image_encoding);
         section.float("Near Clip Distance", at_least(0.01), &mut settings.near_clip_m);
         settings.visibility = Visibility::read(section.child("Visibility"));
         settings

@@ -8,30 +8,23 @@
 //! one is coloured by another; so they stand side by side here. The only position transformer that rviz has is
 //! `XYZ`, which every cloud that can be drawn fits, so there is nothing to keep of that choice.
 
+use rcs_scene::PointStyle;
+
 use crate::section::{at_least, Section, ANY};
 
-/// How one point is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PointStyle {
-    /// A square of a size in pixels.
-    Points,
-    /// A square of a size in metres that faces the camera.
-    Squares,
-    /// As `Squares`, without its shading.
-    FlatSquares,
-    /// A disc shaded as a sphere, with a size in metres.
-    Spheres,
-    /// A cube along the axes of the cloud's frame, with a size in metres.
-    Boxes,
-}
+/// The sizes with which a display of clouds begins: of points in pixels, of all other styles in metres.
+const DEFAULT_SIZES: (f32, f32) = (3.0, 0.01);
 
-const STYLES: [(&str, PointStyle); 5] = [
-    ("Points", PointStyle::Points),
-    ("Squares", PointStyle::Squares),
-    ("Flat Squares", PointStyle::FlatSquares),
-    ("Spheres", PointStyle::Spheres),
-    ("Boxes", PointStyle::Boxes),
-];
+/// The names of styles in a config, each with the style in the size that belongs to it.
+fn styles(diameter_px: f32, side_m: f32) -> [(&'static str, PointStyle); 5] {
+    [
+        ("Points", PointStyle::Points { diameter_px }),
+        ("Squares", PointStyle::Squares { size_m: [side_m; 2] }),
+        ("Flat Squares", PointStyle::FlatSquares { side_m }),
+        ("Spheres", PointStyle::Spheres { size_m: [side_m; 2] }),
+        ("Boxes", PointStyle::Boxes { size_m: [side_m; 3] }),
+    ]
+}
 
 /// Where the colour of a point comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -161,18 +154,13 @@ impl AxisColorSettings {
 pub struct CloudSettings {
     /// Topic of the class's messages; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
     /// Whether points can be picked with the mouse; no effect on the picture.
     pub selectable: bool,
-    /// How a point is drawn.
+    /// How a point is drawn, and how large: at least 1 pixel for [`PointStyle::Points`], at least 0.0001 m for all other
+    /// styles. Never [`PointStyle::Tiles`].
     pub style: PointStyle,
-    /// Edge of a point of style [`PointStyle::Points`] in pixels; at least 1.
-    pub size_px: f32,
-    /// Edge or diameter of a point of any other style in metres; at least 0.0001.
-    pub size_m: f32,
     /// Opacity, 0 to 1.
     pub alpha: f32,
     /// How long a cloud stays, in seconds; 0 keeps only the latest.
@@ -192,12 +180,9 @@ impl Default for CloudSettings {
     fn default() -> Self {
         CloudSettings {
             topic: String::new(),
-            unreliable: false,
             queue_size: 10,
             selectable: true,
-            style: PointStyle::FlatSquares,
-            size_px: 3.0,
-            size_m: 0.01,
+            style: PointStyle::FlatSquares { side_m: DEFAULT_SIZES.1 },
             alpha: 1.0,
             decay_time_secs: 0.0,
             color_transformer: None,
@@ -239,13 +224,36 @@ impl CloudSettings {
         settings
     }
 
+    /// Reads the properties of PointCloud2, PointCloud and LaserScan.
+    pub(crate) fn read(section: &mut Section<'_>) -> Self {
+        Self::read_over(section, Self::default())
+    }
+
+    /// Reads the properties of FluidPressure.
+    pub(crate) fn read_fluid_pressure(section: &mut Section<'_>) -> Self {
+        Self::read_over(section, Self::fluid_pressure_default())
+    }
+
+    /// Reads the properties of Illuminance.
+    pub(crate) fn read_illuminance(section: &mut Section<'_>) -> Self {
+        Self::read_over(section, Self::illuminance_default())
+    }
+
+    /// Reads the properties of RelativeHumidity.
+    pub(crate) fn read_relative_humidity(section: &mut Section<'_>) -> Self {
+        Self::read_over(section, Self::relative_humidity_default())
+    }
+
+    /// Reads the properties of Temperature.
+    pub(crate) fn read_temperature(section: &mut Section<'_>) -> Self {
+        Self::read_over(section, Self::temperature_default())
+    }
+
     /// Reads the properties; what the section does not say is as in `defaults`.
-    pub(crate) fn read(section: &mut Section<'_>, defaults: Self) -> Self {
+    fn read_over(section: &mut Section<'_>, defaults: Self) -> Self {
         let mut settings = defaults;
         settings.read_points(section);
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         settings
     }
 
@@ -254,9 +262,11 @@ impl CloudSettings {
         self.intensity.read(section);
         self.axis_color.read(section);
         section.bool("Selectable", &mut self.selectable);
-        section.choice("Style", &STYLES, &mut self.style);
-        section.float("Size (Pixels)", at_least(1.0), &mut self.size_px);
-        section.float("Size (m)", at_least(0.0001), &mut self.size_m);
+        let (mut size_px, mut size_m) = DEFAULT_SIZES;
+        section.float("Size (Pixels)", at_least(1.0), &mut size_px);
+        section.float("Size (m)", at_least(0.0001), &mut size_m);
+        self.style = PointStyle::FlatSquares { side_m: size_m };
+        section.choice("Style", &styles(size_px, size_m), &mut self.style);
         section.float("Alpha", 0.0..=1.0, &mut self.alpha);
         section.float("Decay Time", at_least(0.0), &mut self.decay_time_secs);
         section.choice_or_automatic("Position Transformer", &POSITION_TRANSFORMERS, &mut None);

@@ -9,8 +9,6 @@ use crate::section::{Section, ANY};
 pub struct EffortSettings {
     /// Topic of `sensor_msgs/JointState`; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait to be taken.
     pub queue_size: u32,
     /// Without effect in rviz: the circles are opaque.
@@ -33,7 +31,6 @@ impl Default for EffortSettings {
     fn default() -> Self {
         EffortSettings {
             topic: String::new(),
-            unreliable: false,
             queue_size: 10,
             alpha: 1.0,
             width_m: 0.02,
@@ -52,9 +49,7 @@ const MAX_HISTORY: u32 = 100_000;
 impl EffortSettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = EffortSettings::default();
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         section.float("Alpha", ANY, &mut settings.alpha);
         section.float("Width", ANY, &mut settings.width_m);
         section.float("Scale", ANY, &mut settings.scale);

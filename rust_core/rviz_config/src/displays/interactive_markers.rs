@@ -73,7 +73,7 @@ fn set_interaction(displays: &mut [DisplayConfig], enabled: bool) {
     for display in displays {
         match &mut display.settings {
             DisplaySettings::InteractiveMarkers(settings) => settings.interaction_enabled = enabled,
-            DisplaySettings::Group(children) => set_interaction(children, enabled),
+            DisplaySettings::Group(group) => set_interaction(&mut group.displays, enabled),
             _ => {}
         }
     }

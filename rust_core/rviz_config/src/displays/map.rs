@@ -26,8 +26,6 @@ pub struct MapSettings {
     /// Topic of `nav_msgs/OccupancyGrid`; empty when none is chosen. Changes of parts come on the topic of this name
     /// with `_updates` behind it, as `map_msgs/OccupancyGridUpdate`.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// Opacity, 0 to 1.
     pub alpha: f32,
     /// How cells are coloured.
@@ -42,7 +40,6 @@ impl Default for MapSettings {
     fn default() -> Self {
         MapSettings {
             topic: String::new(),
-            unreliable: false,
             alpha: 0.7,
             palette: MapPalette::Map,
             draw_behind: false,
@@ -55,7 +52,7 @@ impl MapSettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = MapSettings::default();
         section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
+        section.skip(&["Unreliable"]);
         section.float("Alpha", 0.0..=1.0, &mut settings.alpha);
         section.choice("Color Scheme", &PALETTES, &mut settings.palette);
         section.bool("Draw Behind", &mut settings.draw_behind);

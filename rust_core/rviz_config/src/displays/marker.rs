@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use crate::node::Content;
 use crate::qt_value;
-use crate::section::Section;
+use crate::section::{Section, ENTRY};
 
 /// The properties of a Marker or MarkerArray display.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,11 +38,23 @@ impl MarkerSettings {
         self.namespaces.get(namespace).copied().unwrap_or(true)
     }
 
-    pub(crate) fn read(section: &mut Section<'_>, defaults: MarkerSettings) -> Self {
+    /// Reads the properties of a Marker display.
+    pub(crate) fn read(section: &mut Section<'_>) -> Self {
+        Self::read_over(section, Self::default())
+    }
+
+    /// Reads the properties of a MarkerArray display.
+    pub(crate) fn read_array(section: &mut Section<'_>) -> Self {
+        Self::read_over(section, Self::array_default())
+    }
+
+    fn read_over(section: &mut Section<'_>, defaults: MarkerSettings) -> Self {
         let mut settings = defaults;
         section.text("Marker Topic", &mut settings.topic);
         section.count("Queue Size", 0, &mut settings.queue_size);
-        for (namespace, node, _) in section.child("Namespaces").all() {
+        let mut namespaces = section.child("Namespaces");
+        namespaces.record(ENTRY, || true.to_string());
+        for (namespace, node, _) in namespaces.all() {
             // What is no scalar has no value, and rviz takes no value for false.
             let shown = match &node.content {
                 Content::Scalar(text) => qt_value::to_bool(text).0,

@@ -1,60 +1,178 @@
 //! The displays of a config: which class each is, what every display has, and the reader of each class.
 //!
-//! A display class that is drawn has a file here with its settings, their defaults and their reading. The classes
-//! that rviz has and that are not drawn yet are [`KNOWN_NOT_DRAWN`]; every other class is unknown.
+//! A display class has a file here with its settings, their defaults and their reading, and one row in the table
+//! [`display_classes`](crate::display_classes). The modules of this folder, [`DisplaySettings`], the readers by class name
+//! and the list [`classes`] are made from that table, and so are the displays that draw the classes.
 
-pub(crate) mod axes;
-pub(crate) mod camera_pub;
-pub(crate) mod cloud;
 pub(crate) mod covariance;
-pub(crate) mod depth_cloud;
-pub(crate) mod effort;
-pub(crate) mod grid;
-pub(crate) mod grid_cells;
-pub(crate) mod image;
-pub(crate) mod interactive_markers;
-pub(crate) mod map;
-pub(crate) mod marker;
-pub(crate) mod odometry;
-pub(crate) mod path;
-pub(crate) mod point_stamped;
-pub(crate) mod polygon;
-pub(crate) mod pose;
-pub(crate) mod pose_array;
 pub(crate) mod pose_symbol;
-pub(crate) mod pose_with_covariance;
-pub(crate) mod range;
-pub(crate) mod robot_model;
-pub(crate) mod screw;
-pub(crate) mod tf;
 pub(crate) mod visibility;
 
 use crate::finding::FindingKind;
 use crate::node::{Content, Node};
-use crate::section::{join, Report, Section};
+use crate::section::{join, Property, Report, Section};
 
-use axes::AxesSettings;
-use camera_pub::CameraPubSettings;
-use cloud::CloudSettings;
-use depth_cloud::DepthCloudSettings;
-use effort::EffortSettings;
-use grid::GridSettings;
-use grid_cells::GridCellsSettings;
-use image::ImageSettings;
-use interactive_markers::InteractiveMarkersSettings;
-use map::MapSettings;
-use marker::MarkerSettings;
-use odometry::OdometrySettings;
-use path::PathSettings;
-use point_stamped::PointStampedSettings;
-use polygon::PolygonSettings;
-use pose::PoseSettings;
-use pose_array::PoseArraySettings;
-use pose_with_covariance::PoseWithCovarianceSettings;
-use range::RangeSettings;
-use robot_model::RobotModelSettings;
-use screw::ScrewSettings;
-use tf::TfSettings;
+/// The table of display classes: `display_classes!(callback)` calls the macro `callback` with its rows.
+///
+/// Each row has
+///
+/// - the name of its [`DisplaySettings`] variant and the class as a config names it;
+/// - its settings' module in `rviz_config/src/displays` (`mod` declares the module, `use` takes that of another row), the
+///   type of the settings and the function that reads them;
+/// - in brackets the field of the settings that holds its topic, if there is one;
+/// - its [`Role`], and in parentheses its module in `displays/src/classes`, which has the function
+///   `create(DisplayId, &Settings) -> Box<dyn Display>`.
+///
+/// So a new class needs three things: its settings, its display, and its row here.
+#[rustfmt::skip]
+#[macro_export]
+macro_rules! display_classes {
+    ($callback:ident) => {
+        $callback! {
+            AccelStamped       "rviz/AccelStamped"            mod screw::ScrewSettings::read_motion                      [topic]        Scene(accel_stamped);
+            Axes               "rviz/Axes"                    mod axes::AxesSettings::read                               []             Scene(axes);
+            Camera             "rviz/Camera"                  mod image::ImageSettings::read_camera                      [topic]        Window(camera);
+            DepthCloud         "rviz/DepthCloud"              mod depth_cloud::DepthCloudSettings::read                  [depth_topic]  Scene(depth_cloud);
+            Effort             "rviz/Effort"                  mod effort::EffortSettings::read                           [topic]        Scene(effort);
+            FluidPressure      "rviz/FluidPressure"           mod cloud::CloudSettings::read_fluid_pressure              [topic]        Scene(fluid_pressure);
+            Grid               "rviz/Grid"                    mod grid::GridSettings::read                               []             Scene(grid);
+            GridCells          "rviz/GridCells"               mod plain_color::PlainColorSettings::read                  [topic]        Scene(grid_cells);
+            Group              "rviz/Group"                   mod group::GroupSettings::read                             []             Group;
+            Illuminance        "rviz/Illuminance"             use cloud::CloudSettings::read_illuminance                 [topic]        Scene(illuminance);
+            Image              "rviz/Image"                   use image::ImageSettings::read_image                       [topic]        Window(image);
+            InteractiveMarkers "rviz/InteractiveMarkers"      mod interactive_markers::InteractiveMarkersSettings::read  [update_topic] Scene(interactive_markers);
+            LaserScan          "rviz/LaserScan"               use cloud::CloudSettings::read                             [topic]        Scene(laser_scan);
+            Map                "rviz/Map"                     mod map::MapSettings::read                                 [topic]        Scene(map);
+            Marker             "rviz/Marker"                  mod marker::MarkerSettings::read                           [topic]        Scene(marker);
+            MarkerArray        "rviz/MarkerArray"             use marker::MarkerSettings::read_array                     [topic]        Scene(marker_array);
+            Odometry           "rviz/Odometry"                mod odometry::OdometrySettings::read                       [topic]        Scene(odometry);
+            Path               "rviz/Path"                    mod path::PathSettings::read                               [topic]        Scene(path);
+            PointCloud         "rviz/PointCloud"              use cloud::CloudSettings::read                             [topic]        Scene(point_cloud);
+            PointCloud2        "rviz/PointCloud2"             use cloud::CloudSettings::read                             [topic]        Scene(point_cloud2);
+            PointStamped       "rviz/PointStamped"            mod point_stamped::PointStampedSettings::read              [topic]        Scene(point_stamped);
+            Polygon            "rviz/Polygon"                 use plain_color::PlainColorSettings::read                  [topic]        Scene(polygon);
+            Pose               "rviz/Pose"                    mod pose::PoseSettings::read                               [topic]        Scene(pose);
+            PoseArray          "rviz/PoseArray"               mod pose_array::PoseArraySettings::read                    [topic]        Scene(pose_array);
+            PoseWithCovariance "rviz/PoseWithCovariance"      mod pose_with_covariance::PoseWithCovarianceSettings::read [topic]        Scene(pose_with_covariance);
+            Range              "rviz/Range"                   mod range::RangeSettings::read                             [topic]        Scene(range);
+            RelativeHumidity   "rviz/RelativeHumidity"        use cloud::CloudSettings::read_relative_humidity           [topic]        Scene(relative_humidity);
+            RobotModel         "rviz/RobotModel"              mod robot_model::RobotModelSettings::read                  []             Scene(robot_model);
+            Tf                 "rviz/TF"                      mod tf::TfSettings::read                                   []             Scene(tf);
+            Temperature        "rviz/Temperature"             use cloud::CloudSettings::read_temperature                 [topic]        Scene(temperature);
+            TwistStamped       "rviz/TwistStamped"            use screw::ScrewSettings::read_motion                      [topic]        Scene(twist_stamped);
+            WrenchStamped      "rviz/WrenchStamped"           use screw::ScrewSettings::read_wrench                      [topic]        Scene(wrench_stamped);
+            CameraPub          "rviz_camera_stream/CameraPub" mod camera_pub::CameraPubSettings::read                    [image_topic]  Camera;
+        }
+    };
+}
+
+macro_rules! define_classes {
+    ($(
+        $variant:ident $class:literal $declare:tt $module:ident::$settings:ident::$read:ident [$($topic:ident)?] $role:ident $(($display:ident))?;
+    )*) => {
+        $(declare_module! { $declare $module })*
+
+        /// The properties of a display by class.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum DisplaySettings {
+            $(
+                #[doc = concat!("`", $class, "`")]
+                $variant($settings),
+            )*
+            /// A class that is not known, and not drawn.
+            Unknown {
+                /// The topic that the display names, if it names one.
+                topic: Option<String>,
+            },
+        }
+
+        impl DisplaySettings {
+            /// What a display of the class is for the scene.
+            pub fn role(&self) -> Role {
+                match self {
+                    $(Self::$variant(_) => Role::$role,)*
+                    Self::Unknown { .. } => Role::Unknown,
+                }
+            }
+
+            /// The topic as the config has it, which may be empty; `None` for a class without topic.
+            fn topic(&self) -> Option<&str> {
+                match self {
+                    $($(Self::$variant(settings) => Some(&settings.$topic),)?)*
+                    Self::Unknown { topic } => topic.as_deref(),
+                    _ => None,
+                }
+            }
+        }
+
+        /// Reads the properties of a class; `None` for one that is not known.
+        fn read_class(class: &str, section: &mut Section<'_>) -> Option<DisplaySettings> {
+            match class {
+                $($class => Some(DisplaySettings::$variant($settings::$read(section))),)*
+                _ => None,
+            }
+        }
+
+        /// All display classes, sorted by name.
+        ///
+        /// ```
+        /// let names: Vec<&str> = rcs_rviz_config::classes().iter().map(|class| class.name).collect();
+        /// assert!(names.contains(&"rviz/PointCloud2") && names.is_sorted());
+        /// ```
+        pub fn classes() -> &'static [ClassInfo] {
+            &[$(ClassInfo { name: $class, role: Role::$role },)*]
+        }
+    };
+}
+
+macro_rules! declare_module {
+    (mod $module:ident) => {
+        pub(crate) mod $module;
+        pub use $module::*;
+    };
+    (use $module:ident) => {};
+}
+
+display_classes!(define_classes);
+
+/// What a display of a class is for the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Drawn.
+    Scene,
+    /// Shown in a panel of rviz's window, and not in the scene.
+    Window,
+    /// Holds other displays.
+    Group,
+    /// Draws the scene.
+    Camera,
+    /// Not known, so nothing is drawn.
+    Unknown,
+}
+
+/// A display class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ClassInfo {
+    /// As a config names it, such as `rviz/Grid`.
+    pub name: &'static str,
+    /// What a display of the class is for the scene.
+    pub role: Role,
+}
+
+/// The properties that a class reads, in the order of reading, with their defaults. Those that every display has (its name,
+/// its class, whether it is enabled) are not among them, nor are those that are accepted without effect. Empty for a class
+/// that is not known.
+///
+/// ```
+/// let properties = rcs_rviz_config::properties("rviz/Axes");
+/// let length = properties.iter().find(|property| property.key == "Length").unwrap();
+/// assert_eq!(length.default, "1");
+/// ```
+pub fn properties(class: &str) -> Vec<Property> {
+    let report = Report::recording();
+    read_class(class, &mut Section::empty(String::new(), &report));
+    report.into_properties()
+}
 
 /// One entry of a list of displays.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,84 +190,6 @@ pub struct DisplayConfig {
     pub settings: DisplaySettings,
 }
 
-/// The properties of a display by class.
-#[derive(Debug, Clone, PartialEq)]
-pub enum DisplaySettings {
-    /// `rviz/PointCloud2`
-    PointCloud2(CloudSettings),
-    /// `rviz/PointCloud`
-    PointCloud(CloudSettings),
-    /// `rviz/LaserScan`
-    LaserScan(CloudSettings),
-    /// `rviz/FluidPressure`
-    FluidPressure(CloudSettings),
-    /// `rviz/Illuminance`
-    Illuminance(CloudSettings),
-    /// `rviz/RelativeHumidity`
-    RelativeHumidity(CloudSettings),
-    /// `rviz/Temperature`
-    Temperature(CloudSettings),
-    /// `rviz/GridCells`
-    GridCells(GridCellsSettings),
-    /// `rviz/Range`
-    Range(RangeSettings),
-    /// `rviz/Grid`
-    Grid(GridSettings),
-    /// `rviz/Axes`
-    Axes(AxesSettings),
-    /// `rviz/Marker`
-    Marker(MarkerSettings),
-    /// `rviz/MarkerArray`
-    MarkerArray(MarkerSettings),
-    /// `rviz/Path`
-    Path(PathSettings),
-    /// `rviz/WrenchStamped`
-    WrenchStamped(ScrewSettings),
-    /// `rviz/TwistStamped`
-    TwistStamped(ScrewSettings),
-    /// `rviz/AccelStamped`
-    AccelStamped(ScrewSettings),
-    /// `rviz/TF`
-    Tf(TfSettings),
-    /// `rviz/Odometry`
-    Odometry(OdometrySettings),
-    /// `rviz/PointStamped`
-    PointStamped(PointStampedSettings),
-    /// `rviz/Polygon`
-    Polygon(PolygonSettings),
-    /// `rviz/Pose`
-    Pose(PoseSettings),
-    /// `rviz/PoseArray`
-    PoseArray(PoseArraySettings),
-    /// `rviz/PoseWithCovariance`
-    PoseWithCovariance(PoseWithCovarianceSettings),
-    /// `rviz/DepthCloud`
-    DepthCloud(DepthCloudSettings),
-    /// `rviz/Map`
-    Map(MapSettings),
-    /// `rviz/Image`
-    Image(ImageSettings),
-    /// `rviz/Camera`
-    Camera(ImageSettings),
-    /// `rviz/InteractiveMarkers`
-    InteractiveMarkers(InteractiveMarkersSettings),
-    /// `rviz/RobotModel`
-    RobotModel(RobotModelSettings),
-    /// `rviz/Effort`
-    Effort(EffortSettings),
-    /// `rviz/Group`: displays inside a display, in the file's order.
-    Group(Vec<DisplayConfig>),
-    /// `rviz_camera_stream/CameraPub`
-    CameraPub(CameraPubSettings),
-    /// A class that is not drawn.
-    NotDrawn {
-        /// The topic that the display names, if it names one.
-        topic: Option<String>,
-        /// Whether it is one of rviz's own classes.
-        known: bool,
-    },
-}
-
 /// How lines are drawn by the displays that let one choose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LineStyle {
@@ -164,17 +204,14 @@ pub enum LineStyle {
 pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
     [("Lines", LineStyle::Lines), ("Billboards", LineStyle::Billboards)];
 
-/// The display classes of rviz 1.14 that are not drawn yet.
-const KNOWN_NOT_DRAWN: &[&str] = &[];
-
-/// The keys under which displays that are not drawn name the topic that they show, the likeliest first.
+/// The keys under which displays of unknown classes name the topic that they show, the likeliest first.
 const TOPIC_KEYS: [&str; 5] = ["Topic", "Marker Topic", "Image Topic", "Depth Map Topic", "Update Topic"];
 
 impl DisplayConfig {
     /// Whether all is shown of this display that a camera could see. True of a group, whose displays are drawn or not
     /// each for itself, of a CameraPub, which is what draws, and of what is not in the scene (an Image or a Camera).
     pub fn is_drawn(&self) -> bool {
-        !matches!(self.settings, DisplaySettings::NotDrawn { .. })
+        self.settings.role() != Role::Unknown
     }
 
     /// The topic that the display shows, or publishes in the case of a CameraPub; `None` if it has none or it is
@@ -185,41 +222,7 @@ impl DisplayConfig {
 
     /// The same as the config has it, which may be empty; `None` for a class without topic.
     pub fn topic_setting(&self) -> Option<&str> {
-        let topic = match &self.settings {
-            DisplaySettings::PointCloud2(settings)
-            | DisplaySettings::PointCloud(settings)
-            | DisplaySettings::LaserScan(settings)
-            | DisplaySettings::FluidPressure(settings)
-            | DisplaySettings::Illuminance(settings)
-            | DisplaySettings::RelativeHumidity(settings)
-            | DisplaySettings::Temperature(settings) => &settings.topic,
-            DisplaySettings::GridCells(settings) => &settings.topic,
-            DisplaySettings::Range(settings) => &settings.topic,
-            DisplaySettings::Marker(settings) | DisplaySettings::MarkerArray(settings) => &settings.topic,
-            DisplaySettings::Path(settings) => &settings.topic,
-            DisplaySettings::WrenchStamped(settings)
-            | DisplaySettings::TwistStamped(settings)
-            | DisplaySettings::AccelStamped(settings) => &settings.topic,
-            DisplaySettings::Odometry(settings) => &settings.topic,
-            DisplaySettings::PointStamped(settings) => &settings.topic,
-            DisplaySettings::Polygon(settings) => &settings.topic,
-            DisplaySettings::Pose(settings) => &settings.topic,
-            DisplaySettings::PoseArray(settings) => &settings.topic,
-            DisplaySettings::PoseWithCovariance(settings) => &settings.topic,
-            DisplaySettings::DepthCloud(settings) => &settings.depth_topic,
-            DisplaySettings::Map(settings) => &settings.topic,
-            DisplaySettings::Image(settings) | DisplaySettings::Camera(settings) => &settings.topic,
-            DisplaySettings::InteractiveMarkers(settings) => &settings.update_topic,
-            DisplaySettings::Effort(settings) => &settings.topic,
-            DisplaySettings::CameraPub(settings) => &settings.image_topic,
-            DisplaySettings::NotDrawn { topic, .. } => return topic.as_deref(),
-            DisplaySettings::RobotModel(_)
-            | DisplaySettings::Grid(_)
-            | DisplaySettings::Axes(_)
-            | DisplaySettings::Tf(_)
-            | DisplaySettings::Group(_) => return None,
-        };
-        Some(topic)
+        self.settings.topic()
     }
 }
 
@@ -252,78 +255,19 @@ fn read_display(node: &Node, group_path: &str, report: &Report) -> DisplayConfig
     let mut enabled = false;
     section.bool("Value", &mut enabled);
     section.bool("Enabled", &mut enabled);
-    let settings = read_class(&class, node.line, &mut section);
+    let settings =
+        read_class(&class, &mut section).unwrap_or_else(|| read_unknown(&class, node.line, &mut section));
     section.finish();
     DisplayConfig { name, class, enabled, line: node.line, settings }
 }
 
-/// The one table from class names to readers.
-fn read_class(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySettings {
-    match class {
-        "rviz/PointCloud2" => DisplaySettings::PointCloud2(CloudSettings::read(section, CloudSettings::default())),
-        "rviz/PointCloud" => DisplaySettings::PointCloud(CloudSettings::read(section, CloudSettings::default())),
-        "rviz/LaserScan" => DisplaySettings::LaserScan(CloudSettings::read(section, CloudSettings::default())),
-        "rviz/FluidPressure" => {
-            let defaults = CloudSettings::fluid_pressure_default();
-            DisplaySettings::FluidPressure(CloudSettings::read(section, defaults))
-        }
-        "rviz/Illuminance" => {
-            let defaults = CloudSettings::illuminance_default();
-            DisplaySettings::Illuminance(CloudSettings::read(section, defaults))
-        }
-        "rviz/RelativeHumidity" => {
-            let defaults = CloudSettings::relative_humidity_default();
-            DisplaySettings::RelativeHumidity(CloudSettings::read(section, defaults))
-        }
-        "rviz/Temperature" => {
-            let defaults = CloudSettings::temperature_default();
-            DisplaySettings::Temperature(CloudSettings::read(section, defaults))
-        }
-        "rviz/GridCells" => DisplaySettings::GridCells(GridCellsSettings::read(section)),
-        "rviz/Range" => DisplaySettings::Range(RangeSettings::read(section)),
-        "rviz/Grid" => DisplaySettings::Grid(GridSettings::read(section)),
-        "rviz/Axes" => DisplaySettings::Axes(AxesSettings::read(section)),
-        "rviz/Marker" => DisplaySettings::Marker(MarkerSettings::read(section, MarkerSettings::default())),
-        "rviz/MarkerArray" => {
-            let defaults = MarkerSettings::array_default();
-            DisplaySettings::MarkerArray(MarkerSettings::read(section, defaults))
-        }
-        "rviz/Path" => DisplaySettings::Path(PathSettings::read(section)),
-        "rviz/WrenchStamped" => DisplaySettings::WrenchStamped(ScrewSettings::read_wrench(section)),
-        "rviz/TwistStamped" => DisplaySettings::TwistStamped(ScrewSettings::read_motion(section)),
-        "rviz/AccelStamped" => DisplaySettings::AccelStamped(ScrewSettings::read_motion(section)),
-        "rviz/TF" => DisplaySettings::Tf(TfSettings::read(section)),
-        "rviz/Odometry" => DisplaySettings::Odometry(OdometrySettings::read(section)),
-        "rviz/PointStamped" => DisplaySettings::PointStamped(PointStampedSettings::read(section)),
-        "rviz/Polygon" => DisplaySettings::Polygon(PolygonSettings::read(section)),
-        "rviz/Pose" => DisplaySettings::Pose(PoseSettings::read(section)),
-        "rviz/PoseArray" => DisplaySettings::PoseArray(PoseArraySettings::read(section)),
-        "rviz/PoseWithCovariance" => DisplaySettings::PoseWithCovariance(PoseWithCovarianceSettings::read(section)),
-        "rviz/DepthCloud" => DisplaySettings::DepthCloud(DepthCloudSettings::read(section)),
-        "rviz/Map" => DisplaySettings::Map(MapSettings::read(section)),
-        "rviz/Image" => DisplaySettings::Image(ImageSettings::read_image(section)),
-        "rviz/Camera" => DisplaySettings::Camera(ImageSettings::read_camera(section)),
-        "rviz/InteractiveMarkers" => DisplaySettings::InteractiveMarkers(InteractiveMarkersSettings::read(section)),
-        "rviz/RobotModel" => DisplaySettings::RobotModel(RobotModelSettings::read(section)),
-        "rviz/Effort" => DisplaySettings::Effort(EffortSettings::read(section)),
-        "rviz/Group" => {
-            let path = section.path().to_owned();
-            DisplaySettings::Group(read_list(section, &path))
-        }
-        "rviz_camera_stream/CameraPub" => DisplaySettings::CameraPub(CameraPubSettings::read(section)),
-        _ => read_not_drawn(class, line, section),
-    }
-}
-
-fn read_not_drawn(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySettings {
-    let known = KNOWN_NOT_DRAWN.contains(&class);
-    let class = class.to_owned();
-    let kind = if known { FindingKind::NotDrawnYet { class } } else { FindingKind::UnknownClass { class } };
-    section.report().add(line, section.path(), kind);
+/// Passes over the keys of a class that is not known, but for its topic.
+fn read_unknown(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySettings {
+    section.report().add(line, section.path(), FindingKind::UnknownClass { class: class.to_owned() });
     let topic = TOPIC_KEYS.iter().find_map(|key| match section.node(key).map(|node| &node.content) {
         Some(Content::Scalar(topic)) if !topic.is_empty() => Some(topic.clone()),
         _ => None,
     });
     section.skip_rest();
-    DisplaySettings::NotDrawn { topic, known }
+    DisplaySettings::Unknown { topic }
 }

@@ -9,8 +9,6 @@ use crate::section::{at_least, Section};
 pub struct OdometrySettings {
     /// Topic of `nav_msgs/Odometry`; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
     /// A pose is added when it is at least so far from the last one, in metres, or turned far enough; at least 0.
@@ -30,7 +28,6 @@ impl Default for OdometrySettings {
     fn default() -> Self {
         OdometrySettings {
             topic: String::new(),
-            unreliable: false,
             queue_size: 10,
             position_tolerance_m: 0.1,
             angle_tolerance_rad: 0.1,
@@ -44,9 +41,7 @@ impl Default for OdometrySettings {
 impl OdometrySettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = OdometrySettings::default();
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         section.float("Position Tolerance", at_least(0.0), &mut settings.position_tolerance_m);
         section.float("Angle Tolerance", at_least(0.0), &mut settings.angle_tolerance_rad);
         section.count("Keep", 0, &mut settings.keep);

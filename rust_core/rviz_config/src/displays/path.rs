@@ -22,8 +22,6 @@ const POSE_STYLES: [(&str, PoseStyle); 3] =
 pub struct PathSettings {
     /// Topic of `nav_msgs/Path`; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
     /// How the line is drawn.
@@ -60,7 +58,6 @@ impl Default for PathSettings {
     fn default() -> Self {
         PathSettings {
             topic: String::new(),
-            unreliable: false,
             queue_size: 10,
             line_style: LineStyle::Lines,
             line_width_m: 0.03,
@@ -83,9 +80,7 @@ impl Default for PathSettings {
 impl PathSettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = PathSettings::default();
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         section.choice("Line Style", &LINE_STYLES, &mut settings.line_style);
         section.float("Line Width", at_least(0.001), &mut settings.line_width_m);
         section.color("Color", &mut settings.color);

@@ -10,8 +10,6 @@ const MAX_HISTORY: u32 = 100_000;
 pub struct PointStampedSettings {
     /// Topic of `geometry_msgs/PointStamped`; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
     /// Red, green and blue.
@@ -28,7 +26,6 @@ impl Default for PointStampedSettings {
     fn default() -> Self {
         PointStampedSettings {
             topic: String::new(),
-            unreliable: false,
             queue_size: 10,
             color: [204, 41, 204],
             alpha: 1.0,
@@ -41,9 +38,7 @@ impl Default for PointStampedSettings {
 impl PointStampedSettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = PointStampedSettings::default();
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         section.color("Color", &mut settings.color);
         section.float("Alpha", ANY, &mut settings.alpha);
         section.float("Radius", ANY, &mut settings.radius_m);

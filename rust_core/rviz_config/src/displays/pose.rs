@@ -8,8 +8,6 @@ use crate::section::Section;
 pub struct PoseSettings {
     /// Topic of `geometry_msgs/PoseStamped`; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
     /// What is drawn.
@@ -18,16 +16,14 @@ pub struct PoseSettings {
 
 impl Default for PoseSettings {
     fn default() -> Self {
-        PoseSettings { topic: String::new(), unreliable: false, queue_size: 10, symbol: PoseSymbolSettings::default() }
+        PoseSettings { topic: String::new(), queue_size: 10, symbol: PoseSymbolSettings::default() }
     }
 }
 
 impl PoseSettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = PoseSettings::default();
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         settings.symbol = PoseSymbolSettings::read(section);
         settings
     }

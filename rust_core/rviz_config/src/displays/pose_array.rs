@@ -25,8 +25,6 @@ const SHAPES: [(&str, PoseArrayShape); 3] = [
 pub struct PoseArraySettings {
     /// Topic of `geometry_msgs/PoseArray`; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
     /// What stands at each pose.
@@ -55,7 +53,6 @@ impl Default for PoseArraySettings {
     fn default() -> Self {
         PoseArraySettings {
             topic: String::new(),
-            unreliable: false,
             queue_size: 10,
             shape: PoseArrayShape::ArrowFlat,
             color: [255, 25, 0],
@@ -74,9 +71,7 @@ impl Default for PoseArraySettings {
 impl PoseArraySettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = PoseArraySettings::default();
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         section.choice("Shape", &SHAPES, &mut settings.shape);
         section.color("Color", &mut settings.color);
         section.float("Alpha", 0.0..=1.0, &mut settings.alpha);

@@ -9,8 +9,6 @@ use crate::section::Section;
 pub struct PoseWithCovarianceSettings {
     /// Topic of `geometry_msgs/PoseWithCovarianceStamped`; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
     /// What stands at the pose.
@@ -23,7 +21,6 @@ impl Default for PoseWithCovarianceSettings {
     fn default() -> Self {
         PoseWithCovarianceSettings {
             topic: String::new(),
-            unreliable: false,
             queue_size: 10,
             symbol: PoseSymbolSettings::default(),
             covariance: CovarianceSettings::default(),
@@ -34,9 +31,7 @@ impl Default for PoseWithCovarianceSettings {
 impl PoseWithCovarianceSettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = PoseWithCovarianceSettings::default();
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         settings.symbol = PoseSymbolSettings::read(section);
         settings.covariance = CovarianceSettings::read(section);
         settings

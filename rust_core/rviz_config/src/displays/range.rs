@@ -7,8 +7,6 @@ use crate::section::{Section, ANY};
 pub struct RangeSettings {
     /// Topic of `sensor_msgs/Range`; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
     /// Colour of the cone, as red, green and blue.
@@ -23,7 +21,6 @@ impl Default for RangeSettings {
     fn default() -> Self {
         RangeSettings {
             topic: String::new(),
-            unreliable: false,
             queue_size: 10,
             color: [255, 255, 255],
             alpha: 0.5,
@@ -35,9 +32,7 @@ impl Default for RangeSettings {
 impl RangeSettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = RangeSettings::default();
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         section.color("Color", &mut settings.color);
         section.float("Alpha", ANY, &mut settings.alpha);
         section.count("Buffer Length", 1, &mut settings.buffer_length);

@@ -11,8 +11,6 @@ const LONGEST_HISTORY: u32 = 100_000;
 pub struct ScrewSettings {
     /// Topic of the messages; empty when none is chosen.
     pub topic: String,
-    /// Whether UDP is preferred.
-    pub unreliable: bool,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
     /// Colour of the linear part (force), as red, green and blue.
@@ -37,7 +35,6 @@ impl Default for ScrewSettings {
     fn default() -> Self {
         ScrewSettings {
             topic: String::new(),
-            unreliable: false,
             queue_size: 10,
             linear_color: [204, 51, 51],
             angular_color: [204, 204, 51],
@@ -64,9 +61,7 @@ impl ScrewSettings {
 
     fn read(section: &mut Section<'_>, linear: [&str; 2], angular: [&str; 2]) -> Self {
         let mut settings = ScrewSettings::default();
-        section.text("Topic", &mut settings.topic);
-        section.bool("Unreliable", &mut settings.unreliable);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
         let [color, scale] = linear;
         section.color(color, &mut settings.linear_color);
         section.float(scale, ANY, &mut settings.linear_scale);

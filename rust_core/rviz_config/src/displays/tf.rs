@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::node::Content;
-use crate::section::{at_least, join, Section, ANY};
+use crate::section::{at_least, join, Section, ANY, ENTRY};
 
 /// The entry of "Frames" that is no frame.
 const ALL_ENABLED: &str = "All Enabled";
@@ -68,6 +68,7 @@ fn hidden_frames(section: &mut Section<'_>) -> BTreeSet<String> {
     let mut frames = section.child("Frames");
     let mut all_enabled = true;
     frames.bool(ALL_ENABLED, &mut all_enabled);
+    frames.record(ENTRY, || true.to_string());
     let mut hidden = BTreeSet::new();
     for (name, node, _) in frames.all() {
         if name == ALL_ENABLED {
