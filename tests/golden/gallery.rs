@@ -9,43 +9,8 @@ use libtest_mimic::{Failed, Trial};
 use crate::cases::{self, Case};
 use crate::{load, render, score, SharedRenderer};
 
-/// The display classes of rviz 1.14, and the camera's.
-const CLASSES: [&str; 34] = [
-    "rviz/AccelStamped",
-    "rviz/Axes",
-    "rviz/Camera",
-    "rviz/DepthCloud",
-    "rviz/Effort",
-    "rviz/FluidPressure",
-    "rviz/Grid",
-    "rviz/GridCells",
-    "rviz/Group",
-    "rviz/Illuminance",
-    "rviz/Image",
-    "rviz/InteractiveMarkers",
-    "rviz/LaserScan",
-    "rviz/Map",
-    "rviz/Marker",
-    "rviz/MarkerArray",
-    "rviz/Odometry",
-    "rviz/Path",
-    "rviz/PointCloud",
-    "rviz/PointCloud2",
-    "rviz/PointStamped",
-    "rviz/Polygon",
-    "rviz/Pose",
-    "rviz/PoseArray",
-    "rviz/PoseWithCovariance",
-    "rviz/Range",
-    "rviz/RelativeHumidity",
-    "rviz/RobotModel",
-    "rviz/TF",
-    "rviz/Temperature",
-    "rviz/TwistStamped",
-    "rviz/WrenchStamped",
-    "rviz_camera_stream/CameraPub",
-    "other plugins",
-];
+/// Classes of other packages have a section of their own.
+const OTHER_PLUGINS: &str = "other plugins";
 
 /// A gallery's picture and the one drawn now agree at least so far. Both come from the same renderer, which calculates
 /// in floating point, so that another processor may round a pixel otherwise.
@@ -84,7 +49,8 @@ pub(crate) fn trials(all: &[Case], cpu: &SharedRenderer) -> Vec<Trial> {
 }
 
 fn sections(page: &str) -> Result<(), Failed> {
-    for class in CLASSES {
+    let classes = rcs_rviz_config::classes().iter().map(|class| class.name);
+    for class in classes.chain([OTHER_PLUGINS]) {
         let heading = format!("\n## {class}\n");
         let (_, section) = page.split_once(&heading).ok_or_else(|| format!("no section {class}"))?;
         let section = section.split("\n## ").next().unwrap_or_default();

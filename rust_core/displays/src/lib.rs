@@ -1,7 +1,7 @@
 //! rviz's displays: settings, messages and transforms into scene primitives.
 //!
-//! One file for each display class. [`DisplaySet`] holds all displays of a config; it is told of messages, asks the
-//! displays what changed, and hands out the [`rcs_scene::Scene`] that every camera looks at. Nothing here connects to
+//! One file for each display class. [`DisplaySet`] holds all displays of a config; it takes messages, updates the
+//! displays, and hands out the [`rcs_scene::Scene`] that every camera looks at. Nothing here connects to
 //! ROS, reads a clock or draws: the picture is a function of the config, the messages and a time.
 #![forbid(unsafe_code)]
 

@@ -30,6 +30,18 @@ fn occupancy_grid(bytes: Vec<u8>) -> io::Result<OccupancyGrid> {
     Ok(OccupancyGrid::from_bytes(Arc::new(bytes))?)
 }
 
+/// A type of message that an [`AnyMessage`] can hold.
+pub trait TypedMessage: Send + Sync + 'static {
+    /// The type's name.
+    const KIND: MessageKind;
+
+    /// The message inside, if it is of this type.
+    fn from_any(message: &AnyMessage) -> Option<&Arc<Self>>;
+
+    /// Its header; of an array, its first element's. `None` when it has none.
+    fn header(&self) -> Option<&Header>;
+}
+
 macro_rules! any_message {
     ($($variant:ident($type:ty) $ros:literal $decode:path, $header:expr;)*) => {
         /// A type of message that displays subscribe to.
@@ -122,13 +134,27 @@ macro_rules! any_message {
             }
         }
 
+        $(impl TypedMessage for $type {
+            const KIND: MessageKind = MessageKind::$variant;
+
+            fn from_any(message: &AnyMessage) -> Option<&Arc<Self>> {
+                if let AnyMessage::$variant(message) = message {
+                    Some(message)
+                } else {
+                    None
+                }
+            }
+
+            fn header(&self) -> Option<&Header> {
+                let header: fn(&$type) -> Option<&Header> = $header;
+                header(self)
+            }
+        })*
+
         /// The header of a message; of an array, its first element's. None when it has none.
         pub fn header(message: &AnyMessage) -> Option<&Header> {
             match message {
-                $(AnyMessage::$variant(message) => {
-                    let header: fn(&$type) -> Option<&Header> = $header;
-                    header(message)
-                })*
+                $(AnyMessage::$variant(message) => message.header(),)*
             }
         }
     };

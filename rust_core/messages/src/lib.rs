@@ -25,7 +25,7 @@ pub mod dynamic_reconfigure;
 pub mod nav_msgs;
 pub mod sensor_msgs;
 
-pub use any::{header, AnyMessage, MessageKind};
+pub use any::{header, AnyMessage, MessageKind, TypedMessage};
 pub use bytes::spare_bytes;
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
 pub use image::Image;

@@ -11,7 +11,23 @@ use crate::node::{self, Content};
 use crate::section::{Report, Section};
 use crate::view::ViewConfig;
 
-/// What a `.rviz` file says about the picture.
+/// The part of a `.rviz` file that decides the picture.
+///
+/// ```
+/// let text = "
+/// Visualization Manager:
+///   Displays:
+///   - Class: rviz/Group
+///     Name: robot
+///     Enabled: true
+///     Displays:
+///     - {Class: rviz/TF, Name: frames, Enabled: true}
+/// ";
+/// let config = rcs_rviz_config::parse(text, "scene.rviz")?;
+/// let paths: Vec<String> = config.placed_displays().iter().map(|placed| placed.path.join("/")).collect();
+/// assert_eq!(paths, ["robot", "robot/frames"]);
+/// # Ok::<(), rcs_rviz_config::ConfigError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
     /// Name of the file, for messages.

@@ -1,7 +1,7 @@
 //! `.rviz` files as typed settings.
 //!
 //! A `.rviz` file is YAML: a tree of displays, each with a class and properties, and beside it the window's
-//! layout, which says nothing about the picture. [`load`] reads the part that decides what is drawn:
+//! layout, which has no bearing on the picture. [`load`] reads the part that decides what is drawn:
 //!
 //! ```text
 //! text --(node: YAML tree with lines)--> sections --(section: rviz's conversions)--> Config
@@ -46,6 +46,15 @@ use std::path::Path;
 
 /// Reads the `.rviz` file at `path`.
 ///
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let file = folder.path().join("scene.rviz");
+/// std::fs::write(&file, "Visualization Manager: {Global Options: {Fixed Frame: map}}")?;
+/// let config = rcs_rviz_config::load(&file)?;
+/// assert_eq!(config.global.fixed_frame, "map");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 ///
 /// [`ConfigError::Unreadable`], [`ConfigError::NotUtf8`], and those of [`parse`]; each names the file.
@@ -63,6 +72,22 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
 }
 
 /// Reads the text of a `.rviz` file; `source_name` is what errors and [`Config::source`] call it.
+///
+/// ```
+/// use rcs_rviz_config::DisplaySettings;
+///
+/// let text = "
+/// Visualization Manager:
+///   Displays:
+///   - {Class: rviz/Grid, Name: floor, Enabled: true, Cell Size: 0.5, Colour: red}
+/// ";
+/// let config = rcs_rviz_config::parse(text, "scene.rviz")?;
+/// let DisplaySettings::Grid(grid) = &config.displays[0].settings else { panic!("a grid") };
+/// assert_eq!(grid.cell_size_m, 0.5);
+/// // rviz spells it Color.
+/// assert_eq!(config.findings[0].to_string(), "line 4: Displays / floor / Colour: unknown key");
+/// # Ok::<(), rcs_rviz_config::ConfigError>(())
+/// ```
 ///
 /// # Errors
 ///

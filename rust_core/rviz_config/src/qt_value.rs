@@ -4,7 +4,7 @@
 //! differ from YAML's: `no` is true, `10.0` is no integer, white space around a number is allowed.
 
 /// A bool as `QVariant::toBool` sees it: nothing, `0` and `false` are false and all else is true. The second value
-/// says whether the text is one that people mean so.
+/// is whether the text is one that people mean so.
 pub(crate) fn to_bool(text: &str) -> (bool, bool) {
     let lower = text.to_lowercase();
     match lower.as_str() {
@@ -38,7 +38,7 @@ pub(crate) fn to_f64_or_german(text: &str) -> Option<f64> {
 }
 
 /// A colour: `r; g; b` with each 0 to 255, `#rgb` or `#rrggbb` (also with alpha or more digits, as Qt reads them), or
-/// a name of SVG's. The second value says whether all components were in range.
+/// a name of SVG's. The second value is whether all components were in range.
 pub(crate) fn to_color(text: &str) -> Option<([u8; 3], bool)> {
     if text.contains(';') {
         let mut parts = text.split(';');

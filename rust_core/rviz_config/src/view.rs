@@ -1,8 +1,8 @@
 //! The view of rviz's main window, section `Views: Current`.
 //!
 //! The virtual cameras do not see through it, but the default light shines where it looks. Each view controller of
-//! rviz 1.14 is read with the properties that place its camera; [`ViewConfig::direction_in_target_frame`] tells where
-//! it looks.
+//! rviz 1.14 is read with the properties that place its camera; [`ViewConfig::direction_in_target_frame`] is
+//! the direction in which it looks.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 

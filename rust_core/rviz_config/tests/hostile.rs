@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use rcs_rviz_config::{parse, Config, DisplayConfig, DisplaySettings};
+use rcs_scene::PointStyle;
 
 /// A config that uses every class and most keys.
 const CONFIG: &str = r#"Panels: []
@@ -81,6 +82,18 @@ const PIECES: [&str; 36] = [
     "nan",
 ];
 
+fn check_style(style: &PointStyle) {
+    let (size, smallest) = match *style {
+        PointStyle::Points { diameter_px } => (diameter_px, 1.0),
+        PointStyle::FlatSquares { side_m } => (side_m, 0.0001),
+        PointStyle::Squares { size_m: [side_m, _] }
+        | PointStyle::Spheres { size_m: [side_m, _] }
+        | PointStyle::Boxes { size_m: [side_m, ..] } => (side_m, 0.0001),
+        PointStyle::Tiles { .. } => panic!("no config names tiles"),
+    };
+    assert!(size.is_finite() && size >= smallest);
+}
+
 fn check_display(display: &DisplayConfig) {
     match &display.settings {
         DisplaySettings::PointCloud2(cloud)
@@ -90,9 +103,8 @@ fn check_display(display: &DisplayConfig) {
         | DisplaySettings::Illuminance(cloud)
         | DisplaySettings::RelativeHumidity(cloud)
         | DisplaySettings::Temperature(cloud) => {
-            assert!(cloud.size_px >= 1.0 && cloud.size_m >= 0.0001);
+            check_style(&cloud.style);
             assert!((0.0..=1.0).contains(&cloud.alpha) && cloud.decay_time_secs >= 0.0);
-            assert!(cloud.size_px.is_finite() && cloud.size_m.is_finite());
             assert!(cloud.intensity.min.is_finite() && cloud.axis_color.max.is_finite());
         }
         DisplaySettings::Grid(grid) => {
@@ -119,7 +131,8 @@ fn check_display(display: &DisplayConfig) {
         }
         DisplaySettings::DepthCloud(depth) => {
             assert!(depth.auto_size_factor >= 0.0001 && depth.occlusion_timeout_secs.is_finite());
-            assert!(depth.cloud.queue_size >= 1 && depth.cloud.size_m >= 0.0001);
+            assert!(depth.cloud.queue_size >= 1);
+            check_style(&depth.cloud.style);
         }
         DisplaySettings::Map(map) => assert!((0.0..=1.0).contains(&map.alpha)),
         DisplaySettings::CameraPub(camera) => {
@@ -151,7 +164,7 @@ fn check_display(display: &DisplayConfig) {
         | DisplaySettings::Group(_)
         | DisplaySettings::Image(_)
         | DisplaySettings::Camera(_)
-        | DisplaySettings::NotDrawn { .. } => {}
+        | DisplaySettings::Unknown { .. } => {}
     }
 }
 
@@ -185,7 +198,7 @@ fn piece() -> impl Strategy<Value = String> {
     ]
 }
 
-/// Any YAML tree as text in flow style, with the names and values that the readers look for.
+/// Any YAML tree as text in flow style, with the names and values that the readers know.
 fn tree() -> impl Strategy<Value = String> {
     let names = [
         "Displays",
@@ -292,16 +305,20 @@ proptest! {
         let text = format!(
             "Visualization Manager:\n  Displays:\n  - {{Class: rviz/PointCloud2, Alpha: {alpha}, Size (m): {size_m}, \
              Size (Pixels): {size_px}, Min Intensity: {min}, Color: {r}; {g}; {b}, Queue Size: {queue_size}}}\n  \
-             - {{Class: rviz/Grid, Offset: {{X: {x}, Y: -1e-3, Z: 7}}}}\n"
+             - {{Class: rviz/Grid, Offset: {{X: {x}, Y: -1e-3, Z: 7}}}}\n  \
+             - {{Class: rviz/PointCloud2, Style: Points, Size (Pixels): {size_px}}}\n"
         );
         let config = check(&text);
         let config = config.as_ref();
         prop_assert_eq!(config.map(|config| config.findings.len()), Some(0));
         let settings: Vec<_> = config.iter().flat_map(|config| &config.displays).map(|display| &display.settings).collect();
-        let [DisplaySettings::PointCloud2(cloud), DisplaySettings::Grid(grid)] = settings.as_slice() else {
-            return Err(TestCaseError::fail("two displays"));
+        let [DisplaySettings::PointCloud2(cloud), DisplaySettings::Grid(grid), DisplaySettings::PointCloud2(points)] =
+            settings.as_slice()
+        else {
+            return Err(TestCaseError::fail("three displays"));
         };
-        prop_assert_eq!((cloud.alpha, cloud.size_m, cloud.size_px), (alpha, size_m, size_px));
+        prop_assert_eq!((cloud.alpha, cloud.style), (alpha, PointStyle::FlatSquares { side_m: size_m }));
+        prop_assert_eq!(points.style, PointStyle::Points { diameter_px: size_px });
         prop_assert_eq!((cloud.intensity.min, cloud.flat_color), (f32::from(min), color));
         prop_assert_eq!(cloud.queue_size, queue_size);
         prop_assert_eq!(grid.offset_m, [x, -1e-3, 7.0]);

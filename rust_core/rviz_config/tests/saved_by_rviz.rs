@@ -10,9 +10,12 @@ const DEFAULTS: &str = include_str!("saved_by_rviz/defaults.rviz");
 const CHANGED: &str = include_str!("saved_by_rviz/changed.rviz");
 
 /// Properties that change nothing in a picture, by the end of their place. Camera and Image show theirs in rviz's window,
-/// and "All Enabled" is a button there: when rviz loads a file, there is no frame yet that it could switch.
-const NOT_READ: [&str; 20] = [
+/// and "All Enabled" is a button there: when rviz loads a file, there is no frame yet that it could switch. A size in pixels
+/// belongs to another style than the default one.
+const NOT_READ: [&str; 22] = [
     "/Selectable",
+    "/Unreliable",
+    "/Size (Pixels)",
     "/Tree Height",
     "/Expand Tree",
     "/Expand Link Details",

@@ -46,6 +46,21 @@ pub enum PointStyle {
     },
 }
 
+impl PointStyle {
+    /// The same style with this side, diameter or edge in metres. A size in pixels stays as it is.
+    #[must_use]
+    pub fn with_side(self, side_m: f32) -> Self {
+        match self {
+            Self::Points { .. } => self,
+            Self::Squares { .. } => Self::Squares { size_m: [side_m; 2] },
+            Self::FlatSquares { .. } => Self::FlatSquares { side_m },
+            Self::Spheres { .. } => Self::Spheres { size_m: [side_m; 2] },
+            Self::Boxes { .. } => Self::Boxes { size_m: [side_m; 3] },
+            Self::Tiles { normal, up, .. } => Self::Tiles { size_m: [side_m; 2], normal, up },
+        }
+    }
+}
+
 /// The colours of a cloud's points.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PointColors {

@@ -12,7 +12,7 @@ use rcs_displays::CameraView;
 use rcs_messages::{stamp_nanos, AnyMessage, MessageKind};
 use rcs_render::{Renderer, View};
 use rcs_resources::PackageIndex;
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::Picture;
 use rcs_transforms::Time;
 
 use crate::camera_stream::camera_pose::Projection;
@@ -70,7 +70,7 @@ pub fn render(
             camera: &eye,
             visible: &camera.visible,
             background: camera.settings.background_color,
-            encoding: encoding(&camera),
+            encoding: camera.settings.image_encoding,
         };
         renderer.render(&view, &mut picture)?;
         let file = match target {
@@ -108,11 +108,6 @@ pub fn hand_over(stage: &mut Stage, parameters: &HashMap<String, Arc<str>>) {
         let text = parameters.get(name.trim_start_matches('/'));
         stage.take_parameter(&name, text, Time::ZERO);
     }
-}
-
-/// The encoding of a camera's pictures.
-pub fn encoding(camera: &CameraView) -> Encoding {
-    Encoding::from_name(camera.settings.image_encoding.name()).unwrap_or_default()
 }
 
 fn choose_camera<'a>(cameras: &'a [CameraView], name: Option<&str>) -> Result<&'a CameraView> {

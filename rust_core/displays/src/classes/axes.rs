@@ -26,6 +26,11 @@ pub(crate) struct AxesDisplay {
     statuses: Statuses,
 }
 
+/// Makes an Axes display.
+pub(crate) fn create(display: DisplayId, settings: &AxesSettings) -> Box<dyn Display> {
+    Box::new(AxesDisplay::new(display, settings.clone()))
+}
+
 impl AxesDisplay {
     pub(crate) fn new(display: DisplayId, settings: AxesSettings) -> Self {
         Self {

@@ -56,6 +56,11 @@ pub(crate) struct EffortDisplay {
     statuses: Statuses,
 }
 
+/// Makes an Effort display.
+pub(crate) fn create(display: DisplayId, settings: &EffortSettings) -> Box<dyn Display> {
+    Box::new(EffortDisplay::new(display, settings.clone()))
+}
+
 impl EffortDisplay {
     pub(crate) fn new(display: DisplayId, settings: EffortSettings) -> Self {
         let mut statuses = Statuses::default();
@@ -287,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_and_not_shown() {
+    fn bad_efforts_are_reported_and_not_shown() {
         let mut bench = Bench::new(EffortSettings::default());
         bench.describe();
         assert_eq!(bench.send(&["j", "k"], &[1.0]), 0);

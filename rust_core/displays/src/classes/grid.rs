@@ -22,6 +22,11 @@ pub(crate) struct GridDisplay {
     statuses: Statuses,
 }
 
+/// Makes a Grid display.
+pub(crate) fn create(display: DisplayId, settings: &GridSettings) -> Box<dyn Display> {
+    Box::new(GridDisplay::new(display, settings.clone()))
+}
+
 impl GridDisplay {
     pub(crate) fn new(display: DisplayId, settings: GridSettings) -> Self {
         let geometry = geometry(&settings);

@@ -9,14 +9,14 @@ use nalgebra::{Isometry3, Point3};
 use rcs_messages::geometry_msgs::Point;
 use rcs_messages::nav_msgs::GridCells;
 use rcs_messages::{AnyMessage, MessageKind};
-use rcs_rviz_config::GridCellsSettings;
+use rcs_rviz_config::PlainColorSettings;
 use rcs_scene::{
     DisplayId, Drawable, Geometry, Material, PointBuffer, PointColors, PointStyle, Points, RenderGroup, Rgba,
 };
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
-use crate::framework::placed::Incoming;
+use crate::framework::waiting_messages::WaitingMessages;
 use crate::parts::bounds::middle;
 use crate::parts::cloud::max_points;
 use crate::{Level, Statuses, World};
@@ -25,24 +25,29 @@ use crate::{Level, Statuses, World};
 #[derive(Debug)]
 pub(crate) struct GridCellsDisplay {
     display: DisplayId,
-    settings: GridCellsSettings,
-    incoming: Incoming<GridCells>,
+    settings: PlainColorSettings,
+    incoming: WaitingMessages<GridCells>,
     drawables: Vec<Drawable>,
     statuses: Statuses,
 }
 
+/// Makes a GridCells display.
+pub(crate) fn create(display: DisplayId, settings: &PlainColorSettings) -> Box<dyn Display> {
+    Box::new(GridCellsDisplay::new(display, settings.clone()))
+}
+
 impl GridCellsDisplay {
-    pub(crate) fn new(display: DisplayId, settings: GridCellsSettings) -> Self {
+    pub(crate) fn new(display: DisplayId, settings: PlainColorSettings) -> Self {
         Self {
             display,
-            incoming: Incoming::new(settings.queue_size),
+            incoming: WaitingMessages::new(settings.queue_size),
             settings,
             drawables: Vec::new(),
             statuses: Statuses::default(),
         }
     }
 
-    /// What the cells are drawn with; nothing, with a status that says why, where a number is NaN or infinite.
+    /// What the cells are drawn with; nothing, with a status that gives the reason, if a number is NaN or infinite.
     fn tiles(&mut self, cells: &GridCells, fixed_from_cells: &Isometry3<f64>) -> Vec<Drawable> {
         let is_finite = |cell: &Point| [cell.x, cell.y, cell.z].iter().all(|value| value.is_finite());
         let size_m = [cells.cell_width, cells.cell_height];
@@ -146,7 +151,7 @@ mod tests {
 
     #[test]
     fn cells_that_are_nowhere_or_have_no_size_are_reported_as_in_rviz() {
-        let mut display = GridCellsDisplay::new(0, GridCellsSettings::default());
+        let mut display = GridCellsDisplay::new(0, PlainColorSettings::default());
         let here = Isometry3::identity();
         assert_eq!(display.tiles(&cells(0.1, 0.2, 1.0), &here).len(), 1);
         assert_eq!(topic_status(&display), None);
@@ -164,7 +169,7 @@ mod tests {
 
     #[test]
     fn translucent_cells_are_drawn_twice() {
-        let mut display = GridCellsDisplay::new(0, GridCellsSettings { alpha: 0.5, ..GridCellsSettings::default() });
+        let mut display = GridCellsDisplay::new(0, PlainColorSettings { alpha: 0.5, ..PlainColorSettings::default() });
         assert_eq!(display.tiles(&cells(0.1, 0.2, 1.0), &Isometry3::identity()).len(), 2);
     }
 }

@@ -12,33 +12,28 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
 use rcs_messages::sensor_msgs::{LaserScan, PointField};
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{spare_bytes, AnyMessage, MessageKind, PointCloud2};
+use rcs_messages::{spare_bytes, PointCloud2};
+use rcs_rviz_config::CloudSettings;
+use rcs_scene::DisplayId;
 use rcs_transforms::{interpolate, Time};
 
+use crate::framework::display::Display;
 use crate::framework::world::stamp;
-use crate::parts::cloud::{one_row, CloudSource, Nowhere, PlacedCloud};
+use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, Nowhere, PlacedCloud};
 use crate::World;
 
 /// `sensor_msgs/LaserScan` as a cloud in the fixed frame.
 #[derive(Debug)]
-pub(crate) struct LaserScanSource;
+struct LaserScanSource;
+
+/// Makes a LaserScan display.
+pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
+    Box::new(CloudDisplay::<LaserScanSource>::new(display, settings.clone()))
+}
 
 impl CloudSource for LaserScanSource {
     type Message = LaserScan;
-    const KIND: MessageKind = MessageKind::LaserScan;
     const NOWHERE: Nowhere = Nowhere::FarAway;
-
-    fn message(any: &AnyMessage) -> Option<&Arc<LaserScan>> {
-        match any {
-            AnyMessage::LaserScan(scan) => Some(scan),
-            _ => None,
-        }
-    }
-
-    fn header(scan: &LaserScan) -> &Header {
-        &scan.header
-    }
 
     /// The time of the last ray. A scan whose rays have no time does not wait: it is refused when it is placed.
     fn end(scan: &LaserScan) -> Time {
@@ -128,14 +123,14 @@ mod tests {
         /// Says where the scanner is in `map`, with its yaw in degrees.
         fn place(&mut self, secs: u32, translation: [f64; 3], yaw_deg: f64) {
             let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw_deg.to_radians());
-            let said = RawTransform {
+            let transform = RawTransform {
                 parent: "map",
                 child: "laser",
                 stamp: Time::from_secs_nanos(secs, 0),
                 translation,
                 rotation_xyzw: turn.coords.into(),
             };
-            self.tree.insert(&said, false, "/test").unwrap();
+            self.tree.insert(&transform, false, "/test").unwrap();
         }
 
         fn show(&mut self, scan: Option<LaserScan>) -> Option<Arc<PointBuffer>> {
@@ -219,7 +214,7 @@ mod tests {
         bench.place(10, [0.0, 0.0, 0.0], 90.0);
         let ranges = [0.1, 0.099, 10.0, 9.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 2.0];
         let quarter = std::f32::consts::FRAC_PI_2;
-        // The last angle is not what angle_max says; rviz does not look at that.
+        // The last angle is not angle_max, which rviz does not read.
         let scan = LaserScan { angle_min: -quarter, angle_increment: quarter, angle_max: 0.0, ..scan(10, &ranges) };
         let positions = bench.show(Some(scan)).unwrap().positions.clone();
         assert_near(&positions, &[[0.1, 0.0, 0.0], [0.0, -9.0, 0.0], [2.0, 0.0, 0.0]]);

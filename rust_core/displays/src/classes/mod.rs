@@ -1,26 +1,29 @@
-//! One file or folder for each rviz display class.
+//! One file or folder for each rviz display class, with a function `create` that makes a display of the class.
+//!
+//! The modules and [`create`], which goes by the settings, come from the rows of
+//! [`display_classes`](rcs_rviz_config::display_classes).
 
-pub(crate) mod axes;
-pub(crate) mod depth_cloud;
-pub(crate) mod effort;
-pub(crate) mod grid;
-pub(crate) mod grid_cells;
-pub(crate) mod interactive_markers;
-pub(crate) mod laser_scan;
-pub(crate) mod map;
-pub(crate) mod marker;
-pub(crate) mod not_drawn;
-pub(crate) mod odometry;
-pub(crate) mod path;
-pub(crate) mod point_cloud;
-pub(crate) mod point_cloud2;
-pub(crate) mod point_stamped;
-pub(crate) mod polygon;
-pub(crate) mod pose;
-pub(crate) mod pose_array;
-pub(crate) mod pose_with_covariance;
-pub(crate) mod range;
-pub(crate) mod robot_model;
-pub(crate) mod scalar;
-pub(crate) mod screw;
-pub(crate) mod tf;
+use rcs_rviz_config::{display_classes, DisplaySettings};
+use rcs_scene::DisplayId;
+
+use crate::framework::display::Display;
+use crate::framework::not_drawn::NotDrawnDisplay;
+
+macro_rules! create_by_settings {
+    ($(
+        $variant:ident $class:literal $declare:tt $module:ident::$settings:ident::$read:ident [$($topic:ident)?] $role:ident $(($display:ident))?;
+    )*) => {
+        $($(pub(crate) mod $display;)?)*
+
+        /// Makes a display. `None` for what is no display in the scene: groups and cameras.
+        pub(crate) fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>> {
+            match settings {
+                $($(DisplaySettings::$variant(settings) => Some($display::create(id, settings)),)?)*
+                DisplaySettings::Unknown { .. } => Some(Box::new(NotDrawnDisplay::unknown_class())),
+                _ => None,
+            }
+        }
+    };
+}
+
+display_classes!(create_by_settings);

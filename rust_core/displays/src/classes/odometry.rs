@@ -3,17 +3,15 @@
 //! A pose is added when it is far enough from the last one that was added, as the messages have them, whatever their
 //! frames.
 
-use std::collections::VecDeque;
-use std::sync::Arc;
-
 use nalgebra::{Isometry3, Quaternion, Vector3};
 use rcs_messages::geometry_msgs::Twist;
 use rcs_messages::nav_msgs::Odometry;
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
+use rcs_messages::PlainTransform;
 use rcs_rviz_config::OdometrySettings;
 use rcs_scene::{DisplayId, Drawable};
+use std::collections::VecDeque;
 
+use crate::framework::display::Display;
 use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
 use crate::parts::covariance::{uncertain_pose, CovarianceScales, CovarianceSymbol};
 use crate::parts::pose_symbol::PoseSymbol;
@@ -33,6 +31,11 @@ pub(crate) struct OdometryVisual {
     /// How many drawables each pose has, oldest first.
     counts: VecDeque<usize>,
     drawables: Vec<Drawable>,
+}
+
+/// Makes an Odometry display.
+pub(crate) fn create(display: DisplayId, settings: &OdometrySettings) -> Box<dyn Display> {
+    Box::new(OdometryDisplay::of(display, settings))
 }
 
 impl OdometryDisplay {
@@ -70,19 +73,6 @@ impl OdometryVisual {
 
 impl MessageVisual for OdometryVisual {
     type Message = Odometry;
-    const KIND: MessageKind = MessageKind::Odometry;
-
-    fn message(any: &AnyMessage) -> Option<&Arc<Odometry>> {
-        if let AnyMessage::Odometry(message) = any {
-            Some(message)
-        } else {
-            None
-        }
-    }
-
-    fn header(message: &Odometry) -> &Header {
-        &message.header
-    }
 
     fn show(&mut self, message: &Odometry, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
         let (frame_from_pose, covariance) = uncertain_pose(&message.pose).ok_or(InvalidFloats)?;

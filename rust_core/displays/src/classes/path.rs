@@ -14,7 +14,7 @@ use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Ma
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
-use crate::framework::placed::Incoming;
+use crate::framework::waiting_messages::WaitingMessages;
 use crate::framework::world::isometry;
 use crate::parts::solids::{arrow, arrow_pose, axes, axes_materials, drawable, ArrowSize};
 use crate::{Level, Statuses, World};
@@ -24,18 +24,23 @@ use crate::{Level, Statuses, World};
 pub(crate) struct PathDisplay {
     display: DisplayId,
     settings: PathSettings,
-    incoming: Incoming<Path>,
+    incoming: WaitingMessages<Path>,
     /// What each of the last paths is drawn with, oldest first.
     paths: VecDeque<Vec<Drawable>>,
     drawables: Vec<Drawable>,
     statuses: Statuses,
 }
 
+/// Makes a Path display.
+pub(crate) fn create(display: DisplayId, settings: &PathSettings) -> Box<dyn Display> {
+    Box::new(PathDisplay::new(display, settings.clone()))
+}
+
 impl PathDisplay {
     pub(crate) fn new(display: DisplayId, settings: PathSettings) -> Self {
         Self {
             display,
-            incoming: Incoming::new(settings.queue_size),
+            incoming: WaitingMessages::new(settings.queue_size),
             settings,
             paths: VecDeque::new(),
             drawables: Vec::new(),

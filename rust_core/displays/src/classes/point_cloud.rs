@@ -6,31 +6,26 @@
 use std::sync::Arc;
 
 use rcs_messages::sensor_msgs::{PointCloud, PointField};
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{spare_bytes, AnyMessage, MessageKind, PointCloud2};
+use rcs_messages::{spare_bytes, PointCloud2};
+use rcs_rviz_config::CloudSettings;
+use rcs_scene::DisplayId;
 
-use crate::parts::cloud::{one_row, CloudSource, Nowhere, PlacedCloud};
+use crate::framework::display::Display;
+use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, Nowhere, PlacedCloud};
 use crate::World;
 
 /// `sensor_msgs/PointCloud` as `sensor_msgs/PointCloud2`.
 #[derive(Debug)]
-pub(crate) struct PointCloudSource;
+struct PointCloudSource;
+
+/// Makes a PointCloud display.
+pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
+    Box::new(CloudDisplay::<PointCloudSource>::new(display, settings.clone()))
+}
 
 impl CloudSource for PointCloudSource {
     type Message = PointCloud;
-    const KIND: MessageKind = MessageKind::PointCloud;
     const NOWHERE: Nowhere = Nowhere::FarAway;
-
-    fn message(any: &AnyMessage) -> Option<&Arc<PointCloud>> {
-        match any {
-            AnyMessage::PointCloud(cloud) => Some(cloud),
-            _ => None,
-        }
-    }
-
-    fn header(cloud: &PointCloud) -> &Header {
-        &cloud.header
-    }
 
     fn place(cloud: &Arc<PointCloud>, world: &World<'_>) -> Result<PlacedCloud, String> {
         PlacedCloud::at_stamp(Arc::new(converted(cloud)), world)

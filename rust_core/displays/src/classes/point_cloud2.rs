@@ -2,31 +2,26 @@
 
 use std::sync::Arc;
 
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{AnyMessage, MessageKind, PointCloud2};
+use rcs_messages::PointCloud2;
+use rcs_rviz_config::CloudSettings;
+use rcs_scene::DisplayId;
 
-use crate::parts::cloud::{CloudSource, Nowhere, PlacedCloud};
+use crate::framework::display::Display;
+use crate::parts::cloud::{CloudDisplay, CloudSource, Nowhere, PlacedCloud};
 use crate::World;
 
 /// `sensor_msgs/PointCloud2` as it is.
 #[derive(Debug)]
-pub(crate) struct PointCloud2Source;
+struct PointCloud2Source;
+
+/// Makes a PointCloud2 display.
+pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
+    Box::new(CloudDisplay::<PointCloud2Source>::new(display, settings.clone()))
+}
 
 impl CloudSource for PointCloud2Source {
     type Message = PointCloud2;
-    const KIND: MessageKind = MessageKind::PointCloud2;
     const NOWHERE: Nowhere = Nowhere::LeftOut;
-
-    fn message(any: &AnyMessage) -> Option<&Arc<PointCloud2>> {
-        match any {
-            AnyMessage::PointCloud2(cloud) => Some(cloud),
-            _ => None,
-        }
-    }
-
-    fn header(cloud: &PointCloud2) -> &Header {
-        &cloud.header
-    }
 
     fn place(cloud: &Arc<PointCloud2>, world: &World<'_>) -> Result<PlacedCloud, String> {
         PlacedCloud::at_stamp(cloud.clone(), world)

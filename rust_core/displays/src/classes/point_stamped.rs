@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix4, Translation3, Vector3};
 use rcs_messages::geometry_msgs::PointStamped;
-use rcs_messages::std_msgs::Header;
 use rcs_messages::{point_xyz, AnyMessage, MessageKind};
 use rcs_rviz_config::PointStampedSettings;
 use rcs_scene::{DisplayId, Drawable, Material, Rgba};
 
+use crate::framework::display::Display;
 use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
 use crate::parts::solids::solid;
 use crate::Shape;
@@ -28,6 +28,11 @@ pub(crate) struct PointStampedVisual {
     drawables: VecDeque<Drawable>,
 }
 
+/// Makes a PointStamped display.
+pub(crate) fn create(display: DisplayId, settings: &PointStampedSettings) -> Box<dyn Display> {
+    Box::new(PointStampedDisplay::of(display, settings))
+}
+
 impl PointStampedDisplay {
     /// A display that has no message yet.
     pub(crate) fn of(display: DisplayId, settings: &PointStampedSettings) -> Self {
@@ -44,19 +49,6 @@ impl PointStampedDisplay {
 
 impl MessageVisual for PointStampedVisual {
     type Message = PointStamped;
-    const KIND: MessageKind = MessageKind::PointStamped;
-
-    fn message(any: &AnyMessage) -> Option<&Arc<PointStamped>> {
-        if let AnyMessage::PointStamped(message) = any {
-            Some(message)
-        } else {
-            None
-        }
-    }
-
-    fn header(message: &PointStamped) -> &Header {
-        &message.header
-    }
 
     fn show(&mut self, message: &PointStamped, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
         let point = point_xyz(&message.point);

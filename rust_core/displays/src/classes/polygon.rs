@@ -6,11 +6,10 @@ use std::sync::Arc;
 
 use nalgebra::Isometry3;
 use rcs_messages::geometry_msgs::PolygonStamped;
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{AnyMessage, MessageKind};
-use rcs_rviz_config::PolygonSettings;
+use rcs_rviz_config::PlainColorSettings;
 use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Rgba};
 
+use crate::framework::display::Display;
 use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
 use crate::parts::solids::drawable;
 
@@ -25,9 +24,14 @@ pub(crate) struct PolygonVisual {
     drawables: Vec<Drawable>,
 }
 
+/// Makes a Polygon display.
+pub(crate) fn create(display: DisplayId, settings: &PlainColorSettings) -> Box<dyn Display> {
+    Box::new(PolygonDisplay::of(display, settings))
+}
+
 impl PolygonDisplay {
     /// A display that has no message yet.
-    pub(crate) fn of(display: DisplayId, settings: &PolygonSettings) -> Self {
+    pub(crate) fn of(display: DisplayId, settings: &PlainColorSettings) -> Self {
         let color = Rgba::from_rgb8(settings.color, settings.alpha).to_rgba8();
         let visual = PolygonVisual { display, color, drawables: Vec::new() };
         Self::new(&settings.topic, settings.queue_size, visual)
@@ -36,19 +40,6 @@ impl PolygonDisplay {
 
 impl MessageVisual for PolygonVisual {
     type Message = PolygonStamped;
-    const KIND: MessageKind = MessageKind::PolygonStamped;
-
-    fn message(any: &AnyMessage) -> Option<&Arc<PolygonStamped>> {
-        if let AnyMessage::PolygonStamped(message) = any {
-            Some(message)
-        } else {
-            None
-        }
-    }
-
-    fn header(message: &PolygonStamped) -> &Header {
-        &message.header
-    }
 
     fn show(&mut self, message: &PolygonStamped, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
         let corners = message.polygon.points.iter().map(|point| [point.x, point.y, point.z]);

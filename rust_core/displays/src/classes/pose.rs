@@ -1,14 +1,12 @@
 //! `rviz/Pose`: the last pose of a topic.
 
-use std::sync::Arc;
-
 use nalgebra::Isometry3;
 use rcs_messages::geometry_msgs::PoseStamped;
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
+use rcs_messages::PlainTransform;
 use rcs_rviz_config::PoseSettings;
 use rcs_scene::{DisplayId, Drawable};
 
+use crate::framework::display::Display;
 use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
 use crate::framework::world::isometry;
 use crate::parts::pose_symbol::PoseSymbol;
@@ -24,6 +22,11 @@ pub(crate) struct PoseVisual {
     drawables: Vec<Drawable>,
 }
 
+/// Makes a Pose display.
+pub(crate) fn create(display: DisplayId, settings: &PoseSettings) -> Box<dyn Display> {
+    Box::new(PoseDisplay::of(display, settings))
+}
+
 impl PoseDisplay {
     /// A display that has no message yet.
     pub(crate) fn of(display: DisplayId, settings: &PoseSettings) -> Self {
@@ -34,19 +37,6 @@ impl PoseDisplay {
 
 impl MessageVisual for PoseVisual {
     type Message = PoseStamped;
-    const KIND: MessageKind = MessageKind::PoseStamped;
-
-    fn message(any: &AnyMessage) -> Option<&Arc<PoseStamped>> {
-        if let AnyMessage::PoseStamped(message) = any {
-            Some(message)
-        } else {
-            None
-        }
-    }
-
-    fn header(message: &PoseStamped) -> &Header {
-        &message.header
-    }
 
     fn show(&mut self, message: &PoseStamped, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
         let frame_from_pose = isometry(&PlainTransform::from(&message.pose)).ok_or(InvalidFloats)?;

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use rcs_messages::geometry_msgs::PoseArray;
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
+use rcs_messages::PlainTransform;
 use rcs_rviz_config::{PoseArraySettings, PoseArrayShape};
 use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Rgba};
 
+use crate::framework::display::Display;
 use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
 use crate::framework::world::isometry;
 use crate::parts::pose_symbol::PoseSymbol;
@@ -32,6 +32,11 @@ pub(crate) struct PoseArrayVisual {
     display: DisplayId,
     symbol: Symbol,
     drawables: Vec<Drawable>,
+}
+
+/// Makes a PoseArray display.
+pub(crate) fn create(display: DisplayId, settings: &PoseArraySettings) -> Box<dyn Display> {
+    Box::new(PoseArrayDisplay::of(display, settings))
 }
 
 impl PoseArrayDisplay {
@@ -61,19 +66,6 @@ impl PoseArrayDisplay {
 
 impl MessageVisual for PoseArrayVisual {
     type Message = PoseArray;
-    const KIND: MessageKind = MessageKind::PoseArray;
-
-    fn message(any: &AnyMessage) -> Option<&Arc<PoseArray>> {
-        if let AnyMessage::PoseArray(message) = any {
-            Some(message)
-        } else {
-            None
-        }
-    }
-
-    fn header(message: &PoseArray) -> &Header {
-        &message.header
-    }
 
     fn show(&mut self, message: &PoseArray, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
         let poses: Option<Vec<Isometry3<f64>>> =

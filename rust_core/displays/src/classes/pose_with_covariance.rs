@@ -1,14 +1,11 @@
 //! `rviz/PoseWithCovariance`: the last pose of a topic and how sure it is.
 
-use std::sync::Arc;
-
 use nalgebra::Isometry3;
 use rcs_messages::geometry_msgs::PoseWithCovarianceStamped;
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::PoseWithCovarianceSettings;
 use rcs_scene::{DisplayId, Drawable};
 
+use crate::framework::display::Display;
 use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
 use crate::parts::covariance::{uncertain_pose, CovarianceScales, CovarianceSymbol};
 use crate::parts::pose_symbol::PoseSymbol;
@@ -27,6 +24,11 @@ pub(crate) struct PoseWithCovarianceVisual {
     drawables: Vec<Drawable>,
 }
 
+/// Makes a PoseWithCovariance display.
+pub(crate) fn create(display: DisplayId, settings: &PoseWithCovarianceSettings) -> Box<dyn Display> {
+    Box::new(PoseWithCovarianceDisplay::of(display, settings))
+}
+
 impl PoseWithCovarianceDisplay {
     /// A display that has no message yet.
     pub(crate) fn of(display: DisplayId, settings: &PoseWithCovarianceSettings) -> Self {
@@ -43,19 +45,6 @@ impl PoseWithCovarianceDisplay {
 
 impl MessageVisual for PoseWithCovarianceVisual {
     type Message = PoseWithCovarianceStamped;
-    const KIND: MessageKind = MessageKind::PoseWithCovarianceStamped;
-
-    fn message(any: &AnyMessage) -> Option<&Arc<PoseWithCovarianceStamped>> {
-        if let AnyMessage::PoseWithCovarianceStamped(message) = any {
-            Some(message)
-        } else {
-            None
-        }
-    }
-
-    fn header(message: &PoseWithCovarianceStamped) -> &Header {
-        &message.header
-    }
 
     fn show(
         &mut self,

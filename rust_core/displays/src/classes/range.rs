@@ -14,7 +14,7 @@ use rcs_scene::{DisplayId, Drawable, Material, Rgba};
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
-use crate::framework::placed::Incoming;
+use crate::framework::waiting_messages::WaitingMessages;
 use crate::parts::solids::solid;
 use crate::{Shape, Statuses, World};
 
@@ -27,11 +27,16 @@ pub(crate) struct RangeDisplay {
     display: DisplayId,
     settings: RangeSettings,
     material: Arc<Material>,
-    incoming: Incoming<Range>,
+    incoming: WaitingMessages<Range>,
     /// The last measurements, oldest first; `None` for those that show nothing.
     cones: VecDeque<Option<Drawable>>,
     drawables: Vec<Drawable>,
     statuses: Statuses,
+}
+
+/// Makes a Range display.
+pub(crate) fn create(display: DisplayId, settings: &RangeSettings) -> Box<dyn Display> {
+    Box::new(RangeDisplay::new(display, settings.clone()))
 }
 
 impl RangeDisplay {
@@ -39,7 +44,7 @@ impl RangeDisplay {
         Self {
             display,
             material: Arc::new(Material::lit(Rgba::from_rgb8(settings.color, settings.alpha))),
-            incoming: Incoming::new(settings.queue_size),
+            incoming: WaitingMessages::new(settings.queue_size),
             settings,
             cones: VecDeque::new(),
             drawables: Vec::new(),
@@ -134,7 +139,7 @@ mod tests {
         for (range, expected) in [(0.1, Some(0.1)), (3.0, Some(3.0)), (0.09, None), (3.1, None), (f32::NAN, None)] {
             assert_eq!(shown(0.1, 3.0, range), expected, "{range}");
         }
-        // A sensor of one distance: minus infinity says that something is there, plus infinity that nothing is.
+        // A sensor of one distance: minus infinity means that something is there, plus infinity that nothing is.
         let (no, yes) = (f32::INFINITY, f32::NEG_INFINITY);
         for (range, expected) in [(yes, Some(0.5)), (no, None), (f32::NAN, None), (0.5, Some(0.5)), (0.2, None)] {
             assert_eq!(shown(0.5, 0.5, range), expected, "{range}");

@@ -1,8 +1,8 @@
-//! Which of the messages that a display was given it shows by now.
+//! Which of the messages that a display took it shows by now.
 //!
 //! A message may wait for its frame, be dropped or be replaced by the next one before it is ever seen. So it counts as
 //! shown in that update in which what the display shows changed and the message did not wait any more; the newest of
-//! those speaks for the display. When it was received is the caller's knowledge, which goes through here unread: no
+//! those is the one that the display shows. The moment of reception comes from the caller and is passed on unread: no
 //! clock decides what is shown.
 
 use std::collections::VecDeque;
@@ -21,20 +21,20 @@ const MOST_WAITING: usize = 100;
 pub struct ShownMessage {
     /// The time in its header, of an array's first element; zero where it has none.
     pub stamp: Time,
-    /// When it was received, where the giver of the message said so.
+    /// When it was received, if the caller gave that.
     pub received: Option<Instant>,
 }
 
 /// The messages of a display on their way, and the last that is shown.
 #[derive(Debug, Default)]
 pub(crate) struct Arrivals {
-    /// Those that were given since the last update, and those that wait for their frames; oldest first.
+    /// Those that were taken since the last update, and those that wait for their frames; oldest first.
     on_the_way: VecDeque<ShownMessage>,
     shown: Option<ShownMessage>,
 }
 
 impl Arrivals {
-    /// Takes note of a message that the display is given. A CameraInfo shows nothing itself.
+    /// Records a message that the display takes. A CameraInfo shows nothing itself.
     pub(crate) fn note(&mut self, message: &AnyMessage, received: Option<Instant>) {
         if message.kind() == MessageKind::CameraInfo {
             return;
@@ -45,7 +45,7 @@ impl Arrivals {
         self.on_the_way.push_back(ShownMessage { stamp: header(message).map_or(Time::ZERO, stamp), received });
     }
 
-    /// Takes note of an update. Returns the newest message that is shown since then, if one is.
+    /// Records an update. Returns the newest message that is shown since then, if one is.
     pub(crate) fn settle(&mut self, changed: bool, is_waiting: impl Fn(Time) -> bool) -> Option<ShownMessage> {
         let mut newest = None;
         self.on_the_way.retain(|message| {

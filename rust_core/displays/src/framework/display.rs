@@ -1,4 +1,4 @@
-//! What every display does.
+//! The contract of a display.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use rcs_transforms::Time;
 
 use crate::{Statuses, World};
 
-/// A topic that a display wants to hear.
+/// A topic that a display subscribes to.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct TopicRequest {
     /// The name as the config has it, not resolved or remapped.
@@ -29,7 +29,7 @@ impl TopicRequest {
 
 /// One display of a config.
 pub(crate) trait Display: Send {
-    /// What it listens to.
+    /// What it subscribes to.
     fn topics(&self) -> Vec<TopicRequest> {
         Vec::new()
     }
@@ -47,15 +47,15 @@ pub(crate) trait Display: Send {
         false
     }
 
-    /// Takes note that a publisher of one of its topics is gone.
+    /// A publisher of one of its topics is gone.
     fn publisher_left(&mut self, _topic: &str) {}
 
-    /// The ROS parameters that it wants to know, by their names in the config.
+    /// The ROS parameters that it reads, by their names in the config.
     fn parameters(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// Takes the text of one of its parameters; `None` while nobody has set it.
+    /// Takes the text of one of its parameters; `None` while it is not set.
     fn take_parameter(&mut self, _name: &str, _text: Option<&Arc<str>>, _world: &World<'_>) {}
 
     /// Brings what it shows up to date: places messages whose frames are known now, lets old things go, follows
@@ -73,6 +73,6 @@ pub(crate) trait Display: Send {
     /// Forgets all messages: the time jumped back, or the fixed frame changed.
     fn reset(&mut self) {}
 
-    /// How it does.
+    /// Its statuses.
     fn statuses(&self) -> &Statuses;
 }

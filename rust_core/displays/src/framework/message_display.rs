@@ -1,19 +1,16 @@
-//! Displays that make something of each message where its frame was at its stamp.
+//! Displays that draw each message where its frame was at its stamp.
 //!
 //! Reproduces what `rviz::MessageFilterDisplay` does for the small displays: a message waits for its frame, is checked,
 //! and is drawn at the place that its frame had at its stamp, wherever the frame goes afterwards. A message with a number
 //! that is NaN or infinite becomes an error, and what was shown before it stays.
 
-use std::sync::Arc;
-
 use nalgebra::Isometry3;
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{AnyMessage, MessageKind};
+use rcs_messages::{AnyMessage, TypedMessage};
 use rcs_scene::Drawable;
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
-use crate::framework::placed::Incoming;
+use crate::framework::waiting_messages::WaitingMessages;
 use crate::{Level, Statuses, World};
 
 /// A message has a number that is NaN or infinite.
@@ -23,17 +20,8 @@ pub(crate) struct InvalidFloats;
 
 /// What a display makes of its messages.
 pub(crate) trait MessageVisual: Send {
-    /// What it listens to.
-    type Message: Send + Sync;
-
-    /// The same, by name.
-    const KIND: MessageKind;
-
-    /// The message, if it is one of this type.
-    fn message(any: &AnyMessage) -> Option<&Arc<Self::Message>>;
-
-    /// The message's header.
-    fn header(message: &Self::Message) -> &Header;
+    /// The messages that it subscribes to.
+    type Message: TypedMessage;
 
     /// Shows a message whose frame stood there in the fixed frame at its stamp. Returns whether its drawables changed.
     ///
@@ -52,18 +40,18 @@ pub(crate) trait MessageVisual: Send {
 pub(crate) struct MessageDisplay<V: MessageVisual> {
     visual: V,
     topics: Vec<TopicRequest>,
-    incoming: Incoming<V::Message>,
+    incoming: WaitingMessages<V::Message>,
     statuses: Statuses,
 }
 
 impl<V: MessageVisual> MessageDisplay<V> {
-    /// A display that listens to a topic (none when it is empty); at most `queue_size` messages wait for their frames, 0
+    /// A display that subscribes to a topic (none when it is empty); at most `queue_size` messages wait for their frames, 0
     /// sets no limit.
     pub(crate) fn new(topic: &str, queue_size: u32, visual: V) -> Self {
         Self {
             visual,
-            topics: TopicRequest::new(topic, V::KIND, queue_size).into_iter().collect(),
-            incoming: Incoming::new(queue_size),
+            topics: TopicRequest::new(topic, V::Message::KIND, queue_size).into_iter().collect(),
+            incoming: WaitingMessages::new(queue_size),
             statuses: Statuses::default(),
         }
     }
@@ -81,8 +69,9 @@ impl<V: MessageVisual> Display for MessageDisplay<V> {
     }
 
     fn take(&mut self, message: &AnyMessage, _world: &World<'_>) {
-        if let Some(message) = V::message(message) {
-            self.incoming.push(V::header(message), message.clone(), &mut self.statuses);
+        let Some(message) = V::Message::from_any(message) else { return };
+        if let Some(header) = message.header() {
+            self.incoming.push(header, message.clone(), &mut self.statuses);
         }
     }
 
@@ -92,10 +81,11 @@ impl<V: MessageVisual> Display for MessageDisplay<V> {
 
     fn update(&mut self, world: &World<'_>) -> bool {
         let mut changed = false;
-        // The last message decides: each one that is good takes the complaint about those before it away.
+        // The last message decides: a good one clears the error of those before it.
         let mut last = Ok(());
         for message in self.incoming.take_ready(world, &mut self.statuses) {
-            let Ok(fixed_from_frame) = world.fixed_from_header(V::header(&message)) else { continue };
+            let fixed_from_frame = message.header().and_then(|header| world.fixed_from_header(header).ok());
+            let Some(fixed_from_frame) = fixed_from_frame else { continue };
             let shown = self.visual.show(&message, &fixed_from_frame);
             changed |= shown == Ok(true);
             last = shown.map(|_| ());
@@ -123,6 +113,8 @@ impl<V: MessageVisual> Display for MessageDisplay<V> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::classes::pose::PoseDisplay;
     use rcs_messages::geometry_msgs::PoseStamped;
@@ -163,14 +155,14 @@ mod tests {
         }
 
         fn place_robot(&mut self, secs: u32, x: f64) {
-            let said = RawTransform {
+            let transform = RawTransform {
                 parent: "map",
                 child: "robot",
                 stamp: Time::from_secs_nanos(secs, 0),
                 translation: [x, 0.0, 0.0],
                 rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
             };
-            self.tree.insert(&said, false, "/test").unwrap();
+            self.tree.insert(&transform, false, "/test").unwrap();
         }
 
         /// Where the y axis' foot stands along x.
@@ -218,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reset_display_shows_nothing_and_counts_anew() {
+    fn a_reset_display_shows_nothing_and_counts_from_zero() {
         let mut bench = Bench::new();
         bench.place_robot(1, 0.0);
         bench.send(1, 4.0);

@@ -1,7 +1,7 @@
-//! What is told of a display to somebody who cannot see rviz's tree.
+//! The statuses of a display for those who cannot see rviz's tree.
 //!
-//! A display says how it does with the messages that it has. What rviz says of every display with a topic before there is
-//! a message, and that there was none so far, is added here for all of them.
+//! A display has statuses about the messages that it has taken. What rviz reports of every display with a topic before the
+//! first message is added here for all of them.
 
 use std::borrow::Cow;
 
@@ -11,20 +11,20 @@ use crate::framework::display::Display;
 use crate::framework::set::ListedDisplay;
 use crate::{Level, ShownMessage, Statuses, TopicRequest};
 
-/// A display and how it does.
+/// A display and its statuses.
 #[derive(Clone, Debug)]
 pub struct DisplayReport<'a> {
     /// Its number, by which [`rcs_scene::DisplayMask`] and [`crate::DisplaySet::in_view`] know it.
     pub id: DisplayId,
     /// Which display it is.
     pub listed: &'a ListedDisplay,
-    /// What it listens to.
+    /// What it subscribes to.
     pub topics: Vec<TopicRequest>,
-    /// How many messages it was given since the start or the last jump in time.
+    /// How many messages it has taken since the start or the last jump in time.
     pub received: u64,
     /// The newest message that it shows.
     pub shown: Option<ShownMessage>,
-    /// How it does, its topic included.
+    /// Its statuses, that of its topic included.
     pub statuses: Cow<'a, Statuses>,
 }
 
@@ -45,7 +45,7 @@ impl<'a> DisplayReport<'a> {
     }
 }
 
-/// The status of a display's topic, where the display itself has none to give.
+/// The status of a display's topic, unless the display itself has one.
 fn topic_status(
     listed: &ListedDisplay,
     topics: &[TopicRequest],
@@ -53,7 +53,7 @@ fn topic_status(
     own: &Statuses,
 ) -> Option<(Level, String)> {
     if topics.is_empty() {
-        // A display without a topic listens to nothing; that is wrong only where its class has a topic.
+        // Without a topic nothing is subscribed to; that is wrong only for a class that has a topic.
         let has_no_topic = listed.topic.as_ref().is_some_and(String::is_empty) && own.get(Statuses::CLASS).is_none();
         return has_no_topic.then(|| (Level::Error, "Error subscribing: Empty topic name".to_owned()));
     }
@@ -88,7 +88,7 @@ Visualization Manager:
     - {Class: fancy/Hologram, Name: ghost, Enabled: true, Topic: /x}
 ";
 
-    fn said(displays: &DisplaySet) -> Vec<String> {
+    fn worst_statuses(displays: &DisplaySet) -> Vec<String> {
         let line = |report: DisplayReport<'_>| {
             let (name, status) = report.statuses.worst().unwrap();
             format!("{} | {name} | {:?} | {}", report.listed.path.join("/"), status.level, status.text)
@@ -97,7 +97,7 @@ Visualization Manager:
     }
 
     #[test]
-    fn every_display_with_a_topic_tells_whether_it_heard_something() {
+    fn every_display_with_a_topic_reports_whether_it_received_something() {
         let mut displays = DisplaySet::new(&rcs_rviz_config::parse(CONFIG, "test").unwrap());
         let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
         let world = World { transforms: &transforms, fixed_frame: "map", now: Time::ZERO, meshes: &meshes };
@@ -108,7 +108,7 @@ Visualization Manager:
             "grid | Transform | Ok | Transform OK",
             "group/ghost | Class | Error | The class required for this display could not be loaded.",
         ];
-        assert_eq!(said(&displays), [&[silent], &rest[..]].concat());
+        assert_eq!(worst_statuses(&displays), [&[silent], &rest[..]].concat());
 
         let mut path = nav_msgs::Path::default();
         path.header.frame_id = "arm".to_owned();
@@ -116,11 +116,11 @@ Visualization Manager:
         displays.take("/path", &path, &world);
         displays.update(&world);
         let waits = "path | Transform | Warn | For frame [arm]: Fixed Frame [map] does not exist";
-        assert_eq!(said(&displays), [&[waits], &rest[..]].concat());
-        let heard = displays.reports().next().unwrap();
-        assert_eq!(heard.statuses.get(Statuses::TOPIC).unwrap().text, "1 messages received");
+        assert_eq!(worst_statuses(&displays), [&[waits], &rest[..]].concat());
+        let report = displays.reports().next().unwrap();
+        assert_eq!(report.statuses.get(Statuses::TOPIC).unwrap().text, "1 messages received");
 
         displays.reset();
-        assert_eq!(said(&displays)[0], silent);
+        assert_eq!(worst_statuses(&displays)[0], silent);
     }
 }

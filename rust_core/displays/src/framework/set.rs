@@ -7,41 +7,17 @@ use std::time::Instant;
 use nalgebra::Vector3;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::{
-    CameraPubSettings, CloudSettings, Config, DisplayConfig, DisplaySettings, PlacedDisplay, ViewConfig, Visibility,
+    CameraPubSettings, Config, DisplayConfig, DisplaySettings, PlacedDisplay, ViewConfig, Visibility,
 };
 use rcs_scene::{Camera, DirectionalLight, DisplayId, DisplayMask, Scene};
 use rcs_transforms::Time;
 
-use crate::classes::axes::AxesDisplay;
-use crate::classes::depth_cloud::DepthCloudDisplay;
-use crate::classes::effort::EffortDisplay;
-use crate::classes::grid::GridDisplay;
-use crate::classes::grid_cells::GridCellsDisplay;
-use crate::classes::interactive_markers::InteractiveMarkersDisplay;
-use crate::classes::laser_scan::LaserScanSource;
-use crate::classes::map::MapDisplay;
-use crate::classes::marker::MarkerDisplay;
-use crate::classes::not_drawn::NotDrawnDisplay;
-use crate::classes::odometry::OdometryDisplay;
-use crate::classes::path::PathDisplay;
-use crate::classes::point_cloud::PointCloudSource;
-use crate::classes::point_cloud2::PointCloud2Source;
-use crate::classes::point_stamped::PointStampedDisplay;
-use crate::classes::polygon::PolygonDisplay;
-use crate::classes::pose::PoseDisplay;
-use crate::classes::pose_array::PoseArrayDisplay;
-use crate::classes::pose_with_covariance::PoseWithCovarianceDisplay;
-use crate::classes::range::RangeDisplay;
-use crate::classes::robot_model::RobotModelDisplay;
-use crate::classes::scalar::{FluidPressureSource, IlluminanceSource, RelativeHumiditySource, TemperatureSource};
-use crate::classes::screw::ScrewDisplay;
-use crate::classes::tf::TfDisplay;
+use crate::classes::create;
 use crate::framework::arrivals::{Arrivals, ShownMessage};
 use crate::framework::display::Display;
 use crate::framework::in_view::InView;
-use crate::framework::recall::Recall;
+use crate::framework::message_cache::MessageCache;
 use crate::framework::report::DisplayReport;
-use crate::parts::cloud::{CloudDisplay, CloudSource};
 use crate::{TopicRequest, World};
 
 /// A camera of a config: an enabled CameraPub display.
@@ -68,55 +44,6 @@ pub struct ListedDisplay {
     pub topic: Option<String>,
 }
 
-/// The one place where a display class becomes a display. `None` for what is no display in the scene: groups and cameras.
-fn create(id: DisplayId, settings: &DisplaySettings) -> Option<Box<dyn Display>> {
-    Some(match settings {
-        DisplaySettings::PointCloud2(settings) => clouds::<PointCloud2Source>(id, settings),
-        DisplaySettings::PointCloud(settings) => clouds::<PointCloudSource>(id, settings),
-        DisplaySettings::LaserScan(settings) => clouds::<LaserScanSource>(id, settings),
-        DisplaySettings::FluidPressure(settings) => clouds::<FluidPressureSource>(id, settings),
-        DisplaySettings::Illuminance(settings) => clouds::<IlluminanceSource>(id, settings),
-        DisplaySettings::RelativeHumidity(settings) => clouds::<RelativeHumiditySource>(id, settings),
-        DisplaySettings::Temperature(settings) => clouds::<TemperatureSource>(id, settings),
-        DisplaySettings::GridCells(settings) => Box::new(GridCellsDisplay::new(id, settings.clone())),
-        DisplaySettings::Range(settings) => Box::new(RangeDisplay::new(id, settings.clone())),
-        DisplaySettings::Grid(settings) => Box::new(GridDisplay::new(id, settings.clone())),
-        DisplaySettings::Axes(settings) => Box::new(AxesDisplay::new(id, settings.clone())),
-        DisplaySettings::Marker(settings) => Box::new(MarkerDisplay::single(id, settings.clone())),
-        DisplaySettings::MarkerArray(settings) => Box::new(MarkerDisplay::array(id, settings.clone())),
-        DisplaySettings::Path(settings) => Box::new(PathDisplay::new(id, settings.clone())),
-        DisplaySettings::WrenchStamped(settings) => {
-            Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::WrenchStamped))
-        }
-        DisplaySettings::TwistStamped(settings) => {
-            Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::TwistStamped))
-        }
-        DisplaySettings::AccelStamped(settings) => {
-            Box::new(ScrewDisplay::new(id, settings.clone(), MessageKind::AccelStamped))
-        }
-        DisplaySettings::Tf(settings) => Box::new(TfDisplay::new(id, settings.clone())),
-        DisplaySettings::Odometry(settings) => Box::new(OdometryDisplay::of(id, settings)),
-        DisplaySettings::PointStamped(settings) => Box::new(PointStampedDisplay::of(id, settings)),
-        DisplaySettings::Polygon(settings) => Box::new(PolygonDisplay::of(id, settings)),
-        DisplaySettings::Pose(settings) => Box::new(PoseDisplay::of(id, settings)),
-        DisplaySettings::PoseArray(settings) => Box::new(PoseArrayDisplay::of(id, settings)),
-        DisplaySettings::PoseWithCovariance(settings) => Box::new(PoseWithCovarianceDisplay::of(id, settings)),
-        DisplaySettings::InteractiveMarkers(settings) => Box::new(InteractiveMarkersDisplay::new(id, settings.clone())),
-        DisplaySettings::DepthCloud(settings) => Box::new(DepthCloudDisplay::new(id, settings.clone())),
-        DisplaySettings::Map(settings) => Box::new(MapDisplay::new(id, settings.clone())),
-        DisplaySettings::Image(_) | DisplaySettings::Camera(_) => Box::new(NotDrawnDisplay::of_window()),
-        DisplaySettings::NotDrawn { known, .. } => Box::new(NotDrawnDisplay::new(*known)),
-        DisplaySettings::RobotModel(settings) => Box::new(RobotModelDisplay::new(id, settings.clone())),
-        DisplaySettings::Effort(settings) => Box::new(EffortDisplay::new(id, settings.clone())),
-        DisplaySettings::Group(_) | DisplaySettings::CameraPub(_) => return None,
-    })
-}
-
-/// A display of clouds that come from messages of a type.
-fn clouds<S: CloudSource + 'static>(id: DisplayId, settings: &CloudSettings) -> Box<dyn Display> {
-    Box::new(CloudDisplay::<S>::new(id, settings.clone()))
-}
-
 struct Entry {
     /// Stays as long as the display does, whatever is listed around it.
     id: DisplayId,
@@ -134,21 +61,37 @@ struct Entry {
 pub struct Reconfigured {
     /// How many displays stay as they are, with all that they show.
     pub kept: usize,
-    /// How many were made, for they are new or have other settings.
-    pub made: usize,
-    /// How many are gone, those with other settings now included.
-    pub gone: usize,
+    /// How many were added, those with other settings than before included.
+    pub added: usize,
+    /// How many were removed, those with other settings now included.
+    pub removed: usize,
 }
 
 /// The enabled displays of a config, in its order.
+///
+/// ```
+/// use rcs_displays::{DisplaySet, World};
+/// use rcs_resources::{MeshStore, PackageIndex};
+/// use rcs_transforms::{Time, TransformTree};
+///
+/// let text = "Visualization Manager: {Displays: [{Class: rviz/Grid, Name: floor, Enabled: true}]}";
+/// let mut displays = DisplaySet::new(&rcs_rviz_config::parse(text, "scene.rviz")?);
+/// let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
+/// let world = World { transforms: &transforms, fixed_frame: "map", now: Time::ZERO, meshes: &meshes };
+///
+/// // Messages go to `take`, each with the name of its topic in the config; then an update brings the scene up to date.
+/// assert!(displays.update(&world));
+/// assert_eq!(displays.scene().drawables.len(), 1);
+/// # Ok::<(), rcs_rviz_config::ConfigError>(())
+/// ```
 pub struct DisplaySet {
     entries: Vec<Entry>,
     cameras: Vec<CameraView>,
     /// rviz's main view, where the default light is on.
     lit_by: Option<ViewConfig>,
     light: Option<DirectionalLight>,
-    recall: Recall,
-    /// What the last update brought to be seen.
+    message_cache: MessageCache,
+    /// The displays that the last update made show another message.
     newly_shown: Vec<(DisplayId, ShownMessage)>,
 }
 
@@ -167,25 +110,25 @@ impl DisplaySet {
             cameras: Vec::new(),
             lit_by: None,
             light: None,
-            recall: Recall::default(),
+            message_cache: MessageCache::default(),
             newly_shown: Vec::new(),
         };
         set.arrange(config);
         set
     }
 
-    /// Goes over to another config. A display of the same class, name, groups and settings stays as it is; another one
-    /// is made anew and told what was heard last on its topics.
+    /// Applies another config. A display of the same class, name, groups and settings stays as it is; another one
+    /// is made anew and gets the last messages of its topics.
     pub fn reconfigure(&mut self, config: &Config, world: &World<'_>) -> Reconfigured {
         let before = self.entries.len();
-        let made = self.arrange(config);
-        for entry in self.entries.iter_mut().filter(|entry| made.contains(&entry.id)) {
-            tell_parameters(entry, &self.recall, world);
-            tell_messages(entry, &self.recall, world);
+        let added = self.arrange(config);
+        for entry in self.entries.iter_mut().filter(|entry| added.contains(&entry.id)) {
+            hand_over_parameters(entry, &self.message_cache, world);
+            hand_over_messages(entry, &self.message_cache, world);
         }
-        self.recall.limit_to(&self.topics(), &self.parameters());
-        let kept = self.entries.len() - made.len();
-        Reconfigured { kept, made: made.len(), gone: before - kept }
+        self.message_cache.limit_to(&self.topics(), &self.parameters());
+        let kept = self.entries.len() - added.len();
+        Reconfigured { kept, added: added.len(), removed: before - kept }
     }
 
     /// Makes the enabled displays of a config, out of those that there are where they fit. Returns which are new.
@@ -202,7 +145,7 @@ impl DisplaySet {
         let found: Vec<_> = enabled.map(|placed| (placed, fits(&placed.path, placed.display))).collect();
         let used: HashSet<DisplayId> = found.iter().filter_map(|(_, entry)| Some(entry.as_ref()?.id)).collect();
         let mut free = (0..).filter(|id| !used.contains(id));
-        let mut made = Vec::new();
+        let mut added = Vec::new();
         for (placed, entry) in found {
             let new = || {
                 let id = free.next()?;
@@ -212,7 +155,7 @@ impl DisplaySet {
                     class: placed.display.class.clone(),
                     topic: placed.display.topic_setting().map(str::to_owned),
                 };
-                made.push(id);
+                added.push(id);
                 let (settings, arrivals) = (placed.display.settings.clone(), Arrivals::default());
                 Some(Entry { id, listed, settings, display, received: 0, arrivals })
             };
@@ -220,7 +163,7 @@ impl DisplaySet {
         }
         self.cameras = placed.iter().filter(|placed| placed.enabled).filter_map(|camera| self.camera(camera)).collect();
         self.lit_by = config.global.default_light.then(|| config.view.clone());
-        made
+        added
     }
 
     fn camera(&self, placed: &PlacedDisplay<'_>) -> Option<CameraView> {
@@ -244,7 +187,7 @@ impl DisplaySet {
         &self.cameras
     }
 
-    /// What the displays listen to; a topic that several want stands here once, with the longest of their queues.
+    /// What the displays subscribe to; a topic of several displays stands here once, with the longest of their queues.
     pub fn topics(&self) -> Vec<TopicRequest> {
         let mut topics: Vec<TopicRequest> = Vec::new();
         for request in self.entries.iter().flat_map(|entry| entry.display.topics()) {
@@ -261,8 +204,8 @@ impl DisplaySet {
         self.take_received(topic, message, None, world);
     }
 
-    /// As [`take`](Self::take), with the moment when the message was received: [`newly_shown`](Self::newly_shown) tells
-    /// it again.
+    /// As [`take`](Self::take), with the moment when the message was received, which [`newly_shown`](Self::newly_shown)
+    /// returns.
     pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, world: &World<'_>) {
         let mut wanted = false;
         for entry in &mut self.entries {
@@ -275,11 +218,11 @@ impl DisplaySet {
             }
         }
         if wanted {
-            self.recall.keep(topic, message, world.now);
+            self.message_cache.keep(topic, message, world.now);
         }
     }
 
-    /// The names of the ROS parameters that the displays want to know, each once.
+    /// The names of the ROS parameters that the displays read, each once.
     pub fn parameters(&self) -> Vec<String> {
         let mut names: Vec<String> = self.entries.iter().flat_map(|entry| entry.display.parameters()).collect();
         names.sort();
@@ -287,9 +230,9 @@ impl DisplaySet {
         names
     }
 
-    /// Hands the text of a parameter to the displays that want it; `None` while nobody has set it.
+    /// Hands the text of a parameter to the displays that read it; `None` while it is not set.
     pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
-        self.recall.keep_parameter(name, text);
+        self.message_cache.keep_parameter(name, text);
         for entry in &mut self.entries {
             if entry.display.parameters().iter().any(|wanted| wanted == name) {
                 entry.display.take_parameter(name, text, world);
@@ -297,7 +240,7 @@ impl DisplaySet {
         }
     }
 
-    /// Tells the displays that listen to a topic (by the name in the config) that a publisher of it is gone.
+    /// Tells the displays that subscribe to a topic (by the name in the config) that one of its publishers is gone.
     pub fn publisher_left(&mut self, topic: &str) {
         for entry in &mut self.entries {
             if entry.display.topics().iter().any(|request| request.topic == topic) {
@@ -340,7 +283,7 @@ impl DisplaySet {
     }
 
     /// Whether anything of a display lies in a camera's view, since the last update. [`InView::Empty`] for an id that no
-    /// display has. Meant for reports: a cloud outside the view takes a look at each of its points.
+    /// display has. Meant for reports: for a cloud outside the view it reads all points.
     pub fn in_view(&self, display: DisplayId, camera: &Camera) -> InView {
         let entry = self.entries.iter().find(|entry| entry.id == display);
         entry.map_or(InView::Empty, |entry| InView::of(entry.display.drawables(), camera))
@@ -348,7 +291,7 @@ impl DisplaySet {
 
     /// Forgets all messages.
     pub fn reset(&mut self) {
-        self.recall.forget_messages();
+        self.message_cache.forget_messages();
         for entry in &mut self.entries {
             entry.received = 0;
             entry.arrivals.clear();
@@ -356,17 +299,17 @@ impl DisplaySet {
         }
     }
 
-    /// Places everything anew: the fixed frame is another one.
+    /// Places everything in another fixed frame.
     pub fn place_anew(&mut self, world: &World<'_>) {
         for entry in &mut self.entries {
             entry.display.reset();
             entry.received = 0;
             entry.arrivals.clear();
-            tell_messages(entry, &self.recall, world);
+            hand_over_messages(entry, &self.message_cache, world);
         }
     }
 
-    /// How each display does, those of classes that are not drawn among them.
+    /// The statuses of each display, those of classes that are not drawn included.
     pub fn reports(&self) -> impl Iterator<Item = DisplayReport<'_>> {
         self.entries.iter().map(|entry| {
             let shown = entry.arrivals.shown();
@@ -379,18 +322,18 @@ fn owned(path: &[&str]) -> Vec<String> {
     path.iter().map(|name| (*name).to_owned()).collect()
 }
 
-/// Tells a display its parameters.
-fn tell_parameters(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
+/// Hands a display its parameters.
+fn hand_over_parameters(entry: &mut Entry, cache: &MessageCache, world: &World<'_>) {
     for name in entry.display.parameters() {
-        if let Some(text) = recall.parameter(&name) {
+        if let Some(text) = cache.parameter(&name) {
             entry.display.take_parameter(&name, text, world);
         }
     }
 }
 
-/// Tells a display what was heard on its topics.
-fn tell_messages(entry: &mut Entry, recall: &Recall, world: &World<'_>) {
-    for (topic, message) in recall.messages(&entry.display.topics(), world.now) {
+/// Hands a display the last messages of its topics.
+fn hand_over_messages(entry: &mut Entry, cache: &MessageCache, world: &World<'_>) {
+    for (topic, message) in cache.messages(&entry.display.topics(), world.now) {
         entry.received += 1;
         entry.arrivals.note(&message, None);
         entry.display.take_from(topic, &message, world);
@@ -444,7 +387,7 @@ mod tests {
         AnyMessage::Path(Arc::new(path))
     }
 
-    /// Runs a test with a set of a config's displays that has heard a path, and the world that it is in.
+    /// Runs a test with a set of a config's displays that has received a path, and the world that it is in.
     fn with_set(first: &str, test: impl FnOnce(DisplaySet, World<'_>)) {
         let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
         let world =
@@ -459,8 +402,8 @@ mod tests {
     fn a_display_that_stays_keeps_what_it_shows_wherever_it_is_listed() {
         with_set(&format!("{PATH}{CAMERA}"), |mut set, world| {
             let changed = set.reconfigure(&config(&format!("{GRID}{CAMERA}{PATH}")), &world);
-            assert_eq!(changed, Reconfigured { kept: 1, made: 1, gone: 0 });
-            // Without an update: nothing is placed anew.
+            assert_eq!(changed, Reconfigured { kept: 1, added: 1, removed: 0 });
+            // Before the next update, so nothing was placed again.
             let everything = DisplayMask::all();
             let paths = shown(&set, &everything);
             assert_eq!(paths.len(), 1);
@@ -476,7 +419,7 @@ mod tests {
     fn a_display_with_other_settings_shows_the_last_message_in_them() {
         with_set(&format!("{PATH}{GRID}"), |mut set, world| {
             let changed = set.reconfigure(&config(&format!("{RED_PATH}{GRID}")), &world);
-            assert_eq!(changed, Reconfigured { kept: 1, made: 1, gone: 1 });
+            assert_eq!(changed, Reconfigured { kept: 1, added: 1, removed: 1 });
             set.update(&world);
             assert!(!shown(&set, &set.mask(&hiding("grid"))).is_empty());
         });
@@ -490,21 +433,21 @@ mod tests {
     }
 
     #[test]
-    fn a_display_that_was_switched_off_is_told_the_last_message_only_while_its_topic_is_heard() {
+    fn a_display_that_was_switched_off_gets_no_message_from_before() {
         with_set(PATH, |mut set, world| {
             let off = PATH.replace("true", "false");
-            assert_eq!(set.reconfigure(&config(&off), &world), Reconfigured { kept: 0, made: 0, gone: 1 });
+            assert_eq!(set.reconfigure(&config(&off), &world), Reconfigured { kept: 0, added: 0, removed: 1 });
             assert!(set.topics().is_empty());
-            assert_eq!(set.reconfigure(&config(PATH), &world), Reconfigured { kept: 0, made: 1, gone: 0 });
+            assert_eq!(set.reconfigure(&config(PATH), &world), Reconfigured { kept: 0, added: 1, removed: 0 });
             set.update(&world);
-            assert!(shown(&set, &DisplayMask::all()).is_empty(), "it hears what its topic says from now on");
+            assert!(shown(&set, &DisplayMask::all()).is_empty(), "it gets the messages from now on");
             assert_eq!(set.topics()[0].kind, MessageKind::Path);
         });
     }
 
-    /// rviz shows Axes to every camera, whatever its tick boxes say.
+    /// rviz shows Axes to every camera, whatever its tick boxes.
     #[test]
-    fn axes_are_hidden_where_a_tick_box_says_so() {
+    fn axes_are_hidden_by_their_tick_box() {
         let axes = "  - {Class: rviz/Axes, Name: axes, Enabled: true}\n";
         with_set(&format!("{axes}{GRID}"), |set, _| {
             let with_axes = shown(&set, &DisplayMask::all());
@@ -535,8 +478,8 @@ mod tests {
             set.take("/c", &AnyMessage::PointCloud2(Arc::new(points)), &world);
             set.update(&world);
             let report = set.reports().next().unwrap();
-            let said = report.statuses.get("Points").map(|status| (status.level, status.text.as_str()));
-            assert_eq!(said, Some((Level::Ok, "Showing 1 points, 2 without a finite position left out")));
+            let status = report.statuses.get("Points").map(|status| (status.level, status.text.as_str()));
+            assert_eq!(status, Some((Level::Ok, "Showing 1 points, 2 without a finite position left out")));
         });
     }
 
@@ -562,14 +505,14 @@ mod tests {
         transforms.insert(&place, true, "/a").unwrap();
         let shown = ShownMessage { stamp, received };
         assert_eq!(news(&transforms, None), (vec![(0, shown)], Some(shown)));
-        assert_eq!(news(&transforms, None), (Vec::new(), Some(shown)), "told once");
+        assert_eq!(news(&transforms, None), (Vec::new(), Some(shown)), "reported once");
     }
 
     #[test]
     fn equal_displays_are_kept_one_for_one() {
         with_set(&format!("{GRID}{GRID}"), |mut set, world| {
             let changed = set.reconfigure(&config(&format!("{GRID}{GRID}{GRID}")), &world);
-            assert_eq!(changed, Reconfigured { kept: 2, made: 1, gone: 0 });
+            assert_eq!(changed, Reconfigured { kept: 2, added: 1, removed: 0 });
             let ids: HashSet<DisplayId> = set.entries.iter().map(|entry| entry.id).collect();
             assert_eq!(ids.len(), 3);
         });

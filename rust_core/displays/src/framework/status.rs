@@ -57,13 +57,23 @@ impl From<&str> for StatusText {
 pub struct Status {
     /// How bad it is.
     pub level: Level,
-    /// What is the matter, in rviz's words.
+    /// The text, in rviz's words.
     pub text: String,
     /// What it is about.
     pub cause: StatusCause,
 }
 
 /// A display's statuses by name (`Topic`, `Transform`, `Message`, …).
+///
+/// ```
+/// use rcs_displays::{Level, Statuses};
+///
+/// let mut statuses = Statuses::default();
+/// statuses.set(Level::Ok, Statuses::TRANSFORM, "Transform OK");
+/// statuses.set(Level::Warn, Statuses::TOPIC, "No messages received");
+/// assert_eq!(statuses.level(), Level::Warn);
+/// assert_eq!(statuses.worst().map(|(name, _)| name), Some("Topic"));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Statuses {
     by_name: BTreeMap<String, Status>,

@@ -1,4 +1,4 @@
-//! What displays need to know of the world to place what they show.
+//! The frames, the time and the files that displays draw with.
 
 use nalgebra::Isometry3;
 use rcs_messages::std_msgs::Header;
@@ -7,6 +7,22 @@ use rcs_resources::MeshStore;
 use rcs_transforms::{LookupError, Time, TransformTree};
 
 /// The frames, the time and the files that displays draw with.
+///
+/// ```
+/// use rcs_displays::World;
+/// use rcs_resources::{MeshStore, PackageIndex};
+/// use rcs_transforms::{RawTransform, Time, TransformTree};
+///
+/// let mut transforms = TransformTree::new();
+/// let (translation, rotation_xyzw) = ([0.0, 0.0, 1.5], [0.0, 0.0, 0.0, 1.0]);
+/// let camera = RawTransform { parent: "map", child: "camera", stamp: Time::ZERO, translation, rotation_xyzw };
+/// transforms.insert(&camera, true, "/static_transform_publisher").expect("a transform with finite numbers");
+/// let meshes = MeshStore::new(PackageIndex::new([]));
+/// let world = World { transforms: &transforms, fixed_frame: "map", now: Time::ZERO, meshes: &meshes };
+///
+/// let fixed_from_camera = world.fixed_from("camera", Time::ZERO).expect("a frame of the tree");
+/// assert_eq!(fixed_from_camera.translation.z, 1.5);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct World<'a> {
     /// Where frames are.

@@ -54,7 +54,11 @@ impl CameraPubSettings {
         section.count("Queue Size", 1, &mut settings.queue_size);
         section.float("Frame Rate", at_least(-1.0), &mut settings.frame_rate_hz);
         section.color("Background Color", &mut settings.background_color);
-        section.choice("Image Encoding", &Encoding::ALL.map(|encoding| (encoding.name(), encoding)), &mut settings.image_encoding);
+        section.choice(
+            "Image Encoding",
+            &Encoding::ALL.map(|encoding| (encoding.name(), encoding)),
+            &mut settings.image_encoding,
+        );
         section.float("Near Clip Distance", at_least(0.01), &mut settings.near_clip_m);
         settings.visibility = Visibility::read(section.child("Visibility"));
         settings

@@ -249,7 +249,7 @@ impl CloudSettings {
         Self::read_over(section, Self::temperature_default())
     }
 
-    /// Reads the properties; what the section does not say is as in `defaults`.
+    /// Reads the properties; what the section lacks is as in `defaults`.
     fn read_over(section: &mut Section<'_>, defaults: Self) -> Self {
         let mut settings = defaults;
         settings.read_points(section);

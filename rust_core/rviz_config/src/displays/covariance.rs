@@ -50,7 +50,7 @@ pub struct PositionCovarianceSettings {
 pub struct OrientationCovarianceSettings {
     /// Along whose axes.
     pub frame: CovarianceFrame,
-    /// How the axes are told apart.
+    /// How the axes are coloured.
     pub color_style: CovarianceColorStyle,
     /// Red, green and blue of [`CovarianceColorStyle::Unique`].
     pub color: [u8; 3],

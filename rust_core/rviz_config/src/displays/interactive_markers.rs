@@ -56,7 +56,7 @@ impl InteractiveMarkersSettings {
     }
 }
 
-/// Tells the displays with which tool of the list under `Tools` rviz starts.
+/// Sets in the displays with which tool of the list under `Tools` rviz starts.
 pub(crate) fn apply_tools(displays: &mut [DisplayConfig], tools: Option<&Node>) {
     let class_of = |tool: &Node| match tool.get("Class").map(|class| &class.content) {
         Some(Content::Scalar(class)) => Some(class.clone()),

@@ -33,7 +33,7 @@ impl MarkerSettings {
         MarkerSettings { topic: "visualization_marker_array".to_owned(), ..MarkerSettings::default() }
     }
 
-    /// Whether the markers of `namespace` are shown: yes, unless the config says no.
+    /// Whether the markers of `namespace` are shown: yes, unless the config switches it off.
     pub fn shows_namespace(&self, namespace: &str) -> bool {
         self.namespaces.get(namespace).copied().unwrap_or(true)
     }

@@ -182,7 +182,7 @@ pub struct DisplayConfig {
     /// Its class as the file writes it, such as `rviz/PointCloud2`; empty when it has none.
     pub class: String,
     /// Its own tick box. A display inside a group is drawn only if all groups around it are enabled as well. A
-    /// display that says nothing is not enabled, as in rviz.
+    /// display without either key is not enabled, as in rviz.
     pub enabled: bool,
     /// The line at which the display begins, from 1.
     pub line: usize,
@@ -255,8 +255,7 @@ fn read_display(node: &Node, group_path: &str, report: &Report) -> DisplayConfig
     let mut enabled = false;
     section.bool("Value", &mut enabled);
     section.bool("Enabled", &mut enabled);
-    let settings =
-        read_class(&class, &mut section).unwrap_or_else(|| read_unknown(&class, node.line, &mut section));
+    let settings = read_class(&class, &mut section).unwrap_or_else(|| read_unknown(&class, node.line, &mut section));
     section.finish();
     DisplayConfig { name, class, enabled, line: node.line, settings }
 }

@@ -19,13 +19,7 @@ pub struct RangeSettings {
 
 impl Default for RangeSettings {
     fn default() -> Self {
-        RangeSettings {
-            topic: String::new(),
-            queue_size: 10,
-            color: [255, 255, 255],
-            alpha: 0.5,
-            buffer_length: 1,
-        }
+        RangeSettings { topic: String::new(), queue_size: 10, color: [255, 255, 255], alpha: 0.5, buffer_length: 1 }
     }
 }
 

@@ -21,9 +21,9 @@ pub struct TfSettings {
     pub marker_scale: f32,
     /// Opacity of the axes, 0 to 1; names and arrows stay opaque.
     pub marker_alpha: f32,
-    /// Seconds between two looks at the frames, at least 0; 0 looks whenever something changed.
+    /// Seconds between two updates of the frames, at least 0; 0 updates whenever something changed.
     pub update_interval_s: f32,
-    /// Seconds after which a frame is gone that nothing was heard of, at least 1. It turns grey in the second third of
+    /// Seconds without news after which a frame disappears, at least 1. It turns grey in the second third of
     /// that time and fades away in the last one.
     pub frame_timeout_s: f32,
     /// The frames that the list "Frames" switches off.

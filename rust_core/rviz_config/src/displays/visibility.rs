@@ -9,6 +9,12 @@ use std::collections::BTreeMap;
 use crate::section::Section;
 
 /// A tick box of a camera's Visibility, with those below it.
+///
+/// ```
+/// let mut visibility = rcs_rviz_config::Visibility::default();
+/// visibility.set(&["robot", "frames"], false);
+/// assert!(!visibility.shows(&["robot", "frames"]) && visibility.shows(&["robot", "model"]));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Visibility {
     /// Whether this box is ticked.

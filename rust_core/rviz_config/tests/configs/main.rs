@@ -26,8 +26,3 @@ fn settings(config: &Config) -> &DisplaySettings {
 fn messages(config: &Config) -> Vec<String> {
     config.findings.iter().map(ToString::to_string).collect()
 }
-
-fn not_understood(config: &Config) -> Vec<String> {
-    let findings = config.findings.iter();
-    findings.filter(|finding| finding.is_not_understood()).map(ToString::to_string).collect()
-}

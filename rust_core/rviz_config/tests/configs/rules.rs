@@ -1,6 +1,7 @@
 //! What is reported of keys, values and classes that are not as rviz writes them.
 
-use rcs_rviz_config::{parse, DisplaySettings, FindingKind, GridSettings, LineStyle, PointStyle};
+use rcs_rviz_config::{parse, DisplaySettings, FindingKind, GridSettings, LineStyle};
+use rcs_scene::PointStyle;
 
 use super::{messages, settings, with_display, FIRST_LINE};
 
@@ -32,7 +33,8 @@ fn text_that_is_no_number_counts_as_zero() {
     let DisplaySettings::PointCloud2(cloud) = settings(&config) else {
         panic!("a PointCloud2");
     };
-    assert_eq!((cloud.alpha, cloud.size_m, cloud.queue_size), (0.0, 0.0001, 0));
+    let style = PointStyle::FlatSquares { side_m: 0.0001 };
+    assert_eq!((cloud.alpha, cloud.style, cloud.queue_size), (0.0, style, 0));
     assert_eq!((cloud.intensity.min, cloud.decay_time_secs), (0.0, f32::MAX));
 }
 
@@ -49,7 +51,7 @@ fn an_unknown_choice_is_the_first_of_the_list() {
     let DisplaySettings::PointCloud2(cloud) = settings(&config) else {
         panic!("a PointCloud2");
     };
-    assert_eq!((cloud.style, cloud.color_transformer), (PointStyle::Points, None));
+    assert_eq!((cloud.style, cloud.color_transformer), (PointStyle::Points { diameter_px: 3.0 }, None));
 }
 
 #[test]
@@ -93,9 +95,9 @@ fn an_unknown_key_is_reported_with_its_line_at_any_depth() {
 fn an_unknown_class_is_reported_once_and_its_keys_are_not() {
     let config = with_display("moveit_rviz_plugin/MotionPlanning", "Topic: /plan\nMove Group: {A: 1}");
     assert_eq!(messages(&config), ["line 3: Displays / it: unknown class moveit_rviz_plugin/MotionPlanning"]);
-    assert!(config.findings[0].is_not_understood() && !config.displays[0].is_drawn());
+    assert!(!config.displays[0].is_drawn());
     assert_eq!(config.displays[0].topic(), Some("/plan"));
-    assert!(matches!(settings(&config), DisplaySettings::NotDrawn { known: false, .. }));
+    assert!(matches!(settings(&config), DisplaySettings::Unknown { .. }));
     let config = parse("Visualization Manager: {Displays: [{Name: x}]}", "t").unwrap();
     assert_eq!(messages(&config), ["line 1: Displays / x: no class named"]);
 }

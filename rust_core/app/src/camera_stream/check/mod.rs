@@ -4,7 +4,7 @@ pub mod live;
 
 use std::io::{self, Write};
 
-use rcs_rviz_config::{Config, DisplaySettings};
+use rcs_rviz_config::{Config, Role};
 
 /// Prints each display and each finding, and tells whether all was understood.
 ///
@@ -14,14 +14,13 @@ pub fn print(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
     writeln!(out, "{}: fixed frame {}", config.source, config.global.fixed_frame)?;
     for placed in config.placed_displays() {
         let display = placed.display;
-        let drawn = match (&display.settings, placed.enabled) {
+        let drawn = match (display.settings.role(), placed.enabled) {
             (_, false) => "disabled",
-            (DisplaySettings::CameraPub(_), _) => "camera",
-            (DisplaySettings::Group(_), _) => "group",
-            (DisplaySettings::Image(_) | DisplaySettings::Camera(_), _) => "window only",
-            (DisplaySettings::NotDrawn { known: true, .. }, _) => "not drawn yet",
-            (DisplaySettings::NotDrawn { known: false, .. }, _) => "not drawn: unknown class",
-            _ => "drawn",
+            (Role::Camera, _) => "camera",
+            (Role::Group, _) => "group",
+            (Role::Window, _) => "window only",
+            (Role::Unknown, _) => "not drawn: unknown class",
+            (Role::Scene, _) => "drawn",
         };
         let class = if display.class.is_empty() { "(no class)" } else { &display.class };
         write!(out, "  line {:>4}  {:<28}  {:<14}  {}", display.line, class, drawn, placed.path.join(" / "))?;
@@ -33,5 +32,5 @@ pub fn print(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
     for finding in &config.findings {
         writeln!(out, "{}: {finding}", config.source)?;
     }
-    Ok(!config.findings.iter().any(rcs_rviz_config::Finding::is_not_understood))
+    Ok(config.findings.is_empty())
 }

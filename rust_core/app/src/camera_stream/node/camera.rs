@@ -22,7 +22,6 @@ use super::pace::{Pace, Published};
 use super::parameters::{ros_name, switches, unique, Switch};
 use super::tuning::Tuning;
 use crate::camera_stream::camera_pose::{rviz_differs, CameraProblem, Projection};
-use crate::camera_stream::offline::encoding;
 use crate::camera_stream::report::{self, Subject};
 use crate::camera_stream::stage::Stage;
 use crate::logging::one_line;
@@ -410,7 +409,7 @@ impl CameraOutput {
                 camera: &camera,
                 visible: &self.view.visible,
                 background: self.view.settings.background_color,
-                encoding: encoding(&self.view),
+                encoding: self.view.settings.image_encoding,
             };
             renderer.submit(&view)?;
             self.in_flight = Some(Drawing { scene_version, camera, info });

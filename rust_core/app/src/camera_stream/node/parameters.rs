@@ -10,8 +10,8 @@ use rcs_messages::dynamic_reconfigure::{
     BoolParameter, Config as Values, ConfigDescription, DoubleParameter, Group, GroupState, IntParameter,
     ParamDescription, StrParameter,
 };
-use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings, ImageEncoding, Visibility};
-use rcs_scene::FAR_CLIP_M;
+use rcs_rviz_config::{CameraPubSettings, Config, Role, Visibility};
+use rcs_scene::{Encoding, FAR_CLIP_M};
 
 const FRAME_RATE: &str = "frame_rate";
 const BACKGROUND: [&str; 3] = ["background_red", "background_green", "background_blue"];
@@ -28,7 +28,7 @@ pub(super) struct Parameters {
     /// Pictures a second; below 0 on change, 0 on trigger.
     frame_rate_hz: f64,
     background: [u8; 3],
-    encoding: ImageEncoding,
+    encoding: Encoding,
     near_clip_m: f64,
     visibility: Visibility,
 }
@@ -68,22 +68,16 @@ pub(super) fn switches(config: &Config) -> Vec<Switch> {
     let (mut names, mut paths, mut switches) = (HashSet::new(), HashSet::new(), Vec::new());
     for placed in config.placed_displays() {
         let display = placed.display;
-        let draws_nothing = matches!(
-            display.settings,
-            DisplaySettings::CameraPub(_)
-                | DisplaySettings::Image(_)
-                | DisplaySettings::Camera(_)
-                | DisplaySettings::NotDrawn { .. }
-        );
-        if draws_nothing {
+        let role = display.settings.role();
+        if !matches!(role, Role::Scene | Role::Group) {
             continue;
         }
         let path: Vec<String> = placed.path.iter().map(|name| (*name).to_owned()).collect();
         if !paths.insert(path.clone()) {
             continue;
         }
-        let what = match display.settings {
-            DisplaySettings::Group(_) => "the group and all that is in it",
+        let what = match role {
+            Role::Group => "the group and all that is in it",
             _ => display.class.as_str(),
         };
         let switched_off = if placed.enabled { "" } else { ", which is disabled in the config" };
@@ -164,7 +158,7 @@ impl Parameters {
             }
         }
         for StrParameter { name, value } in request.strs.iter().filter(|param| param.name == ENCODING) {
-            match ImageEncoding::from_name(value) {
+            match Encoding::from_name(value) {
                 Some(encoding) => self.encoding = encoding,
                 None => log::warn!("{name}: there is no encoding \"{value}\""),
             }
@@ -240,14 +234,14 @@ impl Switch {
 
 /// The encodings to choose from, as the Python expression that dynamic_reconfigure's clients evaluate.
 fn encodings() -> String {
-    let choice = |encoding: ImageEncoding| {
+    let choice = |encoding: Encoding| {
         let name = encoding.name();
         format!(
             "{{'name': '{name}', 'type': 'str', 'value': '{name}', 'srcline': 0, 'srcfile': '', 'description': '', \
              'ctype': 'std::string', 'cconsttype': 'const char * const'}}"
         )
     };
-    let choices: Vec<String> = ImageEncoding::all().map(choice).collect();
+    let choices: Vec<String> = Encoding::ALL.into_iter().map(choice).collect();
     format!("{{'enum_description': 'What a pixel of the picture is', 'enum': [{}]}}", choices.join(", "))
 }
 
@@ -296,7 +290,7 @@ mod tests {
             frame_rate_hz: -1.0,
             near_clip_m: FAR_CLIP_M,
             background: [0, 255, 0],
-            encoding: ImageEncoding::Mono8,
+            encoding: Encoding::Mono8,
             ..Parameters::of(&CameraPubSettings::default())
         };
         assert_eq!(parameters, expected);
@@ -310,9 +304,9 @@ mod tests {
     fn what_a_user_set_gives_way_only_where_the_file_changed() {
         let before = Parameters::of(&CameraPubSettings::default());
         let own = Parameters { background: [1, 2, 3], near_clip_m: 0.5, ..before.clone() };
-        let after = Parameters { near_clip_m: 0.2, encoding: ImageEncoding::Bgr8, ..before.clone() };
+        let after = Parameters { near_clip_m: 0.2, encoding: Encoding::Bgr8, ..before.clone() };
         let merged = own.with_changes(&before, &after);
-        let expected = Parameters { background: [1, 2, 3], near_clip_m: 0.2, encoding: ImageEncoding::Bgr8, ..before };
+        let expected = Parameters { background: [1, 2, 3], near_clip_m: 0.2, encoding: Encoding::Bgr8, ..before };
         assert_eq!(merged, expected);
     }
 

@@ -4,6 +4,7 @@
 //! keep what they show. A file that cannot be read leaves everything as it is.
 
 use anyhow::{Context, Result};
+use rcs_displays::Reconfigured;
 
 use super::{camera, Node};
 
@@ -31,8 +32,8 @@ impl Node<'_> {
         self.cameras = camera::rearrange(self.ros, plans, cameras, &config, self.stage.displays());
         self.config = config;
         self.scene_version += 1;
-        let (made, gone) = (changed.made, changed.gone);
-        Ok(Some(format!("{}: {} displays stay, {made} are made, {gone} are gone", self.config.source, changed.kept)))
+        let Reconfigured { kept, added, removed } = changed;
+        Ok(Some(format!("{}: {kept} displays kept, {added} added, {removed} removed", self.config.source)))
     }
 
     /// Reads the config again because its file changed, and says in the log what came of it.

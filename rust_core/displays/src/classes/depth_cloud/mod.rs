@@ -80,6 +80,11 @@ fn info_topic(image_topic: &str) -> String {
     }
 }
 
+/// Makes a DepthCloud display.
+pub(crate) fn create(display: DisplayId, settings: &DepthCloudSettings) -> Box<dyn Display> {
+    Box::new(DepthCloudDisplay::new(display, settings.clone()))
+}
+
 impl DepthCloudDisplay {
     pub(crate) fn new(display: DisplayId, settings: DepthCloudSettings) -> Self {
         let mut statuses = Statuses::default();

@@ -59,6 +59,11 @@ pub(crate) struct InteractiveMarkersDisplay {
 /// What rviz answers by listening no more, with the name of the marker and the reason.
 struct Fatal(String, &'static str);
 
+/// Makes an InteractiveMarkers display.
+pub(crate) fn create(display: DisplayId, settings: &InteractiveMarkersSettings) -> Box<dyn Display> {
+    Box::new(InteractiveMarkersDisplay::new(display, settings.clone()))
+}
+
 impl InteractiveMarkersDisplay {
     pub(crate) fn new(display: DisplayId, settings: InteractiveMarkersSettings) -> Self {
         let mut statuses = Statuses::default();

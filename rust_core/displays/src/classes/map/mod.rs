@@ -57,6 +57,11 @@ struct Map {
 /// What is wrong with a map.
 struct Refusal(String);
 
+/// Makes a Map display.
+pub(crate) fn create(display: DisplayId, settings: &MapSettings) -> Box<dyn Display> {
+    Box::new(MapDisplay::new(display, settings.clone()))
+}
+
 impl MapDisplay {
     pub(crate) fn new(display: DisplayId, settings: MapSettings) -> Self {
         let mut statuses = Statuses::default();
@@ -178,7 +183,7 @@ impl Map {
     }
 }
 
-/// What rviz says of a map whose data are not as many as its size says; it is shown all the same, with unknown cells
+/// rviz's error for a map with more or less data than its size requires; it is shown all the same, with unknown cells
 /// where there are none.
 fn data_fault(grid: &OccupancyGrid) -> Option<String> {
     let (width, height, actual) = (grid.info.width, grid.info.height, grid.data().len());

@@ -31,17 +31,17 @@ impl Bench {
     }
 
     fn place(&mut self, secs: u32, x: f64) {
-        let said = RawTransform {
+        let transform = RawTransform {
             parent: "odom",
             child: "map",
             stamp: Time::from_secs_nanos(secs, 0),
             translation: [x, 0.0, 0.0],
             rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
         };
-        self.tree.insert(&said, false, "/test").unwrap();
+        self.tree.insert(&transform, false, "/test").unwrap();
     }
 
-    /// Hands a message over and tells whether the scene changed.
+    /// Hands a message over and returns whether the scene changed.
     fn send(&mut self, message: &AnyMessage) -> bool {
         let now = Time::from_secs_nanos(9, 0);
         let world = World { transforms: &self.tree, fixed_frame: "odom", now, meshes: &self.meshes };

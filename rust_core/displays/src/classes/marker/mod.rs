@@ -76,8 +76,13 @@ pub(crate) struct MarkerDisplay {
     statuses: Statuses,
 }
 
+/// Makes a Marker display.
+pub(crate) fn create(display: DisplayId, settings: &MarkerSettings) -> Box<dyn Display> {
+    Box::new(MarkerDisplay::single(display, settings.clone()))
+}
+
 impl MarkerDisplay {
-    pub(crate) fn single(display: DisplayId, settings: MarkerSettings) -> Self {
+    fn single(display: DisplayId, settings: MarkerSettings) -> Self {
         Self::new(display, settings, true)
     }
 

@@ -38,7 +38,7 @@ struct Look {
     texture: Option<Arc<Texture>>,
 }
 
-/// rviz's material for links that say nothing.
+/// rviz's material for links without one.
 const UNNAMED: Rgba = Rgba::new(1.0, 0.0, 0.0, 1.0);
 
 /// Turns a solid's y axis, along which rviz's cylinder stands, to z. In whole numbers, so that edges stay straight.

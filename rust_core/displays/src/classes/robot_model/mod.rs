@@ -38,7 +38,7 @@ struct ShownLink {
     settings: LinkSettings,
     pieces: LinkPieces,
     fixed_from_link: Isometry3<f64>,
-    /// Whether its frame is known; `None` before the first look.
+    /// Whether its frame is known; `None` before the first update.
     is_placed: Option<bool>,
     trail: Option<Trail>,
 }
@@ -49,7 +49,7 @@ impl ShownLink {
         self.settings.enabled || (self.pieces.visuals.is_empty() && self.pieces.collisions.is_empty())
     }
 
-    /// Looks where it is. Returns whether that, or whether it is known, changed.
+    /// Moves it to where its frame is now. Returns whether that, or whether the frame is known, changed.
     fn follow(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
         let place = world.fixed_from(&self.frame, Time::ZERO).ok();
         let was_placed = self.is_placed.replace(place.is_some());
@@ -90,6 +90,11 @@ pub(crate) struct RobotModelDisplay {
     statuses: Statuses,
 }
 
+/// Makes a RobotModel display.
+pub(crate) fn create(display: DisplayId, settings: &RobotModelSettings) -> Box<dyn Display> {
+    Box::new(RobotModelDisplay::new(display, settings.clone()))
+}
+
 impl RobotModelDisplay {
     pub(crate) fn new(display: DisplayId, settings: RobotModelSettings) -> Self {
         let mut statuses = Statuses::default();
@@ -126,10 +131,10 @@ impl RobotModelDisplay {
                 is_placed: None,
             });
         }
-        self.say_faults();
+        self.report_faults();
     }
 
-    fn say_faults(&mut self) {
+    fn report_faults(&mut self) {
         if !self.faults.is_empty() {
             let text = format!("Errors loading geometries:{}", self.faults);
             self.statuses.set(Level::Error, STATUS, text);
@@ -141,7 +146,7 @@ impl RobotModelDisplay {
         (interval_secs >= SHORTEST_INTERVAL_SECS).then(|| Duration::try_from_secs_f32(interval_secs).ok()).flatten()
     }
 
-    /// Whether the links are to be moved. Those that were never placed are looked for at any time.
+    /// Whether the links are to be moved. Those that were never placed are looked up every time.
     fn is_due(&self, now: Time) -> bool {
         let (Some(interval), Some(updated)) = (self.interval(), self.updated) else { return true };
         let unplaced = self.links.iter().any(|link| link.is_placed != Some(true));
@@ -217,7 +222,7 @@ impl Display for RobotModelDisplay {
     }
 
     fn reset(&mut self) {
-        // The robot stays, as in rviz, and its links are looked for anew.
+        // The robot stays, as in rviz, and its links are looked up again.
         self.updated = None;
         for link in &mut self.links {
             link.is_placed = None;

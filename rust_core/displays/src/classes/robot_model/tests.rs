@@ -88,8 +88,8 @@ fn a_missing_mesh_is_named_and_the_rest_is_drawn() {
     let bench = Bench::new(RobotModelSettings::default());
     let (level, text) = bench.status("URDF");
     assert_eq!(level, Level::Error);
-    let said = "Errors loading geometries:\n• for link 'b':\nCould not load mesh resource 'package://none/x.stl'";
-    assert!(text.starts_with(said), "{text}");
+    let expected = "Errors loading geometries:\n• for link 'b':\nCould not load mesh resource 'package://none/x.stl'";
+    assert!(text.starts_with(expected), "{text}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! How long ago a frame was heard of, and what that does to its colours.
+//! The age of a frame's last transform, and how it fades the frame's colours.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ const GREY: Rgba = Rgba::new(0.7, 0.7, 0.7, 1.0);
 /// rviz's factor for a third.
 const THIRD: f64 = 0.333_333_3;
 
-/// A colour that fades is drawn anew so often, or less often where it could not be seen.
+/// How often a fading colour is drawn again; less often if the change could not be seen.
 const FADE_STEP: Duration = Duration::from_millis(33);
 
 /// A channel of a colour has so many levels to pass through in a third of the timeout.
@@ -46,10 +46,10 @@ impl Fade {
     }
 }
 
-/// When something was last heard of a frame.
+/// The last news of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Age {
-    last_heard: Time,
+    last_news: Time,
     /// The latest time at which the frame could be placed; zero while that is not known or does not matter.
     last_common_time: Time,
 }
@@ -57,19 +57,19 @@ pub(super) struct Age {
 impl Age {
     /// A frame that is seen for the first time.
     pub(super) fn new(now: Time) -> Self {
-        Self { last_heard: now, last_common_time: Time::ZERO }
+        Self { last_news: now, last_common_time: Time::ZERO }
     }
 
     /// Takes the latest time at which the frame can be placed; zero stands for always and for never.
-    pub(super) fn hear(&mut self, common_time: Time, now: Time) {
+    pub(super) fn update(&mut self, common_time: Time, now: Time) {
         if common_time.is_zero() || common_time != self.last_common_time {
-            *self = Self { last_heard: now, last_common_time: common_time };
+            *self = Self { last_news: now, last_common_time: common_time };
         }
     }
 
     /// What the age has done to the frame's colours by now.
     pub(super) fn fade(&self, now: Time, timeout: Duration) -> Fade {
-        let age = now.saturating_since(self.last_heard);
+        let age = now.saturating_since(self.last_news);
         let third = timeout.mul_f64(THIRD);
         let left = |end: Duration| (end.saturating_sub(age).as_secs_f64() / third.as_secs_f64()) as f32;
         if age > timeout {
@@ -83,13 +83,13 @@ impl Age {
         }
     }
 
-    /// When the colours will be others if nothing more is heard of the frame.
+    /// When the colours will change without further news of the frame.
     pub(super) fn next_change(&self, now: Time, timeout: Duration) -> Option<Time> {
         if self.last_common_time.is_zero() {
             return None;
         }
         // At the very end of a stage it still holds.
-        let after = |age: Duration| self.last_heard.saturating_add(age.saturating_add(Duration::from_nanos(1)));
+        let after = |age: Duration| self.last_news.saturating_add(age.saturating_add(Duration::from_nanos(1)));
         let third = timeout.mul_f64(THIRD);
         match self.fade(now, timeout) {
             Fade::Fresh => Some(after(third)),

@@ -1,10 +1,10 @@
 //! `rviz/TF`: the frames themselves.
 //!
-//! All frames that any transform ever mentioned are looked at, also the parents that nothing is known of. A frame is
+//! All frames that any transform ever named are shown, parents without a transform of their own included. A frame is
 //! as old as the last change of the time at which it can be placed in the fixed frame: what a moving frame carries ages
 //! with it, what is static does not age. Frames that grew too old stay in the list, and come back with new transforms.
 //!
-//! rviz looks at the frames at each of its pictures, or after each "Update Interval". Here they are looked at when
+//! rviz updates the frames with each of its pictures, or after each "Update Interval". Here they are updated when
 //! transforms came and, while frames fade, as often as it can be seen.
 
 mod age;
@@ -29,7 +29,7 @@ use symbol::{Place, Symbol, Symbols};
 /// Arrows to parents that are nearer are not shown.
 const SHORTEST_ARROW_M: f64 = 0.001;
 
-/// A frame from look to look.
+/// A frame from update to update.
 #[derive(Debug)]
 struct Frame {
     age: Age,
@@ -37,15 +37,15 @@ struct Frame {
     symbol: Symbol,
 }
 
-/// The last look at the frames.
+/// The last update of the frames.
 #[derive(Clone, Copy, Debug)]
-struct Look {
+struct LastUpdate {
     at: Time,
     /// What the tree knew then.
     generation: u64,
-    /// The tree had changed again when it was too early for another look.
+    /// The tree had changed again when it was too early for another update.
     is_outdated: bool,
-    /// When the frames will look different by themselves.
+    /// When the frames change by themselves next.
     next_fade: Option<Time>,
 }
 
@@ -56,9 +56,14 @@ pub(crate) struct TfDisplay {
     settings: TfSettings,
     symbols: Symbols,
     frames: BTreeMap<String, Frame>,
-    last_look: Option<Look>,
+    last_update: Option<LastUpdate>,
     drawables: Vec<Drawable>,
     statuses: Statuses,
+}
+
+/// Makes a TF display.
+pub(crate) fn create(display: DisplayId, settings: &TfSettings) -> Box<dyn Display> {
+    Box::new(TfDisplay::new(display, settings.clone()))
 }
 
 impl TfDisplay {
@@ -68,13 +73,13 @@ impl TfDisplay {
             symbols: Symbols::new(&settings),
             settings,
             frames: BTreeMap::new(),
-            last_look: None,
+            last_update: None,
             drawables: Vec::new(),
             statuses: Statuses::default(),
         }
     }
 
-    /// The next time after a look at which there may be another one. Within the same instant all is looked at again:
+    /// The shortest time between two updates. Within the same instant all is updated again:
     /// there, a bag may hold many messages.
     fn interval(&self) -> Duration {
         Duration::try_from_secs_f32(self.settings.update_interval_s).unwrap_or(Duration::MAX)
@@ -82,12 +87,12 @@ impl TfDisplay {
 
     fn is_due(&mut self, world: &World<'_>) -> bool {
         let interval = self.interval();
-        let Some(look) = &mut self.last_look else { return true };
+        let Some(last) = &mut self.last_update else { return true };
         let has_new_frames = world.transforms.frames().count() > self.frames.len();
-        let is_outdated = look.generation != world.transforms.generation();
-        let is_free = world.now <= look.at || world.now >= look.at.saturating_add(interval);
-        look.is_outdated = is_outdated;
-        has_new_frames || is_free && (is_outdated || look.next_fade.is_some_and(|fade| fade <= world.now))
+        let is_outdated = last.generation != world.transforms.generation();
+        let is_free = world.now <= last.at || world.now >= last.at.saturating_add(interval);
+        last.is_outdated = is_outdated;
+        has_new_frames || is_free && (is_outdated || last.next_fade.is_some_and(|fade| fade <= world.now))
     }
 }
 
@@ -119,10 +124,10 @@ impl Display for TfDisplay {
             }
             let Some(frame) = self.frames.get_mut(name) else { continue };
             let common_time = world.transforms.latest_common_time(world.fixed_frame, name).ok();
-            frame.age.hear(common_time.unwrap_or(Time::ZERO), world.now);
+            frame.age.update(common_time.unwrap_or(Time::ZERO), world.now);
             let fade = frame.age.fade(world.now, timeout);
             if fade == Fade::Gone {
-                // As rviz does, what was said of the frame last stays.
+                // As in rviz, the frame keeps its last status.
                 changed |= frame.symbol.hide();
                 continue;
             }
@@ -142,7 +147,7 @@ impl Display for TfDisplay {
             }
         }
         let generation = world.transforms.generation();
-        self.last_look = Some(Look { at: world.now, generation, is_outdated: false, next_fade });
+        self.last_update = Some(LastUpdate { at: world.now, generation, is_outdated: false, next_fade });
         if changed {
             self.drawables = self.frames.values().flat_map(|frame| frame.symbol.drawables()).cloned().collect();
         }
@@ -154,17 +159,17 @@ impl Display for TfDisplay {
     }
 
     fn next_change(&self) -> Option<Time> {
-        let look = self.last_look.as_ref()?;
-        let earliest = look.at.saturating_add(self.interval());
-        if look.is_outdated {
+        let last = self.last_update.as_ref()?;
+        let earliest = last.at.saturating_add(self.interval());
+        if last.is_outdated {
             return Some(earliest);
         }
-        look.next_fade.map(|fade| fade.max(earliest))
+        last.next_fade.map(|fade| fade.max(earliest))
     }
 
     fn reset(&mut self) {
         self.frames.clear();
-        self.last_look = None;
+        self.last_update = None;
         self.drawables.clear();
         self.statuses.clear();
     }

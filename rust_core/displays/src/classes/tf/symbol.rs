@@ -93,7 +93,7 @@ impl Symbols {
 #[derive(Debug, Default)]
 pub(super) struct Symbol {
     shown: Option<(Place, Fade)>,
-    /// The name in a colour; it is laid out anew only for another one.
+    /// The name in a colour; it is laid out again only for another one.
     name: Option<(Rgba, Arc<Text>)>,
     drawables: Vec<Drawable>,
 }

@@ -22,19 +22,19 @@ impl Bench {
         Self { tree: TransformTree::new(), meshes, display: TfDisplay::new(0, settings) }
     }
 
-    fn say(&mut self, parent: &str, child: &str, secs: f64, x: f64, is_static: bool) {
-        let said = RawTransform {
+    fn publish(&mut self, parent: &str, child: &str, secs: f64, x: f64, is_static: bool) {
+        let transform = RawTransform {
             parent,
             child,
             stamp: at(secs),
             translation: [x, 0.0, 0.0],
             rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
         };
-        self.tree.insert(&said, is_static, "/a").unwrap();
+        self.tree.insert(&transform, is_static, "/a").unwrap();
     }
 
     /// Looks at the frames; returns whether the picture changed.
-    fn look(&mut self, secs: f64) -> bool {
+    fn update(&mut self, secs: f64) -> bool {
         let world = World { transforms: &self.tree, fixed_frame: "map", now: at(secs), meshes: &self.meshes };
         self.display.update(&world)
     }
@@ -72,24 +72,24 @@ fn timeout(frame_timeout_s: f32) -> TfSettings {
 #[test]
 fn static_frames_never_age_and_are_looked_at_once() {
     let mut bench = Bench::new(timeout(3.0));
-    bench.say("map", "base", 0.0, 1.0, true);
-    assert!(bench.look(0.0));
+    bench.publish("map", "base", 0.0, 1.0, true);
+    assert!(bench.update(0.0));
     assert_eq!(bench.shown(), (2, 1));
     assert_eq!(bench.display.next_change(), None);
-    assert!(!bench.look(100.0));
+    assert!(!bench.update(100.0));
     assert_eq!(bench.shown(), (2, 1));
 }
 
 #[test]
 fn a_frame_turns_grey_fades_and_is_gone_and_comes_back() {
     let mut bench = Bench::new(timeout(3.0));
-    bench.say("map", "base", 0.0, 1.0, false);
-    assert!(bench.look(0.0));
-    assert!(!bench.look(0.9));
+    bench.publish("map", "base", 0.0, 1.0, false);
+    assert!(bench.update(0.0));
+    assert!(!bench.update(0.9));
     let next = bench.display.next_change().unwrap();
     assert!(next > at(0.99) && next < at(1.01), "{next}");
 
-    assert!(bench.look(1.5));
+    assert!(bench.update(1.5));
     let grey = |a: f32, b: f32| (a - b).abs() < 2e-3;
     // Sorted by name: the axes of base, the arrow of base, the axes of map.
     let colors = bench.colors();
@@ -98,14 +98,14 @@ fn a_frame_turns_grey_fades_and_is_gone_and_comes_back() {
     let next = bench.display.next_change().unwrap();
     assert!(next > at(1.5) && next < at(1.6), "{next}");
 
-    assert!(bench.look(2.75));
+    assert!(bench.update(2.75));
     assert!(bench.colors()[..5].iter().all(|c| grey(c.r, 0.7) && grey(c.b, 0.7) && grey(c.a, 0.25)));
-    assert!(bench.look(3.1));
+    assert!(bench.update(3.1));
     assert_eq!((bench.shown(), bench.display.next_change()), ((1, 0), None));
     assert_eq!(bench.status("base"), (Level::Ok, "Transform OK"));
 
-    bench.say("map", "base", 3.2, 2.0, false);
-    assert!(bench.look(3.2));
+    bench.publish("map", "base", 3.2, 2.0, false);
+    assert!(bench.update(3.2));
     assert_eq!(bench.shown(), (2, 1));
     assert_eq!(bench.colors()[0], Rgba::new(1.0, 0.0, 0.0, 1.0));
 }
@@ -113,20 +113,20 @@ fn a_frame_turns_grey_fades_and_is_gone_and_comes_back() {
 #[test]
 fn what_a_moving_frame_carries_ages_with_it_and_not_by_repeated_transforms() {
     let mut bench = Bench::new(timeout(3.0));
-    bench.say("map", "base", 0.0, 1.0, false);
-    bench.say("base", "laser", 0.0, 1.0, true);
-    assert!(bench.look(0.0));
-    bench.say("map", "base", 0.0, 1.0, false);
-    assert!(bench.look(3.5));
+    bench.publish("map", "base", 0.0, 1.0, false);
+    bench.publish("base", "laser", 0.0, 1.0, true);
+    assert!(bench.update(0.0));
+    bench.publish("map", "base", 0.0, 1.0, false);
+    assert!(bench.update(3.5));
     assert_eq!(bench.shown(), (1, 0));
 }
 
 #[test]
 fn frames_of_another_tree_are_hidden_and_said() {
     let mut bench = Bench::new(timeout(3.0));
-    bench.say("map", "base", 0.0, 1.0, true);
-    bench.say("moon", "crater", 0.0, 1.0, false);
-    assert!(bench.look(0.0));
+    bench.publish("map", "base", 0.0, 1.0, true);
+    bench.publish("moon", "crater", 0.0, 1.0, false);
+    assert!(bench.update(0.0));
     assert_eq!(bench.shown(), (2, 1));
     for frame in ["moon", "crater"] {
         let text = format!("No transform from [{frame}] to frame [map]");
@@ -139,9 +139,9 @@ fn frames_of_another_tree_are_hidden_and_said() {
 fn frames_that_are_switched_off_are_hidden_one_by_one() {
     let hidden_frames = ["base".to_owned()].into();
     let mut bench = Bench::new(TfSettings { hidden_frames, ..timeout(15.0) });
-    bench.say("map", "base", 0.0, 1.0, false);
-    bench.say("base", "laser", 0.0, 1.0, true);
-    assert!(bench.look(0.0));
+    bench.publish("map", "base", 0.0, 1.0, false);
+    bench.publish("base", "laser", 0.0, 1.0, true);
+    assert!(bench.update(0.0));
     assert_eq!(bench.shown(), (2, 1), "the arrow from the laser still points at where base is");
     assert_eq!(bench.status("base"), (Level::Ok, "Transform OK"));
 }
@@ -149,24 +149,24 @@ fn frames_that_are_switched_off_are_hidden_one_by_one() {
 #[test]
 fn there_is_no_arrow_to_a_parent_at_the_same_place() {
     let mut bench = Bench::new(timeout(15.0));
-    bench.say("map", "base", 0.0, 0.0009, true);
-    assert!(bench.look(0.0));
+    bench.publish("map", "base", 0.0, 0.0009, true);
+    assert!(bench.update(0.0));
     assert_eq!(bench.shown(), (2, 0));
 }
 
 #[test]
 fn between_two_looks_lies_the_update_interval() {
     let mut bench = Bench::new(TfSettings { update_interval_s: 2.0, ..timeout(30.0) });
-    bench.say("map", "base", 0.0, 1.0, false);
-    assert!(bench.look(0.0));
-    bench.say("map", "base", 0.1, 2.0, false);
-    assert!(bench.look(0.0), "many messages of a bag may have one time");
-    bench.say("map", "base", 0.2, 3.0, false);
-    assert!(!bench.look(1.0));
+    bench.publish("map", "base", 0.0, 1.0, false);
+    assert!(bench.update(0.0));
+    bench.publish("map", "base", 0.1, 2.0, false);
+    assert!(bench.update(0.0), "many messages of a bag may have one time");
+    bench.publish("map", "base", 0.2, 3.0, false);
+    assert!(!bench.update(1.0));
     assert_eq!(bench.display.next_change(), Some(at(2.0)));
-    assert!(bench.look(2.0));
-    bench.say("base", "laser", 2.1, 3.0, true);
-    assert!(bench.look(2.1), "a new frame does not wait");
+    assert!(bench.update(2.0));
+    bench.publish("base", "laser", 2.1, 3.0, true);
+    assert!(bench.update(2.1), "a new frame does not wait");
     bench.display.reset();
     assert!(bench.display.drawables().is_empty() && bench.display.next_change().is_none());
 }

@@ -2,38 +2,28 @@
 
 use std::sync::Arc;
 
-use rcs_messages::std_msgs::Header;
-use rcs_messages::{AnyMessage, MessageKind};
+use rcs_messages::{AnyMessage, TypedMessage};
 use rcs_rviz_config::CloudSettings;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::Time;
 
 use super::{Clouds, Nowhere, PlacedCloud};
 use crate::framework::display::{Display, TopicRequest};
-use crate::framework::placed::Incoming;
+use crate::framework::waiting_messages::WaitingMessages;
 use crate::framework::world::stamp;
 use crate::{Level, Statuses, World};
 
 /// A type of message that becomes clouds.
 pub(crate) trait CloudSource {
     /// The messages.
-    type Message: Send + Sync;
-
-    /// Their type.
-    const KIND: MessageKind;
+    type Message: TypedMessage;
 
     /// What becomes of points without a finite position.
     const NOWHERE: Nowhere;
 
-    /// The message, if it is of this type.
-    fn message(any: &AnyMessage) -> Option<&Arc<Self::Message>>;
-
-    /// Its header.
-    fn header(message: &Self::Message) -> &Header;
-
     /// The time until which its frame must be known, from its stamp on.
     fn end(message: &Self::Message) -> Time {
-        stamp(Self::header(message))
+        message.header().map_or(Time::ZERO, stamp)
     }
 
     /// The cloud that it is.
@@ -46,7 +36,7 @@ pub(crate) trait CloudSource {
 /// A display of clouds.
 pub(crate) struct CloudDisplay<S: CloudSource> {
     topic: Option<TopicRequest>,
-    incoming: Incoming<S::Message>,
+    incoming: WaitingMessages<S::Message>,
     clouds: Clouds,
     statuses: Statuses,
 }
@@ -54,8 +44,8 @@ pub(crate) struct CloudDisplay<S: CloudSource> {
 impl<S: CloudSource> CloudDisplay<S> {
     pub(crate) fn new(display: DisplayId, settings: CloudSettings) -> Self {
         Self {
-            topic: TopicRequest::new(&settings.topic, S::KIND, settings.queue_size),
-            incoming: Incoming::new(settings.queue_size),
+            topic: TopicRequest::new(&settings.topic, S::Message::KIND, settings.queue_size),
+            incoming: WaitingMessages::new(settings.queue_size),
             clouds: Clouds::new(display, settings, S::NOWHERE),
             statuses: Statuses::default(),
         }
@@ -68,8 +58,9 @@ impl<S: CloudSource> Display for CloudDisplay<S> {
     }
 
     fn take(&mut self, message: &AnyMessage, _world: &World<'_>) {
-        if let Some(message) = S::message(message) {
-            self.incoming.push_until(S::header(message), S::end(message), message.clone(), &mut self.statuses);
+        let Some(message) = S::Message::from_any(message) else { return };
+        if let Some(header) = message.header() {
+            self.incoming.push_until(header, S::end(message), message.clone(), &mut self.statuses);
         }
     }
 

@@ -18,7 +18,7 @@ use nalgebra::{Isometry3, Point3};
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::PointCloud2;
-use rcs_rviz_config::{CloudSettings, ColorTransformer, PointStyle as StyleSetting};
+use rcs_rviz_config::{CloudSettings, ColorTransformer};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, RenderGroup};
 use rcs_transforms::Time;
 
@@ -122,7 +122,7 @@ impl Clouds {
 
     /// From now on points have a size in metres for each metre of their z, whatever the settings say.
     pub(crate) fn set_auto_size(&mut self, size_m: f32) {
-        (self.auto_size, self.settings.size_m) = (true, size_m);
+        (self.auto_size, self.settings.style) = (true, self.settings.style.with_side(size_m));
     }
 
     /// Whether only the newest cloud is seen.
@@ -164,13 +164,9 @@ impl Clouds {
         spare.reclaim(layout.point_count);
         let coloring = color::Coloring::new(settings, transformer, &placed.fixed_from_cloud);
         let (buffer, nowhere_count) = points::read(&placed.cloud, layout, &coloring, self.nowhere, spare);
-        let size_m = settings.size_m;
         let style = match settings.style {
-            StyleSetting::Points => PointStyle::Points { diameter_px: settings.size_px.min(MAX_POINT_PX) },
-            StyleSetting::Squares => PointStyle::Squares { size_m: [size_m; 2] },
-            StyleSetting::FlatSquares => PointStyle::FlatSquares { side_m: size_m },
-            StyleSetting::Spheres => PointStyle::Spheres { size_m: [size_m; 2] },
-            StyleSetting::Boxes => PointStyle::Boxes { size_m: [size_m; 3] },
+            PointStyle::Points { diameter_px } => PointStyle::Points { diameter_px: diameter_px.min(MAX_POINT_PX) },
+            style => style,
         };
         let blended = settings.alpha < Material::OPAQUE_FROM_ALPHA || layout.has_point_alpha();
         // The order of the pieces does not show where nothing blends.

@@ -1,7 +1,7 @@
-//! What a display that is made anew would have to be told to show what it showed before.
+//! The last messages of each topic, for displays that are made anew.
 //!
 //! When a config is read again, a display whose settings changed is made anew while its topics stay subscribed, so that
-//! nobody sends it again what it should show. So the last message of each topic is kept, and of markers, map updates and
+//! no publisher sends it its latched message again. So the last message of each topic is kept, and of markers, map updates and
 //! interactive markers all those that later ones do not replace, within limits. The messages share their memory with the
 //! displays that draw them.
 
@@ -16,7 +16,7 @@ use crate::TopicRequest;
 
 /// The messages and parameters that are kept.
 #[derive(Debug, Default)]
-pub(crate) struct Recall {
+pub(crate) struct MessageCache {
     topics: HashMap<(String, MessageKind), VecDeque<Kept>>,
     parameters: HashMap<String, Option<Arc<str>>>,
     next: u64,
@@ -41,7 +41,7 @@ fn most_kept(kind: MessageKind) -> usize {
     }
 }
 
-impl Recall {
+impl MessageCache {
     /// Keeps a message of a topic, by its name in the config.
     pub(crate) fn keep(&mut self, topic: &str, message: &AnyMessage, received: Time) {
         self.forget_replaced(topic, message);
@@ -53,7 +53,7 @@ impl Recall {
         self.next += 1;
     }
 
-    /// Drops what need not be told any more once this message is.
+    /// Drops what this message replaces.
     fn forget_replaced(&mut self, topic: &str, message: &AnyMessage) {
         match message {
             AnyMessage::Marker(new) => self.retain(topic, message.kind(), |old| match old {
@@ -94,8 +94,7 @@ impl Recall {
         }
     }
 
-    /// What was heard on these topics, in the order of arrival, each with its topic; markers whose lifetime is over not
-    /// among it.
+    /// The messages of these topics in the order of arrival, each with its topic, without markers whose lifetime is over.
     pub(crate) fn messages<'a>(&self, requests: &'a [TopicRequest], now: Time) -> Vec<(&'a str, AnyMessage)> {
         let of = |request: &'a TopicRequest| {
             let kept = self.topics.get(&(request.topic.clone(), request.kind));
@@ -113,7 +112,7 @@ impl Recall {
         self.parameters.insert(name.to_owned(), text.cloned());
     }
 
-    /// The text of a parameter. The outer `None` is for one that nobody asked for.
+    /// The text of a parameter. The outer `None` is for one that no display reads.
     pub(crate) fn parameter(&self, name: &str) -> Option<Option<&Arc<str>>> {
         self.parameters.get(name).map(Option::as_ref)
     }
@@ -141,7 +140,7 @@ fn deletes_all(marker: &Marker) -> bool {
     marker.action == i32::from(Marker::DELETEALL)
 }
 
-/// The message without markers that have been gone for long after `age_secs`; none if that is all of it.
+/// The message without the markers whose lifetime is over after `age_secs`; `None` if that is all of them.
 fn still_alive(message: &AnyMessage, age_secs: f64) -> Option<AnyMessage> {
     let lives = |marker: &Marker| {
         let lifetime_secs = f64::from(marker.lifetime.sec) + f64::from(marker.lifetime.nsec) * 1e-9;
@@ -180,69 +179,69 @@ mod tests {
     }
 
     /// How many messages of a topic come back.
-    fn count(recall: &Recall, topic: &str, kind: MessageKind, now: Time) -> usize {
-        recall.messages(&[request(topic, kind)], now).len()
+    fn count(cache: &MessageCache, topic: &str, kind: MessageKind, now: Time) -> usize {
+        cache.messages(&[request(topic, kind)], now).len()
     }
 
     #[test]
     fn of_most_topics_the_last_message_counts() {
-        let mut recall = Recall::default();
+        let mut cache = MessageCache::default();
         for seq in 0..3 {
             let mut path = Path::default();
             path.header.seq = seq;
-            recall.keep("/p", &AnyMessage::Path(Arc::new(path)), at(1.0));
+            cache.keep("/p", &AnyMessage::Path(Arc::new(path)), at(1.0));
         }
         let requests = [request("/p", MessageKind::Path)];
-        let messages = recall.messages(&requests, at(2.0));
+        let messages = cache.messages(&requests, at(2.0));
         assert!(matches!(&messages[..], [("/p", AnyMessage::Path(path))] if path.header.seq == 2), "{messages:?}");
-        recall.limit_to(&[request("/other", MessageKind::Path)], &[]);
-        assert_eq!(count(&recall, "/p", MessageKind::Path, at(2.0)), 0);
+        cache.limit_to(&[request("/other", MessageKind::Path)], &[]);
+        assert_eq!(count(&cache, "/p", MessageKind::Path, at(2.0)), 0);
     }
 
     #[test]
     fn of_markers_all_count_that_are_not_replaced() {
-        let mut recall = Recall::default();
-        let mut keep = |marker: Marker| recall.keep("/m", &AnyMessage::Marker(Arc::new(marker)), at(1.0));
+        let mut cache = MessageCache::default();
+        let mut keep = |marker: Marker| cache.keep("/m", &AnyMessage::Marker(Arc::new(marker)), at(1.0));
         keep(marker("a", 1, Marker::ADD));
         keep(marker("a", 2, Marker::ADD));
         keep(marker("a", 1, Marker::DELETE));
         let mut short = marker("b", 1, Marker::ADD);
         short.lifetime.sec = 2;
         keep(short);
-        assert_eq!(count(&recall, "/m", MessageKind::Marker, at(2.0)), 3);
-        assert_eq!(count(&recall, "/m", MessageKind::Marker, at(4.0)), 2, "one has lived its time");
-        recall.keep("/m", &AnyMessage::Marker(Arc::new(marker("", 0, Marker::DELETEALL))), at(5.0));
-        assert_eq!(count(&recall, "/m", MessageKind::Marker, at(5.0)), 1);
+        assert_eq!(count(&cache, "/m", MessageKind::Marker, at(2.0)), 3);
+        assert_eq!(count(&cache, "/m", MessageKind::Marker, at(4.0)), 2, "one has lived its time");
+        cache.keep("/m", &AnyMessage::Marker(Arc::new(marker("", 0, Marker::DELETEALL))), at(5.0));
+        assert_eq!(count(&cache, "/m", MessageKind::Marker, at(5.0)), 1);
     }
 
     #[test]
     fn an_array_replaces_those_whose_markers_it_has() {
-        let mut recall = Recall::default();
-        recall.keep("/m", &array(&[("a", 1), ("a", 2)]), at(1.0));
-        recall.keep("/m", &array(&[("a", 1)]), at(1.0));
-        assert_eq!(count(&recall, "/m", MessageKind::MarkerArray, at(1.0)), 2);
-        recall.keep("/m", &array(&[("a", 2), ("a", 1), ("b", 1)]), at(1.0));
-        assert_eq!(count(&recall, "/m", MessageKind::MarkerArray, at(1.0)), 1);
+        let mut cache = MessageCache::default();
+        cache.keep("/m", &array(&[("a", 1), ("a", 2)]), at(1.0));
+        cache.keep("/m", &array(&[("a", 1)]), at(1.0));
+        assert_eq!(count(&cache, "/m", MessageKind::MarkerArray, at(1.0)), 2);
+        cache.keep("/m", &array(&[("a", 2), ("a", 1), ("b", 1)]), at(1.0));
+        assert_eq!(count(&cache, "/m", MessageKind::MarkerArray, at(1.0)), 1);
         for id in 0..500 {
-            recall.keep("/m", &array(&[("many", id)]), at(1.0));
+            cache.keep("/m", &array(&[("many", id)]), at(1.0));
         }
-        assert_eq!(count(&recall, "/m", MessageKind::MarkerArray, at(1.0)), 100, "within limits");
+        assert_eq!(count(&cache, "/m", MessageKind::MarkerArray, at(1.0)), 100, "within limits");
     }
 
     #[test]
     fn a_map_comes_with_its_updates_and_in_their_order() {
-        let mut recall = Recall::default();
+        let mut cache = MessageCache::default();
         let update = || AnyMessage::OccupancyGridUpdate(Arc::default());
         let grid = || AnyMessage::OccupancyGrid(Arc::default());
-        recall.keep("/map", &grid(), at(1.0));
-        recall.keep("/map_updates", &update(), at(1.0));
-        recall.keep("/map", &grid(), at(2.0));
-        recall.keep("/map_updates", &update(), at(3.0));
-        recall.keep("/map_updates", &update(), at(4.0));
+        cache.keep("/map", &grid(), at(1.0));
+        cache.keep("/map_updates", &update(), at(1.0));
+        cache.keep("/map", &grid(), at(2.0));
+        cache.keep("/map_updates", &update(), at(3.0));
+        cache.keep("/map_updates", &update(), at(4.0));
         let requests =
             [request("/map_updates", MessageKind::OccupancyGridUpdate), request("/map", MessageKind::OccupancyGrid)];
         let kinds: Vec<MessageKind> =
-            recall.messages(&requests, at(5.0)).iter().map(|(_, message)| message.kind()).collect();
+            cache.messages(&requests, at(5.0)).iter().map(|(_, message)| message.kind()).collect();
         let updated = MessageKind::OccupancyGridUpdate;
         assert_eq!(kinds, [MessageKind::OccupancyGrid, updated, updated]);
     }

@@ -11,17 +11,17 @@ use crate::{Level, Statuses, World};
 
 /// The messages of one topic between their arrival and the moment when they can be placed.
 #[derive(Debug)]
-pub(crate) struct Incoming<M> {
+pub(crate) struct WaitingMessages<M> {
     queue: WaitingQueue<Arc<M>>,
     received: u64,
-    /// How many drops the statuses tell of.
-    said_dropped: u64,
+    /// How many drops the statuses report.
+    reported_drops: u64,
 }
 
-impl<M> Incoming<M> {
+impl<M> WaitingMessages<M> {
     /// At most `queue_size` messages wait; 0 sets no limit.
     pub(crate) fn new(queue_size: u32) -> Self {
-        Self { queue: WaitingQueue::new(queue_size as usize), received: 0, said_dropped: 0 }
+        Self { queue: WaitingQueue::new(queue_size as usize), received: 0, reported_drops: 0 }
     }
 
     /// Takes a message that counts as received.
@@ -38,11 +38,11 @@ impl<M> Incoming<M> {
 
     /// The messages that can be placed now.
     pub(crate) fn take_ready(&mut self, world: &World<'_>, statuses: &mut Statuses) -> Vec<Arc<M>> {
-        if self.queue.is_empty() && self.queue.dropped().total() == self.said_dropped {
+        if self.queue.is_empty() && self.queue.dropped().total() == self.reported_drops {
             return Vec::new();
         }
         let ready = self.queue.take_ready(world.transforms, world.fixed_frame);
-        self.say_dropped(world, statuses);
+        self.report_drops(world, statuses);
         if !ready.is_empty() {
             statuses.set(Level::Ok, "Transform", "Transform OK");
         } else if let Some(reason) = self.queue.waiting_reason(world.transforms, world.fixed_frame) {
@@ -59,13 +59,13 @@ impl<M> Incoming<M> {
         self.queue.stamps().any(|waiting| waiting == stamp)
     }
 
-    /// Says why the last message was dropped, and how many were.
-    fn say_dropped(&mut self, world: &World<'_>, statuses: &mut Statuses) {
+    /// Reports why the last message was dropped, and how many were.
+    fn report_drops(&mut self, world: &World<'_>, statuses: &mut Statuses) {
         let counts = self.queue.dropped();
-        if counts.total() == self.said_dropped {
+        if counts.total() == self.reported_drops {
             return;
         }
-        self.said_dropped = counts.total();
+        self.reported_drops = counts.total();
         if let Some(dropped) = self.queue.last_dropped() {
             statuses.set(Level::Error, "Transform", frame::drop_reason(dropped, world.fixed_frame));
         }
@@ -107,8 +107,8 @@ mod tests {
     fn a_drop_is_an_error_until_a_message_can_be_placed_and_its_count_stays() {
         let mut tree = TransformTree::new();
         let meshes = MeshStore::new(PackageIndex::new([]));
-        let (mut incoming, mut statuses) = (Incoming::new(1), Statuses::default());
-        let look = |incoming: &mut Incoming<()>, tree: &TransformTree, statuses: &mut Statuses| {
+        let (mut incoming, mut statuses) = (WaitingMessages::new(1), Statuses::default());
+        let update = |incoming: &mut WaitingMessages<()>, tree: &TransformTree, statuses: &mut Statuses| {
             let world = World { transforms: tree, fixed_frame: "map", now: Time::ZERO, meshes: &meshes };
             let ready = incoming.take_ready(&world, statuses).len();
             let status = statuses.get("Transform").unwrap();
@@ -116,24 +116,24 @@ mod tests {
         };
         place(&mut tree, 1000);
         incoming.push(&header(1001, "arm"), Arc::new(()), &mut statuses);
-        let (ready, level, text) = look(&mut incoming, &tree, &mut statuses);
+        let (ready, level, text) = update(&mut incoming, &tree, &mut statuses);
         assert_eq!((ready, level), (0, Level::Warn), "{text}");
         assert!(text.starts_with("For frame [arm]: No transform to fixed frame [map].  TF error: ["), "{text}");
         incoming.push(&header(0, ""), Arc::new(()), &mut statuses);
         for _ in 0..2 {
             let dropped = (0, Level::Error, "For frame []: Frame [] does not exist".to_owned());
-            assert_eq!(look(&mut incoming, &tree, &mut statuses), dropped);
+            assert_eq!(update(&mut incoming, &tree, &mut statuses), dropped);
         }
         place(&mut tree, 1001);
         for _ in 0..2 {
-            let (_, level, text) = look(&mut incoming, &tree, &mut statuses);
+            let (_, level, text) = update(&mut incoming, &tree, &mut statuses);
             assert_eq!((level, text.as_str()), (Level::Ok, "Transform OK"));
         }
         assert_eq!(statuses.get("Dropped").unwrap().text, "1 messages dropped: 1 no frame");
 
         place(&mut tree, 9000);
         incoming.push(&header(7, "arm"), Arc::new(()), &mut statuses);
-        let (_, level, text) = look(&mut incoming, &tree, &mut statuses);
+        let (_, level, text) = update(&mut incoming, &tree, &mut statuses);
         let old = "Message removed because it is too old (frame=[arm], stamp=[7.000000000])";
         assert_eq!((level, text.as_str()), (Level::Error, old));
         assert_eq!(statuses.get("Dropped").unwrap().text, "2 messages dropped: 1 too old, 1 no frame");

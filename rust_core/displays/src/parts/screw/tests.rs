@@ -25,14 +25,14 @@ impl Bench {
 
     /// Says where the frame of the messages is.
     fn place(&mut self, x: f64) {
-        let said = RawTransform {
+        let transform = RawTransform {
             parent: "map",
             child: "base",
             stamp: Time::ZERO,
             translation: [x, 0.0, 0.0],
             rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
         };
-        self.transforms.insert(&said, true, "/a").unwrap();
+        self.transforms.insert(&transform, true, "/a").unwrap();
     }
 
     /// Sends a twist; returns whether the picture changed.

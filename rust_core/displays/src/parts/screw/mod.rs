@@ -1,4 +1,4 @@
-//! `rviz/WrenchStamped`, `rviz/TwistStamped` and `rviz/AccelStamped`: a linear and an angular vector as arrows.
+//! A linear and an angular vector as arrows, as WrenchStamped, TwistStamped and AccelStamped show them.
 //!
 //! The three differ in their message and in the names of its parts. A screw stands where its frame was at its stamp,
 //! whatever the frame does later.
@@ -18,7 +18,7 @@ use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
-use crate::framework::placed::Incoming;
+use crate::framework::waiting_messages::WaitingMessages;
 use crate::{Level, Statuses, World};
 
 use visual::Look;
@@ -57,7 +57,7 @@ pub(crate) struct ScrewDisplay {
     settings: ScrewSettings,
     kind: MessageKind,
     look: Look,
-    incoming: Incoming<Screw>,
+    incoming: WaitingMessages<Screw>,
     /// What each of the last screws is drawn with, oldest first.
     history: VecDeque<Vec<Drawable>>,
     drawables: Vec<Drawable>,
@@ -71,7 +71,7 @@ impl ScrewDisplay {
             display,
             kind,
             look: Look::new(&settings),
-            incoming: Incoming::new(settings.queue_size),
+            incoming: WaitingMessages::new(settings.queue_size),
             settings,
             history: VecDeque::new(),
             drawables: Vec::new(),

@@ -1,0 +1,144 @@
+//! The tables of properties in the documentation name every property that a class reads, with the default that it has.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use rcs_rviz_config::{classes, properties, Role, ENTRY};
+
+const CAMERA_PUB: &str = "rviz_camera_stream/CameraPub";
+
+/// Rows that are not properties of the class itself: class and key.
+const NOT_OF_THE_CLASS: [(&str, &str); 2] = [
+    // Every display has it; the README's table is also for those who write a CameraPub by hand.
+    (CAMERA_PUB, "Enabled"),
+    // Its points have all properties of a PointCloud2, but its images have topics of their own.
+    ("rviz/DepthCloud", "Topic"),
+];
+
+/// Properties without a row: class and key.
+const WITHOUT_ROW: [(&str, &str); 1] = [
+    // The row Visibility stands for all tick boxes.
+    (CAMERA_PUB, "Visibility / (name)"),
+];
+
+fn page(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The text below a heading, up to the next one of its level.
+fn section<'a>(page: &'a str, heading: &str) -> Option<&'a str> {
+    let (_, rest) = page.split_once(&format!("\n{heading}\n"))?;
+    Some(rest.split("\n## ").next().unwrap_or_default())
+}
+
+/// A cell as plain text: without backticks, and `–` or `""` for nothing. What is in parentheses behind it is a remark.
+fn plain(cell: &str) -> String {
+    let cell = cell.trim().replace('`', "");
+    let cell = cell.split_once(" (").map_or(cell.as_str(), |(value, _)| value).trim();
+    if cell == "–" || cell == "\"\"" {
+        return String::new();
+    }
+    cell.to_owned()
+}
+
+/// The properties and defaults of the tables in a text whose head has the columns "property" and "default". A row may list
+/// several properties with as many defaults, or one default for all of them. A row that begins with … goes on inside of the
+/// last property before it.
+fn rows(text: &str) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    let (mut columns, mut parent) = (None, String::new());
+    for line in text.lines() {
+        let Some(line) = line.strip_prefix('|') else {
+            columns = None;
+            continue;
+        };
+        let cells: Vec<&str> = line.trim_end_matches('|').split('|').map(str::trim).collect();
+        let Some((key, default)) = columns else {
+            let column = |name| cells.iter().position(|cell| *cell == name);
+            columns = column("property").zip(column("default"));
+            continue;
+        };
+        if cells.iter().all(|cell| cell.starts_with("---")) {
+            continue;
+        }
+        let (inside, keys) = match cells[key].strip_prefix("… ") {
+            Some(keys) => (parent.clone() + " / ", keys),
+            None => (String::new(), cells[key]),
+        };
+        let keys: Vec<String> = keys.split(", ").map(|key| inside.clone() + key.trim().trim_matches('`')).collect();
+        let defaults: Vec<String> = cells[default].split(", ").map(plain).collect();
+        assert!(defaults.len() == 1 || defaults.len() == keys.len(), "{line}");
+        if inside.is_empty() {
+            parent = keys.last().cloned().unwrap_or_default();
+        }
+        for (i, key) in keys.into_iter().enumerate() {
+            found.insert(key, defaults.get(i).or(defaults.first()).cloned().unwrap_or_default());
+        }
+    }
+    found
+}
+
+/// The rows for a class: those of its section, over those of the class to whose properties the section refers.
+fn documented(class: &str) -> BTreeMap<String, String> {
+    if class == CAMERA_PUB {
+        return rows(page("README.md").split("CameraPub's properties in the config:").nth(1).unwrap_or_default());
+    }
+    let page = page("docs/displays.md");
+    let of_class = section(&page, &format!("## {class}")).unwrap_or_else(|| panic!("no section {class}"));
+    let mut found = BTreeMap::new();
+    if of_class.contains("[PointCloud2](#rvizpointcloud2)") {
+        found = rows(section(&page, "## rviz/PointCloud2").unwrap_or_default());
+    }
+    found.extend(rows(of_class));
+    found
+}
+
+#[test]
+fn every_property_stands_in_the_documentation_with_its_default() {
+    let mut wrong = Vec::new();
+    for class in classes().iter().map(|class| class.name) {
+        let mut documented = documented(class);
+        for (_, key) in NOT_OF_THE_CLASS.iter().filter(|(of, _)| *of == class) {
+            assert!(documented.remove(*key).is_some(), "{class} has no row {key}");
+        }
+        let without_row = |key: &str| WITHOUT_ROW.contains(&(class, key));
+        for property in properties(class).into_iter().filter(|property| !without_row(&property.key)) {
+            match documented.remove(&property.key) {
+                Some(default) if default == property.default => {}
+                Some(default) => {
+                    wrong.push(format!("{class}: {} is {:?}, not {default:?}", property.key, property.default))
+                }
+                None => wrong.push(format!("{class}: {} ({:?}) has no row", property.key, property.default)),
+            }
+        }
+        wrong.extend(documented.into_keys().map(|key| format!("{class}: {key} is not read")));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn properties_inside_of_others_and_of_entries_are_listed() {
+    let of = |class| properties(class).into_iter().map(|property| (property.key, property.default)).collect();
+    let grid: BTreeMap<String, String> = of("rviz/Grid");
+    assert_eq!(grid["Line Style"], "Lines");
+    assert_eq!(grid["Line Style / Line Width"], "0.03");
+    assert_eq!(grid["Color"], "160; 160; 164");
+    assert_eq!(grid["Offset"], "0; 0; 0");
+    let robot: BTreeMap<String, String> = of("rviz/RobotModel");
+    assert_eq!(robot[&format!("Links / {ENTRY} / Show Axes")], "false");
+    assert_eq!(properties("nobody/Knows"), []);
+    let without: Vec<&str> =
+        classes().iter().map(|class| class.name).filter(|name| properties(name).is_empty()).collect();
+    assert_eq!(without, ["rviz/Group"], "every other class has properties");
+}
+
+#[test]
+fn the_class_of_a_name_is_the_one_that_a_config_gets() {
+    for class in classes() {
+        let text = format!("Visualization Manager: {{Displays: [{{Class: {}}}]}}", class.name);
+        let config = rcs_rviz_config::parse(&text, "test").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(config.displays[0].settings.role(), class.role);
+        assert!(class.role != Role::Unknown && config.findings.is_empty());
+    }
+}
