@@ -5,7 +5,7 @@
 //! that axis sways under turns about the other two (yaw's has these two the wrong way round, in rviz and here). Of a pose
 //! in the plane, the yaw is a flat cone from the pose along its x.
 
-mod eigen;
+mod principal_axes;
 mod shape;
 
 use std::f64::consts::FRAC_PI_2;
