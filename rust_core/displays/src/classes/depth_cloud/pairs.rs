@@ -127,7 +127,7 @@ impl Pairs {
         self.limit(topic, out);
     }
 
-    /// Drops the oldest image of a queue that is too long; if a search was under way, it begins anew without that image.
+    /// Drops the oldest image of a queue that is too long; if a search was under way, it starts again without that image.
     fn limit(&mut self, topic: usize, out: &mut Vec<[Arc<Image>; 2]>) {
         if self.queues[topic].images.len() <= self.queue_size {
             return;
@@ -156,7 +156,7 @@ impl Pairs {
         Some([depth.stamp_secs(depth.cursor)?, color.stamp_secs(color.cursor)?])
     }
 
-    /// Compares images until one is missing, and hands out the pairs that are final.
+    /// Compares images until one is missing, and outputs the pairs that are final.
     fn search(&mut self, out: &mut Vec<[Arc<Image>; 2]>) {
         while let Some(times) = self.stamps_secs() {
             let (start, end) = in_order(times);
@@ -178,7 +178,7 @@ impl Pairs {
             self.best = Some(best);
             self.queues[start].cursor += 1;
             if start == best.pivot || best.is_final_at(end_secs) || self.is_final_already(&best) {
-                self.hand_out(out);
+                self.output(out);
             }
         }
     }
@@ -203,7 +203,7 @@ impl Pairs {
         }
     }
 
-    fn hand_out(&mut self, out: &mut Vec<[Arc<Image>; 2]>) {
+    fn output(&mut self, out: &mut Vec<[Arc<Image>; 2]>) {
         self.best = None;
         self.queues.iter_mut().for_each(|queue| queue.cursor = 0);
         let [depth, color] = &mut self.queues;
@@ -215,6 +215,8 @@ impl Pairs {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     /// Adds images by topic and stamp; gives the pairs by their stamps, with the position of the one that completed it.
@@ -251,8 +253,37 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_gives_way_where_too_many_wait() {
+    fn the_oldest_image_of_a_full_queue_is_dropped() {
         let images: Vec<_> = (0..9).map(|i| (DEPTH, f64::from(i))).chain([(COLOR, 1.2), (COLOR, 8.1)]).collect();
         assert_eq!(pairs(2, &images), [(10, 8.0, 8.1)], "that at 1 s is gone, and with it what could be near it");
+    }
+
+    proptest! {
+        #[test]
+        fn each_image_is_used_once_and_pairs_do_not_cross(
+            queue_size in 1..8_u32,
+            // Milliseconds since the topic's previous image; none for images of equal stamps.
+            steps in prop::collection::vec((0..2_usize, prop_oneof![0..5_u32, 0..100_u32, 0..2000_u32]), 0..60),
+        ) {
+            let mut stamps_ms = [0; 2];
+            let images: Vec<(usize, f64)> = steps
+                .into_iter()
+                .map(|(topic, step_ms)| {
+                    stamps_ms[topic] += step_ms;
+                    (topic, f64::from(stamps_ms[topic]) / 1000.0)
+                })
+                .collect();
+            let pairs = pairs(queue_size, &images);
+            prop_assert!(pairs.windows(2).all(|two| two[0].1 <= two[1].1 && two[0].2 <= two[1].2), "{pairs:?}");
+            for (topic, name) in [(DEPTH, "depth"), (COLOR, "color")] {
+                let of_pair = |pair: &(usize, f64, f64)| if topic == DEPTH { pair.1 } else { pair.2 };
+                for pair in &pairs {
+                    let stamp = of_pair(pair);
+                    let uses = pairs.iter().filter(|other| of_pair(other) == stamp).count();
+                    let sent = images.iter().filter(|image| **image == (topic, stamp)).count();
+                    prop_assert!(uses <= sent, "the {name} image of {stamp} is used {uses} times: {pairs:?}");
+                }
+            }
+        }
     }
 }

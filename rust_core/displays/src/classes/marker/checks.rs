@@ -1,6 +1,6 @@
 //! What is wrong with a marker, and whether it can be drawn all the same.
 //!
-//! A table ([`Needs`]) says what each type of marker reads of its message; the fields are then checked one by one. What
+//! A table ([`Needs`]) lists what each type of marker reads of its message; the fields are then checked one by one. What
 //! rviz calls an error is one here: it keeps a marker from being drawn and removes the one that it would have replaced. All
 //! else is a warning.
 
@@ -10,7 +10,7 @@ use rcs_messages::geometry_msgs::Pose;
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
 use rcs_messages::{quaternion_xyzw, PlainTransform};
 
-use super::numbers::{all_finite, is_finite_color, position, scale};
+use super::message_fields::{all_finite, is_finite_color, position, scale};
 use crate::Level;
 
 /// How far from 1 a quaternion's squared length may be.
@@ -103,9 +103,7 @@ impl Needs {
         Some(match u8::try_from(marker.type_).ok()? {
             Marker::CUBE | Marker::SPHERE | Marker::CYLINDER => solid,
             Marker::MESH_RESOURCE => Self { mesh: true, ..solid },
-            Marker::ARROW => {
-                Self { scale: Scale::Size { z_may_be_zero: true }, points: Count::NoneOrTwo, ..solid }
-            }
+            Marker::ARROW => Self { scale: Scale::Size { z_may_be_zero: true }, points: Count::NoneOrTwo, ..solid },
             Marker::TEXT_VIEW_FACING => Self { orientation: false, scale: Scale::TextHeight, text: true, ..solid },
             Marker::CUBE_LIST | Marker::SPHERE_LIST => list(Count::Some),
             Marker::TRIANGLE_LIST => list(Count::Groups { of: 3, name: "triangle" }),
@@ -220,7 +218,7 @@ fn check_colors(marker: &Marker, point_colors: bool, found: &mut Findings) {
     if !is_finite_color(color) {
         found.error("the color is not finite");
     }
-    // All zero asks for the mesh's own colours.
+    // All zero stands for the mesh's own colours.
     let own_colors = marker.type_ == i32::from(Marker::MESH_RESOURCE)
         && marker.mesh_use_embedded_materials
         && [color.r, color.g, color.b] == [0.0; 3];
@@ -276,6 +274,9 @@ mod tests {
         assert_eq!(text(&[(Marker::DELETE, 1), (ADD, 1)]).unwrap(), "marker /1 is added more than once");
         let deleted = "marker /1 is deleted by the array that adds it";
         assert_eq!(text(&[(ADD, 1), (Marker::DELETE, 1), (ADD, 1)]).unwrap(), deleted);
-        assert_eq!(text(&[(ADD, 1), (Marker::DELETEALL, 0), (ADD, 1)]).unwrap(), "DELETEALL after markers: they are not shown");
+        assert_eq!(
+            text(&[(ADD, 1), (Marker::DELETEALL, 0), (ADD, 1)]).unwrap(),
+            "DELETEALL after markers: they are not shown"
+        );
     }
 }

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer, IntensitySettings};
 use rcs_scene::Rgba;
 
+use super::buffer_pool::BufferPool;
 use super::fields::{Channel, Layout};
 use super::points::{PointBytes, SHARE};
-use super::spare::SparePoints;
 
 /// The colours of a cloud's points.
 pub(crate) enum PointColor {
@@ -47,9 +47,9 @@ impl<'a> Coloring<'a> {
         big_endian: bool,
         points: &PointBytes<'_>,
         positions: &[[f32; 3]],
-        spare: &mut SparePoints,
+        pool: &mut BufferPool,
     ) -> PointColor {
-        let SparePoints { colors, values, .. } = spare;
+        let BufferPool { colors, values, .. } = pool;
         let mut memory = || colors.take_filled(points.len());
         match self.transformer {
             ColorTransformer::FlatColor => {
@@ -208,14 +208,8 @@ fn by_axis(
 }
 
 /// The colours of rviz's rainbow at equal distances from 0 to 1; each differs from the next in one channel.
-const RAINBOW: [[f32; 3]; 6] = [
-    [1.0, 0.0, 1.0],
-    [0.0, 0.0, 1.0],
-    [0.0, 1.0, 1.0],
-    [0.0, 1.0, 0.0],
-    [1.0, 1.0, 0.0],
-    [1.0, 0.0, 0.0],
-];
+const RAINBOW: [[f32; 3]; 6] =
+    [[1.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
 
 /// rviz's rainbow: magenta at 0 over blue, cyan, green and yellow to red at 1.
 pub(crate) fn rainbow(share: f32) -> Rgba {

@@ -11,15 +11,15 @@
 //! So the axes of a covariance without covariances are a right-handed order of x, y and z, and those of two coordinates are
 //! never turned by more than 45°.
 //!
-//! Rounding leaves a variance of nothing a little above or below zero, and below it would be taken for a covariance that
-//! no pose can have. A variance within the rounding error of the largest is therefore zero.
+//! Rounding may leave a variance of nothing a little below zero, where it would be taken for a fault of the message. So a
+//! negative variance that is within the rounding error of the largest one is zero.
 
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 
 /// Steps after which a matrix counts as one that does not converge; two for each row are usual.
 const MAX_STEPS: usize = 100;
 
-/// A variance is zero if it is smaller than this share of the largest entry.
+/// A negative variance of a smaller size than this share of the largest entry is zero.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Entries that are smaller than this share of the largest are left out: they are below its rounding error, and their
@@ -39,8 +39,8 @@ pub(super) fn of_three(matrix: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
     };
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigenvalues[a].total_cmp(&eigenvalues[b]));
-    let rounded = |value: f64| if value.abs() < ROUNDING { 0.0 } else { value * largest };
-    let mut variances = Vector3::from(order.map(|i| rounded(eigenvalues[i])));
+    let variance = |value: f64| if (-ROUNDING..0.0).contains(&value) { 0.0 } else { value * largest };
+    let mut variances = Vector3::from(order.map(|i| variance(eigenvalues[i])));
     let mut axes = Matrix3::from_columns(&order.map(|i| {
         let axis = eigenvectors.column(i);
         axis * axis[axis.iamax()].signum()
@@ -56,7 +56,7 @@ pub(super) fn of_three(matrix: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
 pub(super) fn of_two(matrix: &Matrix2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
     let mut with_third = matrix.to_homogeneous();
     // No variance is above twice the largest entry.
-    with_third.m33 = 4.0 * matrix.amax();
+    with_third.m33 = (4.0 * matrix.amax()).min(f64::MAX);
     let (variances, axes) = of_three(&with_third);
     (variances.xy(), axes.fixed_view::<2, 2>(0, 0).into_owned())
 }
