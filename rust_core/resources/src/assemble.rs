@@ -1,4 +1,4 @@
-//! What rviz's mesh loader does with what it gets from Assimp.
+//! From imported meshes to drawable parts, as in rviz's mesh loader.
 //!
 //! Each mesh of each node becomes a part, placed by the nodes' transforms; normals are turned by the same matrix and
 //! made unit length (not by the inverse transpose, so they lean under uneven scales); materials get half the ambient
@@ -16,10 +16,10 @@ use crate::{
     warning_texture, LoadedMesh, MeshMaterial, MeshPart, ResourceError,
 };
 
-/// OpenGL's normal where a mesh (of lines or points) sends none: the initial one, which nobody ever sets.
+/// OpenGL's normal where a mesh (of lines or points) sends none: the initial one, which is never set.
 const UNSET_NORMAL: [f32; 3] = [0.0, 0.0, 1.0];
 
-/// Makes the parts of a mesh; textures are looked for beside `path`.
+/// Makes the parts of a mesh; textures are searched for beside `path`.
 pub(crate) fn assemble(imported: &Imported, path: &Path) -> LoadedMesh {
     let mut textures = Textures { path, loaded: HashMap::new(), warnings: Vec::new() };
     let mut materials: HashMap<usize, MeshMaterial> = HashMap::new();
@@ -134,7 +134,7 @@ impl Textures<'_> {
         if name.is_empty() {
             return Err(ResourceError::NoDiffuseTexture { path: self.path.to_owned() });
         }
-        // rviz puts a slash between the two, so an absolute name is looked for beside the mesh as well.
+        // rviz puts a slash between the two, so an absolute name is searched for beside the mesh as well.
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let file = folder.join(name.trim_start_matches('/'));
         if !file.is_file() {

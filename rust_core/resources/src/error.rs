@@ -57,7 +57,7 @@ pub enum ResourceError {
         /// What is wrong with it.
         fault: MeshFault,
     },
-    /// A material names textures, none of them for its diffuse colour; rviz then asks for one without a name.
+    /// A material names textures, none of them for its diffuse colour; rviz then requests one without a name.
     #[error("{}: a material names textures, but none for its diffuse colour", path.display())]
     NoDiffuseTexture {
         /// The mesh file.
@@ -68,7 +68,7 @@ pub enum ResourceError {
     BadImage {
         /// Which file.
         path: PathBuf,
-        /// What the decoder said.
+        /// The decoder's message.
         reason: String,
     },
 }
@@ -77,11 +77,11 @@ pub enum ResourceError {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum MeshFault {
     /// A binary STL file that ends before its last triangle.
-    #[error("cut off: its header announces {announced} triangles, {present} are there")]
+    #[error("cut off: its header announces {announced} triangles, but only {present} are there")]
     TruncatedStl {
-        /// As the header says.
+        /// The count in the header.
         announced: u32,
-        /// As many as the bytes suffice for.
+        /// The count that the bytes suffice for.
         present: u64,
     },
     /// Neither a binary nor a text STL file.

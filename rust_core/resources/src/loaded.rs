@@ -28,10 +28,10 @@ pub struct MeshPart {
 /// A material as rviz's mesh loader makes it from the file's.
 #[derive(Clone, Debug)]
 pub struct MeshMaterial {
-    /// False for STL files, which have none: rviz then takes the marker's colour even when the marker asks for
+    /// False for STL files, which have none: rviz then takes the marker's colour even when the marker requests
     /// embedded materials, and the URDF's material for a robot's link.
     pub embedded: bool,
-    /// Diffuse colour. Always opaque: rviz asks Assimp for a material's opacity by a wrong name, so that a file's
+    /// Diffuse colour. Always opaque: rviz requests a material's opacity from Assimp by a wrong name, so that a file's
     /// transparency never shows.
     pub diffuse: Rgba,
     /// Ambient colour, halved by rviz. rviz's scene has no ambient light, so it does not show.

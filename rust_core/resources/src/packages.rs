@@ -3,12 +3,12 @@
 //! Packages are found by rospack's rules. The folders of `ROS_PACKAGE_PATH` are searched one after the other, an
 //! earlier one wins; a folder with a `package.xml` or a `manifest.xml` is a package and is not searched further; one
 //! with a file `CATKIN_IGNORE` is skipped with all in it, one with `rospack_nosubdirs` is not searched further;
-//! folders that begin with a dot are skipped; links are followed. A package's name is what its `package.xml` says in
-//! `<name>`; with a `manifest.xml` (rosbuild) it is the folder's. Among siblings of the same name rospack takes
+//! folders that begin with a dot are skipped; links are followed. A package's name is the `<name>` in its
+//! `package.xml`; with a `manifest.xml` (rosbuild) it is the folder's. Among siblings of the same name rospack takes
 //! whichever the file system lists first; here it is the alphabetically first. A folder that links back into its own
 //! path, at which rospack gives up after a thousand levels, is searched once.
 //!
-//! Crawling is put off until it is needed: a package that lies directly in a search folder under its own name, as in
+//! Crawling waits until it is needed: a package that lies directly in a search folder under its own name, as in
 //! an installed `share` folder, is found without one.
 
 use std::{
@@ -25,7 +25,19 @@ use crate::ResourceError;
 /// rospack's `MAX_CRAWL_DEPTH` is 1000; no real tree is as deep as this.
 const MAX_DEPTH: usize = 100;
 
-/// Where packages are.
+/// Finds packages by name, and files by their `package://` and `file://` addresses.
+///
+/// ```
+/// use std::path::{Path, PathBuf};
+///
+/// use rcs_resources::PackageIndex;
+///
+/// let packages = PackageIndex::new([PathBuf::from("/opt/ros/noetic/share")]);
+/// let path = packages.resolve("file:///tmp/left%20arm.stl")?;
+/// assert_eq!(path, Path::new("/tmp/left arm.stl"));
+/// assert!(packages.resolve("http://example.org/arm.stl").is_err());
+/// # Ok::<(), rcs_resources::ResourceError>(())
+/// ```
 #[derive(Debug)]
 pub struct PackageIndex {
     roots: Vec<Root>,
@@ -74,7 +86,7 @@ impl PackageIndex {
     ///
     /// # Errors
     /// [`ResourceError::NoSuchPackage`]; [`ResourceError::UnsupportedScheme`] for `http://` and others;
-    /// [`ResourceError::BadUrl`] for what is no address.
+    /// [`ResourceError::BadUrl`] for anything that is not an address.
     pub fn resolve(&self, url: &str) -> Result<PathBuf, ResourceError> {
         let bad = || ResourceError::BadUrl { url: url.to_owned() };
         if url.starts_with('/') {

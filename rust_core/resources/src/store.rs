@@ -16,8 +16,19 @@ use crate::{assemble, import, LoadedMesh, MeshFault, PackageIndex, ResourceError
 
 type Slot = Arc<OnceLock<Result<Arc<LoadedMesh>, ResourceError>>>;
 
-/// A cache of meshes. Cheap to share between threads: one that asks for a mesh which another is loading waits for
-/// that mesh only.
+/// A cache of meshes. Cheap to share between threads: a thread that needs a mesh which another is loading waits for that
+/// mesh only.
+///
+/// ```
+/// use rcs_resources::{MeshStore, PackageIndex, ResourceError};
+///
+/// let store = MeshStore::new(PackageIndex::from_env(&[]));
+/// match store.get("package://no_such_package/arm.stl") {
+///     Ok(mesh) => println!("{} parts", mesh.parts.len()),
+///     Err(ResourceError::NoSuchPackage { package, .. }) => assert_eq!(package, "no_such_package"),
+///     Err(error) => panic!("{error}"),
+/// }
+/// ```
 #[derive(Debug)]
 pub struct MeshStore {
     packages: PackageIndex,
@@ -37,7 +48,7 @@ impl MeshStore {
 
     /// The mesh at a `package://` or `file://` address; the same address gives the same meshes and textures, or the
     /// same error, until [`MeshStore::forget_failures`]. What is wrong with it but not fatal is logged once, when it
-    /// is loaded, and stays in [`LoadedMesh::warnings`].
+    /// is loaded, and kept in [`LoadedMesh::warnings`].
     ///
     /// # Errors
     /// Any [`ResourceError`].
@@ -59,16 +70,16 @@ impl MeshStore {
         slot.get_or_init(load).clone()
     }
 
-    /// Loads meshes, on all processors, so that [`MeshStore::get`] has them; it also has the errors of those that fail.
+    /// Loads meshes on all processors. [`MeshStore::get`] then returns each of them, or its error, at once.
     pub fn load_all<'a>(&self, urls: impl IntoIterator<Item = &'a str>) {
         let mut urls: Vec<&str> = urls.into_iter().collect();
         urls.sort_unstable();
         urls.dedup();
-        // What the result is, is asked of the store later.
+        // The results are kept in the store.
         urls.par_iter().for_each(|url| drop(self.get(url)));
     }
 
-    /// Tries the meshes that failed anew when they are asked for again.
+    /// Loads the meshes that failed again when they are next needed.
     pub fn forget_failures(&self) {
         let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
         slots.retain(|_, slot| !matches!(slot.get(), Some(Err(_))));

@@ -12,12 +12,12 @@ use rcs_scene::{Filtering, Texture, Wrapping};
 
 use crate::ResourceError;
 
-/// Larger sides are refused, as every graphics card of the day does.
+/// Larger images are refused, as by every graphics card of the day.
 const MAX_SIDE: u32 = 16384;
-/// The most memory that an image may take while it is decoded, so that a damaged header cannot ask for all.
+/// The most memory that an image may take while it is decoded, so that a damaged header cannot take all of it.
 const MAX_DECODED_BYTES: u64 = 1 << 30;
 
-/// Reads an image file: PNG, JPEG, BMP, TGA, TIFF or GIF, told by its contents, else by its name.
+/// Reads an image file: PNG, JPEG, BMP, TGA, TIFF or GIF. The format is detected from its contents, else from its name.
 ///
 /// # Errors
 /// [`ResourceError::Io`] and [`ResourceError::BadImage`].
@@ -62,7 +62,7 @@ pub fn warning_texture() -> Arc<Texture> {
     Arc::clone(TEXTURE.get_or_init(make))
 }
 
-/// The texture multiplied with itself until it counts `times` times. rviz adds the diffuse texture once for every
+/// The texture multiplied with itself, to the power of `times`. rviz adds the diffuse texture once for every
 /// texture of whatever kind (bump, specular …) that a material names, each layer multiplying the ones before.
 pub(crate) fn layered(texture: &Arc<Texture>, times: usize) -> Arc<Texture> {
     if times < 2 {

@@ -85,7 +85,7 @@ fn ignored_and_hidden_folders_are_skipped() {
 }
 
 #[test]
-fn a_search_folder_without_subfolders_is_not_looked_into() {
+fn a_search_folder_without_subfolders_is_not_searched() {
     let dir = tree(&[("rospack_nosubdirs", ""), ("direct/package.xml", "direct")]);
     assert_eq!(index(&[dir.path()]).package("direct"), None);
 }
@@ -101,14 +101,14 @@ fn the_earlier_search_folder_wins_however_deep_the_package_is_in_it() {
 
 #[test]
 fn extra_folders_go_before_the_environments() {
-    // The environment of a test process is shared, so only the order of the arguments is looked at here.
+    // The environment of a test process is shared, so only the order of the arguments is tested here.
     let extra = tree(&[("p/package.xml", "p")]);
     let index = PackageIndex::from_env(&[extra.path().to_owned()]);
     assert_eq!(index.package("p"), Some(extra.path().join("p")));
 }
 
 #[test]
-fn search_folders_that_do_not_exist_are_passed_over() {
+fn search_folders_that_do_not_exist_are_skipped() {
     let dir = tree(&[("p/package.xml", "p")]);
     let index = PackageIndex::new([PathBuf::new(), dir.path().join("nowhere"), dir.path().to_owned()]);
     assert_eq!(index.package("p"), Some(dir.path().join("p")));
@@ -156,7 +156,7 @@ fn addresses_become_paths() {
 }
 
 #[test]
-fn bad_addresses_are_told_apart() {
+fn bad_addresses_are_different_errors() {
     let index = PackageIndex::new([]);
     for url in ["", "mesh.stl", "package://", "package://name", "package:///x", "package:name/x", "file://host/x"] {
         assert!(matches!(index.resolve(url), Err(ResourceError::BadUrl { .. })), "{url}");

@@ -35,7 +35,7 @@ pub use lines::{LineTopology, Lines};
 pub use material::{Blending, CullMode, Filtering, Lighting, Material, Texture, Wrapping};
 pub use mesh::{Mesh, Vertex};
 pub use picture::{Encoding, Picture};
-pub use points::{PointBuffer, PointColors, PointStyle, Points};
+pub use points::{PointBuffer, PointColors, PointStyle, Points, MAX_POINT_SIZE_PX};
 pub use ribbons::{RibbonElement, Ribbons};
 pub use scene::{DirectionalLight, DisplayId, DisplayMask, Drawable, Geometry, RenderGroup, Scene};
 pub use text::{HorizontalAlignment, Text, VerticalAlignment};

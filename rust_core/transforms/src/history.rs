@@ -1,6 +1,6 @@
-//! What is known of one frame: where it was in its parent, over time.
+//! The history of one frame: its poses in its parent over time.
 //!
-//! A frame is static or it moves; the first transform said of it decides, for good, as in tf2. Static
+//! A frame is static or it moves; the first transform published for it decides, for good, as in tf2. Static
 //! frames hold one transform that is valid at all times and is replaced by the next one, whichever topic
 //! that comes from. Frames that move hold samples in the order of their stamps, oldest first, as far back
 //! as the cache length before the newest. Between two samples translation is interpolated linearly and
@@ -118,7 +118,7 @@ impl History {
         }
     }
 
-    /// Forgets what was known over time. What is static stays.
+    /// Forgets all samples of a moving frame. A static transform is kept.
     pub(crate) fn clear(&mut self) {
         if let History::Moving(samples) = self {
             samples.clear();

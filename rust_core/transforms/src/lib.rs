@@ -1,8 +1,8 @@
 //! The frame tree over time, with tf2's semantics.
 //!
 //! Robots publish where a child frame is in its parent frame, again and again (`/tf`) or once and for
-//! all (`/tf_static`). [`TransformTree`] keeps what was said, ten seconds of it for each frame that
-//! moves, and answers where one frame was in another at a time, interpolating between the samples and
+//! all (`/tf_static`). [`TransformTree`] keeps what was published, ten seconds of it for each frame
+//! that moves, and looks up where one frame was in another at a time, interpolating between the samples and
 //! never extrapolating. [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros'
 //! message filter does for rviz's displays.
 //!
@@ -13,19 +13,20 @@
 //!
 //! let mut tree = TransformTree::new();
 //! for (secs, x) in [(10, 1.0), (11, 3.0)] {
-//!     let said = RawTransform {
+//!     let transform = RawTransform {
 //!         parent: "map",
 //!         child: "base_link",
 //!         stamp: Time::from_secs_nanos(secs, 0),
 //!         translation: [x, 0.0, 0.0],
 //!         rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
 //!     };
-//!     tree.insert(&said, false, "/localization")?;
+//!     tree.insert(&transform, false, "/localization")?;
 //! }
 //! let map_from_base = tree.lookup("map", "base_link", Time::from_secs_nanos(10, 500_000_000))?;
 //! assert_eq!(map_from_base.translation.x, 2.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+#![forbid(unsafe_code)]
 
 mod history;
 mod lookup;

@@ -27,7 +27,7 @@ const MAX_DEPTH: usize = 1000;
 /// error's cause.
 #[derive(Clone, PartialEq, Debug, Error)]
 pub enum LookupError {
-    /// A frame that no transform ever mentioned, or a tree that is none.
+    /// A frame that no transform ever mentioned, or a loop of frames.
     #[error("no transform from frame [{source}] to frame [{target}]: {problem}")]
     Lookup {
         /// The frame to transform to.
@@ -49,7 +49,7 @@ pub enum LookupError {
         /// The root above `source`; `source` itself if it has no parent.
         source_root: String,
     },
-    /// The frames are connected, or might be, but not at the time that was asked for.
+    /// The frames are connected, or might be, but not at the requested time.
     #[error("no transform from frame [{source}] to frame [{target}] at {requested}: {}", extrapolation(.frame, *.requested, *.known))]
     Extrapolation {
         /// The frame to transform to.
@@ -58,7 +58,7 @@ pub enum LookupError {
         r#source: String,
         /// The frame on the way whose place in its parent is not known at that time.
         frame: String,
-        /// The time that was asked for.
+        /// The requested time.
         requested: Time,
         /// The earliest and latest time at which `frame` is known; `None` if it is not known at all (any more).
         known: Option<(Time, Time)>,
@@ -106,7 +106,7 @@ fn extrapolation(frame: &str, requested: Time, known: Option<(Time, Time)>) -> S
     }
 }
 
-/// Why a walk failed, in a form that costs nothing where nobody reads it.
+/// Why a walk failed, in a form that costs nothing where it is not reported.
 #[derive(Clone, Copy, Debug)]
 enum Failure {
     Loop(FrameId),
@@ -271,12 +271,12 @@ impl TransformTree {
         Ok((top_from_target.inverse() * top_from_source, time))
     }
 
-    /// `a` is the target and `b` the source of the lookup that asks.
+    /// `a` is the target and `b` the source of the lookup.
     fn common_time(&self, a: FrameId, b: FrameId) -> Result<Time, Failure> {
         if a == b {
             return Ok(self.newest_stamp(a).unwrap_or(Time::ZERO));
         }
-        // How far each is from its root tells where the two ways up can meet first.
+        // The distances from the root show where the two ways up can meet first.
         let (b_root, above_b) = match self.way_up(b, a)? {
             WayUp::Met => return Ok(self.oldest_between(b, a)),
             WayUp::Root { root, links } => (root, links),

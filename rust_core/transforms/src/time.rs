@@ -47,7 +47,7 @@ impl Time {
         self.nanos as f64 / NANOS_PER_SEC as f64
     }
 
-    /// As a message writes it: seconds and nanoseconds, held within what a message can say.
+    /// Seconds and nanoseconds, as in a message; clamped to what a message can hold.
     pub fn as_secs_nanos(self) -> (u32, u32) {
         let nanos = self.nanos.max(0);
         match u32::try_from(nanos / NANOS_PER_SEC) {

@@ -1,7 +1,7 @@
-//! One transform as a publisher states it, and the checks that it passes before the tree believes it.
+//! One transform as it was published, and the checks that it passes before the tree takes it.
 //!
 //! The checks are tf2's: both frames named, not the same frame twice, no NaN, a rotation whose squared
-//! norm is within [`NORM_TOLERANCE`] of one. Two things differ, each because the tree hands out rigid
+//! norm is within [`NORM_TOLERANCE`] of one. Two things differ, each because the tree returns rigid
 //! transforms. Infinite translations, which tf2 stores and then answers with NaN, are refused; and a
 //! rotation within the tolerance is normalised here, where tf2 keeps the small error and scales by it.
 
@@ -13,7 +13,7 @@ use crate::Time;
 /// How far the squared norm of a rotation may be from one; tf2's value.
 pub(crate) const NORM_TOLERANCE: f64 = 10e-3;
 
-/// A transform as a message says it, unchecked. Frame names may carry one leading `/`, which is ignored.
+/// A transform as a message has it, unchecked. Frame names may carry one leading `/`, which is ignored.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RawTransform<'a> {
     /// The frame that the numbers are given in (`header.frame_id`).
@@ -42,7 +42,7 @@ pub struct StampedTransform {
 }
 
 impl StampedTransform {
-    /// The same as a message would say it, ready for [`crate::TransformTree::insert`].
+    /// The same as a message would have it, ready for [`crate::TransformTree::insert`].
     pub fn as_raw(&self) -> RawTransform<'_> {
         let translation = &self.parent_from_child.translation;
         let rotation = &self.parent_from_child.rotation;
@@ -135,7 +135,7 @@ pub(crate) fn strip_slash(frame: &str) -> &str {
 }
 
 impl RawTransform<'_> {
-    /// Checks what the message says and gives it as a rigid transform, `parent_from_child`.
+    /// Checks the message's transform and returns it as a rigid one, `parent_from_child`.
     pub(crate) fn check(&self, authority: &str) -> Result<Isometry3<f64>, InsertError> {
         let (parent, child) = (strip_slash(self.parent), strip_slash(self.child));
         let named = || (authority.to_owned(), parent.to_owned(), child.to_owned());
@@ -181,8 +181,8 @@ mod tests {
         RawTransform { parent, child, stamp: Time::from_secs_nanos(5, 0), translation: [x, 0.0, 0.0], rotation_xyzw }
     }
 
-    fn refusal(said: RawTransform<'_>) -> InsertError {
-        said.check("/driver").expect_err("it should be refused")
+    fn refusal(transform: RawTransform<'_>) -> InsertError {
+        transform.check("/driver").expect_err("it should be refused")
     }
 
     #[test]
@@ -240,17 +240,17 @@ mod tests {
     }
 
     #[test]
-    fn an_owned_transform_says_what_it_was_made_of() {
-        let said = raw("map", "base", 2.0, [0.6, 0.0, 0.0, 0.8]);
+    fn an_owned_transform_equals_the_one_it_was_made_of() {
+        let transform = raw("map", "base", 2.0, [0.6, 0.0, 0.0, 0.8]);
         let owned = StampedTransform {
             parent: "map".into(),
             child: "base".into(),
-            stamp: said.stamp,
-            parent_from_child: said.check("/driver").expect("a good transform"),
+            stamp: transform.stamp,
+            parent_from_child: transform.check("/driver").expect("a good transform"),
         };
         let again = owned.as_raw();
-        assert_eq!(again.translation, said.translation);
-        for (a, b) in again.rotation_xyzw.iter().zip(said.rotation_xyzw) {
+        assert_eq!(again.translation, transform.translation);
+        for (a, b) in again.rotation_xyzw.iter().zip(transform.rotation_xyzw) {
             assert!((a - b).abs() < 1e-15);
         }
     }

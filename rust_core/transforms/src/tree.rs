@@ -1,8 +1,8 @@
-//! The buffer of all frames: names, histories and what is known of them. tf2 calls it `BufferCore`.
+//! The buffer of all frames, their names and histories. tf2 calls it `BufferCore`.
 //!
 //! Frame names are interned, so that a lookup hashes its two names once and then walks from frame to
-//! parent by index. A name becomes known when a transform first mentions it, as child or as parent, and
-//! stays known, also through [`TransformTree::clear`]. How lookups walk is in the `lookup` module.
+//! parent by index. A name is known from the first transform that mentions it, as child or as parent, and
+//! is kept, also through [`TransformTree::clear`]. Lookups are in the module `lookup`.
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use crate::history::{History, Sample, Stored};
 use crate::transform::strip_slash;
 use crate::{InsertError, RawTransform, StampedTransform, Time};
 
-/// How long tf2 remembers moving frames unless it is told otherwise.
+/// How long tf2 remembers moving frames by default.
 pub const DEFAULT_CACHE_LENGTH: Duration = Duration::from_secs(10);
 
 /// A frame's place among the tree's frames.
@@ -36,6 +36,24 @@ pub enum Inserted {
 }
 
 /// The frame tree over time.
+///
+/// ```
+/// use rcs_transforms::{LookupError, RawTransform, Time, TransformTree};
+///
+/// let mut tree = TransformTree::new();
+/// let mount = RawTransform {
+///     parent: "base_link",
+///     child: "camera",
+///     stamp: Time::ZERO,
+///     translation: [0.1, 0.0, 0.5],
+///     rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+/// };
+/// tree.insert(&mount, true, "/robot_state_publisher")?;
+/// let base_from_camera = tree.lookup("base_link", "camera", Time::ZERO)?;
+/// assert_eq!(base_from_camera.translation.z, 0.5);
+/// assert!(matches!(tree.lookup("map", "camera", Time::ZERO), Err(LookupError::Lookup { .. })));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct TransformTree {
     cache_length: Duration,
@@ -68,7 +86,7 @@ impl TransformTree {
 
     /// Adds what `authority` (a node's name) published, on `/tf_static` if `is_static`.
     ///
-    /// Whether a frame is static is decided by the first transform said of it and stays so, as in tf2: a
+    /// Whether a frame is static is decided by the first transform published for it, for good, as in tf2: a
     /// later one from the other topic is a sample like any other, or replaces the static one.
     ///
     /// # Errors
@@ -191,7 +209,7 @@ impl TransformTree {
 mod tests {
     use super::*;
 
-    fn said<'a>(parent: &'a str, child: &'a str, secs: u32, x: f64) -> RawTransform<'a> {
+    fn raw<'a>(parent: &'a str, child: &'a str, secs: u32, x: f64) -> RawTransform<'a> {
         RawTransform {
             parent,
             child,
@@ -209,8 +227,8 @@ mod tests {
     #[test]
     fn frames_are_known_by_their_first_mention_with_or_without_a_slash() {
         let mut tree = TransformTree::new();
-        tree.insert(&said("/map", "odom", 5, 1.0), false, "/a").unwrap();
-        tree.insert(&said("odom", "/base", 5, 1.0), false, "/a").unwrap();
+        tree.insert(&raw("/map", "odom", 5, 1.0), false, "/a").unwrap();
+        tree.insert(&raw("odom", "/base", 5, 1.0), false, "/a").unwrap();
         assert_eq!(tree.frames().collect::<Vec<_>>(), ["odom", "map", "base"]);
         assert!(tree.frame_exists("map") && tree.frame_exists("/map"));
         assert!(!tree.frame_exists("") && !tree.frame_exists("//map"));
@@ -230,16 +248,16 @@ mod tests {
             last = tree.generation();
             grew
         };
-        let moving = said("map", "odom", 50, 1.0);
+        let moving = raw("map", "odom", 50, 1.0);
         assert_eq!(tree.insert(&moving, false, "/a"), Ok(Inserted::Stored));
         assert!(grew(&tree));
         assert_eq!(tree.insert(&moving, false, "/a"), Ok(Inserted::Repeated));
         assert!(!grew(&tree));
-        let fixed = said("odom", "laser", 50, 1.0);
+        let fixed = raw("odom", "laser", 50, 1.0);
         assert_eq!(tree.insert(&fixed, true, "/a"), Ok(Inserted::Stored));
         assert!(grew(&tree));
         assert_eq!(tree.insert(&fixed, true, "/a"), Ok(Inserted::Repeated));
-        assert!(tree.insert(&said("map", "odom", 39, 1.0), false, "/a").is_err());
+        assert!(tree.insert(&raw("map", "odom", 39, 1.0), false, "/a").is_err());
         assert!(!grew(&tree));
         tree.clear();
         assert!(grew(&tree));
@@ -248,9 +266,9 @@ mod tests {
     #[test]
     fn data_older_than_the_cache_is_refused_and_the_error_names_all() {
         let mut tree = TransformTree::with_cache_length(Duration::from_secs(2));
-        tree.insert(&said("map", "odom", 50, 1.0), false, "/a").unwrap();
-        assert!(tree.insert(&said("map", "odom", 48, 1.0), false, "/a").is_ok());
-        let error = tree.insert(&said("map", "odom", 47, 1.0), false, "/slam").unwrap_err();
+        tree.insert(&raw("map", "odom", 50, 1.0), false, "/a").unwrap();
+        assert!(tree.insert(&raw("map", "odom", 48, 1.0), false, "/a").is_ok());
+        let error = tree.insert(&raw("map", "odom", 47, 1.0), false, "/slam").unwrap_err();
         let text = error.to_string();
         for part in ["/slam", "[map]", "[odom]", "47.000000000", "50.000000000"] {
             assert!(text.contains(part), "{text}");
@@ -260,25 +278,25 @@ mod tests {
     #[test]
     fn clearing_forgets_moving_frames_and_keeps_static_ones_and_names() {
         let mut tree = TransformTree::new();
-        tree.insert(&said("map", "odom", 50, 1.0), false, "/a").unwrap();
-        tree.insert(&said("odom", "laser", 50, 2.0), true, "/a").unwrap();
+        tree.insert(&raw("map", "odom", 50, 1.0), false, "/a").unwrap();
+        tree.insert(&raw("odom", "laser", 50, 2.0), true, "/a").unwrap();
         tree.clear();
         assert_eq!(x_of(&tree, "map", "odom", 0), None);
         assert_eq!(x_of(&tree, "odom", "laser", 3), Some(2.0));
         assert!(tree.frame_exists("map"));
         // Time may now run from the start again.
-        tree.insert(&said("map", "odom", 1, 5.0), false, "/a").unwrap();
+        tree.insert(&raw("map", "odom", 1, 5.0), false, "/a").unwrap();
         assert_eq!(x_of(&tree, "map", "laser", 1), Some(7.0));
     }
 
     #[test]
     fn the_first_transform_decides_whether_a_frame_is_static() {
         let mut tree = TransformTree::new();
-        tree.insert(&said("map", "post", 5, 1.0), true, "/a").unwrap();
-        tree.insert(&said("map", "post", 6, 2.0), false, "/a").unwrap();
+        tree.insert(&raw("map", "post", 5, 1.0), true, "/a").unwrap();
+        tree.insert(&raw("map", "post", 6, 2.0), false, "/a").unwrap();
         assert_eq!(x_of(&tree, "map", "post", 100), Some(2.0));
-        tree.insert(&said("map", "cart", 5, 1.0), false, "/a").unwrap();
-        tree.insert(&said("map", "cart", 6, 3.0), true, "/a").unwrap();
+        tree.insert(&raw("map", "cart", 5, 1.0), false, "/a").unwrap();
+        tree.insert(&raw("map", "cart", 6, 3.0), true, "/a").unwrap();
         assert_eq!(x_of(&tree, "map", "cart", 0), Some(3.0));
         assert_eq!(x_of(&tree, "map", "cart", 100), None);
     }
@@ -286,8 +304,8 @@ mod tests {
     #[test]
     fn the_newest_sample_is_told_with_its_parent() {
         let mut tree = TransformTree::new();
-        tree.insert(&said("map", "odom", 5, 1.0), false, "/a").unwrap();
-        tree.insert(&said("odom", "laser", 5, 2.0), true, "/a").unwrap();
+        tree.insert(&raw("map", "odom", 5, 1.0), false, "/a").unwrap();
+        tree.insert(&raw("odom", "laser", 5, 2.0), true, "/a").unwrap();
         let odom = tree.latest("/odom").unwrap();
         assert_eq!((odom.parent.as_str(), odom.child.as_str()), ("map", "odom"));
         assert_eq!(odom.stamp, Time::from_secs_nanos(5, 0));
@@ -298,7 +316,7 @@ mod tests {
     #[test]
     fn a_refused_transform_leaves_no_frame_behind() {
         let mut tree = TransformTree::new();
-        assert!(tree.insert(&said("map", "odom", 5, f64::NAN), false, "/a").is_err());
+        assert!(tree.insert(&raw("map", "odom", 5, f64::NAN), false, "/a").is_err());
         assert_eq!(tree.frames().count(), 0);
         assert_eq!(tree.generation(), 0);
     }

@@ -2,12 +2,12 @@
 //!
 //! A display can draw a message only where its frame is known at the message's stamp, and transforms
 //! often arrive a little after the data that needs them. So a message that cannot be placed yet waits; it
-//! is handed out as soon as it can be, or dropped when newer ones need its place or when it has become
+//! is returned as soon as it can be placed, or dropped when newer ones need its place in the queue or when it is
 //! older than all that the tree remembers. The owner calls [`WaitingQueue::take_ready`] after each message
 //! and whenever [`TransformTree::generation`] has grown.
 //!
 //! Two things differ from tf2_ros. Messages come out in the order of their arrival, where the filter's
-//! order after a transform is arbitrary. And a message with stamp zero, which asks for the latest transform,
+//! order after a transform is arbitrary. And a message with stamp zero, which stands for the latest transform,
 //! is never too old: the filter compares even that stamp with the newest transforms and so loses a message
 //! that came before the first of them.
 
@@ -24,11 +24,11 @@ pub struct WaitingQueue<T> {
     queue_size: usize,
     /// In the order of arrival.
     messages: VecDeque<Message<T>>,
-    /// How many of the last ones arrived since they were last looked at.
+    /// The number of messages at the end of the queue that were not tried yet.
     new: usize,
     counts: DropCounts,
     last_dropped: Option<Dropped>,
-    /// The dropped messages, where the owner asked for them.
+    /// The dropped messages, where the owner wants them.
     kept: Option<Vec<(T, Dropped)>>,
 }
 
@@ -81,7 +81,7 @@ pub enum Dropped {
         frame: String,
         /// The message's stamp.
         stamp: Time,
-        /// What it waited for; `None` if nobody had asked for it yet.
+        /// What it waited for; `None` if it was not tried yet.
         reason: Option<LookupError>,
     },
     /// The transforms of that time are forgotten, so that the message can never be placed.
@@ -96,7 +96,7 @@ pub enum Dropped {
         /// The latest common time of the two frames.
         latest: Time,
     },
-    /// The message does not say which frame it is in.
+    /// The message has no frame.
     #[error("a message at {stamp} was dropped because its frame name is empty")]
     EmptyFrame {
         /// The message's stamp.
@@ -109,7 +109,7 @@ fn waited_for(reason: Option<&LookupError>) -> String {
 }
 
 impl<T> WaitingQueue<T> {
-    /// A queue in which at most `queue_size` messages wait; 0 sets no limit.
+    /// A queue in which at most `queue_size` messages wait; 0 means no limit.
     pub fn new(queue_size: usize) -> Self {
         WaitingQueue {
             queue_size,
@@ -141,7 +141,7 @@ impl<T> WaitingQueue<T> {
         self.last_dropped = Some(dropped);
     }
 
-    /// Changes how many messages may wait; 0 sets no limit. Where too many wait already, the next
+    /// Sets how many messages may wait; 0 means no limit. Where too many wait already, the next
     /// [`WaitingQueue::take_ready`] drops the oldest.
     pub fn set_queue_size(&mut self, queue_size: usize) {
         self.queue_size = queue_size;
@@ -149,7 +149,7 @@ impl<T> WaitingQueue<T> {
 
     /// Adds a message in `frame_id` (one leading `/` is ignored) at `stamp`.
     ///
-    /// A message without a frame is dropped at once. Messages that have not been looked at yet do not push
+    /// A message without a frame is dropped at once. Messages that were not tried yet do not push
     /// out those that wait, because they may be ready; but as in a subscriber's queue there are at most
     /// queue size of them, then the oldest of them is dropped.
     pub fn push(&mut self, frame_id: &str, stamp: Time, message: T) {
@@ -273,14 +273,14 @@ mod tests {
     }
 
     fn place(tree: &mut TransformTree, child: &str, secs: u32) {
-        let said = RawTransform {
+        let transform = RawTransform {
             parent: "map",
             child,
             stamp: at(secs),
             translation: [1.0, 0.0, 0.0],
             rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
         };
-        tree.insert(&said, false, "/a").unwrap();
+        tree.insert(&transform, false, "/a").unwrap();
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Lookups in small trees by hand: what is found, at which time, and what the errors say.
+//! Lookups in small trees by hand: what is found, at which time, and the texts of errors.
 #![expect(clippy::unwrap_used, reason = "a helper of tests may fail as they do")]
 
 use std::f64::consts::FRAC_PI_2;
@@ -12,7 +12,7 @@ fn at(secs: f64) -> Time {
 
 /// Inserts `child` in `parent`, a quarter turn about z and `x` along x; at no time if it is static.
 fn turn(tree: &mut TransformTree, parent: &str, child: &str, secs: Option<f64>, x: f64) {
-    let said = StampedTransform {
+    let transform = StampedTransform {
         parent: parent.to_owned(),
         child: child.to_owned(),
         stamp: at(secs.unwrap_or(0.0)),
@@ -21,7 +21,7 @@ fn turn(tree: &mut TransformTree, parent: &str, child: &str, secs: Option<f64>, 
             UnitQuaternion::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2),
         ),
     };
-    tree.insert(&said.as_raw(), secs.is_none(), "/test").unwrap();
+    tree.insert(&transform.as_raw(), secs.is_none(), "/test").unwrap();
 }
 
 /// map <- odom (5 s, 7 s) <- base (6 s, 8 s) <- camera (static); map <- table (4 s, 9 s); other <- island.
@@ -213,7 +213,7 @@ fn after_clearing_nothing_is_known_of_moving_frames() {
 #[test]
 fn a_link_above_the_meeting_point_does_not_matter() {
     let tree = scene();
-    // odom is unknown in map at 7.5 s, and nobody asked.
+    // odom is unknown in map at 7.5 s, but the lookup does not need it.
     for (target, source) in [("odom", "camera"), ("camera", "odom")] {
         assert!(tree.lookup(target, source, at(7.5)).is_ok());
         assert!(tree.can_transform(target, source, at(7.5)));

@@ -41,13 +41,13 @@ fn tree_of(links: &[Link]) -> TransformTree {
     let mut tree = TransformTree::new();
     for (i, (parent, is_static, places)) in links.iter().enumerate() {
         for (place, stamp) in places.iter().zip([100.0, 104.0]) {
-            let said = StampedTransform {
+            let transform = StampedTransform {
                 parent: name(parent.index(i + 1)),
                 child: name(i + 1),
                 stamp: secs(stamp),
                 parent_from_child: *place,
             };
-            tree.insert(&said.as_raw(), *is_static, "/generator").unwrap();
+            tree.insert(&transform.as_raw(), *is_static, "/generator").unwrap();
         }
     }
     tree
@@ -116,10 +116,10 @@ proptest! {
     fn between_two_samples_a_frame_is_between_their_places(places in [isometry(), isometry()], ratio in 0.0..=1.0_f64, flip in any::<bool>()) {
         let mut tree = TransformTree::new();
         for (place, stamp) in places.iter().zip([100.0, 104.0]) {
-            let said = StampedTransform {
+            let transform = StampedTransform {
                 parent: "map".into(), child: "base".into(), stamp: secs(stamp), parent_from_child: *place,
             };
-            let mut raw = said.as_raw();
+            let mut raw = transform.as_raw();
             if flip && stamp > 100.0 {
                 raw.rotation_xyzw = raw.rotation_xyzw.map(|v| -v);
             }
@@ -140,12 +140,12 @@ proptest! {
         let tree_in_order = |stamps: &[u32]| {
             let mut tree = TransformTree::with_cache_length(Duration::from_secs(100));
             for &stamp in stamps {
-                let said = StampedTransform {
+                let transform = StampedTransform {
                     parent: "map".into(), child: "base".into(),
                     stamp: Time::from_secs_nanos(stamp, 0),
                     parent_from_child: Isometry3::translation(f64::from(stamp) * f64::from(stamp), 0.0, 0.0),
                 };
-                tree.insert(&said.as_raw(), false, "/generator").unwrap();
+                tree.insert(&transform.as_raw(), false, "/generator").unwrap();
             }
             tree
         };
@@ -159,15 +159,15 @@ proptest! {
     }
 
     #[test]
-    fn nothing_that_is_published_or_asked_panics(
-        said in prop::collection::vec(
+    fn nothing_that_is_published_or_looked_up_panics(
+        published in prop::collection::vec(
             (hostile_name(), hostile_name(), hostile_time(), prop::array::uniform3(hostile()), hostile_rotation(), any::<bool>()), 0..40),
         clear_after in 0..80_usize,
-        asked in prop::collection::vec((hostile_name(), hostile_name(), hostile_time()), 1..20),
+        lookups in prop::collection::vec((hostile_name(), hostile_name(), hostile_time()), 1..20),
     ) {
         let mut tree = TransformTree::new();
         let mut queue = WaitingQueue::new(3);
-        for (i, (parent, child, stamp, translation, rotation_xyzw, is_static)) in said.into_iter().enumerate() {
+        for (i, (parent, child, stamp, translation, rotation_xyzw, is_static)) in published.into_iter().enumerate() {
             let raw = RawTransform { parent, child, stamp, translation, rotation_xyzw };
             if let Err(error) = tree.insert(&raw, is_static, "/generator") {
                 prop_assert!(error.to_string().contains("/generator"));
@@ -180,7 +180,7 @@ proptest! {
                 queue.clear();
             }
         }
-        for (target, source, time) in asked {
+        for (target, source, time) in lookups {
             match tree.lookup_stamped(target, source, time) {
                 Ok((found, _)) => {
                     prop_assert!(tree.can_transform(target, source, time));

@@ -4,9 +4,9 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
 /// Parent, child, stamp in seconds, whether static, translation, rotation xyzw.
-type Said = (&'static str, &'static str, f64, bool, [f64; 3], [f64; 4]);
+type Published = (&'static str, &'static str, f64, bool, [f64; 3], [f64; 4]);
 
-const SAID: [Said; 9] = [
+const PUBLISHED: [Published; 9] = [
     ("map", "odom", 20.0, false, [-1.057, -2.095, 0.906], [0.865163689, 0.423409936, -0.178585222, 0.200806215]),
     ("map", "odom", 21.0, false, [0.045, -2.775, -0.398], [0.205302896, 0.096380513, -0.866448255, 0.444779652]),
     ("map", "odom", 23.0, false, [-2.257, -1.661, 0.765], [0.40936026, -0.139555198, -0.718227803, 0.545066369]),
@@ -84,7 +84,7 @@ const ANSWERS: [Answer; 8] = [
 #[test]
 fn lookups_agree_with_tf2() {
     let mut tree = TransformTree::new();
-    for (parent, child, secs, is_static, translation, rotation_xyzw) in SAID {
+    for (parent, child, secs, is_static, translation, rotation_xyzw) in PUBLISHED {
         let raw = RawTransform { parent, child, stamp: Time::from_secs_f64(secs), translation, rotation_xyzw };
         tree.insert(&raw, is_static, "/test").unwrap();
     }

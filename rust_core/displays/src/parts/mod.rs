@@ -1,4 +1,4 @@
-//! What several display classes are made of.
+//! Building blocks that several display classes share.
 
 pub(crate) mod bounds;
 pub(crate) mod cloud;

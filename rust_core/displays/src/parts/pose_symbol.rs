@@ -1,4 +1,4 @@
-//! What stands at a pose: an arrow along its x, or its axes.
+//! The symbol of a pose: an arrow along its x, or its axes.
 
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ impl From<&PoseSymbolSettings> for PoseSymbol {
     fn from(settings: &PoseSymbolSettings) -> Self {
         match settings.shape {
             PoseShape::Arrow => {
-                // rviz hands its "radii" to something that takes diameters.
+                // rviz passes its "radii" to something that takes diameters.
                 let size = ArrowSize {
                     shaft_length_m: settings.shaft_length_m.into(),
                     shaft_diameter_m: settings.shaft_radius_m.into(),

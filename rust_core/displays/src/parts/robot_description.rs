@@ -1,17 +1,17 @@
 //! The parameter with a robot's description, with rviz's statuses for it.
 //!
-//! rviz looks for the parameter when the display starts and once a second until it is there. After that it does not look
-//! again, so a robot does not change while the display lives.
+//! rviz polls the parameter when the display starts and once a second until it is set. After that it reads it no more, so
+//! a robot does not change while the display lives.
 
 use std::sync::Arc;
 
 use crate::parts::urdf::{self, Robot};
 use crate::{Level, Statuses};
 
-/// The status that tells about the description.
+/// The name of the description's status.
 pub(crate) const STATUS: &str = "URDF";
 
-/// What two displays of rviz say otherwise about the same.
+/// Texts of the status that differ between two of rviz's displays.
 pub(crate) struct Words {
     /// A description was read.
     pub(crate) good: &'static str,
@@ -34,13 +34,13 @@ impl RobotDescription {
         Self { name: name.to_owned(), is_read: false }
     }
 
-    /// The parameters that are to be looked for.
+    /// The parameters to poll.
     pub(crate) fn parameters(&self) -> Vec<String> {
         check_name(&self.name).map(|()| self.name.clone()).into_iter().collect()
     }
 
-    /// The robot of a parameter's text; `None` where there is none, which the status then says, or where it was read
-    /// before.
+    /// The robot of a parameter's text; `None` where it is not set, which the status then reports, or where it was
+    /// read before.
     pub(crate) fn take(&mut self, text: Option<&Arc<str>>, words: &Words, statuses: &mut Statuses) -> Option<Robot> {
         if self.is_read {
             return None;
@@ -72,7 +72,7 @@ impl RobotDescription {
     }
 }
 
-/// What roscpp's node handles take for a parameter's name.
+/// Whether roscpp's node handles accept a parameter's name.
 fn check_name(name: &str) -> Result<(), String> {
     if name.starts_with('~') {
         return Err("Private names (~) cannot be used here".to_owned());
@@ -101,23 +101,23 @@ mod tests {
 
     const WORDS: Words = Words { good: "fine", bad: "not good" };
 
-    fn said(statuses: &Statuses) -> (Level, String) {
+    fn status(statuses: &Statuses) -> (Level, String) {
         let status = statuses.iter().find(|(name, _)| *name == STATUS).unwrap().1;
         (status.level, status.text.clone())
     }
 
     #[test]
-    fn a_description_is_missed_until_it_is_there_and_read_once() {
+    fn a_missing_description_is_an_error_and_one_that_is_set_is_read_once() {
         let mut statuses = Statuses::default();
         let mut description = RobotDescription::new("robot_description", &mut statuses);
         assert_eq!(description.parameters(), ["robot_description"]);
         assert_eq!(statuses, Statuses::default());
         assert!(description.take(None, &WORDS, &mut statuses).is_none());
         let missing = "Parameter [robot_description] does not exist, and was not found by searchParam()";
-        assert_eq!(said(&statuses), (Level::Error, missing.to_owned()));
+        assert_eq!(status(&statuses), (Level::Error, missing.to_owned()));
         let text: Arc<str> = "<robot name='r'><link name='a'/></robot>".into();
         assert!(description.take(Some(&text), &WORDS, &mut statuses).is_some());
-        assert_eq!(said(&statuses), (Level::Ok, "fine".to_owned()));
+        assert_eq!(status(&statuses), (Level::Ok, "fine".to_owned()));
         assert!(description.take(Some(&text), &WORDS, &mut statuses).is_none());
     }
 
@@ -127,14 +127,14 @@ mod tests {
             let mut statuses = Statuses::default();
             let mut description = RobotDescription::new("d", &mut statuses);
             assert!(description.take(Some(&text.into()), &WORDS, &mut statuses).is_none());
-            said(&statuses).1
+            status(&statuses).1
         };
         assert_eq!(take(""), "URDF is empty");
         assert_eq!(take("<robot\nname='r'/>"), "not good: d, line 1: robot \"r\": it has no links");
         for name in ["~x", "1x", "a b"] {
             let mut statuses = Statuses::default();
             assert!(RobotDescription::new(name, &mut statuses).parameters().is_empty());
-            assert!(said(&statuses).1.starts_with("Invalid parameter name"));
+            assert!(status(&statuses).1.starts_with("Invalid parameter name"));
         }
     }
 }

@@ -7,8 +7,8 @@ use nalgebra::Matrix4;
 use crate::{MeshFault, ResourceError};
 
 mod collada;
+mod lenient_float;
 mod mtl;
-mod number;
 mod obj;
 mod process;
 mod stl;
@@ -28,7 +28,7 @@ pub(crate) enum Format {
 }
 
 impl Format {
-    /// Told by the file's name, in upper or lower case.
+    /// The format that the file's extension stands for, in upper or lower case.
     pub(crate) fn from_path(path: &Path) -> Result<Self, ResourceError> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
         match extension.as_str() {
@@ -42,13 +42,13 @@ impl Format {
     }
 }
 
-/// What a reader makes of a file.
+/// The contents of a file.
 #[derive(Debug, Default)]
 pub(crate) struct Imported {
     pub(crate) meshes: Vec<Polygons>,
     /// Empty where the format has none (STL).
     pub(crate) materials: Vec<MaterialSpec>,
-    /// Which mesh is drawn where, in drawing order.
+    /// Which mesh is drawn at which pose, in drawing order.
     pub(crate) placed: Vec<Placed>,
 }
 
@@ -75,7 +75,7 @@ pub(crate) struct Polygons {
     pub(crate) material: usize,
 }
 
-/// A material as Assimp would report it, before rviz makes its own of it. Opacity is left out: rviz asks for it by a
+/// A material as Assimp would report it, before rviz makes its own of it. Opacity is left out: rviz requests it by a
 /// key (`$clr.opacity`) that Assimp never had (`$mat.opacity`), so that all materials of files are opaque in rviz.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MaterialSpec {
@@ -106,7 +106,7 @@ impl MaterialSpec {
     };
 }
 
-/// Reads the contents of a mesh file; `path` is where files that it names are looked for.
+/// Reads the contents of a mesh file; files that it names are searched for beside `path`.
 pub(crate) fn import(format: Format, bytes: &[u8], path: &Path) -> Result<Imported, MeshFault> {
     let imported = match format {
         Format::Stl => stl::read(bytes),

@@ -1,7 +1,7 @@
-//! OBJ's material files, with the values that Assimp takes where one says nothing.
+//! OBJ's material files, with Assimp's defaults for what they leave out.
 
 use super::{
-    number::{leading_f32, three},
+    lenient_float::{leading_f32, three},
     MaterialSpec,
 };
 
@@ -36,7 +36,7 @@ pub(super) struct Named {
 }
 
 impl Named {
-    /// What a material is before its file says more.
+    /// A material before its file sets anything.
     pub(super) fn new(name: &str) -> Self {
         let spec = MaterialSpec { specular: [0.0; 3], ..MaterialSpec::DEFAULT };
         Self { name: name.to_owned(), spec, textures: Vec::new() }

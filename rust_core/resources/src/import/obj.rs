@@ -10,8 +10,8 @@ use std::{fs, path::Path};
 use nalgebra::Matrix4;
 
 use super::{
+    lenient_float::{leading_f32, three},
     mtl::{self, Named},
-    number::{leading_f32, three},
     Imported, Placed, Polygons,
 };
 use crate::MeshFault;

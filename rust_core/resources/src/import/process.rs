@@ -1,8 +1,8 @@
 //! What Assimp does to a mesh after reading it, for the flags that rviz sets.
 //!
 //! In this order: v of the texture coordinates is turned to point down; polygons are cut into triangles; points, lines
-//! and triangles of one mesh become meshes of their own; coordinates that are not numbers, or all the same, are thrown
-//! away, and so are a mesh's normals when a single one of them is zero or not a number; and triangles that then have
+//! and triangles of one mesh become meshes of their own; coordinates that are not numbers, or all the same, are
+//! dropped, and so are a mesh's normals when a single one of them is zero or not a number; and triangles that then have
 //! no normals get those of their faces (`aiProcess_GenNormals` does not smooth). Corners are never merged.
 
 use super::{triangulate::triangulate, Polygons};
@@ -15,8 +15,8 @@ pub(crate) struct Triangles {
     pub(crate) normals: Vec<[f32; 3]>,
     /// One for each position, or none at all; v down.
     pub(crate) uvs: Vec<[f32; 2]>,
-    /// Three for each triangle. For points and lines too: rviz hands Ogre the indices of their faces one after the
-    /// other, and Ogre draws triangles.
+    /// Three for each triangle. For points and lines too: rviz passes the indices of their faces to Ogre one after
+    /// the other, and Ogre draws triangles.
     pub(crate) indices: Vec<u32>,
 }
 
@@ -77,7 +77,7 @@ fn flipped([u, v]: [f32; 2]) -> [f32; 2] {
     [u, 1.0 - v]
 }
 
-/// Throws invalid data away and makes normals; `None` when nothing is left.
+/// Drops invalid data and makes normals; `None` when nothing is left.
 fn finish(mut mesh: Triangles, is_triangles: bool) -> Option<Triangles> {
     let count = mesh.positions.len();
     let mut used = vec![false; count];
@@ -101,7 +101,7 @@ fn finish(mut mesh: Triangles, is_triangles: bool) -> Option<Triangles> {
     (!mesh.indices.is_empty()).then_some(mesh)
 }
 
-/// What is asked of vectors besides being finite.
+/// What vectors must be besides finite.
 #[derive(Clone, Copy, PartialEq)]
 enum Demand {
     /// They are not all the same.
@@ -160,7 +160,7 @@ pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Of length one; a zero vector stays.
+/// Of length one; a zero vector is returned as it is.
 pub(crate) fn normalized(v: [f32; 3]) -> [f32; 3] {
     let length = dot(v, v).sqrt();
     if length > 0.0 {

@@ -7,7 +7,7 @@
 
 use nalgebra::Matrix4;
 
-use super::{number::three, Imported, Placed, Polygons};
+use super::{lenient_float::three, Imported, Placed, Polygons};
 use crate::MeshFault;
 
 const HEADER_BYTES: usize = 84;

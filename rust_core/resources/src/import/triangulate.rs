@@ -9,8 +9,8 @@ use std::f32::consts::PI;
 
 use super::process::{dot, minus, normalized};
 
-/// How many corner-in-triangle tests one polygon is worth; past that it is damaged, and its rest is not drawn.
-const MOST_TESTS: usize = 20_000_000;
+/// The most corner-in-triangle tests of one polygon; past that it is damaged, and its rest is not drawn.
+const MAX_TESTS: usize = 20_000_000;
 
 /// Calls `emit` with the corner numbers of each triangle of a polygon of four or more corners.
 pub(super) fn triangulate(corners: &[[f32; 3]], mut emit: impl FnMut([u32; 3])) {
@@ -62,51 +62,42 @@ fn projected(corners: &[[f32; 3]]) -> Vec<[f32; 2]> {
     corners.iter().map(|corner| [corner[u], corner[v]]).collect()
 }
 
+/// Cuts one ear after another from the ring of corners that are left, going around it.
 fn cut_ears(corners: &[[f32; 2]], mut emit: impl FnMut([u32; 3])) {
-    let count = corners.len();
-    let mut cut = vec![false; count];
-    let following = |corner: usize, cut: &[bool]| {
-        let rest = (corner + 1..count).chain(0..corner);
-        rest.into_iter().find(|&i| !cut.get(i).copied().unwrap_or(true)).unwrap_or(corner)
-    };
-    let mut tests = 0_usize;
-    let mut is_ear = |before: usize, ear: usize, after: usize| {
-        let (Some(a), Some(b), Some(c)) = (corners.get(before), corners.get(ear), corners.get(after)) else {
-            return false;
-        };
-        if twice_area(a, b, c) < 0.0 {
-            return false;
-        }
-        tests += count;
-        !corners.iter().any(|p| p != a && p != b && p != c && is_inside(p, a, b, c)) && tests < MOST_TESTS
-    };
-    let (mut before, mut after) = (count - 1, 0);
-    for _ in 3..count {
-        let mut rounds = 0;
-        let mut ear = after;
-        loop {
-            after = following(ear, &cut);
-            if after <= ear {
-                rounds += 1;
-                if rounds == 2 {
-                    return;
-                }
+    let mut ring: Vec<usize> = (0..corners.len()).collect();
+    let mut at = 0;
+    let mut tests = 0;
+    while ring.len() > 3 {
+        let around = |i: usize| [i + ring.len() - 1, i, i + 1].map(|i| ring[i % ring.len()]);
+        let mut candidates = (at..at + ring.len()).map(|i| i % ring.len());
+        let ear = candidates.find(|&i| {
+            let triangle = around(i).map(|corner| corners[corner]);
+            // Not "is convex": what is neither, because it is not a number, may be cut as well.
+            if is_reflex(&triangle) {
+                return false;
             }
-            if is_ear(before, ear, after) {
-                break;
-            }
-            before = ear;
-            ear = after;
-        }
-        emit([before as u32, ear as u32, after as u32]);
-        if let Some(cut) = cut.get_mut(ear) {
-            *cut = true;
-        }
+            tests += corners.len();
+            tests < MAX_TESTS && is_empty(&triangle, corners)
+        });
+        let Some(ear) = ear else { return };
+        emit(around(ear).map(|corner| corner as u32));
+        ring.remove(ear);
+        at = ear % ring.len();
     }
-    let mut rest = (0..count as u32).zip(&cut).filter(|(_, cut)| !**cut).map(|(corner, _)| corner);
-    if let (Some(a), Some(b), Some(c)) = (rest.next(), rest.next(), rest.next()) {
-        emit([a, b, c]);
+    if let &[a, b, c] = ring.as_slice() {
+        emit([a, b, c].map(|corner| corner as u32));
     }
+}
+
+/// Whether a corner (the second) is concave between its neighbours.
+fn is_reflex([a, b, c]: &[[f32; 2]; 3]) -> bool {
+    twice_area(a, b, c) < 0.0
+}
+
+/// Whether no corner lies in a triangle. As in Assimp, those that were cut off count as well.
+fn is_empty(triangle: &[[f32; 2]; 3], corners: &[[f32; 2]]) -> bool {
+    let [a, b, c] = triangle;
+    !corners.iter().any(|p| !triangle.contains(p) && is_inside(p, a, b, c))
 }
 
 /// Above zero when the corners run counter-clockwise.

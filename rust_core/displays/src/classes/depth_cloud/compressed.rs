@@ -22,11 +22,11 @@ const HEADER_LEN: usize = 12;
 /// Unpacks an image of the transport `compressed`.
 ///
 /// # Errors
-/// A sentence that says why that cannot be done.
+/// The reason, as a status reports it.
 pub(super) fn unpack(message: &CompressedImage) -> Result<Image, String> {
     let (encoding, rest) = message.format.split_once(';').unwrap_or(("", ""));
     let is_color = encoding.starts_with("rgb") || encoding.starts_with("bgr");
-    // Old senders hand images of other orders than BGR to an encoder that takes them for BGR.
+    // Old publishers pass images of other orders than BGR to an encoder that takes them for BGR.
     let is_swapped = is_color && !rest.contains("compressed bgr");
     let picture = read(&message.data, None)?;
     let size_px = [picture.width(), picture.height()];
@@ -49,7 +49,7 @@ pub(super) fn unpack(message: &CompressedImage) -> Result<Image, String> {
 /// Unpacks an image of the transport `compressedDepth`.
 ///
 /// # Errors
-/// A sentence that says why that cannot be done.
+/// The reason, as a status reports it.
 pub(super) fn unpack_depth(message: &CompressedImage) -> Result<Image, String> {
     let (encoding, rest) = message.format.split_once(';').unwrap_or((&message.format, ""));
     let too_short = || format!("{} bytes are too few for a depth image", message.data.len());

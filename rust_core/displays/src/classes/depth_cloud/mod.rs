@@ -59,7 +59,7 @@ pub(crate) struct DepthCloudDisplay {
 /// The topic on which a transport sends an image; `None` without a topic or a transport.
 ///
 /// # Errors
-/// A sentence of rviz's for a transport that does not exist here.
+/// rviz's text for a transport that does not exist here.
 fn transported(topic: &str, transport: &str, queue_size: u32) -> Result<Option<TopicRequest>, String> {
     let (suffix, kind) = match transport {
         _ if topic.is_empty() => return Ok(None),
@@ -145,7 +145,7 @@ impl DepthCloudDisplay {
         self.ready.extend(out.into_iter().map(|[depth, color]| (depth, Some(color))));
     }
 
-    /// Hands on the depth images whose frames are known.
+    /// Takes the depth images whose frames are known.
     fn take_placeable(&mut self, world: &World<'_>) {
         for depth in self.waiting.take_ready(world.transforms, world.fixed_frame) {
             if self.color.is_some() {
@@ -200,7 +200,7 @@ impl DepthCloudDisplay {
         let placed = PlacedCloud::at_stamp(Arc::new(cloud), world)?;
         let message = self.statuses.get("Message").cloned();
         let decoded = self.clouds.decode(placed, &mut self.statuses);
-        // What clouds say of their message is about the cloud, which is whole.
+        // The status that clouds set for their message is about the cloud, which is whole.
         if let (Some(_), Some(message)) = (&decoded, message) {
             self.statuses.set(message.level, "Message", message.text);
         }
@@ -226,7 +226,7 @@ impl Display for DepthCloudDisplay {
         }
         if let Some(depth) = self.image(true, topic, message) {
             self.waiting.push(&depth.header.frame_id, stamp(&depth.header), depth.clone());
-            // So that those that can be placed do not have to give way.
+            // So that the queue does not drop those that can be placed.
             self.take_placeable(world);
         }
         if let Some(color) = self.image(false, topic, message) {

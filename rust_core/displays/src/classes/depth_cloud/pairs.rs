@@ -1,21 +1,32 @@
-//! Which colour image belongs to which depth image: the approximate time policy of ROS's `message_filters`.
+//! Which colour image belongs to which depth image: pairs of nearly equal stamps.
 //!
-//! Of the images that have come, in the order of their stamps on each topic, that pair is found whose stamps are nearest
-//! to each other, in such a way that each image is used once and pairs do not cross. A pair is handed out as soon as no
-//! image that may still come could make a better one; rviz promises that images of a topic are half a second apart,
-//! which makes it hand out most pairs at once. The pair around the image that was latest when the search began (the
-//! pivot) is searched for; age counts against later candidates a little.
+//! rviz pairs them with the approximate time policy of ROS's `message_filters`, so this makes the same pairs for two
+//! topics (see THIRD_PARTY.md). Each topic is a queue in the order of arrival, which is taken for that of the stamps. A
+//! search moves a cursor through each queue: the cursor with the earlier stamp advances, and the two images under the
+//! cursors are compared with the best pair so far. Images are used once, and pairs do not cross.
+//!
+//! ```text
+//!   depth   1.00   1.10   1.20            the first two images make the pair 1.00 | 1.11;
+//!                   ▲                     that of 1.10 | 1.11 is closer and takes its place,
+//!   color   1.11                          and what lies before it is dropped
+//!           ▲
+//! ```
+//!
+//! The later image of the first pair of a search is its pivot: a pair without it belongs to the next search. So the search
+//! ends when the pivot would be passed, or when a pair that ends later would have to begin after the pivot to be better.
+//! Where one queue has run out, rviz relies on the images of a topic being half a second apart, so that most pairs
+//! are known at once instead of one image later.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
 use rcs_messages::Image;
 
-/// How much worse a later candidate counts than an earlier one.
+/// A pair must begin later by this much more than it ends later, to be better than an older one.
 const AGE_PENALTY: f64 = 0.1;
 
-/// The least time between two images of a topic that the search relies on, in seconds.
-const LEAST_INTERVAL_SECS: f64 = 0.5;
+/// The time between two images of a topic that the search relies on, in seconds.
+const MIN_INTERVAL_SECS: f64 = 0.5;
 
 /// The index of depth images.
 pub(super) const DEPTH: usize = 0;
@@ -30,178 +41,182 @@ type Stamped = (f64, Arc<Image>);
 #[derive(Debug)]
 pub(super) struct Pairs {
     queue_size: usize,
-    topics: [Topic; 2],
-    candidate: Option<Candidate>,
+    queues: [Queue; 2],
+    best: Option<Best>,
 }
 
+/// The images of a topic.
 #[derive(Debug, Default)]
-struct Topic {
-    /// Not looked at yet; the first is looked at.
-    waiting: VecDeque<Stamped>,
-    /// Looked at since the candidate was found, which is the first of them (or of those waiting).
-    past: VecDeque<Stamped>,
-    /// An image was dropped that could have been a better partner.
+struct Queue {
+    /// While there is a best pair, its image is the first.
+    images: VecDeque<Stamped>,
+    /// The image that is compared next; past the end where that has not come yet.
+    cursor: usize,
+    /// The queue was full: an image was dropped that may have been the better partner of the other topic's next one.
     has_dropped: bool,
 }
 
-/// The best pair so far.
+/// The best pair of a search.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct Best {
     start_secs: f64,
     end_secs: f64,
     pivot: usize,
     pivot_secs: f64,
 }
 
-impl Topic {
-    fn look_away(&mut self) {
-        self.past.extend(self.waiting.pop_front());
+impl Queue {
+    fn stamp_secs(&self, index: usize) -> Option<f64> {
+        self.images.get(index).map(|(secs, _)| *secs)
     }
 
-    fn look_back(&mut self, count: usize) {
-        for _ in 0..count {
-            if let Some(image) = self.past.pop_back() {
-                self.waiting.push_front(image);
-            }
-        }
+    /// The stamp of an image, or the earliest that it can have if it has not come yet.
+    fn earliest_secs(&self, index: usize, best: &Best) -> f64 {
+        let before = index.checked_sub(1).and_then(|before| self.stamp_secs(before));
+        self.stamp_secs(index).unwrap_or_else(|| {
+            before.map_or(best.pivot_secs, |before| (before + MIN_INTERVAL_SECS).max(best.pivot_secs))
+        })
+    }
+
+    /// Drops the images before the cursor.
+    fn drop_passed(&mut self) {
+        self.images.drain(..self.cursor);
+        self.cursor = 0;
     }
 }
 
-/// Which of two times is the later one and which the earlier one; of equal ones the second is later.
-fn later_and_earlier(times: [f64; 2]) -> (usize, usize) {
-    if times[1] >= times[0] {
-        (1, 0)
+impl Best {
+    /// Whether a pair that begins and ends at these times is better than this one.
+    fn is_worse_than(&self, start_secs: f64, end_secs: f64) -> bool {
+        start_secs - self.start_secs > self.cost(end_secs)
+    }
+
+    /// Whether a pair that ends then or later would have to begin after the pivot to be better.
+    fn is_final_at(&self, end_secs: f64) -> bool {
+        self.pivot_secs - self.start_secs <= self.cost(end_secs)
+    }
+
+    /// How much later than this pair one must begin that ends at a time.
+    fn cost(&self, end_secs: f64) -> f64 {
+        (end_secs - self.end_secs) * (1.0 + AGE_PENALTY)
+    }
+}
+
+/// The topics of the earlier and of the later of two times; of equal ones colour is the later.
+fn in_order(times: [f64; 2]) -> (usize, usize) {
+    if times[DEPTH] <= times[COLOR] {
+        (DEPTH, COLOR)
     } else {
-        (0, 1)
+        (COLOR, DEPTH)
     }
 }
 
 impl Pairs {
     /// At most `queue_size` images of each topic wait.
     pub(super) fn new(queue_size: u32) -> Self {
-        Self { queue_size: (queue_size as usize).max(1), topics: Default::default(), candidate: None }
+        Self { queue_size: (queue_size as usize).max(1), queues: Default::default(), best: None }
     }
 
     /// Takes an image of [`DEPTH`] or [`COLOR`]; pairs that are complete with it are added to `out`, depth first.
     pub(super) fn add(&mut self, topic: usize, stamp_secs: f64, image: Arc<Image>, out: &mut Vec<[Arc<Image>; 2]>) {
-        let Some(of_topic) = self.topics.get_mut(topic) else { return };
-        of_topic.waiting.push_back((stamp_secs, image));
-        if of_topic.waiting.len() == 1 {
+        let Some(queue) = self.queues.get_mut(topic) else { return };
+        queue.images.push_back((stamp_secs, image));
+        if queue.cursor + 1 == queue.images.len() {
             self.search(out);
         }
-        let Some(of_topic) = self.topics.get(topic) else { return };
-        if of_topic.waiting.len() + of_topic.past.len() > self.queue_size {
-            self.look_back_to_all();
-            if let Some(of_topic) = self.topics.get_mut(topic) {
-                of_topic.waiting.pop_front();
-                of_topic.has_dropped = true;
-            }
-            if self.candidate.take().is_some() {
-                self.search(out);
-            }
+        self.limit(topic, out);
+    }
+
+    /// Drops the oldest image of a queue that is too long; if a search was under way, it starts again without that image.
+    fn limit(&mut self, topic: usize, out: &mut Vec<[Arc<Image>; 2]>) {
+        if self.queues[topic].images.len() <= self.queue_size {
+            return;
+        }
+        self.queues[topic].images.pop_front();
+        self.queues[topic].has_dropped = true;
+        self.queues.iter_mut().for_each(|queue| queue.cursor = 0);
+        if self.best.take().is_some() {
+            self.search(out);
         }
     }
 
     /// The images that have no partner yet.
     pub(super) fn images(&self) -> impl Iterator<Item = &Arc<Image>> {
-        self.topics.iter().flat_map(|topic| topic.past.iter().chain(&topic.waiting)).map(|(_, image)| image)
+        self.queues.iter().flat_map(|queue| &queue.images).map(|(_, image)| image)
     }
 
     /// Forgets all images.
     pub(super) fn clear(&mut self) {
-        (self.topics, self.candidate) = (Default::default(), None);
+        (self.queues, self.best) = (Default::default(), None);
     }
 
-    fn look_back_to_all(&mut self) {
-        for topic in &mut self.topics {
-            topic.look_back(topic.past.len());
-        }
+    /// The stamps of the images under the cursors; `None` while one has not come.
+    fn stamps_secs(&self) -> Option<[f64; 2]> {
+        let [depth, color] = &self.queues;
+        Some([depth.stamp_secs(depth.cursor)?, color.stamp_secs(color.cursor)?])
     }
 
-    /// The stamps of the images that are looked at; `None` while one is missing.
-    fn fronts(&self) -> Option<[f64; 2]> {
-        let [depth, color] = &self.topics;
-        Some([depth.waiting.front()?.0, color.waiting.front()?.0])
-    }
-
+    /// Compares images until one is missing, and outputs the pairs that are final.
     fn search(&mut self, out: &mut Vec<[Arc<Image>; 2]>) {
-        while let Some(times) = self.fronts() {
-            let (end, start) = later_and_earlier(times);
-            let (end_secs, start_secs) = (times[end], times[start]);
-            self.topics[start].has_dropped = false;
-            let new = match self.candidate {
-                None if self.topics[end].has_dropped => {
-                    self.topics[start].waiting.pop_front();
-                    continue;
-                }
-                None => Some(Candidate { start_secs, end_secs, pivot: end, pivot_secs: end_secs }),
-                Some(best) => {
-                    is_better(&best, start_secs, end_secs).then_some(Candidate { start_secs, end_secs, ..best })
+        while let Some(times) = self.stamps_secs() {
+            let (start, end) = in_order(times);
+            let (start_secs, end_secs) = (times[start], times[end]);
+            self.queues[start].has_dropped = false;
+            if self.best.is_none() && self.queues[end].has_dropped {
+                // What was dropped may have been the partner of this one.
+                self.queues[start].images.pop_front();
+                continue;
+            }
+            let best = match self.best {
+                Some(best) if !best.is_worse_than(start_secs, end_secs) => best,
+                before => {
+                    self.queues.iter_mut().for_each(Queue::drop_passed);
+                    let (pivot, pivot_secs) = before.map_or((end, end_secs), |best| (best.pivot, best.pivot_secs));
+                    Best { start_secs, end_secs, pivot, pivot_secs }
                 }
             };
-            if new.is_some() {
-                self.topics.iter_mut().for_each(|topic| topic.past.clear());
-                self.candidate = new;
-            }
-            let Some(best) = self.candidate else { break };
-            self.topics[start].look_away();
-            if start == best.pivot || cannot_be_beaten(&best, end_secs) || self.nothing_better_can_come(&best) {
-                self.hand_out(out);
+            self.best = Some(best);
+            self.queues[start].cursor += 1;
+            if start == best.pivot || best.is_final_at(end_secs) || self.is_final_already(&best) {
+                self.output(out);
             }
         }
     }
 
-    /// Whether the best pair stays so, whatever comes on the topic that nothing waits of.
-    fn nothing_better_can_come(&mut self, best: &Candidate) -> bool {
-        let mut looked_away = [0; 2];
-        let is_best = loop {
-            if self.fronts().is_some() && looked_away == [0; 2] {
-                break false;
-            }
-            let earliest = |topic: &Topic| match (topic.waiting.front(), topic.past.back()) {
-                (Some((secs, _)), _) => *secs,
-                (None, Some((secs, _))) => (secs + LEAST_INTERVAL_SECS).max(best.pivot_secs),
-                (None, None) => best.pivot_secs,
-            };
-            let times = [earliest(&self.topics[DEPTH]), earliest(&self.topics[COLOR])];
-            let (end, start) = later_and_earlier(times);
-            if cannot_be_beaten(best, times[end]) {
-                break true;
-            }
-            if is_better(best, times[start], times[end]) || self.topics[start].waiting.is_empty() {
-                break false;
-            }
-            self.topics[start].look_away();
-            looked_away[start] += 1;
-        };
-        for (topic, count) in self.topics.iter_mut().zip(looked_away) {
-            topic.look_back(count);
+    /// Where one queue has run out: whether the best pair stays so, whatever comes on that topic.
+    fn is_final_already(&self, best: &Best) -> bool {
+        if self.stamps_secs().is_some() {
+            return false;
         }
-        is_best
+        let mut cursors = [self.queues[DEPTH].cursor, self.queues[COLOR].cursor];
+        loop {
+            let times = [DEPTH, COLOR].map(|topic| self.queues[topic].earliest_secs(cursors[topic], best));
+            let (start, end) = in_order(times);
+            if best.is_final_at(times[end]) {
+                return true;
+            }
+            let has_come = cursors[start] < self.queues[start].images.len();
+            if !has_come || best.is_worse_than(times[start], times[end]) {
+                return false;
+            }
+            cursors[start] += 1;
+        }
     }
 
-    fn hand_out(&mut self, out: &mut Vec<[Arc<Image>; 2]>) {
-        self.candidate = None;
-        self.look_back_to_all();
-        let [depth, color] = &mut self.topics;
-        if let (Some((_, depth)), Some((_, color))) = (depth.waiting.pop_front(), color.waiting.pop_front()) {
+    fn output(&mut self, out: &mut Vec<[Arc<Image>; 2]>) {
+        self.best = None;
+        self.queues.iter_mut().for_each(|queue| queue.cursor = 0);
+        let [depth, color] = &mut self.queues;
+        if let (Some((_, depth)), Some((_, color))) = (depth.images.pop_front(), color.images.pop_front()) {
             out.push([depth, color]);
         }
     }
 }
 
-/// Whether a pair between two times is better than the best so far.
-fn is_better(best: &Candidate, start_secs: f64, end_secs: f64) -> bool {
-    (end_secs - best.end_secs) * (1.0 + AGE_PENALTY) < start_secs - best.start_secs
-}
-
-/// Whether no pair that ends at a time or later is better, because it would have to begin after the pivot.
-fn cannot_be_beaten(best: &Candidate, end_secs: f64) -> bool {
-    (end_secs - best.end_secs) * (1.0 + AGE_PENALTY) >= best.pivot_secs - best.start_secs
-}
-
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     /// Adds images by topic and stamp; gives the pairs by their stamps, with the position of the one that completed it.
@@ -238,8 +253,37 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_gives_way_where_too_many_wait() {
+    fn the_oldest_image_of_a_full_queue_is_dropped() {
         let images: Vec<_> = (0..9).map(|i| (DEPTH, f64::from(i))).chain([(COLOR, 1.2), (COLOR, 8.1)]).collect();
         assert_eq!(pairs(2, &images), [(10, 8.0, 8.1)], "that at 1 s is gone, and with it what could be near it");
+    }
+
+    proptest! {
+        #[test]
+        fn each_image_is_used_once_and_pairs_do_not_cross(
+            queue_size in 1..8_u32,
+            // Milliseconds since the topic's previous image; none for images of equal stamps.
+            steps in prop::collection::vec((0..2_usize, prop_oneof![0..5_u32, 0..100_u32, 0..2000_u32]), 0..60),
+        ) {
+            let mut stamps_ms = [0; 2];
+            let images: Vec<(usize, f64)> = steps
+                .into_iter()
+                .map(|(topic, step_ms)| {
+                    stamps_ms[topic] += step_ms;
+                    (topic, f64::from(stamps_ms[topic]) / 1000.0)
+                })
+                .collect();
+            let pairs = pairs(queue_size, &images);
+            prop_assert!(pairs.windows(2).all(|two| two[0].1 <= two[1].1 && two[0].2 <= two[1].2), "{pairs:?}");
+            for (topic, name) in [(DEPTH, "depth"), (COLOR, "color")] {
+                let of_pair = |pair: &(usize, f64, f64)| if topic == DEPTH { pair.1 } else { pair.2 };
+                for pair in &pairs {
+                    let stamp = of_pair(pair);
+                    let uses = pairs.iter().filter(|other| of_pair(other) == stamp).count();
+                    let sent = images.iter().filter(|image| **image == (topic, stamp)).count();
+                    prop_assert!(uses <= sent, "the {name} image of {stamp} is used {uses} times: {pairs:?}");
+                }
+            }
+        }
     }
 }

@@ -58,7 +58,7 @@ pub(super) struct Occlusion {
 /// The cloud of a depth image.
 ///
 /// # Errors
-/// A sentence of rviz's where there is none.
+/// rviz's text, where there is none.
 pub(super) fn cloud(
     depth: &Image,
     color: Option<&Image>,

@@ -33,14 +33,14 @@ impl Bench {
     }
 
     fn place(&mut self, secs: u32, x: f64) {
-        let said = RawTransform {
+        let transform = RawTransform {
             parent: "map",
             child: "camera",
             stamp: Time::from_secs_nanos(secs, 0),
             translation: [x, 0.0, 0.0],
             rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
         };
-        self.tree.insert(&said, false, "/test").unwrap();
+        self.tree.insert(&transform, false, "/test").unwrap();
     }
 
     fn send(&mut self, topic: &str, message: &AnyMessage) -> bool {
@@ -126,7 +126,7 @@ fn binning_and_a_region_of_interest_move_the_rays() {
 }
 
 #[test]
-fn points_are_as_large_as_their_pixels_unless_told_otherwise() {
+fn points_are_as_large_as_their_pixels_unless_auto_size_is_off() {
     let drawn = |settings: DepthCloudSettings| {
         let mut bench = Bench::new(settings);
         bench.info(CameraInfo { binning_x: 2, ..info(2, 1) });
@@ -172,7 +172,7 @@ fn images_wait_for_the_camera_info() {
 }
 
 #[test]
-fn what_does_not_fit_is_said_and_the_last_cloud_stays() {
+fn images_that_do_not_fit_are_errors_and_the_last_cloud_is_kept() {
     let mut bench = Bench::new(with_color());
     bench.info(info(2, 1));
     bench.color(image("mono8", [2, 1], vec![7, 8]));

@@ -15,7 +15,7 @@ use super::complete::{complete, set_orientation};
 use crate::framework::world::{isometry, stamp};
 use crate::World;
 
-/// What one message brings.
+/// The contents of a message.
 #[derive(Clone, Debug)]
 pub(super) struct Batch {
     pub(super) sequence: u64,
@@ -77,7 +77,7 @@ impl Batch {
     }
 }
 
-/// Takes away what is placed; those after one that fails stay.
+/// Removes what is placed; those from the first error on stay.
 fn retain_waiting(
     waiting: &mut Vec<usize>,
     mut place: impl FnMut(usize) -> Result<bool, String>,

@@ -1,4 +1,4 @@
-//! What rviz refuses to show.
+//! Checks of interactive markers: what rviz refuses to show.
 
 use rcs_messages::geometry_msgs::{Pose, Quaternion};
 use rcs_messages::visualization_msgs::{InteractiveMarker, Marker};
@@ -11,7 +11,7 @@ fn are_finite(values: &[f64]) -> bool {
     values.iter().all(|value| value.is_finite())
 }
 
-/// Whether a pose is made of ordinary numbers.
+/// Whether a pose has neither NaN nor infinity.
 pub(super) fn is_finite_pose(pose: &Pose) -> bool {
     let PlainTransform { translation, rotation_xyzw } = PlainTransform::from(pose);
     are_finite(&translation) && are_finite(&rotation_xyzw)
@@ -24,7 +24,7 @@ pub(super) fn is_rotation(orientation: &Quaternion) -> bool {
     xyzw == [0.0; 4] || (squared_length - 1.0).abs() < QUATERNION_TOLERANCE
 }
 
-/// Whether a marker and all in it is made of ordinary numbers.
+/// Whether a marker and all in it has neither NaN nor infinity.
 pub(super) fn is_finite(marker: &InteractiveMarker) -> bool {
     is_finite_pose(&marker.pose)
         && marker.scale.is_finite()

@@ -1,7 +1,8 @@
 //! The client of all interactive marker servers that share a topic.
 //!
-//! Each server has an id in its messages. rviz's client listens to the topic of all markers only while a server begins;
-//! that topic is latched, so whenever it listens again it gets each server's last message. Here that message is kept.
+//! Each server has an id in its messages. rviz's client subscribes to the topic of all markers only while it waits for a
+//! server's first list; that topic is latched, so whenever it subscribes again it gets each server's last message. Here that
+//! message is kept.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,7 +24,7 @@ pub(super) struct Client {
     servers: BTreeMap<String, Server>,
     /// The last list of all markers of each server.
     inits: BTreeMap<String, Arc<InteractiveMarkerInit>>,
-    /// Whether it listens no more.
+    /// Whether it ignores messages.
     is_stopped: bool,
     now: Time,
 }
@@ -63,7 +64,7 @@ impl Client {
         Some(self.servers.entry(id.to_owned()).or_insert_with(|| Server::new(id, translucent, statuses)))
     }
 
-    /// Goes on as far as it can. Returns what is to be done, by server.
+    /// Processes the messages whose frames are known. Returns the steps for the display, by server.
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> Vec<(String, Step)> {
         self.now = world.now;
         let mut steps = Vec::new();
@@ -88,18 +89,18 @@ impl Client {
         self.servers.values().any(Server::is_waiting)
     }
 
-    /// Forgets all servers and listens no more.
+    /// Forgets all servers and ignores messages from now on.
     pub(super) fn stop(&mut self) {
         self.servers.clear();
         self.is_stopped = true;
     }
 
-    /// Whether it listens no more.
+    /// Whether it ignores messages.
     pub(super) fn is_stopped(&self) -> bool {
         self.is_stopped
     }
 
-    /// Begins anew, as if it had just subscribed.
+    /// Starts again, as if it had just subscribed.
     pub(super) fn restart(&mut self, statuses: &mut Statuses) {
         self.servers.clear();
         self.is_stopped = false;

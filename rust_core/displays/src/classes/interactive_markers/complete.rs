@@ -1,4 +1,4 @@
-//! What a message leaves out: sizes, orientations and handles, filled in as rviz's client does.
+//! Defaults for what a message leaves out: sizes, orientations and handles, as in rviz's client.
 
 use rcs_messages::geometry_msgs::Quaternion;
 use rcs_messages::quaternion_xyzw;
@@ -41,7 +41,7 @@ pub(super) fn complete_control(size_m: f64, control: &mut InteractiveMarkerContr
     }
 }
 
-/// Takes a quaternion that was not set for no rotation.
+/// Makes a quaternion that was not set the identity.
 pub(super) fn set_orientation(orientation: &mut Quaternion) {
     if quaternion_xyzw(orientation) == [0.0; 4] {
         orientation.w = 1.0;

@@ -7,7 +7,7 @@ use rcs_messages::{quaternion_xyzw, PlainTransform};
 use rcs_scene::{DisplayId, Drawable, Facing, FacingPart};
 use rcs_transforms::Time;
 
-use crate::classes::marker::{MarkerParts, SortPoint};
+use crate::classes::marker::{ControlMarker, SortPoint};
 use crate::framework::world::stamp;
 use crate::World;
 
@@ -28,12 +28,12 @@ pub(super) struct Control {
     pub(super) always_visible: bool,
     turn: Turn,
     /// Their poses are in the control's frame.
-    markers: Vec<MarkerParts>,
+    markers: Vec<ControlMarker>,
 }
 
 impl Control {
     /// Builds a completed control. A marker with a frame of its own stands there and then moves with the control; what
-    /// cannot be shown for want of a file is told in `problems`.
+    /// cannot be shown for want of a file is added to `problems`.
     pub(super) fn new(
         control: &InteractiveMarkerControl,
         reference_from_marker: &Isometry3<f64>,
@@ -45,7 +45,7 @@ impl Control {
         let rotation = if inherits { reference_from_marker.rotation } else { UnitQuaternion::identity() };
         let fixed_from_control =
             fixed_from_reference * Isometry3::from_parts(reference_from_marker.translation, rotation);
-        let place = |marker: &Marker| match MarkerParts::of(marker, world.meshes) {
+        let place = |marker: &Marker| match ControlMarker::of(marker, world.meshes) {
             Ok(parts) => {
                 let mut parts = parts?;
                 if !marker.header.frame_id.is_empty() {
@@ -64,7 +64,7 @@ impl Control {
         Self { always_visible: control.always_visible, turn: turn(control), markers }
     }
 
-    /// What the control is drawn with.
+    /// The drawables of the control.
     pub(super) fn drawables(
         &self,
         display: DisplayId,
@@ -82,7 +82,7 @@ impl Control {
             }
         };
         let fixed_from_control = Isometry3::from_parts(fixed_from_marker.translation, rotation);
-        let placed = |marker: &MarkerParts| {
+        let placed = |marker: &ControlMarker| {
             let fixed_from_marker = fixed_from_control * marker.frame_from_marker;
             marker.parts.iter().map(|part| part.placed(display, &fixed_from_marker)).collect::<Vec<_>>()
         };
@@ -103,7 +103,7 @@ fn turn(control: &InteractiveMarkerControl) -> Turn {
     }
 }
 
-/// The time at which a marker's own frame is asked for. What has a stamp is in the fixed frame already.
+/// The time at which a marker's own frame is looked up. A marker with a stamp is in the fixed frame already.
 fn time(marker: &Marker, world: &World<'_>) -> Time {
     let Header { frame_id, .. } = &marker.header;
     if marker.frame_locked || frame_id == world.fixed_frame {
@@ -112,7 +112,7 @@ fn time(marker: &Marker, world: &World<'_>) -> Time {
     stamp(&marker.header)
 }
 
-fn facing_parts(marker: &MarkerParts) -> impl Iterator<Item = FacingPart> + '_ {
+fn facing_parts(marker: &ControlMarker) -> impl Iterator<Item = FacingPart> + '_ {
     let group_from_marker: Matrix4<f64> = marker.frame_from_marker.to_homogeneous();
     marker.parts.iter().map(move |part| FacingPart {
         group_from_part: group_from_marker * part.marker_from_part,

@@ -10,8 +10,8 @@
 //! [`control`] place the markers of the controls, which are those of the Marker display. A marker without a stamp follows
 //! its frame, one with a stamp stays. Controls that face the view turn to each camera ([`rcs_scene::Facing`]).
 //!
-//! As in rviz a marker without controls, or a pose for a marker that there is not, ends it all: the display then shows
-//! nothing more until it is reset.
+//! As in rviz a marker without controls, or a pose for a marker that does not exist, stops the display: it then shows
+//! nothing until it is reset.
 
 mod batch;
 mod checks;
@@ -56,7 +56,7 @@ pub(crate) struct InteractiveMarkersDisplay {
     changed: bool,
 }
 
-/// What rviz answers by listening no more, with the name of the marker and the reason.
+/// An error after which rviz ignores all messages: the name of the marker and the reason.
 struct Fatal(String, &'static str);
 
 /// Makes an InteractiveMarkers display.
@@ -95,7 +95,7 @@ impl InteractiveMarkersDisplay {
                 self.forget(server);
                 Ok(())
             }
-            Step::Begin(batch) => {
+            Step::Replace(batch) => {
                 self.forget(server);
                 self.add(server, &batch.markers, world)
             }
@@ -212,8 +212,8 @@ impl Display for InteractiveMarkersDisplay {
         }
     }
 
-    /// rviz, too, then forgets the markers of all servers and begins anew with those that are left. An ended display
-    /// stays so.
+    /// As in rviz, the markers of all servers are then forgotten, and the servers that are left are started again. A display
+    /// that was stopped by an error stays stopped.
     fn publisher_left(&mut self, topic: &str) {
         let is_update_topic = self.topics().first().is_some_and(|request| request.topic == topic);
         if is_update_topic && !self.client.is_stopped() {

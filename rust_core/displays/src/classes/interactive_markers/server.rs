@@ -1,8 +1,8 @@
-//! One interactive marker server, seen from the client: what it said, and whether anything of that was lost.
+//! One interactive marker server, seen from the client: its messages, and whether one was lost.
 //!
 //! A server sends numbered updates, keep-alives that repeat the last number, and, on another topic, all its markers as of
-//! some number. The client begins with the latter once it knows an update or keep-alive of the same number or a later
-//! one, applies the updates that follow it, and begins anew where a number is missing or a frame cannot be found.
+//! some number. The client starts from the latter once it has received an update or keep-alive of the same number or a
+//! later one, applies the updates that follow it, and starts again where a number is missing or a frame cannot be found.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -13,33 +13,33 @@ use rcs_transforms::Time;
 use super::batch::Batch;
 use crate::{Level, Statuses, World};
 
-/// So many lists of all markers wait at most.
+/// The most lists of all markers that wait.
 const MAX_INITS: usize = 6;
-/// So many updates wait at most while the client begins; later, more are an error.
+/// The most updates that wait while the client starts; later, more are an error.
 const MAX_UPDATES: usize = 101;
-/// A server that is silent for longer is warned of.
+/// A server that is silent for longer gets a warning.
 const KEEP_ALIVE: Duration = Duration::from_secs(2);
-/// How long the client waits after an error before it begins anew.
+/// How long the client waits after an error before it starts again.
 const PAUSE: Duration = Duration::from_secs(1);
 /// A little past a limit of time.
 const PAST: Duration = Duration::from_millis(1);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
-    /// Waits for all markers.
-    Beginning,
+    /// Waits for a list of all markers.
+    Starting,
     Receiving,
-    /// Something was lost at that time.
+    /// An error occurred at that time.
     Failed(Time),
 }
 
-/// What a display has to do.
+/// A step for the display.
 #[derive(Debug)]
 pub(super) enum Step {
     /// Forget all markers of the server.
     Forget,
     /// Show these, and no others.
-    Begin(Batch),
+    Replace(Batch),
     /// Add, move and take away markers.
     Update(Batch),
 }
@@ -68,7 +68,7 @@ impl Server {
         Self {
             id: id.to_owned(),
             translucent,
-            state: State::Beginning,
+            state: State::Starting,
             first_sequence: None,
             last_sequence: None,
             last_update: Time::ZERO,
@@ -79,9 +79,9 @@ impl Server {
         }
     }
 
-    /// Takes a list of all markers; it counts only while the client begins.
+    /// Takes a list of all markers; it is ignored unless the client is starting.
     pub(super) fn take_init(&mut self, init: &InteractiveMarkerInit, statuses: &mut Statuses) {
-        if self.state == State::Beginning {
+        if self.state == State::Starting {
             self.inits.truncate(MAX_INITS - 1);
             self.inits.push_front(Batch::of_init(init, self.translucent));
             statuses.set(Level::Ok, &self.id, "Init message received.");
@@ -97,22 +97,22 @@ impl Server {
         let expected = self.last_sequence.map(|last| if is_keep_alive { last } else { last.wrapping_add(1) });
         if let Some(expected) = expected.filter(|expected| *expected != sequence) {
             let text = format!("Sequence number of update is out of order. Expected: {expected} Received: {sequence}");
-            return self.fail(&text, now, statuses);
+            return self.reset(&text, now, statuses);
         }
         self.last_sequence = Some(sequence);
         if is_keep_alive || matches!(self.state, State::Failed(_)) {
             return;
         }
-        if self.state == State::Beginning && self.updates.len() >= MAX_UPDATES {
+        if self.state == State::Starting && self.updates.len() >= MAX_UPDATES {
             self.updates.pop_front();
         }
         self.updates.push_back(Batch::of_update(update, self.translucent));
     }
 
-    /// Goes on as far as it can. Returns whether it begins anew, and needs the last list of all markers again.
+    /// Processes the messages whose frames are known. Returns whether it starts again and needs the last list of all markers.
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
         match self.state {
-            State::Beginning => {
+            State::Starting => {
                 for init in &mut self.inits {
                     if let Err(error) = init.place(world) {
                         let sequence = init.sequence;
@@ -123,22 +123,22 @@ impl Server {
                     }
                 }
                 if self.place_updates(world, statuses) {
-                    self.begin(statuses);
+                    self.start(statuses);
                 }
             }
             State::Receiving => {
                 if self.place_updates(world, statuses) {
                     self.apply_updates(statuses);
-                    self.look_for_silence(world.now, statuses);
+                    self.check_keep_alive(world.now, statuses);
                     if self.updates.len() >= MAX_UPDATES {
-                        self.fail("Update queue overflow. Resetting connection.", world.now, statuses);
+                        self.reset("Update queue overflow. Resetting connection.", world.now, statuses);
                     }
                 }
             }
             State::Failed(since) => {
                 if world.now.saturating_since(since) > PAUSE || world.now < since {
                     statuses.set(Level::Error, &self.id, "1 second has passed. Re-initializing.");
-                    self.state = State::Beginning;
+                    self.state = State::Starting;
                     return true;
                 }
             }
@@ -151,7 +151,7 @@ impl Server {
         !self.inits.is_empty() || !self.updates.is_empty()
     }
 
-    /// What the display has to do since the last call.
+    /// The display's steps since the last call.
     pub(super) fn take_steps(&mut self) -> Vec<Step> {
         std::mem::take(&mut self.steps)
     }
@@ -159,7 +159,7 @@ impl Server {
     /// When it changes by itself, as of `now`.
     pub(super) fn next_change(&self, now: Time) -> Option<Time> {
         match self.state {
-            State::Beginning => None,
+            State::Starting => None,
             State::Failed(since) => Some(since.saturating_add(PAUSE + PAST)),
             State::Receiving if self.is_silent => {
                 // The warning counts whole seconds, rounded.
@@ -176,14 +176,14 @@ impl Server {
         match self.updates.iter_mut().try_for_each(|update| update.place(world)) {
             Ok(()) => true,
             Err(error) => {
-                self.fail(&format!("Resetting due to tf error: {error}"), world.now, statuses);
+                self.reset(&format!("Resetting due to tf error: {error}"), world.now, statuses);
                 false
             }
         }
     }
 
-    /// Begins with the newest list of all markers that is placed and that the updates go on from.
-    fn begin(&mut self, statuses: &mut Statuses) {
+    /// Starts from the newest list of all markers that is placed and that the updates continue.
+    fn start(&mut self, statuses: &mut Statuses) {
         let (Some(first), Some(last)) = (self.first_sequence, self.last_sequence) else {
             let text = "Initialization: Waiting for first update/keep-alive message.";
             statuses.set(Level::Ok, &self.id, text);
@@ -197,7 +197,7 @@ impl Server {
         self.inits.clear();
         self.state = State::Receiving;
         statuses.set(Level::Ok, &self.id, "Receiving updates.");
-        self.steps.push(Step::Begin(init));
+        self.steps.push(Step::Replace(init));
         self.apply_updates(statuses);
     }
 
@@ -212,7 +212,7 @@ impl Server {
         }
     }
 
-    fn look_for_silence(&mut self, now: Time, statuses: &mut Statuses) {
+    fn check_keep_alive(&mut self, now: Time, statuses: &mut Statuses) {
         let silence = now.saturating_since(self.last_update);
         if silence > KEEP_ALIVE {
             let seconds = silence.as_secs_f64().round();
@@ -223,8 +223,8 @@ impl Server {
         }
     }
 
-    /// Forgets all; what comes next is taken for a beginning.
-    fn fail(&mut self, text: &str, now: Time, statuses: &mut Statuses) {
+    /// Forgets all messages after an error; the next one counts as the first.
+    fn reset(&mut self, text: &str, now: Time, statuses: &mut Statuses) {
         self.state = State::Failed(now);
         self.updates.clear();
         self.inits.clear();

@@ -33,7 +33,7 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    /// Builds a completed marker whose numbers are finite. What cannot be shown is told in `problems`.
+    /// Builds a completed marker whose numbers are finite. What cannot be shown is added to `problems`.
     pub(super) fn new(marker: &InteractiveMarker, world: &World<'_>, problems: &mut Vec<String>) -> Self {
         let mut shown = Self {
             frame: marker.header.frame_id.clone(),
@@ -75,7 +75,7 @@ impl Shown {
         self.locate(world).map(|_| ())
     }
 
-    /// What rviz says of where the marker stands.
+    /// rviz's status of the marker's position.
     pub(super) fn status(&self) -> String {
         if self.is_locked {
             format!("Locked to frame {}", self.frame)
@@ -117,7 +117,7 @@ impl Shown {
         Ok(before != self.fixed_from_reference)
     }
 
-    /// What the marker is drawn with; nothing while its frame is not known.
+    /// The drawables of the marker; none while its frame is not known.
     pub(super) fn drawables(&self, display: DisplayId, settings: &InteractiveMarkersSettings) -> Vec<Drawable> {
         let Some(fixed_from_reference) = &self.fixed_from_reference else { return Vec::new() };
         let mut drawables = Vec::new();

@@ -52,13 +52,13 @@ impl Bench {
     }
 
     /// Begins with these markers.
-    fn begin(&mut self, markers: &[InteractiveMarker]) {
+    fn start(&mut self, markers: &[InteractiveMarker]) {
         self.send(&init("s", 1, markers));
         self.send(&keep_alive("s", 1));
         self.update();
     }
 
-    fn say(&mut self, message: &AnyMessage) {
+    fn publish(&mut self, message: &AnyMessage) {
         self.send(message);
         self.update();
     }
@@ -137,19 +137,19 @@ fn pose(name: &str, header: Header, x: f64) -> InteractiveMarkerPose {
 }
 
 #[test]
-fn markers_are_shown_once_an_update_says_from_which_number_on() {
+fn markers_are_shown_from_the_first_update_with_a_matching_number() {
     let mut bench = Bench::new();
     assert_eq!(bench.text("General"), "Waiting for messages.");
-    bench.say(&init("s", 5, &[ring("a", header("map", 0), 1.0)]));
+    bench.publish(&init("s", 5, &[ring("a", header("map", 0), 1.0)]));
     assert_eq!(bench.text("s"), "Initialization: Waiting for first update/keep-alive message.");
     assert!(bench.places().is_empty());
     // What the list of all markers has already is left out; what follows it is applied.
     bench.send(&update("s", 5, |update| update.erases = vec!["a".into()]));
-    bench.say(&update("s", 6, |update| update.markers = vec![ring("b", header("map", 0), 2.0)]));
+    bench.publish(&update("s", 6, |update| update.markers = vec![ring("b", header("map", 0), 2.0)]));
     assert_eq!(bench.places(), [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
     assert_eq!((bench.text("s"), bench.text("General")), ("OK".into(), "Receiving messages.".into()));
     assert_eq!(bench.text("a"), "Locked to frame map");
-    bench.say(&update("s", 7, |update| {
+    bench.publish(&update("s", 7, |update| {
         update.poses = vec![pose("b", header("map", 0), 3.0)];
         update.erases = vec!["a".into()];
     }));
@@ -162,18 +162,18 @@ fn markers_are_shown_once_an_update_says_from_which_number_on() {
 fn a_list_from_before_the_first_update_is_not_enough() {
     let mut bench = Bench::new();
     bench.send(&init("s", 3, &[ring("a", header("map", 0), 1.0)]));
-    bench.say(&keep_alive("s", 4));
+    bench.publish(&keep_alive("s", 4));
     assert!(bench.places().is_empty());
-    bench.say(&init("s", 4, &[ring("a", header("map", 0), 2.0)]));
+    bench.publish(&init("s", 4, &[ring("a", header("map", 0), 2.0)]));
     assert_eq!(bench.places(), [[2.0, 0.0, 0.0]]);
 }
 
 #[test]
-fn a_lost_update_begins_anew_after_a_second_with_the_last_list() {
+fn after_a_lost_update_the_last_list_is_used_again_a_second_later() {
     let mut bench = Bench::new();
-    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.start(&[ring("a", header("map", 0), 1.0)]);
     bench.send(&init("s", 3, &[ring("a", header("map", 0), 7.0)]));
-    bench.say(&update("s", 3, |_| {}));
+    bench.publish(&update("s", 3, |_| {}));
     assert!(bench.places().is_empty());
     let expected = "Sequence number of update is out of order. Expected: 2 Received: 3";
     assert_eq!(bench.status("s"), Some((Level::Error, expected.into())));
@@ -181,20 +181,20 @@ fn a_lost_update_begins_anew_after_a_second_with_the_last_list() {
     let next = bench.display.next_change().unwrap();
     assert!(bench.now < next && next.secs_since(bench.now) < 1.1, "{next:?}");
     bench.wait(Duration::from_millis(900));
-    bench.say(&keep_alive("s", 3));
+    bench.publish(&keep_alive("s", 3));
     assert!(bench.places().is_empty());
     bench.wait(Duration::from_millis(200));
     bench.update();
     assert_eq!(bench.places(), [[7.0, 0.0, 0.0]]);
     // A keep-alive of another number than the last update's is a loss as well.
-    bench.say(&keep_alive("s", 4));
+    bench.publish(&keep_alive("s", 4));
     assert!(bench.places().is_empty());
 }
 
 #[test]
-fn a_silent_server_is_warned_of_and_its_markers_stay() {
+fn a_silent_server_gets_a_warning_and_its_markers_are_kept() {
     let mut bench = Bench::new();
-    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.start(&[ring("a", header("map", 0), 1.0)]);
     bench.wait(Duration::from_millis(1900));
     assert_eq!(bench.status("s").unwrap().0, Level::Ok);
     for seconds in ["2", "3", "4"] {
@@ -204,21 +204,21 @@ fn a_silent_server_is_warned_of_and_its_markers_stay() {
         assert!(still);
         assert_eq!(bench.status("s"), Some((Level::Warn, format!("No update received for {seconds} seconds."))));
     }
-    bench.say(&keep_alive("s", 1));
+    bench.publish(&keep_alive("s", 1));
     assert_eq!(bench.status("s"), Some((Level::Ok, "OK".into())));
     assert_eq!(bench.places().len(), 1);
 }
 
 #[test]
-fn servers_of_one_topic_do_not_get_into_each_others_way() {
+fn servers_of_one_topic_are_independent() {
     let mut bench = Bench::new();
-    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.start(&[ring("a", header("map", 0), 1.0)]);
     bench.send(&init("t", 40, &[ring("a", header("map", 0), 2.0)]));
-    bench.say(&keep_alive("t", 40));
+    bench.publish(&keep_alive("t", 40));
     assert_eq!(bench.places(), [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
-    bench.say(&update("s", 9, |_| {}));
+    bench.publish(&update("s", 9, |_| {}));
     assert_eq!(bench.places(), [[2.0, 0.0, 0.0]]);
-    bench.say(&init("", 1, &[]));
+    bench.publish(&init("", 1, &[]));
     assert_eq!(bench.status("General"), Some((Level::Error, "Received message with empty server_id!".into())));
 }
 
@@ -227,21 +227,21 @@ fn a_marker_without_a_stamp_follows_its_frame_and_one_with_a_stamp_stays() {
     let mut bench = Bench::new();
     bench.frame("cart", 10, 10.0);
     bench.frame("cart", 12, 12.0);
-    bench.begin(&[ring("a", header("cart", 0), 1.0), ring("b", header("cart", 11), 1.0)]);
+    bench.start(&[ring("a", header("cart", 0), 1.0), ring("b", header("cart", 11), 1.0)]);
     assert_eq!(bench.places(), [[13.0, 0.0, 0.0], [12.0, 0.0, 0.0]]);
     assert_eq!(bench.text("b"), "Position is fixed.");
     bench.frame("cart", 14, 20.0);
     assert!(bench.update());
     assert_eq!(bench.places(), [[21.0, 0.0, 0.0], [12.0, 0.0, 0.0]]);
     // A pose without a stamp lets the other follow, too.
-    bench.say(&update("s", 2, |update| update.poses = vec![pose("b", header("cart", 0), 5.0)]));
+    bench.publish(&update("s", 2, |update| update.poses = vec![pose("b", header("cart", 0), 5.0)]));
     assert_eq!(bench.places(), [[21.0, 0.0, 0.0], [25.0, 0.0, 0.0]]);
 }
 
 #[test]
 fn a_list_waits_for_its_frames_and_an_update_for_its_time() {
     let mut bench = Bench::new();
-    bench.begin(&[ring("a", header("cart", 0), 1.0)]);
+    bench.start(&[ring("a", header("cart", 0), 1.0)]);
     let (level, text) = bench.status("s").unwrap();
     assert_eq!(level, Level::Warn);
     assert!(text.starts_with("Cannot get tf info for init message with sequence number 1. Error: "), "{text}");
@@ -249,12 +249,12 @@ fn a_list_waits_for_its_frames_and_an_update_for_its_time() {
     bench.update();
     assert_eq!(bench.places().len(), 1);
     bench.send(&update("s", 2, |update| update.markers = vec![ring("b", header("cart", 12), 0.0)]));
-    bench.say(&update("s", 3, |update| update.erases = vec!["a".into()]));
+    bench.publish(&update("s", 3, |update| update.erases = vec!["a".into()]));
     assert_eq!(bench.places().len(), 1, "the frame is not known yet at that time, and updates keep their order");
     bench.frame("cart", 14, 14.0);
     bench.update();
     assert_eq!(bench.places(), [[12.0, 0.0, 0.0]]);
-    bench.say(&update("s", 4, |update| update.markers = vec![ring("c", header("cart", 5), 0.0)]));
+    bench.publish(&update("s", 4, |update| update.markers = vec![ring("c", header("cart", 5), 0.0)]));
     assert!(bench.text("s").starts_with("Resetting due to tf error: the stamp is too old"), "{}", bench.text("s"));
     assert!(bench.places().is_empty());
 }
@@ -264,45 +264,45 @@ fn what_is_not_finite_is_refused_by_name() {
     let mut bench = Bench::new();
     let mut bad = ring("bad", header("map", 0), 1.0);
     bad.controls[0].orientation.x = f64::NAN;
-    bench.begin(&[bad, ring("a", header("map", 0), f64::INFINITY), ring("good", header("map", 0), 2.0)]);
+    bench.start(&[bad, ring("a", header("map", 0), f64::INFINITY), ring("good", header("map", 0), 2.0)]);
     assert_eq!(bench.places(), [[2.0, 0.0, 0.0]]);
     for name in ["bad", "a"] {
         assert_eq!(bench.status(name), Some((Level::Error, "Marker contains invalid floats!".into())));
     }
     let mut twisted = pose("good", header("map", 0), 4.0);
     twisted.pose.orientation.w = 2.0;
-    bench.say(&update("s", 2, |update| update.poses = vec![twisted, pose("good", header("map", 0), 5.0)]));
+    bench.publish(&update("s", 2, |update| update.poses = vec![twisted, pose("good", header("map", 0), 5.0)]));
     assert_eq!(bench.places(), [[2.0, 0.0, 0.0]], "rviz passes over the poses after a bad one");
     assert_eq!(bench.status("good").unwrap().0, Level::Error);
 }
 
 #[test]
-fn a_pose_for_no_marker_ends_it_until_a_reset() {
+fn a_pose_for_an_unknown_marker_stops_the_display_until_a_reset() {
     let mut bench = Bench::new();
-    bench.begin(&[ring("a", header("map", 0), 1.0)]);
-    bench.say(&update("s", 2, |update| update.poses = vec![pose("b", header("map", 0), 1.0)]));
+    bench.start(&[ring("a", header("map", 0), 1.0)]);
+    bench.publish(&update("s", 2, |update| update.poses = vec![pose("b", header("map", 0), 1.0)]));
     assert!(bench.places().is_empty());
     assert!(bench.text("b").starts_with("Pose received for non-existing marker"), "{}", bench.text("b"));
-    bench.say(&keep_alive("s", 2));
+    bench.publish(&keep_alive("s", 2));
     assert_eq!(bench.status("s"), None);
     bench.display.reset();
-    bench.say(&keep_alive("s", 1));
+    bench.publish(&keep_alive("s", 1));
     assert_eq!(bench.places(), [[1.0, 0.0, 0.0]]);
 }
 
 #[test]
-fn a_server_that_leaves_takes_its_markers_along_and_the_others_come_back() {
+fn the_markers_of_a_server_that_is_gone_are_removed_and_those_of_others_come_back() {
     let mut bench = Bench::new();
-    bench.begin(&[ring("a", header("map", 0), 1.0)]);
+    bench.start(&[ring("a", header("map", 0), 1.0)]);
     bench.send(&init("t", 40, &[ring("b", header("map", 0), 2.0)]));
-    bench.say(&keep_alive("t", 40));
+    bench.publish(&keep_alive("t", 40));
     bench.display.publisher_left("/im/update_full");
     assert_eq!(bench.places().len(), 2, "only the topic of updates counts");
     bench.display.publisher_left("/im/update");
     assert!(bench.update());
     assert!(bench.places().is_empty());
     assert_eq!(bench.status("General"), Some((Level::Error, "Server is offline. Resetting.".into())));
-    bench.say(&keep_alive("t", 40));
+    bench.publish(&keep_alive("t", 40));
     assert_eq!(bench.places(), [[2.0, 0.0, 0.0]]);
 }
 
@@ -322,7 +322,7 @@ fn the_topics_are_those_of_the_servers_namespace() {
 }
 
 #[test]
-fn handles_are_coloured_by_their_axis_and_half_transparent_unless_told_otherwise() {
+fn handles_are_coloured_by_their_axis_and_half_transparent_unless_transparency_is_off() {
     for translucent in [true, false] {
         let mut bench = Bench::with(InteractiveMarkersSettings {
             update_topic: "/im/update".into(),
@@ -334,7 +334,7 @@ fn handles_are_coloured_by_their_axis_and_half_transparent_unless_told_otherwise
         marker.controls[0].interaction_mode = InteractiveMarkerControl::MOVE_AXIS;
         // A quarter turn about z: the control's x axis is the marker's y axis.
         (marker.controls[0].orientation.z, marker.controls[0].orientation.w) = (1.0, 1.0);
-        bench.begin(&[marker]);
+        bench.start(&[marker]);
         let drawables = bench.display.drawables();
         assert_eq!(drawables.len(), 4, "two arrows of shaft and head");
         for drawable in drawables {

@@ -8,8 +8,8 @@ use rcs_messages::visualization_msgs::Marker;
 use rcs_scene::Material;
 use std::sync::Arc;
 
-use super::numbers::{position, rgba, scale};
-use super::part::Part;
+use super::message_fields::{position, rgba, scale};
+use super::primitive::Primitive;
 use crate::parts::solids::{arrow, arrow_pose, ArrowSize};
 
 /// An arrow of 1 m that is as thick as it is long; the scale makes it slender.
@@ -34,7 +34,7 @@ impl Default for Arrow {
 
 impl Arrow {
     /// Shaft and head.
-    pub(super) fn parts(&mut self, marker: &Marker) -> Vec<Part> {
+    pub(super) fn parts(&mut self, marker: &Marker) -> Vec<Primitive> {
         let (direction, size) = match marker.points.as_slice() {
             [start, end] => {
                 let [start, end] = [start, end].map(|point| Vector3::from(position(point)).cast::<f64>());
@@ -52,7 +52,7 @@ impl Arrow {
             * Matrix4::new_nonuniform_scaling(&Vector3::new(upwards, sideways, length));
         let material = Arc::new(Material::lit(rgba(&marker.color)));
         let parts = arrow(0, &marker_from_arrow, &size, &material, &material);
-        parts.map(|part| Part::new(part.fixed_from_object, part.geometry)).into()
+        parts.map(|part| Primitive::new(part.fixed_from_object, part.geometry)).into()
     }
 }
 

@@ -1,7 +1,8 @@
-//! What is odd about a marker, and whether it can be drawn all the same.
+//! What is wrong with a marker, and whether it can be drawn all the same.
 //!
-//! Reproduces rviz's checks of markers and of arrays: what it calls an error keeps a marker from being shown (and takes
-//! away the one that it would have replaced), all else is a warning.
+//! A table ([`Needs`]) lists what each type of marker reads of its message; the fields are then checked one by one. What
+//! rviz calls an error is one here: it keeps a marker from being drawn and removes the one that it would have replaced. All
+//! else is a warning.
 
 use std::collections::BTreeSet;
 
@@ -9,13 +10,16 @@ use rcs_messages::geometry_msgs::Pose;
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
 use rcs_messages::{quaternion_xyzw, PlainTransform};
 
-use super::numbers::{all_finite, is_finite_color, position, scale};
+use super::message_fields::{all_finite, is_finite_color, position, scale};
 use crate::Level;
 
 /// How far from 1 a quaternion's squared length may be.
 const QUATERNION_TOLERANCE: f64 = 10e-3;
 
-/// What was found in a message.
+/// What C's `isspace` takes for white space; text of nothing else is empty.
+const WHITESPACE: [char; 6] = [' ', '\t', '\n', '\u{b}', '\u{c}', '\r'];
+
+/// What is wrong with a message.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Findings {
     fatal: bool,
@@ -44,106 +48,103 @@ impl Findings {
     }
 }
 
-/// Checks a marker that is to be added.
+/// What a type of marker reads of its message.
+#[derive(Clone, Copy, Debug)]
+struct Needs {
+    orientation: bool,
+    scale: Scale,
+    points: Count,
+    /// Whether each point may have a colour of its own.
+    point_colors: bool,
+    text: bool,
+    mesh: bool,
+}
+
+/// Which parts of the scale a type reads.
+#[derive(Clone, Copy, Debug)]
+enum Scale {
+    /// All three, which must be finite; an arrow may leave its head's length (z) to rviz.
+    Size { z_may_be_zero: bool },
+    /// The width of lines in x.
+    LineWidth,
+    /// The width and height of points in x and y.
+    PointSize,
+    /// The height of text in z.
+    TextHeight,
+}
+
+/// How many points a type takes.
+#[derive(Clone, Copy, Debug)]
+enum Count {
+    /// It has no points.
+    None,
+    /// An arrow's start and end, if it has any.
+    NoneOrTwo,
+    /// At least one.
+    Some,
+    /// At least two.
+    Two,
+    /// Pairs or triples, which make a line or a triangle each.
+    Groups { of: usize, name: &'static str },
+}
+
+impl Needs {
+    /// The needs of a message's type; `None` for a type that there is not.
+    fn of(marker: &Marker) -> Option<Self> {
+        let solid = Self {
+            orientation: true,
+            scale: Scale::Size { z_may_be_zero: false },
+            points: Count::None,
+            point_colors: false,
+            text: false,
+            mesh: false,
+        };
+        let list = |points| Self { points, point_colors: true, ..solid };
+        Some(match u8::try_from(marker.type_).ok()? {
+            Marker::CUBE | Marker::SPHERE | Marker::CYLINDER => solid,
+            Marker::MESH_RESOURCE => Self { mesh: true, ..solid },
+            Marker::ARROW => Self { scale: Scale::Size { z_may_be_zero: true }, points: Count::NoneOrTwo, ..solid },
+            Marker::TEXT_VIEW_FACING => Self { orientation: false, scale: Scale::TextHeight, text: true, ..solid },
+            Marker::CUBE_LIST | Marker::SPHERE_LIST => list(Count::Some),
+            Marker::TRIANGLE_LIST => list(Count::Groups { of: 3, name: "triangle" }),
+            Marker::POINTS => Self { orientation: false, scale: Scale::PointSize, ..list(Count::Some) },
+            Marker::LINE_STRIP => Self { scale: Scale::LineWidth, ..list(Count::Two) },
+            Marker::LINE_LIST => Self { scale: Scale::LineWidth, ..list(Count::Groups { of: 2, name: "line" }) },
+            _ => return None,
+        })
+    }
+}
+
+/// Checks a marker that is to be added, field by field.
 pub(super) fn check_marker(marker: &Marker) -> Findings {
     let mut found = Findings::default();
     if !all_finite(&PlainTransform::from(&marker.pose).translation) {
         found.error("the position is not finite");
     }
-    match u8::try_from(marker.type_).unwrap_or(u8::MAX) {
-        Marker::ARROW => {
-            check_orientation(&marker.pose, &mut found);
-            check_scale(marker, &mut found);
-            check_color(marker, &mut found);
-            check_arrow_points(marker, &mut found);
-            found.no_colors(marker).no_text(marker).no_mesh(marker);
-        }
-        Marker::CUBE | Marker::SPHERE | Marker::CYLINDER => {
-            check_orientation(&marker.pose, &mut found);
-            check_scale(marker, &mut found);
-            check_color(marker, &mut found);
-            found.no_points(marker).no_colors(marker).no_text(marker).no_mesh(marker);
-        }
-        Marker::LINE_STRIP | Marker::LINE_LIST => {
-            check_orientation(&marker.pose, &mut found);
-            if marker.scale.x == 0.0 {
-                found.warn("the line width (scale.x) is 0");
-            }
-            check_points(marker, &mut found);
-            check_colors(marker, &mut found);
-            found.no_text(marker).no_mesh(marker);
-        }
-        Marker::CUBE_LIST | Marker::SPHERE_LIST | Marker::TRIANGLE_LIST => {
-            check_orientation(&marker.pose, &mut found);
-            check_scale(marker, &mut found);
-            check_points(marker, &mut found);
-            check_colors(marker, &mut found);
-            found.no_text(marker).no_mesh(marker);
-        }
-        Marker::POINTS => {
-            if marker.scale.x == 0.0 || marker.scale.y == 0.0 {
-                found.warn("the width (scale.x) or height (scale.y) of the points is 0");
-            }
-            check_points(marker, &mut found);
-            check_colors(marker, &mut found);
-            found.no_text(marker).no_mesh(marker);
-        }
-        Marker::TEXT_VIEW_FACING => {
-            check_color(marker, &mut found);
-            if marker.scale.z == 0.0 {
-                found.warn("the height of the text (scale.z) is 0");
-            }
-            if marker.text.chars().all(|c| " \t\n\u{b}\u{c}\r".contains(c)) {
-                found.error("the text is empty");
-            }
-            found.no_points(marker).no_colors(marker).no_mesh(marker);
-        }
-        Marker::MESH_RESOURCE => {
-            check_orientation(&marker.pose, &mut found);
-            check_color(marker, &mut found);
-            check_scale(marker, &mut found);
-            found.no_points(marker).no_colors(marker).no_text(marker);
-            if marker.mesh_resource.is_empty() {
-                found.error("mesh_resource is empty");
-            }
-        }
-        _ => found.error(format!("there is no marker type {}", marker.type_)),
+    let Some(needs) = Needs::of(marker) else {
+        found.error(format!("there is no marker type {}", marker.type_));
+        return found;
+    };
+    if needs.orientation {
+        check_orientation(&marker.pose, &mut found);
+    }
+    check_scale(marker, needs.scale, &mut found);
+    check_points(marker, needs.points, &mut found);
+    check_colors(marker, needs.point_colors, &mut found);
+    match (needs.text, marker.text.as_str()) {
+        (true, text) if text.chars().all(|c| WHITESPACE.contains(&c)) => found.error("the text is empty"),
+        (true, _) | (false, "") => {}
+        (false, _) => found.warn("text is ignored"),
+    }
+    match (needs.mesh, marker.mesh_resource.as_str()) {
+        (true, "") => found.error("mesh_resource is empty"),
+        (true, _) | (false, "") => {}
+        (false, _) => found.warn("mesh_resource is ignored"),
+    }
+    if marker.mesh_use_embedded_materials && !needs.mesh {
+        found.warn("mesh_use_embedded_materials is ignored");
     }
     found
-}
-
-/// Things that the kind of marker makes no use of.
-impl Findings {
-    fn no_points(&mut self, marker: &Marker) -> &mut Self {
-        if !marker.points.is_empty() {
-            self.warn("points are ignored");
-        }
-        self
-    }
-
-    fn no_colors(&mut self, marker: &Marker) -> &mut Self {
-        if !marker.colors.is_empty() {
-            self.warn("colors are ignored");
-        }
-        self
-    }
-
-    fn no_text(&mut self, marker: &Marker) -> &mut Self {
-        if !marker.text.is_empty() {
-            self.warn("text is ignored");
-        }
-        self
-    }
-
-    fn no_mesh(&mut self, marker: &Marker) -> &mut Self {
-        if !marker.mesh_resource.is_empty() {
-            self.warn("mesh_resource is ignored");
-        }
-        if marker.mesh_use_embedded_materials {
-            self.warn("mesh_use_embedded_materials is ignored");
-        }
-        self
-    }
 }
 
 fn check_orientation(pose: &Pose, found: &mut Findings) {
@@ -160,95 +161,122 @@ fn check_orientation(pose: &Pose, found: &mut Findings) {
     }
 }
 
-fn check_scale(marker: &Marker, found: &mut Findings) {
+fn check_scale(marker: &Marker, read: Scale, found: &mut Findings) {
     let [x, y, z] = scale(marker);
-    if !all_finite(&[x, y, z]) {
-        found.error("the scale is not finite");
-    }
-    // An arrow's z is the length of its head, which need not be given.
-    let is_arrow = marker.type_ == i32::from(Marker::ARROW);
-    if x == 0.0 || y == 0.0 || (z == 0.0 && !is_arrow) {
-        found.warn("the scale is 0 in x, y or z");
+    let warning = match read {
+        Scale::Size { z_may_be_zero } => {
+            if !all_finite(&[x, y, z]) {
+                found.error("the scale is not finite");
+            }
+            let is_flat = x == 0.0 || y == 0.0 || (z == 0.0 && !z_may_be_zero);
+            is_flat.then_some("the scale is 0 in x, y or z")
+        }
+        Scale::LineWidth => (x == 0.0).then_some("the line width (scale.x) is 0"),
+        Scale::PointSize => {
+            (x == 0.0 || y == 0.0).then_some("the width (scale.x) or height (scale.y) of the points is 0")
+        }
+        Scale::TextHeight => (z == 0.0).then_some("the height of the text (scale.z) is 0"),
+    };
+    if let Some(warning) = warning {
+        found.warn(warning);
     }
 }
 
-fn check_color(marker: &Marker, found: &mut Findings) {
+fn check_points(marker: &Marker, needed: Count, found: &mut Findings) {
+    let count = marker.points.len();
+    match needed {
+        Count::None if count > 0 => found.warn("points are ignored"),
+        Count::None => {}
+        Count::NoneOrTwo if count == 2 => {
+            if !marker.points.iter().all(|point| position(point).iter().all(|value| value.is_finite())) {
+                found.error("a point is not finite");
+            }
+        }
+        Count::NoneOrTwo if count > 0 => found.error(format!("an arrow has 0 or 2 points, not {count}")),
+        Count::NoneOrTwo => {}
+        _ if count == 0 => found.error("there are no points"),
+        Count::Two if count == 1 => found.error("a line strip has at least two points"),
+        Count::Groups { of, name } if !count.is_multiple_of(of) => {
+            let number = if of == 2 { "two" } else { "three" };
+            found.error(format!("a {name} list has {number} points a {name}, but there are {count}"));
+        }
+        Count::Some | Count::Two | Count::Groups { .. } => {}
+    }
+}
+
+/// Checks the marker's colour or, if it has some, those of its points.
+fn check_colors(marker: &Marker, point_colors: bool, found: &mut Findings) {
+    let (colors, points) = (marker.colors.len(), marker.points.len());
+    if point_colors && colors > 0 {
+        let one_a_face = marker.type_ == i32::from(Marker::TRIANGLE_LIST) && 3 * colors == points;
+        if colors != points && !one_a_face {
+            found.error(format!("there are {colors} colors for {points} points"));
+        }
+        return;
+    }
     let color = &marker.color;
     if !is_finite_color(color) {
         found.error("the color is not finite");
     }
-    // All zero asks for the mesh's own colours.
+    // All zero stands for the mesh's own colours.
     let own_colors = marker.type_ == i32::from(Marker::MESH_RESOURCE)
         && marker.mesh_use_embedded_materials
         && [color.r, color.g, color.b] == [0.0; 3];
     if color.a == 0.0 && !own_colors {
         found.warn("the marker is fully transparent (color.a is 0)");
     }
-}
-
-fn check_arrow_points(marker: &Marker, found: &mut Findings) {
-    match marker.points.len() {
-        0 => {}
-        2 => {
-            if !marker.points.iter().all(|point| position(point).iter().all(|value| value.is_finite())) {
-                found.error("a point is not finite");
-            }
-        }
-        count => found.error(format!("an arrow has 0 or 2 points, not {count}")),
+    if colors > 0 {
+        found.warn("colors are ignored");
     }
 }
 
-fn check_points(marker: &Marker, found: &mut Findings) {
-    let count = marker.points.len();
-    if count == 0 {
-        found.error("there are no points");
-    }
-    match u8::try_from(marker.type_).unwrap_or(u8::MAX) {
-        Marker::TRIANGLE_LIST if !count.is_multiple_of(3) => {
-            found.error(format!("a triangle list has three points a triangle, but there are {count}"));
-        }
-        Marker::LINE_LIST if !count.is_multiple_of(2) => {
-            found.error(format!("a line list has two points a line, but there are {count}"));
-        }
-        Marker::LINE_STRIP if count == 1 => found.error("a line strip has at least two points"),
-        _ => {}
-    }
-}
-
-fn check_colors(marker: &Marker, found: &mut Findings) {
-    let (colors, points) = (marker.colors.len(), marker.points.len());
-    if colors == 0 {
-        check_color(marker, found);
-        return;
-    }
-    let one_a_face = marker.type_ == i32::from(Marker::TRIANGLE_LIST) && 3 * colors == points;
-    if colors != points && !one_a_face {
-        found.error(format!("there are {colors} colors for {points} points"));
-    }
-}
-
-/// Checks whether the markers of an array get into each other's way; never fatal.
+/// Checks whether the markers of an array cancel each other; never fatal.
 pub(super) fn check_array(array: &MarkerArray) -> Findings {
     let mut found = Findings::default();
     let mut seen: BTreeSet<(&str, i32)> = BTreeSet::new();
     for marker in &array.markers {
-        if marker.action == i32::from(Marker::DELETEALL) {
-            if !seen.is_empty() {
-                found.warn("DELETEALL after markers: they will not be seen");
-            }
-            seen.clear();
-            continue;
-        }
         let id = (marker.ns.as_str(), marker.id);
-        if seen.insert(id) {
-            continue;
-        }
-        if marker.action == i32::from(Marker::DELETE) {
-            found.warn(format!("marker {}/{} is deleted by the array that adds it", marker.ns, marker.id));
-            seen.remove(&id);
-        } else {
-            found.warn(format!("marker {}/{} is added more than once", marker.ns, marker.id));
+        match u8::try_from(marker.action) {
+            Ok(Marker::DELETEALL) if seen.is_empty() => {}
+            Ok(Marker::DELETEALL) => {
+                found.warn("DELETEALL after markers: they are not shown");
+                seen.clear();
+            }
+            Ok(Marker::DELETE) if seen.remove(&id) => {
+                found.warn(format!("marker {}/{} is deleted by the array that adds it", marker.ns, marker.id));
+            }
+            // As in rviz, an id that was deleted counts as one that was used.
+            _ if !seen.insert(id) => {
+                found.warn(format!("marker {}/{} is added more than once", marker.ns, marker.id));
+            }
+            _ => {}
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn array(actions: &[(u8, i32)]) -> MarkerArray {
+        let marker = |&(action, id): &(u8, i32)| Marker { action: action.into(), id, ..Marker::default() };
+        MarkerArray { markers: actions.iter().map(marker).collect() }
+    }
+
+    #[test]
+    fn an_array_that_cancels_its_own_markers_is_warned_about() {
+        const ADD: u8 = Marker::ADD;
+        let text = |actions: &[(u8, i32)]| check_array(&array(actions)).status().map(|(_, text)| text);
+        assert_eq!(text(&[(ADD, 1), (ADD, 2), (Marker::DELETE, 3)]), None);
+        assert_eq!(text(&[(Marker::DELETEALL, 0), (ADD, 1)]), None);
+        assert_eq!(text(&[(ADD, 1), (ADD, 1)]).unwrap(), "marker /1 is added more than once");
+        assert_eq!(text(&[(Marker::DELETE, 1), (ADD, 1)]).unwrap(), "marker /1 is added more than once");
+        let deleted = "marker /1 is deleted by the array that adds it";
+        assert_eq!(text(&[(ADD, 1), (Marker::DELETE, 1), (ADD, 1)]).unwrap(), deleted);
+        assert_eq!(
+            text(&[(ADD, 1), (Marker::DELETEALL, 0), (ADD, 1)]).unwrap(),
+            "DELETEALL after markers: they are not shown"
+        );
+    }
 }

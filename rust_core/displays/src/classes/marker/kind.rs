@@ -5,7 +5,7 @@ use rcs_resources::MeshStore;
 
 use super::arrow::Arrow;
 use super::mesh::MeshMarker;
-use super::part::Part;
+use super::primitive::Primitive;
 use super::triangles::Triangles;
 use super::{lines, point_lists, shape, text};
 use crate::Shape;
@@ -45,7 +45,7 @@ impl Kind {
     ///
     /// # Errors
     /// Why it shows nothing.
-    pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Part>, String> {
+    pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, String> {
         Ok(match self {
             Self::Arrow(arrow) => arrow.parts(marker),
             Self::Shape(shape) => shape::parts(marker, *shape),

@@ -1,6 +1,6 @@
 //! LINE_STRIP and LINE_LIST: ribbons that face the eye, `scale.x` wide.
 //!
-//! Whether they blend is the marker's alpha's to say; with an opaque marker the alpha of the points has no effect. The
+//! The marker's alpha decides whether they blend; with an opaque marker the alpha of the points has no effect. The
 //! other two scales have none either.
 
 use std::sync::Arc;
@@ -8,14 +8,14 @@ use std::sync::Arc;
 use rcs_messages::visualization_msgs::Marker;
 use rcs_scene::{Blending, Geometry, Material, RibbonElement, Ribbons};
 
-use super::numbers::{is_finite_color, point_colors, position, rgba};
-use super::part::Part;
+use super::message_fields::{is_finite_color, point_colors, position, rgba};
+use super::primitive::Primitive;
 
-/// So many elements go into one chain of rviz; a longer strip has gaps between its chains.
+/// The most elements of one chain of rviz; a longer strip has gaps between its chains.
 const MAX_ELEMENTS: usize = 65536 / 4;
 
 /// One line through all points; those that are not finite are left out.
-pub(super) fn strip(marker: &Marker) -> Vec<Part> {
+pub(super) fn strip(marker: &Marker) -> Vec<Primitive> {
     let colors = point_colors(marker);
     let finite = |(i, element): (usize, RibbonElement)| {
         let color = colors.and_then(|colors| colors.get(i));
@@ -30,7 +30,7 @@ pub(super) fn strip(marker: &Marker) -> Vec<Part> {
 }
 
 /// One line from each point to the next, then from the third to the fourth and so on.
-pub(super) fn list(marker: &Marker) -> Vec<Part> {
+pub(super) fn list(marker: &Marker) -> Vec<Primitive> {
     let elements: Vec<RibbonElement> = elements(marker).collect();
     let finite = |line: &&[RibbonElement]| line.iter().flat_map(|e| e.position).all(f32::is_finite);
     let lines: Vec<&[RibbonElement]> = elements.chunks_exact(2).filter(finite).collect();
@@ -45,10 +45,10 @@ fn elements(marker: &Marker) -> impl Iterator<Item = RibbonElement> + '_ {
     })
 }
 
-fn part(marker: &Marker, chains: Vec<Vec<RibbonElement>>) -> Part {
+fn part(marker: &Marker, chains: Vec<Vec<RibbonElement>>) -> Primitive {
     let is_translucent = marker.color.a < Material::OPAQUE_FROM_ALPHA;
     let blending = if is_translucent { Blending::Alpha } else { Blending::Replace };
     let positions: Vec<[f32; 3]> = chains.iter().flatten().map(|element| element.position).collect();
     let ribbons = Ribbons { chains, width_m: marker.scale.x as f32, blending };
-    Part::sorted_by_middle(positions, Geometry::Ribbons(Arc::new(ribbons)))
+    Primitive::sorted_by_middle(positions, Geometry::Ribbons(Arc::new(ribbons)))
 }

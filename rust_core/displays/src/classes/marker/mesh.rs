@@ -1,8 +1,8 @@
 //! MESH_RESOURCE: a mesh from a file, in the marker's colour or in its own.
 //!
 //! With `mesh_use_embedded_materials` each part keeps the material of the file, takes the marker's alpha, and is drawn
-//! once more in the marker's colour with at most half opacity: a tint. A colour of all zeros asks for no tint and the
-//! file's own opacity, but only where the mesh is new: rviz does not ask again when a later message changes the colour,
+//! once more in the marker's colour with at most half opacity: a tint. A colour of all zeros stands for no tint and the
+//! file's own opacity, but only where the mesh is new: rviz does not check again when a later message changes the colour,
 //! and then shows a mesh of alpha zero.
 
 use std::sync::Arc;
@@ -12,8 +12,8 @@ use rcs_messages::visualization_msgs::Marker;
 use rcs_resources::{LoadedMesh, MeshMaterial, MeshStore};
 use rcs_scene::{Blending, Lighting, Material, Rgba};
 
-use super::numbers::{rgba, scale};
-use super::part::Part;
+use super::message_fields::{rgba, scale};
+use super::primitive::Primitive;
 
 /// The most opaque that a tint can be.
 const MAX_TINT_ALPHA: f32 = 0.5;
@@ -30,7 +30,7 @@ struct Shown {
     embedded: bool,
     mesh: Arc<LoadedMesh>,
     color: Rgba,
-    /// The colour that the materials were last told; `None` while they are as the file has them.
+    /// The colour that was last set on the materials; `None` while they are as the file has them.
     paint: Option<Rgba>,
 }
 
@@ -39,7 +39,7 @@ impl MeshMarker {
     ///
     /// # Errors
     /// Why the mesh cannot be shown, with its address.
-    pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Part>, String> {
+    pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, String> {
         let (url, embedded, color) = (&marker.mesh_resource, marker.mesh_use_embedded_materials, rgba(&marker.color));
         let shown = match self.shown.take().filter(|shown| shown.url == *url && shown.embedded == embedded) {
             Some(shown) => {
@@ -55,7 +55,7 @@ impl MeshMarker {
         let mut parts = Vec::new();
         for part in &shown.mesh.parts {
             for material in materials(&part.material, embedded, shown.paint) {
-                parts.push(Part::mesh(marker_from_mesh, part.mesh.clone(), material));
+                parts.push(Primitive::mesh(marker_from_mesh, part.mesh.clone(), material));
             }
         }
         self.shown = Some(shown);
@@ -71,7 +71,7 @@ fn materials(own: &MeshMaterial, embedded: bool, paint: Option<Rgba>) -> Vec<Mat
     let is_translucent = paint.a < Material::OPAQUE_FROM_ALPHA;
     let tint = paint.with_alpha(paint.a.min(MAX_TINT_ALPHA));
     if !has_own {
-        // Where the tint is asked for and there is nothing to tint, the marker's colour is drawn with the tint's alpha.
+        // Where there is a tint and nothing to tint, the marker's colour is drawn with the tint's alpha.
         let color = if embedded { tint } else { paint };
         return vec![Material::lit(color).translucent(is_translucent)];
     }

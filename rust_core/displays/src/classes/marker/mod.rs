@@ -1,22 +1,22 @@
 //! `rviz/Marker` and `rviz/MarkerArray`: the twelve kinds of markers.
 //!
-//! Both are one display; a Marker display listens to single markers and to the arrays of the topic `…_array`, a
+//! Both are one display; a Marker display subscribes to single markers and to the arrays of the topic `…_array`, a
 //! MarkerArray display to the arrays of its topic only. Markers wait one by one until their frame is known at their
 //! stamp. A marker then stands where its frame was at that time; one with `frame_locked` follows the frame. What it is
 //! drawn with is built once for each message.
 //!
 //! Markers of a namespace that the config switches off are not kept, as in rviz. Messages that delete need no frame: as
-//! in rviz those that the queue drops are carried out all the same, at once, before what the same array adds.
+//! in rviz those that the queue drops are applied all the same, at once, before what the same array adds.
 
-mod alone;
 mod arrow;
 mod checks;
+mod control_marker;
 mod kind;
 mod lines;
 mod mesh;
-mod numbers;
-mod part;
+mod message_fields;
 mod point_lists;
+mod primitive;
 mod shape;
 mod store;
 mod text;
@@ -25,8 +25,8 @@ mod triangles;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use alone::MarkerParts;
-pub(crate) use part::SortPoint;
+pub(crate) use control_marker::ControlMarker;
+pub(crate) use primitive::SortPoint;
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -112,15 +112,15 @@ impl MarkerDisplay {
         }
         let frame = frame.to_owned();
         self.waiting.push(&frame, stamp, marker);
-        self.look_at_waiting(world);
+        self.retry_waiting(world);
     }
 
-    /// Moves waiting markers on whose frames are known now, and deals with those that the queue dropped.
-    fn look_at_waiting(&mut self, world: &World<'_>) {
+    /// Makes waiting markers ready whose frames are known now, and reports those that the queue dropped.
+    fn retry_waiting(&mut self, world: &World<'_>) {
         self.ready.extend(self.waiting.take_ready(world.transforms, world.fixed_frame));
         for (marker, reason) in self.waiting.take_dropped() {
             let reason = frame::drop_reason(&reason, world.fixed_frame);
-            self.store.fail(&marker, reason, world, &mut self.statuses);
+            self.store.drop_unplaced(&marker, reason, world, &mut self.statuses);
         }
     }
 
@@ -148,7 +148,7 @@ impl Display for MarkerDisplay {
     }
 
     fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
-        // What came with an earlier message is done before what this one brings.
+        // Markers of earlier messages are processed before those of this one.
         self.process_ready(world);
         self.statuses.set(Level::Ok, "Topic", "OK");
         match message {
@@ -171,7 +171,7 @@ impl Display for MarkerDisplay {
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {
-        self.look_at_waiting(world);
+        self.retry_waiting(world);
         self.process_ready(world);
         match self.waiting.waiting_reason(world.transforms, world.fixed_frame) {
             Some(reason) => {

@@ -9,12 +9,12 @@ use std::sync::Arc;
 use rcs_messages::visualization_msgs::Marker;
 use rcs_scene::{Geometry, Material, PointBuffer, PointColors, PointStyle, Points};
 
-use super::numbers::{point_colors, position, rgba, scale};
-use super::part::Part;
+use super::message_fields::{point_colors, position, rgba, scale};
+use super::primitive::Primitive;
 use crate::parts::cloud::max_points;
 
 /// The cloud, in pieces as rviz cuts it. Points that are not finite are left out.
-pub(super) fn parts(marker: &Marker) -> Vec<Part> {
+pub(super) fn parts(marker: &Marker) -> Vec<Primitive> {
     let Some(style) = style(marker) else { return Vec::new() };
     let max_points = max_points(&style);
     let colors = point_colors(marker);
@@ -42,7 +42,7 @@ pub(super) fn parts(marker: &Marker) -> Vec<Part> {
             None => PointColors::Uniform(whole_color.to_rgba8()),
         };
         let buffer = Arc::new(PointBuffer { positions, colors });
-        let part = Part::sorted_by_middle(
+        let part = Primitive::sorted_by_middle(
             sorted_by,
             Geometry::Points(Points { buffer, style, alpha, blended, auto_size: false }),
         );

@@ -6,12 +6,12 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 use rcs_messages::visualization_msgs::Marker;
 use rcs_scene::Material;
 
-use super::numbers::{rgba, scale};
-use super::part::Part;
+use super::message_fields::{rgba, scale};
+use super::primitive::Primitive;
 use crate::Shape;
 
 /// The solid, stood up so that a cylinder's axis is z.
-pub(super) fn parts(marker: &Marker, shape: Shape) -> Vec<Part> {
+pub(super) fn parts(marker: &Marker, shape: Shape) -> Vec<Primitive> {
     #[rustfmt::skip]
     let upright = Matrix3::new(
         1.0, 0.0, 0.0,
@@ -20,7 +20,7 @@ pub(super) fn parts(marker: &Marker, shape: Shape) -> Vec<Part> {
     );
     let scale = turned(scale(marker).map(|length| length as f32)).map(f64::from);
     let marker_from_solid = upright.to_homogeneous() * Matrix4::new_nonuniform_scaling(&scale.into());
-    vec![Part::mesh(marker_from_solid, shape.mesh(), Material::lit(rgba(&marker.color)))]
+    vec![Primitive::mesh(marker_from_solid, shape.mesh(), Material::lit(rgba(&marker.color)))]
 }
 
 /// The scale in the solid's own axes. rviz turns it as if it were a vector, by 90° about x, and so mirrors the solid:

@@ -11,7 +11,7 @@ use rcs_transforms::{LookupError, Time};
 
 use super::checks::check_marker;
 use super::kind::Kind;
-use super::part::Part;
+use super::primitive::Primitive;
 use crate::framework::frame::problem;
 use crate::framework::world::{isometry, stamp};
 use crate::{Level, StatusText, Statuses, World};
@@ -33,11 +33,11 @@ pub(super) struct MarkerStore {
 /// A marker of a namespace and id.
 #[derive(Debug)]
 struct Shown {
-    /// The how many-th it is: markers are drawn in the order in which they were made.
+    /// Counts markers; they are drawn in the order in which they were made.
     number: u64,
     marker_type: i32,
     kind: Kind,
-    parts: Vec<Part>,
+    parts: Vec<Primitive>,
     frame: String,
     /// Zero for a marker that follows its frame.
     stamp: Time,
@@ -46,12 +46,12 @@ struct Shown {
     /// `None` while it cannot be placed.
     fixed_from_marker: Option<Isometry3<f64>>,
     expires: Option<Time>,
-    /// What was odd about the message.
+    /// What is wrong with the message.
     finding: Option<(Level, String)>,
 }
 
 impl MarkerStore {
-    /// Does what a message asks for. `shows` says whether a namespace is switched on.
+    /// Applies a message. `shows` is whether a namespace is switched on.
     pub(super) fn process(
         &mut self,
         marker: &Marker,
@@ -81,8 +81,14 @@ impl MarkerStore {
         }
     }
 
-    /// Takes note of a message that will never be placed. Deleting needs no place.
-    pub(super) fn fail(&mut self, marker: &Marker, reason: StatusText, world: &World<'_>, statuses: &mut Statuses) {
+    /// Reports a message that was dropped because its frame is not known. One that deletes needs no frame and is applied.
+    pub(super) fn drop_unplaced(
+        &mut self,
+        marker: &Marker,
+        reason: StatusText,
+        world: &World<'_>,
+        statuses: &mut Statuses,
+    ) {
         match u8::try_from(marker.action) {
             Ok(Marker::DELETE | Marker::DELETEALL) => self.process(marker, world, |_| true, statuses),
             _ => set_error(&(marker.ns.clone(), marker.id), reason, statuses),
@@ -142,7 +148,7 @@ impl MarkerStore {
         self.markers.insert(id, shown);
     }
 
-    /// Lets markers go that are too old and moves those that follow their frames. Returns whether anything changed since
+    /// Drops markers whose lifetime is over and moves those that follow their frames. Returns whether anything changed since
     /// the last call.
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
         let before = self.markers.len();
@@ -168,9 +174,9 @@ impl MarkerStore {
         std::mem::take(&mut self.changed)
     }
 
-    /// What all markers are drawn with, in the order in which they were made.
+    /// The drawables of all markers, in the order in which they were made.
     pub(super) fn drawables(&self, display: DisplayId) -> Vec<Drawable> {
-        let mut placed: Vec<(u64, &Isometry3<f64>, &[Part])> = self
+        let mut placed: Vec<(u64, &Isometry3<f64>, &[Primitive])> = self
             .markers
             .values()
             .filter_map(|shown| Some((shown.number, shown.fixed_from_marker.as_ref()?, shown.parts.as_slice())))
@@ -182,7 +188,7 @@ impl MarkerStore {
             .collect()
     }
 
-    /// When the next marker is too old.
+    /// When the next lifetime is over.
     pub(super) fn next_change(&self) -> Option<Time> {
         self.markers.values().filter_map(|shown| shown.expires).min()
     }

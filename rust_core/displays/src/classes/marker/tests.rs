@@ -68,14 +68,14 @@ impl Bench {
     }
 
     fn place(&mut self, child: &str, secs: u32, x: f64) {
-        let said = RawTransform {
+        let transform = RawTransform {
             parent: "map",
             child,
             stamp: Time::from_secs_nanos(secs, 0),
             translation: [x, 0.0, 0.0],
             rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
         };
-        self.tree.insert(&said, false, "/test").unwrap();
+        self.tree.insert(&transform, false, "/test").unwrap();
     }
 }
 
@@ -122,13 +122,13 @@ fn diffuse(drawable: &Drawable) -> [f32; 4] {
 }
 
 #[test]
-fn a_marker_display_hears_markers_and_arrays_and_an_array_display_only_arrays() {
+fn a_marker_display_subscribes_to_markers_and_arrays_and_an_array_display_only_to_arrays() {
     let single = MarkerDisplay::single(0, MarkerSettings { topic: "/m".to_owned(), ..MarkerSettings::default() });
-    let heard: Vec<_> = single.topics().into_iter().map(|t| (t.topic, t.kind)).collect();
-    assert_eq!(heard, [("/m".into(), MessageKind::Marker), ("/m_array".into(), MessageKind::MarkerArray)]);
+    let subscribed: Vec<_> = single.topics().into_iter().map(|t| (t.topic, t.kind)).collect();
+    assert_eq!(subscribed, [("/m".into(), MessageKind::Marker), ("/m_array".into(), MessageKind::MarkerArray)]);
     let array = MarkerDisplay::array(0, MarkerSettings::array_default());
-    let heard: Vec<_> = array.topics().into_iter().map(|t| (t.topic, t.kind)).collect();
-    assert_eq!(heard, [("visualization_marker_array".to_owned(), MessageKind::MarkerArray)]);
+    let subscribed: Vec<_> = array.topics().into_iter().map(|t| (t.topic, t.kind)).collect();
+    assert_eq!(subscribed, [("visualization_marker_array".to_owned(), MessageKind::MarkerArray)]);
 
     let mut bench = Bench::with(single);
     let message = AnyMessage::Marker(Arc::new(marker(Marker::CUBE, 1)));

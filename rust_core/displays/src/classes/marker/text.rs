@@ -6,12 +6,12 @@ use nalgebra::Matrix4;
 use rcs_messages::visualization_msgs::Marker;
 use rcs_scene::{Geometry, HorizontalAlignment, Text, VerticalAlignment};
 
-use super::numbers::rgba;
-use super::part::Part;
+use super::message_fields::rgba;
+use super::primitive::Primitive;
 
 /// The text, centred both ways.
-pub(super) fn parts(marker: &Marker) -> Vec<Part> {
+pub(super) fn parts(marker: &Marker) -> Vec<Primitive> {
     let alignment = (HorizontalAlignment::Center, VerticalAlignment::Center);
     let text = Text::new(&marker.text, marker.scale.z as f32, rgba(&marker.color), alignment);
-    vec![Part::new(Matrix4::identity(), Geometry::Text(Arc::new(text)))]
+    vec![Primitive::new(Matrix4::identity(), Geometry::Text(Arc::new(text)))]
 }

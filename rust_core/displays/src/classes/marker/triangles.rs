@@ -14,8 +14,8 @@ use rcs_messages::std_msgs::ColorRGBA;
 use rcs_messages::visualization_msgs::Marker;
 use rcs_scene::{CullMode, Material, Mesh, Vertex};
 
-use super::numbers::{point_colors, position, rgba, scale};
-use super::part::Part;
+use super::message_fields::{point_colors, position, rgba, scale};
+use super::primitive::Primitive;
 
 /// A triangle list from message to message.
 #[derive(Clone, Debug, Default)]
@@ -28,7 +28,7 @@ pub(super) struct Triangles {
 
 impl Triangles {
     /// The triangles as rviz shows them.
-    pub(super) fn parts(&mut self, marker: &Marker) -> Vec<Part> {
+    pub(super) fn parts(&mut self, marker: &Marker) -> Vec<Primitive> {
         if self.points != marker.points.len() {
             self.points = marker.points.len();
             self.colored = !marker.colors.is_empty();
@@ -38,7 +38,7 @@ impl Triangles {
 }
 
 /// All triangles but those with a corner that is not finite.
-fn parts(marker: &Marker, colored: bool) -> Vec<Part> {
+fn parts(marker: &Marker, colored: bool) -> Vec<Primitive> {
     let vertex_colors = point_colors(marker);
     let face_colors = (marker.colors.len() == marker.points.len() / 3).then_some(&marker.colors);
     let color = |face: usize, corner: usize| {
@@ -70,5 +70,5 @@ fn parts(marker: &Marker, colored: bool) -> Vec<Part> {
     };
     let mesh = Mesh { indices: (0..vertices.len() as u32).collect(), vertices };
     let marker_from_triangles = Matrix4::new_nonuniform_scaling(&scale(marker).into());
-    vec![Part::mesh(marker_from_triangles, Arc::new(mesh), Material { cull: CullMode::None, ..material })]
+    vec![Primitive::mesh(marker_from_triangles, Arc::new(mesh), Material { cull: CullMode::None, ..material })]
 }

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer, IntensitySettings};
 use rcs_scene::Rgba;
 
+use super::buffer_pool::BufferPool;
 use super::fields::{Channel, Layout};
 use super::points::{PointBytes, SHARE};
-use super::spare::SparePoints;
 
 /// The colours of a cloud's points.
 pub(crate) enum PointColor {
@@ -47,9 +47,9 @@ impl<'a> Coloring<'a> {
         big_endian: bool,
         points: &PointBytes<'_>,
         positions: &[[f32; 3]],
-        spare: &mut SparePoints,
+        pool: &mut BufferPool,
     ) -> PointColor {
-        let SparePoints { colors, values, .. } = spare;
+        let BufferPool { colors, values, .. } = pool;
         let mut memory = || colors.take_filled(points.len());
         match self.transformer {
             ColorTransformer::FlatColor => {
@@ -207,21 +207,26 @@ fn by_axis(
     colors
 }
 
+/// The colours of rviz's rainbow at equal distances from 0 to 1; each differs from the next in one channel.
+const RAINBOW: [[f32; 3]; 6] =
+    [[1.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+
 /// rviz's rainbow: magenta at 0 over blue, cyan, green and yellow to red at 1.
 pub(crate) fn rainbow(share: f32) -> Rgba {
-    let hue = if share.is_nan() { share } else { share.clamp(0.0, 1.0) } * 5.0 + 1.0;
-    // Cut off: it is never below 0.
-    let sector = hue as i32;
-    let fraction = hue - sector as f32;
-    let n = 1.0 - if sector & 1 == 0 { 1.0 - fraction } else { fraction };
-    let (r, g, b) = match sector {
-        ..=1 => (n, 0.0, 1.0),
-        2 => (0.0, n, 1.0),
-        3 => (0.0, 1.0, n),
-        4 => (n, 1.0, 0.0),
-        _ => (1.0, n, 0.0),
+    let share = if share.is_nan() { share } else { share.clamp(0.0, 1.0) };
+    // rviz counts the colours from one, in single precision, and the last level shows how that rounds.
+    let place = share * (RAINBOW.len() - 1) as f32 + 1.0;
+    // A NaN becomes 0.
+    let number = (place as usize).max(1);
+    let (from, to) = (RAINBOW[number - 1], RAINBOW[number.min(RAINBOW.len() - 1)]);
+    let falling = 1.0 - (place - place.trunc());
+    let rising = 1.0 - falling;
+    let channel = |i: usize| match to[i] - from[i] {
+        change if change < 0.0 => falling,
+        change if change > 0.0 => rising,
+        _ => to[i],
     };
-    Rgba::new(r, g, b, 1.0)
+    Rgba::new(channel(0), channel(1), channel(2), 1.0)
 }
 
 #[cfg(test)]
@@ -233,7 +238,11 @@ mod tests {
         assert_eq!(rainbow(0.0).to_rgba8(), [255, 0, 255, 255]);
         assert_eq!(rainbow(0.2).to_rgba8(), [0, 0, 255, 255]);
         assert_eq!(rainbow(0.4).to_rgba8(), [0, 255, 255, 255]);
+        assert_eq!(rainbow(0.6).to_rgba8(), [0, 255, 0, 255]);
+        assert_eq!(rainbow(0.75).to_rgba8(), [191, 255, 0, 255]);
+        assert_eq!(rainbow(0.8).to_rgba8(), [255, 255, 0, 255]);
         assert_eq!(rainbow(1.0).to_rgba8(), [255, 0, 0, 255]);
+        assert_eq!(rainbow(f32::NAN).to_rgba8(), [0, 0, 255, 255]);
         assert_eq!(rainbow(-7.0), rainbow(0.0));
         assert_eq!(rainbow(7.0), rainbow(1.0));
     }

@@ -29,7 +29,7 @@ pub(crate) trait CloudSource {
     /// The cloud that it is.
     ///
     /// # Errors
-    /// A sentence that says why it is none.
+    /// The text of a status, where it is none.
     fn place(message: &Arc<Self::Message>, world: &World<'_>) -> Result<PlacedCloud, String>;
 }
 

@@ -8,7 +8,7 @@ use thiserror::Error;
 /// Why a cloud cannot be shown.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub(crate) enum LayoutError {
-    /// The data is not as long as the header says.
+    /// The data has another length than the header announces.
     #[error("Data size ({actual} bytes) does not match width ({width}) times height ({height}) times point_step ({point_step})")]
     Size { actual: usize, width: u32, height: u32, point_step: u32 },
     /// There is no x, y or z.

@@ -1,15 +1,15 @@
-//! What all displays of clouds share: points in one of five styles, coloured by one of six transformers.
+//! The common part of all displays of clouds: points in one of five styles, coloured by one of six transformers.
 //!
-//! Reproduces `rviz::PointCloudCommon`. As there, whatever a display listens to becomes a `sensor_msgs/PointCloud2`
+//! Reproduces `rviz::PointCloudCommon`. As there, whatever a display subscribes to becomes a `sensor_msgs/PointCloud2`
 //! ([`CloudSource`]); that is decoded and coloured once, when it is placed, and drawing it again costs no decoding. A
 //! cloud stands where its frame was at its stamp. Without a decay time the newest cloud replaces the one before it.
 
+mod buffer_pool;
 mod color;
 mod display;
 mod fields;
 mod pieces;
 mod points;
-mod spare;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -19,21 +19,20 @@ use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::PointCloud2;
 use rcs_rviz_config::{CloudSettings, ColorTransformer};
-use rcs_scene::{DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, RenderGroup};
+use rcs_scene::{
+    DisplayId, Drawable, Geometry, Material, PointBuffer, PointStyle, Points, RenderGroup, MAX_POINT_SIZE_PX,
+};
 use rcs_transforms::Time;
 
 use crate::parts::bounds::middle;
 use crate::{Level, Statuses, World};
+use buffer_pool::BufferPool;
 use fields::Layout;
-use spare::SparePoints;
 
 pub(crate) use color::rainbow;
 pub(crate) use display::{CloudDisplay, CloudSource};
 pub(crate) use pieces::max_points;
 pub(crate) use points::Nowhere;
-
-/// The largest point that Mesa and Intel's drivers draw, in pixels; rviz's larger ones come out at this size.
-const MAX_POINT_PX: f32 = 255.0;
 
 /// A field of a cloud: its name, the bytes before it in a point, and its datatype (see [`PointField`]).
 pub(crate) type Field<'a> = (&'a str, u32, u8);
@@ -63,7 +62,7 @@ impl PlacedCloud {
     /// A cloud that stands where its frame was at its stamp.
     ///
     /// # Errors
-    /// A sentence of rviz's when that is not known.
+    /// rviz's text for a frame that is not known at that time.
     pub(crate) fn at_stamp(cloud: Arc<PointCloud2>, world: &World<'_>) -> Result<Self, String> {
         match world.fixed_from_header(&cloud.header) {
             Ok(fixed_from_cloud) => Ok(Self { cloud, fixed_from_cloud }),
@@ -85,7 +84,7 @@ pub(crate) struct Clouds {
     auto_size: bool,
     shown: VecDeque<Shown>,
     drawables: Vec<Drawable>,
-    spare: SparePoints,
+    pool: BufferPool,
 }
 
 /// A cloud that can be shown.
@@ -112,7 +111,7 @@ impl Clouds {
             auto_size: false,
             shown: VecDeque::new(),
             drawables: Vec::new(),
-            spare: SparePoints::default(),
+            pool: BufferPool::default(),
         }
     }
 
@@ -120,7 +119,7 @@ impl Clouds {
         &self.drawables
     }
 
-    /// From now on points have a size in metres for each metre of their z, whatever the settings say.
+    /// From now on points have a size in metres for each metre of their z, whatever the settings are.
     pub(crate) fn set_auto_size(&mut self, size_m: f32) {
         (self.auto_size, self.settings.style) = (true, self.settings.style.with_side(size_m));
     }
@@ -130,7 +129,7 @@ impl Clouds {
         self.settings.decay_time_secs <= 0.0
     }
 
-    /// The cloud as it is drawn, for [`update`](Self::update); `None`, with a status that says why, where it cannot be shown.
+    /// The cloud as it is drawn, for [`update`](Self::update); `None`, with a status, where it cannot be shown.
     /// Where only one is seen, those before are gone by then.
     pub(crate) fn decode(&mut self, placed: PlacedCloud, statuses: &mut Statuses) -> Option<Decoded> {
         let layout = match Layout::of(&placed.cloud) {
@@ -142,7 +141,7 @@ impl Clouds {
         };
         if self.keeps_one() {
             // It takes the place of the one before, and its memory.
-            self.let_go();
+            self.drop_all();
         }
         let transformer = layout.fitting_transformer(self.settings.color_transformer);
         self.settings.color_transformer = Some(transformer);
@@ -160,17 +159,17 @@ impl Clouds {
 
     /// A cloud's drawables, and how many of its points have no finite position.
     fn draw(&mut self, placed: &PlacedCloud, layout: &Layout, transformer: ColorTransformer) -> (Vec<Drawable>, usize) {
-        let (settings, spare) = (&self.settings, &mut self.spare);
-        spare.reclaim(layout.point_count);
+        let (settings, pool) = (&self.settings, &mut self.pool);
+        pool.reclaim(layout.point_count);
         let coloring = color::Coloring::new(settings, transformer, &placed.fixed_from_cloud);
-        let (buffer, nowhere_count) = points::read(&placed.cloud, layout, &coloring, self.nowhere, spare);
+        let (buffer, nowhere_count) = points::read(&placed.cloud, layout, &coloring, self.nowhere, pool);
         let style = match settings.style {
-            PointStyle::Points { diameter_px } => PointStyle::Points { diameter_px: diameter_px.min(MAX_POINT_PX) },
+            PointStyle::Points { diameter_px } => PointStyle::Points { diameter_px: diameter_px.min(MAX_POINT_SIZE_PX) },
             style => style,
         };
         let blended = settings.alpha < Material::OPAQUE_FROM_ALPHA || layout.has_point_alpha();
         // The order of the pieces does not show where nothing blends.
-        let buffers = if blended { pieces::cut(buffer, &style, spare) } else { vec![buffer] };
+        let buffers = if blended { pieces::cut(buffer, &style, pool) } else { vec![buffer] };
         let drawable = |buffer: PointBuffer| {
             // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.
             // Opaque ones are not sorted.
@@ -193,7 +192,7 @@ impl Clouds {
         (buffers.into_iter().map(drawable).collect(), nowhere_count)
     }
 
-    /// Shows new clouds, oldest first, and lets old ones go. Returns whether anything changed.
+    /// Shows new clouds, oldest first, and drops expired ones. Returns whether anything changed.
     pub(crate) fn update(&mut self, new: Vec<Decoded>, now: Time) -> bool {
         let changed = self.expire(now, !new.is_empty()) || !new.is_empty();
         self.shown.extend(new.into_iter().map(|decoded| Shown { received: now, decoded }));
@@ -205,8 +204,8 @@ impl Clouds {
         changed
     }
 
-    /// Colours anew what another transformer than the present one coloured: when a cloud that does not fit changes the
-    /// transformer, that goes for those before it as well.
+    /// Colours again what another transformer than the present one coloured: a cloud that does not fit the transformer
+    /// changes it for those before as well.
     fn recolor(&mut self) {
         let Some(transformer) = self.settings.color_transformer else { return };
         let mut shown = std::mem::take(&mut self.shown);
@@ -221,29 +220,28 @@ impl Clouds {
         self.shown = shown;
     }
 
-    /// Takes away the clouds that are too old. Without a decay time that is all of them, but only once there is a new
-    /// one.
+    /// Drops the clouds that are too old. Without a decay time that is all of them, but only once there is a new one.
     fn expire(&mut self, now: Time, is_followed: bool) -> bool {
         let decay_secs = f64::from(self.settings.decay_time_secs);
         let before = self.shown.len();
         if decay_secs > 0.0 || is_followed {
             while self.shown.front().is_some_and(|shown| now.secs_since(shown.received) >= decay_secs) {
                 let gone = self.shown.pop_front().filter(|_| is_followed);
-                self.spare.retire(gone.as_ref().map_or(&[], |gone| &gone.decoded.drawables));
+                self.pool.retire(gone.as_ref().map_or(&[], |gone| &gone.decoded.drawables));
             }
         }
         self.shown.len() != before
     }
 
-    /// Shows nothing any more.
-    fn let_go(&mut self) {
+    /// Drops all clouds, keeping their memory.
+    fn drop_all(&mut self) {
         self.drawables.clear();
         for gone in self.shown.drain(..) {
-            self.spare.retire(&gone.decoded.drawables);
+            self.pool.retire(&gone.decoded.drawables);
         }
     }
 
-    /// When the oldest cloud goes.
+    /// When the oldest cloud expires.
     pub(crate) fn next_change(&self) -> Option<Time> {
         let decay = std::time::Duration::try_from_secs_f32(self.settings.decay_time_secs).ok()?;
         let oldest = self.shown.front().filter(|_| !decay.is_zero())?;
@@ -253,6 +251,6 @@ impl Clouds {
     pub(crate) fn clear(&mut self) {
         self.shown.clear();
         self.drawables.clear();
-        self.spare = SparePoints::default();
+        self.pool = BufferPool::default();
     }
 }

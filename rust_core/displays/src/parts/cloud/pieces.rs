@@ -1,8 +1,8 @@
-//! rviz cuts a cloud into pieces of so many vertices; translucent ones are sorted piece by piece.
+//! The pieces of at most [`MAX_VERTICES`] vertices that rviz cuts a cloud into; translucent ones are sorted piece by piece.
 
 use rcs_scene::{PointBuffer, PointColors, PointStyle};
 
-use super::spare::SparePoints;
+use super::buffer_pool::BufferPool;
 
 const MAX_VERTICES: usize = 36 * 1024 * 10;
 
@@ -18,26 +18,26 @@ pub(crate) fn max_points(style: &PointStyle) -> usize {
 }
 
 /// The pieces of a cloud; one that fits into a piece stays as it is.
-pub(super) fn cut(buffer: PointBuffer, style: &PointStyle, spare: &mut SparePoints) -> Vec<PointBuffer> {
+pub(super) fn cut(buffer: PointBuffer, style: &PointStyle, pool: &mut BufferPool) -> Vec<PointBuffer> {
     let max_points = max_points(style);
     if buffer.positions.len() <= max_points {
         return vec![buffer];
     }
     let mut pieces = Vec::with_capacity(buffer.positions.len().div_ceil(max_points));
     for (i, some) in buffer.positions.chunks(max_points).enumerate() {
-        let mut positions = spare.positions.take(some.len());
+        let mut positions = pool.positions.take(some.len());
         positions.extend_from_slice(some);
         let colors = match &buffer.colors {
             PointColors::Uniform(color) => PointColors::Uniform(*color),
             PointColors::PerPoint(all) => {
-                let mut colors = spare.colors.take(some.len());
+                let mut colors = pool.colors.take(some.len());
                 colors.extend(all.iter().skip(i * max_points).take(some.len()));
                 PointColors::PerPoint(colors)
             }
         };
         pieces.push(PointBuffer { positions, colors });
     }
-    spare.give(buffer);
+    pool.give(buffer);
     pieces
 }
 
@@ -51,7 +51,7 @@ mod tests {
         let positions: Vec<[f32; 3]> = (0..count).map(|i| [i as f32; 3]).collect();
         let colors: Vec<[u8; 4]> = (0..count as u32).map(u32::to_le_bytes).collect();
         let whole = PointBuffer { positions: positions.clone(), colors: PointColors::PerPoint(colors) };
-        let pieces = cut(whole, &PointStyle::Boxes { size_m: [0.1; 3] }, &mut SparePoints::default());
+        let pieces = cut(whole, &PointStyle::Boxes { size_m: [0.1; 3] }, &mut BufferPool::default());
         let lens: Vec<usize> = pieces.iter().map(|piece| piece.positions.len()).collect();
         assert_eq!(lens, [10_240, 10_240, 4_520]);
         assert_eq!(pieces.iter().flat_map(|piece| piece.positions.clone()).collect::<Vec<_>>(), positions);

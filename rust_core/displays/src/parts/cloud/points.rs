@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use rcs_messages::PointCloud2;
 use rcs_scene::{PointBuffer, PointColors};
 
+use super::buffer_pool::BufferPool;
 use super::color::{Coloring, PointColor};
 use super::fields::{bytes_at, Layout};
-use super::spare::SparePoints;
 
 /// What becomes of points whose position is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ pub(super) struct PointBytes<'a> {
 }
 
 impl PointBytes<'_> {
-    /// How many there are.
+    /// The number of points.
     pub(super) fn len(&self) -> usize {
         self.shown.iter().sum()
     }
@@ -96,8 +96,8 @@ impl PointBytes<'_> {
     }
 }
 
-/// Works on shares of `data`, each `share_len` bytes long but the last, and on their parts of `out`, which are so many
-/// elements long.
+/// Works on shares of `data`, each `share_len` bytes long but the last, and on their parts of `out`, whose lengths are
+/// `lens`.
 fn in_shares<T: Send>(
     lens: &[usize],
     data: &[u8],
@@ -129,11 +129,11 @@ pub(crate) fn read(
     layout: &Layout,
     coloring: &Coloring<'_>,
     nowhere: Nowhere,
-    spare: &mut SparePoints,
+    pool: &mut BufferPool,
 ) -> (PointBuffer, usize) {
     let (data, point_step) = (cloud.data(), layout.point_step.max(1));
     let place = Place::of(cloud, layout);
-    let mut shown = std::mem::take(&mut spare.shown);
+    let mut shown = std::mem::take(&mut pool.shown);
     let somewhere_in =
         |points: &[u8]| points.chunks_exact(point_step).filter(|point| is_somewhere(&place.in_point(point))).count();
     data.par_chunks(SHARE * point_step).map(somewhere_in).collect_into_vec(&mut shown);
@@ -144,13 +144,13 @@ pub(crate) fn read(
         shown.iter_mut().zip(data.chunks(SHARE * point_step)).for_each(|(shown, share)| *shown = points_in(share));
     }
     let points = PointBytes { data, point_step, place, shown: &shown, is_all_shown };
-    let mut positions = spare.positions.take_filled(points.len());
+    let mut positions = pool.positions.take_filled(points.len());
     points.map(&mut positions, |point| place.in_point(point));
-    let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions, spare) {
+    let colors = match coloring.prepare(layout, cloud.is_bigendian, &points, &positions, pool) {
         PointColor::Uniform(color) => PointColors::Uniform(color),
         PointColor::PerPoint(colors) => PointColors::PerPoint(colors),
     };
-    spare.shown = shown;
+    pool.shown = shown;
     if nowhere_count > 0 && nowhere == Nowhere::FarAway {
         for position in positions.iter_mut().filter(|position| !is_somewhere(position)) {
             *position = FAR_AWAY;
@@ -196,7 +196,7 @@ mod tests {
         let settings = CloudSettings::default();
         let fixed_from_cloud = Isometry3::identity();
         let coloring = Coloring::new(&settings, transformer, &fixed_from_cloud);
-        Ok(read(cloud, &layout, &coloring, Nowhere::LeftOut, &mut SparePoints::default()).0)
+        Ok(read(cloud, &layout, &coloring, Nowhere::LeftOut, &mut BufferPool::default()).0)
     }
 
     #[test]
@@ -221,7 +221,7 @@ mod tests {
         for (fixed_from_cloud, low, high) in [(Isometry3::identity(), 3, 2), (turned, 2, 3)] {
             let coloring = Coloring::new(&settings, ColorTransformer::AxisColor, &fixed_from_cloud);
             let (buffer, nowhere_count) =
-                read(&cloud, &layout, &coloring, Nowhere::FarAway, &mut SparePoints::default());
+                read(&cloud, &layout, &coloring, Nowhere::FarAway, &mut BufferPool::default());
             assert_eq!((buffer.positions[0], nowhere_count), ([999_999.0; 3], 1));
             // The bounds are those of the three others: magenta at the top, red at the bottom.
             assert_eq!((buffer.colors.get(low), buffer.colors.get(high)), ([255, 0, 0, 255], [255, 0, 255, 255]));

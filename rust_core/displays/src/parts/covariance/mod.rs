@@ -1,11 +1,11 @@
-//! How sure a pose is: an ellipsoid for its position, discs or a cone for its orientation.
+//! The covariance of a pose: an ellipsoid for its position, discs or a cone for its orientation.
 //!
 //! Reproduces `rviz::CovarianceVisual`. The ellipsoid has the axes of the message's frame. Of a pose in space, roll,
 //! pitch and yaw are a flat elliptic disc each: it stands out on the axis that it belongs to and shows how far the tip of
 //! that axis sways under turns about the other two (yaw's has these two the wrong way round, in rviz and here). Of a pose
 //! in the plane, the yaw is a flat cone from the pose along its x.
 
-mod eigen;
+mod principal_axes;
 mod shape;
 
 use std::f64::consts::FRAC_PI_2;
@@ -125,7 +125,7 @@ fn disc_poses(offset_m: f64) -> [Matrix4<f64>; 3] {
         .map(|(axis, turn)| Translation3::from(axis * offset_m).to_homogeneous() * turn.to_homogeneous())
 }
 
-/// How wide an angle of so many radians is at a distance of 1 m, scaled.
+/// How wide an angle is at a distance of 1 m, scaled.
 fn width(full_rad: f64, scale: f32) -> f64 {
     2.0 * (full_rad * f64::from(scale) / 2.0).min(MAX_ANGLE_RAD).tan()
 }

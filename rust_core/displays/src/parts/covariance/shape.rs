@@ -7,8 +7,7 @@ use nalgebra::{Isometry3, Matrix2, Matrix3, Rotation3, Vector3};
 use rcs_messages::geometry_msgs::PoseWithCovariance;
 use rcs_messages::PlainTransform;
 
-use super::eigen::{symmetric2, symmetric3};
-use super::FLAT_M;
+use super::{principal_axes, FLAT_M};
 use crate::framework::world::isometry;
 
 /// A covariance without NaN and infinity.
@@ -103,7 +102,7 @@ impl Covariance {
 
     fn ellipsoid(&self) -> (Rotation3<f64>, Vector3<f64>) {
         let at = |i: usize, j: usize| self.at(i.min(j), i.max(j));
-        let (variances, axes) = symmetric3(&Matrix3::from_fn(at));
+        let (variances, axes) = principal_axes::of_three(&Matrix3::from_fn(at));
         (Rotation3::from_matrix_unchecked(axes), variances.map(|variance| 2.0 * variance.sqrt()))
     }
 
@@ -122,7 +121,7 @@ impl Covariance {
     /// Two standard deviations along the axes of two coordinates.
     fn plane(&self, i: usize, j: usize) -> ([f64; 2], Matrix2<f64>) {
         let matrix = Matrix2::new(self.at(i, i), self.at(i, j), self.at(i, j), self.at(j, j));
-        let (variances, axes) = symmetric2(&matrix);
+        let (variances, axes) = principal_axes::of_two(&matrix);
         ([variances.x, variances.y].map(|variance| 2.0 * variance.sqrt()), axes)
     }
 }

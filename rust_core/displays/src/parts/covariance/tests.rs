@@ -1,10 +1,8 @@
 //! Covariances by the solids that they become.
 
-use nalgebra::{Matrix2, Matrix3, Point3};
-use proptest::prelude::*;
+use nalgebra::{Matrix3, Point3};
 use rcs_messages::geometry_msgs::PoseWithCovariance;
 
-use super::eigen::{symmetric2, symmetric3};
 use super::*;
 
 /// A pose in space without covariances between coordinates, at the origin.
@@ -87,20 +85,4 @@ fn what_is_switched_off_or_too_large_is_not_drawn() {
     assert_eq!(drawn(&hidden, &mut CovarianceScales::default(), &good).len(), 0);
     let huge = message([1e200, 1.0, 1.0, 1.0, 1.0, 1.0]);
     assert_eq!(drawn(&CovarianceSettings::default(), &mut CovarianceScales::default(), &huge).len(), 3);
-}
-
-proptest! {
-    #[test]
-    fn vectors_and_values_make_the_matrix_again(entries in proptest::array::uniform6(-10.0..10.0_f64), zero in 0..64_usize) {
-        let entries = std::array::from_fn(|i| if zero >> i & 1 == 1 { 0.0 } else { entries[i] });
-        let [a, b, c, d, e, f] = entries;
-        let matrix = Matrix3::new(a, b, c, b, d, e, c, e, f);
-        let (values, vectors) = symmetric3(&matrix);
-        prop_assert!((vectors.determinant() - 1.0).abs() < 1e-9);
-        prop_assert!((vectors * Matrix3::from_diagonal(&values) * vectors.transpose() - matrix).norm() < 1e-9);
-        let matrix = Matrix2::new(a, b, b, d);
-        let (values, vectors) = symmetric2(&matrix);
-        prop_assert!((vectors.determinant() - 1.0).abs() < 1e-9);
-        prop_assert!((vectors * Matrix2::from_diagonal(&values) * vectors.transpose() - matrix).norm() < 1e-9);
-    }
 }

@@ -2,11 +2,11 @@
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-use super::numbers::{number, numbers, vector};
+use super::attribute_values::{number, numbers, vector};
 use super::xml::Element;
 use super::{Collision, Joint, JointKind, Link, UrdfError, UrdfMaterial, UrdfShape, Visual};
 
-/// What could be read, and why that may not be all.
+/// What could be read, and the fault that kept the rest from being read.
 pub(super) struct Partial<T> {
     pub(super) value: T,
     pub(super) fault: Option<UrdfError>,
@@ -49,7 +49,7 @@ fn origin(parent: &Element) -> Read<Origin> {
     Ok(Origin(Isometry3::from_parts(Translation3::new(x, y, z), rotation)))
 }
 
-/// A material that must say what it looks like. One that does not is black.
+/// A material that must have a colour or a texture. One without is black.
 pub(super) fn material(element: &Element) -> Partial<UrdfMaterial> {
     let name = element.attribute("name").unwrap_or_default().to_owned();
     match defined_material(element) {
@@ -144,7 +144,7 @@ fn check_inertial(element: &Element) -> Read<()> {
 pub(super) fn link(element: &Element) -> Partial<Link> {
     let mut value = Link::default();
     let fault = read_link(element, &mut value).err();
-    // Faults are found deep inside and say so; which link that is helps as much.
+    // Faults name the innermost element; the link's name helps as much.
     let fault = fault.map(|fault| UrdfError { element: format!("{}: {}", element.describe(), fault.element), ..fault });
     Partial { value, fault }
 }

@@ -1,4 +1,4 @@
-//! A robot's description (URDF): its links with what they look like, and its joints.
+//! A robot's description (URDF): its links with their shapes, and its joints.
 //!
 //! Reads what urdfdom 3.0 reads and refuses what it refuses, because rviz shows that: a shape that cannot be read takes
 //! with it the rest of its link, but not the link and not the robot; a joint that cannot be read takes the whole robot; a
@@ -8,8 +8,8 @@
 //! its errors (it sorts the elements into a new text and reads that), does not notice names that occur twice, and fills
 //! joints without limits with zeros.
 
+mod attribute_values;
 mod elements;
-mod numbers;
 mod xml;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,16 +35,16 @@ pub(crate) struct Robot {
 /// A link.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Link {
-    /// What it looks like.
+    /// Its shapes for display.
     pub(crate) visuals: Vec<Visual>,
     /// Whether all of the link's visuals could be read. If not, urdfdom knows no first one, by whose material rviz
     /// otherwise colours the collision shapes.
     pub(crate) has_first_visual: bool,
-    /// What it collides with.
+    /// Its shapes for collision checks.
     pub(crate) collisions: Vec<Collision>,
 }
 
-/// A piece of what a link looks like.
+/// A shape of a link for display.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Visual {
     pub(crate) link_from_shape: Isometry3<f64>,
@@ -55,7 +55,7 @@ pub(crate) struct Visual {
     pub(crate) material: Option<Arc<UrdfMaterial>>,
 }
 
-/// A piece of what a link collides with.
+/// A shape of a link for collision checks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Collision {
     pub(crate) link_from_shape: Isometry3<f64>,

@@ -23,8 +23,8 @@ fn a_material_is_that_of_the_first_definition_of_its_name() {
     assert_eq!(x[1].material.as_ref().unwrap().texture, "package://p/t.png");
     assert_eq!(y[0].material, x[1].material);
     assert_eq!((y[1].material_name.as_str(), &y[1].material), ("c", &None));
-    let said: Vec<String> = robot.left_out.iter().map(ToString::to_string).collect();
-    assert_eq!(said, ["line 6: link \"y\": its material \"c\" is defined nowhere"]);
+    let faults: Vec<String> = robot.left_out.iter().map(ToString::to_string).collect();
+    assert_eq!(faults, ["line 6: link \"y\": its material \"c\" is defined nowhere"]);
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn descriptions_that_urdfdom_refuses_are_refused_with_line_and_element() {
         let ends = "<parent link=\"a\"/><child link=\"b\"/>";
         format!("{}{}<joint name=\"j\" type=\"revolute\">{ends}{inside}</joint>", link("a"), link("b"))
     };
-    for (inside, said) in [
+    for (inside, expected) in [
         (String::new(), "line 2: robot \"r\": it has no links"),
         (link("a") + &link("a"), "line 3: link \"a\": its name occurs twice"),
         (link("a") + &link("b"), "line 2: robot \"r\": the links \"a\" and \"b\" both hang on no joint"),
@@ -70,7 +70,7 @@ fn descriptions_that_urdfdom_refuses_are_refused_with_line_and_element() {
         ("<link name=\"a\">".to_owned(), "line 4: XML"),
     ] {
         let error = robot(&inside).unwrap_err().to_string();
-        assert!(error.starts_with(said), "{error}");
+        assert!(error.starts_with(expected), "{error}");
     }
     assert!(parse("").is_err() && parse("<robot/>").is_err() && parse("<a/>").is_err() && parse("rubbish").is_err());
     let deep = "<a>".repeat(100_000);
@@ -78,7 +78,7 @@ fn descriptions_that_urdfdom_refuses_are_refused_with_line_and_element() {
 }
 
 #[test]
-fn what_no_rule_names_is_passed_over() {
+fn unknown_elements_are_skipped() {
     let text =
         "<!DOCTYPE robot><!-- c --><robot name=\"r\" xmlns:q=\"q\"><gazebo:x y:z=\"1\"><b>t &amp; u</b></gazebo:x>
         <link name=\"a&amp;b\"/><transmission/></robot>";

@@ -1,6 +1,6 @@
 //! XML as elements that know their line.
 //!
-//! Namespaces are not looked at, as in TinyXML, which urdfdom reads with: descriptions use prefixes (`sensor:camera`,
+//! Namespaces are ignored, as in TinyXML, which urdfdom reads with: descriptions use prefixes (`sensor:camera`,
 //! `xacro:macro`) that they declare nowhere.
 
 use quick_xml::events::{BytesStart, Event};
@@ -42,7 +42,7 @@ impl Element {
         self.children.first()
     }
 
-    /// How errors call it: `link "base"`.
+    /// Its name in errors: `link "base"`.
     pub(super) fn describe(&self) -> String {
         match self.attribute("name") {
             Some(name) => format!("{} \"{name}\"", self.name),
@@ -51,7 +51,7 @@ impl Element {
     }
 }
 
-/// Tells the lines of growing positions in a text.
+/// Finds the lines of growing positions in a text.
 struct Lines<'a> {
     text: &'a [u8],
     position: usize,

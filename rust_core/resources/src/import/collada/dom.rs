@@ -3,16 +3,16 @@
 pub(super) use roxmltree::Node;
 use roxmltree::{Document, Error, ParsingOptions};
 
-use crate::{import::number::leading_f32, MeshFault};
+use crate::{import::lenient_float::leading_f32, MeshFault};
 
-/// The most prefixes without a namespace that are put up with.
-const MOST_PREFIXES: usize = 16;
+/// The most prefixes without a namespace that are accepted.
+const MAX_PREFIXES: usize = 16;
 
-/// Parses a document and hands its root to `read`. Prefixes that are used but not declared, which some exporters
-/// write and lenient parsers pass over, are declared.
+/// Parses a document and passes its root to `read`. Prefixes that are used but not declared, which some exporters
+/// write and lenient parsers ignore, are declared.
 pub(super) fn parse<T>(text: &str, read: impl FnOnce(Node<'_, '_>) -> Result<T, MeshFault>) -> Result<T, MeshFault> {
     let mut text = std::borrow::Cow::Borrowed(text);
-    for _ in 0..MOST_PREFIXES {
+    for _ in 0..MAX_PREFIXES {
         // roxmltree bounds what entities of a document type can expand to.
         let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
         match Document::parse_with_options(&text, options) {

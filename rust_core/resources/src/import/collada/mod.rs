@@ -35,6 +35,6 @@ pub(super) fn read(bytes: &[u8]) -> Result<Imported, MeshFault> {
 /// Metres in a unit of the file.
 fn unit_metres(root: Node<'_, '_>) -> f32 {
     let unit = dom::children(root, "asset").flat_map(|asset| dom::children(asset, "unit")).last();
-    let metres = unit.and_then(|unit| unit.attribute("meter")).and_then(super::number::leading_f32);
+    let metres = unit.and_then(|unit| unit.attribute("meter")).and_then(super::lenient_float::leading_f32);
     metres.filter(|metres| metres.is_finite()).unwrap_or(1.0)
 }

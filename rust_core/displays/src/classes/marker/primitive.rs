@@ -1,4 +1,4 @@
-//! What a marker is drawn with, before it is known where the marker stands.
+//! The primitives that a marker is drawn with, in its own frame.
 
 use std::sync::Arc;
 
@@ -7,19 +7,19 @@ use rcs_scene::{DisplayId, Drawable, Geometry, Material, Mesh, RenderGroup};
 
 use crate::parts::bounds::middle;
 
-/// By which point of a translucent part its distance to the eye is taken.
+/// The point of a translucent primitive by which it is sorted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SortPoint {
-    /// Where the origin of the part stands.
+    /// The primitive's origin.
     Origin,
     /// This point of the fixed frame, wherever the marker stands: for clouds and chains Ogre takes the middle of the
-    /// box around their points, whose coordinates are the marker's, for a place in the fixed frame.
+    /// box around their points, whose coordinates are the marker's, for a position in the fixed frame.
     Fixed(Point3<f64>),
 }
 
-/// One piece of a marker.
+/// A primitive of a marker.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub(crate) struct Primitive {
     /// Takes the geometry to the marker's own frame.
     pub(crate) marker_from_part: Matrix4<f64>,
     /// What is drawn; shared, so that a marker can move without being built again.
@@ -28,8 +28,8 @@ pub(crate) struct Part {
     pub(crate) sort_point: SortPoint,
 }
 
-impl Part {
-    /// A part that is sorted by its origin.
+impl Primitive {
+    /// A primitive that is sorted by its origin.
     pub(super) fn new(marker_from_part: Matrix4<f64>, geometry: Geometry) -> Self {
         Self { marker_from_part, geometry, sort_point: SortPoint::Origin }
     }
@@ -45,7 +45,7 @@ impl Part {
         Self { marker_from_part: Matrix4::identity(), geometry, sort_point }
     }
 
-    /// The part of a marker that stands at a pose in the fixed frame.
+    /// The drawable of a marker at a pose in the fixed frame.
     pub(crate) fn placed(&self, display: DisplayId, fixed_from_marker: &Isometry3<f64>) -> Drawable {
         let fixed_from_object = fixed_from_marker.to_homogeneous() * self.marker_from_part;
         let sort_point = match self.sort_point {

@@ -1,4 +1,4 @@
-//! Numbers in attributes, as urdfdom reads them: decimal, finite, apart by blanks.
+//! Values of attributes, as urdfdom reads them: numbers that are decimal, finite and separated by blanks.
 
 /// A number; none for anything else, such as `nan`, `0x1` or `1 m`.
 pub(super) fn number(text: &str) -> Option<f64> {
@@ -8,7 +8,7 @@ pub(super) fn number(text: &str) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// Any number of numbers; `None` where one of them is none.
+/// A list of numbers; `None` where one of them cannot be read.
 pub(super) fn numbers(text: &str) -> Option<Vec<f64>> {
     text.split_ascii_whitespace().map(number).collect()
 }

@@ -1,4 +1,4 @@
-//! A marker's numbers as rviz reads them: in single precision.
+//! The fields of a marker's message as rviz reads them: in single precision.
 
 use rcs_messages::geometry_msgs::Point;
 use rcs_messages::std_msgs::ColorRGBA;
@@ -26,7 +26,7 @@ pub(super) fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|&value| (value as f32).is_finite())
 }
 
-/// Whether a colour is of ordinary numbers.
+/// Whether a colour has neither NaN nor infinity.
 pub(super) fn is_finite_color(color: &ColorRGBA) -> bool {
     [color.r, color.g, color.b, color.a].iter().all(|channel| channel.is_finite())
 }

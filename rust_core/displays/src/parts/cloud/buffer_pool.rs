@@ -1,33 +1,33 @@
-//! The memory of clouds that are not shown any more, for those that come.
+//! A pool of the buffers of replaced clouds, which new clouds are read into.
 //!
-//! A cloud that was replaced may still be in a scene that somebody draws, and what renderers derive from a cloud goes by
-//! its `Arc`. So a replaced cloud waits until nobody holds it any more, and then its vectors become part of another
-//! cloud, in another `Arc`. That is mostly so when the next one is read, so that one cloud's memory is in use.
+//! A replaced cloud may still be in a scene that is being drawn, and renderers tell clouds apart by their `Arc`s. So a
+//! replaced cloud is kept until no one else holds it; then its vectors become part of another cloud, in another `Arc`. That is
+//! mostly so when the next cloud is read, so that one cloud's memory is in use.
 
 use std::sync::Arc;
 
 use rcs_messages::Spares;
 use rcs_scene::{Drawable, Geometry, PointBuffer, PointColors};
 
-/// How many clouds of the present size may be spare: a whole one, the pieces of another, and what both have room for on
+/// How many clouds of the present size the pool may hold: a whole one, the pieces of another, and what both have room for on
 /// top.
 const MAX_CLOUDS: usize = 3;
 
-/// Vectors that clouds are made of, and what reading a cloud needs meanwhile.
+/// Vectors that clouds are made of, and the scratch memory of reading one.
 #[derive(Debug, Default)]
-pub(super) struct SparePoints {
+pub(super) struct BufferPool {
     pub(super) positions: Spares<[f32; 3]>,
     pub(super) colors: Spares<[u8; 4]>,
-    /// How many points are shown of each share of them.
+    /// Scratch: how many points are shown of each share of them.
     pub(super) shown: Vec<usize>,
-    /// What points are coloured by.
+    /// Scratch: the values that points are coloured by.
     pub(super) values: Vec<f32>,
     /// Clouds that are not shown any more.
     retired: Vec<Arc<PointBuffer>>,
 }
 
-impl SparePoints {
-    /// Takes note that these are not shown any more.
+impl BufferPool {
+    /// Marks drawables as not shown any more.
     pub(super) fn retire(&mut self, drawables: &[Drawable]) {
         self.retired.extend(drawables.iter().filter_map(|drawable| match &drawable.geometry {
             Geometry::Points(points) => Some(points.buffer.clone()),
@@ -35,7 +35,7 @@ impl SparePoints {
         }));
     }
 
-    /// Takes back what nobody draws any more, before a cloud of so many points is read.
+    /// Takes back what is not drawn any more, before a cloud of `count` points is read.
     pub(super) fn reclaim(&mut self, count: usize) {
         for buffer in std::mem::take(&mut self.retired) {
             match Arc::try_unwrap(buffer) {
@@ -47,7 +47,7 @@ impl SparePoints {
         self.colors.limit_to(MAX_CLOUDS * count);
     }
 
-    /// Takes a cloud's memory.
+    /// Adds a cloud's buffers.
     pub(super) fn give(&mut self, buffer: PointBuffer) {
         self.positions.give(buffer.positions);
         if let PointColors::PerPoint(colors) = buffer.colors {
@@ -79,33 +79,33 @@ mod tests {
 
     #[test]
     fn a_cloud_s_memory_is_taken_back_when_the_last_scene_with_it_is_gone() {
-        let mut spare = SparePoints::default();
-        let positions = spare.positions.take(COUNT);
+        let mut pool = BufferPool::default();
+        let positions = pool.positions.take(COUNT);
         let address = positions.as_ptr();
         let shown = drawable(PointBuffer { positions, colors: PointColors::Uniform([0; 4]) });
         let scene = shown.clone();
         // As a renderer on the GPU holds it.
         let Geometry::Points(points) = &shown.geometry else { unreachable!() };
         let derived = Arc::downgrade(&points.buffer);
-        spare.retire(&[shown]);
-        spare.reclaim(COUNT);
-        let other = spare.positions.take(COUNT);
+        pool.retire(&[shown]);
+        pool.reclaim(COUNT);
+        let other = pool.positions.take(COUNT);
         assert_ne!(other.as_ptr(), address, "it is still drawn");
         drop(scene);
-        spare.reclaim(COUNT);
-        let taken = spare.positions.take(COUNT);
+        pool.reclaim(COUNT);
+        let taken = pool.positions.take(COUNT);
         assert_eq!(taken.as_ptr(), address);
         assert!(derived.upgrade().is_none(), "for the renderer the cloud is gone");
     }
 
     #[test]
     fn of_many_clouds_that_go_at_once_only_some_memory_is_kept() {
-        let mut spare = SparePoints::default();
+        let mut pool = BufferPool::default();
         for _ in 0..10 {
-            spare.give(PointBuffer { positions: Vec::with_capacity(COUNT), colors: PointColors::Uniform([0; 4]) });
+            pool.give(PointBuffer { positions: Vec::with_capacity(COUNT), colors: PointColors::Uniform([0; 4]) });
         }
-        spare.reclaim(COUNT);
-        let kept = (0..10).filter(|_| spare.positions.take(COUNT).capacity() == COUNT).count();
+        pool.reclaim(COUNT);
+        let kept = (0..10).filter(|_| pool.positions.take(COUNT).capacity() == COUNT).count();
         assert_eq!(kept, MAX_CLOUDS);
     }
 }

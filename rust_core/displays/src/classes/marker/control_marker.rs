@@ -1,4 +1,4 @@
-//! A marker that is part of something else: only what it is drawn with, without namespace, action and lifetime.
+//! A marker of an interactive marker's control: its primitives and pose, without namespace, action and lifetime.
 
 use nalgebra::Isometry3;
 use rcs_messages::visualization_msgs::Marker;
@@ -7,18 +7,18 @@ use rcs_resources::MeshStore;
 
 use super::checks::check_marker;
 use super::kind::Kind;
-use super::part::Part;
+use super::primitive::Primitive;
 use crate::framework::world::isometry;
 
-/// What a marker is drawn with, and its pose in the frame of its header.
+/// The primitives of a marker, and its pose in the frame of its header.
 #[derive(Clone, Debug)]
-pub(crate) struct MarkerParts {
+pub(crate) struct ControlMarker {
     pub(crate) frame_from_marker: Isometry3<f64>,
-    pub(crate) parts: Vec<Part>,
+    pub(crate) parts: Vec<Primitive>,
 }
 
-impl MarkerParts {
-    /// Builds a marker as rviz draws one that comes for the first time. `None` for one that rviz refuses.
+impl ControlMarker {
+    /// Builds a marker as rviz draws a new one. `None` for one that rviz refuses.
     ///
     /// # Errors
     /// Why a marker that is in order shows nothing (its mesh cannot be loaded).

@@ -1,0 +1,170 @@
+//! The principal axes of a covariance, in the order in which rviz's solids lie along them.
+//!
+//! nalgebra decomposes the matrix, but leaves open which eigenvector comes first and which way each points. Both show: the
+//! sphere of an ellipsoid has its poles on the third axis, and its facets lie around them. So the axes are put in an order:
+//!
+//! * the variances rise; equal ones keep the order in which nalgebra finds them,
+//! * each axis points to where its largest component is positive,
+//! * where that is left-handed, the first two axes change places (as in rviz's `CovarianceVisual`, which turns a pair of
+//!   axes right-handed this way; their variances then fall).
+//!
+//! So the axes of a covariance without covariances are a right-handed order of x, y and z, and those of two coordinates are
+//! never turned by more than 45°.
+//!
+//! Rounding may leave a variance of nothing a little below zero, where it would be taken for a fault of the message. So a
+//! negative variance that is within the rounding error of the largest one is zero.
+
+use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
+
+/// Steps after which a matrix counts as one that does not converge; two for each row are usual.
+const MAX_STEPS: usize = 100;
+
+/// A negative variance of a smaller size than this share of the largest entry is zero.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// Entries that are smaller than this share of the largest are left out: they are below its rounding error, and their
+/// squares must not underflow.
+const NEGLIGIBLE: f64 = f64::EPSILON * f64::EPSILON;
+
+/// The variances of a symmetric matrix along its principal axes, which are the columns of a rotation.
+///
+/// Zeros and the identity for a matrix that is zero, not finite or does not converge.
+pub(super) fn of_three(matrix: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
+    let largest = matrix.amax();
+    let share = |entry: f64| if (entry / largest).abs() < NEGLIGIBLE { 0.0 } else { entry / largest };
+    let is_usable = largest > 0.0 && matrix.iter().all(|entry| entry.is_finite());
+    let decomposed = is_usable.then(|| SymmetricEigen::try_new(matrix.map(share), f64::EPSILON, MAX_STEPS)).flatten();
+    let Some(SymmetricEigen { eigenvalues, eigenvectors }) = decomposed else {
+        return (Vector3::zeros(), Matrix3::identity());
+    };
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigenvalues[a].total_cmp(&eigenvalues[b]));
+    let variance = |value: f64| if (-ROUNDING..0.0).contains(&value) { 0.0 } else { value * largest };
+    let mut variances = Vector3::from(order.map(|i| variance(eigenvalues[i])));
+    let mut axes = Matrix3::from_columns(&order.map(|i| {
+        let axis = eigenvectors.column(i);
+        axis * axis[axis.iamax()].signum()
+    }));
+    if axes.determinant() < 0.0 {
+        variances.swap_rows(0, 1);
+        axes.swap_columns(0, 1);
+    }
+    (variances, axes)
+}
+
+/// The same for two coordinates: those that a third one with a larger variance would leave to the first two axes.
+pub(super) fn of_two(matrix: &Matrix2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
+    let mut with_third = matrix.to_homogeneous();
+    // No variance is above twice the largest entry.
+    with_third.m33 = (4.0 * matrix.amax()).min(f64::MAX);
+    let (variances, axes) = of_three(&with_third);
+    (variances.xy(), axes.fixed_view::<2, 2>(0, 0).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix2, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// What must hold for any finite symmetric matrix.
+    fn check(matrix: &Matrix3<f64>) -> Result<(), TestCaseError> {
+        let (variances, axes) = of_three(matrix);
+        let size = if matrix.amax() > 0.0 { matrix.amax() } else { 1.0 };
+        prop_assert!((axes.transpose() * axes - Matrix3::identity()).amax() < 1e-12, "not orthonormal: {axes}");
+        prop_assert!(axes.determinant() > 0.0, "left-handed: {axes}");
+        for (axis, variance) in axes.column_iter().zip(&variances) {
+            let residual = (matrix / size * axis - axis * (variance / size)).amax();
+            prop_assert!(residual < 1e-12 + 5e-324 / size, "{axis} is off by {residual}: {matrix} {variances}");
+            prop_assert!(axis[axis.iamax()] > 0.0, "{axis} points backwards");
+        }
+        prop_assert!(variances.x.max(variances.y) <= variances.z, "the largest is not the third: {variances}");
+        Ok(())
+    }
+
+    /// The same for two coordinates, which are turned by 45° at most.
+    fn check_two(matrix: &Matrix2<f64>) -> Result<(), TestCaseError> {
+        let (variances, axes) = of_two(matrix);
+        let size = if matrix.amax() > 0.0 { matrix.amax() } else { 1.0 };
+        prop_assert!((axes.transpose() * axes - Matrix2::identity()).amax() < 1e-12, "not orthonormal: {axes}");
+        prop_assert!(axes.m11.min(axes.m22) > 0.7071, "{axes}");
+        for (axis, variance) in axes.column_iter().zip(&variances) {
+            let residual = (matrix / size * axis - axis * (variance / size)).amax();
+            prop_assert!(residual < 1e-12 + 5e-324 / size, "{axis} is off by {residual}: {matrix} {variances}");
+        }
+        Ok(())
+    }
+
+    /// An entry of a matrix, often one that makes it degenerate.
+    fn entry() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            2 => -10.0..10.0_f64,
+            2 => prop::sample::select(vec![0.0, -0.0, 1.0, -1.0, 2.0]),
+            1 => prop::sample::select(vec![1e-8, -1e-16, 1e-40, 1e-162, 1e-300, 5e-324, 1e30]),
+        ]
+    }
+
+    /// Powers of ten by which whole matrices are made huge or tiny.
+    fn scale() -> impl Strategy<Value = f64> {
+        prop_oneof![Just(1.0), Just(1e300), Just(1e-300), Just(1e-320), (-30..30_i32).prop_map(|e| 10.0_f64.powi(e))]
+    }
+
+    proptest! {
+        #[test]
+        fn the_axes_of_any_symmetric_matrix_are_its_eigenvectors_and_right_handed(e in prop::array::uniform6(entry()), scale in scale()) {
+            let [a, b, c, d, e, f] = e.map(|entry| (entry * scale).clamp(-1e307, 1e307));
+            check(&Matrix3::new(a, b, c, b, d, e, c, e, f))?;
+            check_two(&Matrix2::new(a, b, b, d))?;
+        }
+
+        #[test]
+        fn the_variances_that_a_matrix_was_made_of_are_found_again(
+            made in prop::array::uniform3(prop_oneof![Just(0.0), Just(1.0), Just(4.0), 0.0..9.0_f64]),
+            turn in prop::array::uniform3(-3.2..3.2_f64),
+        ) {
+            let turn = Rotation3::from(UnitQuaternion::from_scaled_axis(Vector3::from(turn)));
+            let matrix = turn * Matrix3::from_diagonal(&made.into()) * turn.transpose().matrix();
+            let matrix = (matrix + matrix.transpose()) * 0.5;
+            check(&matrix)?;
+            let (found, _) = of_three(&matrix);
+            let sorted = |mut values: [f64; 3]| {
+                values.sort_by(f64::total_cmp);
+                Vector3::from(values)
+            };
+            prop_assert!((sorted(found.into()) - sorted(made)).amax() < 1e-12, "{found} for {made:?}");
+            // A variance of nothing is never below zero, whose root would not be a number.
+            prop_assert!(found.iter().all(|variance| *variance >= 0.0), "{found}");
+        }
+    }
+
+    #[test]
+    fn independent_coordinates_keep_their_axes_with_the_largest_variance_third() {
+        let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+        for (diagonal, axes) in [
+            ([1.0, 2.0, 3.0], [x, y, z]),
+            ([2.0, 1.0, 3.0], [x, y, z]),
+            ([3.0, 1.0, 2.0], [y, z, x]),
+            ([1.0, 3.0, 2.0], [z, x, y]),
+            ([1.0, 1.0, 1.0], [x, y, z]),
+        ] {
+            let (variances, found) = of_three(&Matrix3::from_diagonal(&Vector3::from(diagonal)));
+            assert_eq!(found, Matrix3::from_columns(&axes), "{diagonal:?}");
+            assert_eq!(variances, found.transpose() * Vector3::from(diagonal), "{diagonal:?}");
+        }
+        for diagonal in [[1.0, 2.0], [2.0, 1.0], [1.0, 1.0]] {
+            let diagonal = Vector2::from(diagonal);
+            assert_eq!(of_two(&Matrix2::from_diagonal(&diagonal)), (diagonal, Matrix2::identity()));
+        }
+    }
+
+    #[test]
+    fn matrices_without_axes_have_no_extent() {
+        for bad in [0.0, f64::NAN, f64::INFINITY] {
+            let matrix = Matrix3::repeat(bad);
+            assert_eq!(of_three(&matrix), (Vector3::zeros(), Matrix3::identity()));
+        }
+        let one_bad = Matrix2::new(1.0, f64::NAN, f64::NAN, 1.0);
+        assert_eq!(of_two(&one_bad), (Vector2::zeros(), Matrix2::identity()));
+    }
+}
