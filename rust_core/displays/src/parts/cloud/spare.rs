@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use rcs_messages::Spares;
+use rcs_messages::BufferPool;
 use rcs_scene::{Drawable, Geometry, PointBuffer, PointColors};
 
 /// How many clouds of the present size may be spare: a whole one, the pieces of another, and what both have room for on
@@ -16,8 +16,8 @@ const MAX_CLOUDS: usize = 3;
 /// Vectors that clouds are made of, and what reading a cloud needs meanwhile.
 #[derive(Debug, Default)]
 pub(super) struct SparePoints {
-    pub(super) positions: Spares<[f32; 3]>,
-    pub(super) colors: Spares<[u8; 4]>,
+    pub(super) positions: BufferPool<[f32; 3]>,
+    pub(super) colors: BufferPool<[u8; 4]>,
     /// How many points are shown of each share of them.
     pub(super) shown: Vec<usize>,
     /// What points are coloured by.
