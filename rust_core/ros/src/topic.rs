@@ -3,7 +3,8 @@
 //! rosrust unregisters a topic from the master as soon as any of its subscribers is dropped, so there is only ever one.
 //! A listener that is added later gets the latched messages, as a new subscriber does from roscpp.
 
-use crate::{lock, EventSender, NodeError, Shared};
+use crate::node::Shared;
+use crate::{lock, EventSender, NodeError};
 use rcs_messages::{AnyMessage, Message, MessageKind, MessageVisitor, Serialized};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, TryLockError, Weak};
