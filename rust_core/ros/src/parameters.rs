@@ -19,8 +19,7 @@ impl RosNode {
             return;
         }
         let shared = Arc::downgrade(&self.shared);
-        let spawned =
-            std::thread::Builder::new().name("ros-parameters".to_owned()).spawn(move || poll(names, &shared));
+        let spawned = std::thread::Builder::new().name("ros-parameters".to_owned()).spawn(move || poll(names, &shared));
         if let Err(error) = spawned {
             log::error!("parameters cannot be fetched: {error}");
         }

@@ -12,8 +12,8 @@
 
 use crate::connections::{self, Connection};
 use crate::graph::{Registrations, State};
-use crate::topic::Topic;
 use crate::node::Shared;
+use crate::topic::Topic;
 use crate::{lock, NodeEvent};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::net::SocketAddr;

@@ -124,8 +124,7 @@ impl Publishers {
         for frame in &file.frames {
             log::info!("static frame {} in {}", frame.child, frame.parent);
         }
-        let tf_static =
-            if file.frames.is_empty() { None } else { Some(node.latched_publisher("/tf_static", 1)?) };
+        let tf_static = if file.frames.is_empty() { None } else { Some(node.latched_publisher("/tf_static", 1)?) };
         Ok(Self { camera_info, tf_static })
     }
 
