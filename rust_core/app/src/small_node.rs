@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 use rcs_ros::{NodeError, RosNode};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-/// How often the node looks whether it is asked to end.
-const LOOK_PERIOD: Duration = Duration::from_millis(100);
+/// How often the node checks whether it is asked to end.
+const POLL_PERIOD: Duration = Duration::from_millis(100);
 
 /// The program's arguments, its name first, without those that are ROS's.
 pub fn own_arguments() -> Vec<OsString> {
@@ -64,7 +64,7 @@ impl EndRequest {
 
     /// Whether a signal came or the ROS master asked the node to end.
     pub fn is_requested(&self) -> bool {
-        self.requested.load(Ordering::Acquire) || (rosrust::is_initialized() && !rosrust::is_ok())
+        self.requested.load(Ordering::Acquire) || rcs_ros::is_asked_to_end()
     }
 
     /// Waits until the end is requested, or for `duration`; true for the end.
@@ -78,7 +78,7 @@ impl EndRequest {
             if left.is_zero() {
                 return false;
             }
-            thread::sleep(left.min(LOOK_PERIOD));
+            thread::sleep(left.min(POLL_PERIOD));
         }
     }
 

@@ -1,11 +1,11 @@
 //! Bag files: which topics are in one, and their messages in the order of time.
 //!
 //! A bag is a row of chunks, each with some messages, and an index at its end; the crate `rosbag` reads both. Chunks may
-//! overlap in time, so messages are merged: a chunk is unpacked when the time of its first message comes, and its
-//! messages are handed out one by one. However long the bag, only the chunks that overlap are in memory.
+//! overlap in time, so messages are merged: a chunk is unpacked once the iteration reaches the time of its first message.
+//! However long the bag, only the chunks that overlap are in memory.
 //!
 //! `rosbag` panics on a file whose header points outside of it and allocates whatever length a chunk announces, so
-//! [`record`] looks at both first.
+//! [`record`] checks both first. Writing bags, which only tests do, is in the crate `rcs_test_support`.
 
 #![forbid(unsafe_code)]
 
@@ -29,7 +29,7 @@ pub enum BagError {
     File {
         /// The bag.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// It does not begin as a bag does.
@@ -38,7 +38,7 @@ pub enum BagError {
         /// The file.
         path: PathBuf,
     },
-    /// The recorder was killed before it wrote the index, or the end of the file is missing.
+    /// The recorder was killed before it wrote the index, or the file is cut off.
     #[error("{path}: no index, the bag was not closed or is cut off: run `rosbag reindex` on it")]
     NoIndex {
         /// The bag.
@@ -49,9 +49,9 @@ pub enum BagError {
     Damaged {
         /// The bag.
         path: PathBuf,
-        /// Where.
+        /// Offset in the file.
         at: u64,
-        /// How.
+        /// What is wrong there.
         reason: String,
     },
 }
@@ -76,13 +76,33 @@ pub struct Connection {
 pub struct BagMessage {
     /// When it was recorded.
     pub time: Time,
-    /// Where it came from.
+    /// The topic and its publisher.
     pub connection: Arc<Connection>,
-    /// Its bytes, to be decoded as the connection's type.
+    /// Its bytes, serialised as the connection's type.
     pub bytes: Vec<u8>,
 }
 
 /// A bag file whose index was read.
+///
+/// ```
+/// use rcs_bag::Bag;
+/// use rcs_messages::{std_msgs, MessageKind, Time};
+/// # use rcs_test_support::BagWriter;
+///
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("scene.bag");
+/// # let mut writer = BagWriter::create(&path)?;
+/// # writer.write("/greeting", false, Time { sec: 1, nsec: 0 }, &std_msgs::String { data: "hello".to_owned() })?;
+/// # writer.finish()?;
+/// let bag = Bag::open(&path)?;
+/// for message in bag.messages(|connection| &*connection.topic == "/greeting") {
+///     let message = message?;
+///     let text: std_msgs::String = rcs_messages::decode(&message.bytes)?;
+///     println!("{} at {:?}: {}", message.connection.topic, message.time, text.data);
+///     # assert_eq!((text.data.as_str(), message.time.sec), ("hello", 1));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Bag {
     file: Arc<BagFile>,
     connections: BTreeMap<u32, Arc<Connection>>,
@@ -121,12 +141,12 @@ impl Bag {
         Ok(Self { file: Arc::new(file), connections, chunks })
     }
 
-    /// The file.
+    /// The path of the file.
     pub fn path(&self) -> &Path {
         &self.file.path
     }
 
-    /// Its topics, each as often as it has publishers.
+    /// Its topics, one connection for each publisher of a topic.
     pub fn connections(&self) -> impl Iterator<Item = &Arc<Connection>> {
         self.connections.values()
     }
@@ -140,7 +160,7 @@ impl Bag {
 
     /// The messages of the wanted topics in the order of time, those of the same time in the order of the file.
     ///
-    /// A damaged chunk is an error among the items; what of it is readable, and the chunks after it, come all the same.
+    /// A damaged chunk is an error among the items; its readable messages and the other chunks are still returned.
     pub fn messages(&self, wanted: impl Fn(&Connection) -> bool) -> Messages {
         let connections: BTreeMap<_, _> = (self.connections.iter())
             .filter(|(_, connection)| wanted(connection))
@@ -218,7 +238,7 @@ impl Messages {
             return Err(file.damaged(at, &"the chunk cannot be unpacked"));
         };
         for (index, record) in chunk.messages().enumerate() {
-            // After a damaged record the next would be looked for in the wrong place.
+            // After a damaged record the next would be read from the wrong place.
             let record = record.map_err(|error| file.damaged(at, &error))?;
             let MessageRecord::MessageData(message) = record else {
                 continue;

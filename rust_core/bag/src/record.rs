@@ -1,4 +1,4 @@
-//! The few lengths of a bag file that must be looked at before the crate `rosbag` is let at them.
+//! Checks of the few lengths in a bag file that the crate `rosbag` uses unchecked.
 //!
 //! A record is `header length, header fields, data length, data`; a field is `length, name=value`. All lengths are
 //! checked against the file.
@@ -43,7 +43,7 @@ impl ChunkHeaders {
         self.len
     }
 
-    /// Where the first record after the bag's header is, and where the index is said to be.
+    /// The offsets of the first record after the bag's header and, by that header, of the index.
     pub(crate) fn bag_header(&self) -> io::Result<(u64, u64)> {
         let mut magic = vec![0; MAGIC.len()];
         {
@@ -52,7 +52,7 @@ impl ChunkHeaders {
             file.read_exact(&mut magic)?;
         }
         if magic != MAGIC {
-            return Err(damaged("another beginning than a bag's"));
+            return Err(damaged("not the beginning of a bag"));
         }
         let header = self.record(MAGIC.len() as u64)?;
         let index_at = field(&header.fields, b"index_pos").and_then(|value| value.try_into().ok());

@@ -54,7 +54,7 @@ fn messages_of_overlapping_chunks_come_in_the_order_of_time() {
 }
 
 #[test]
-fn a_bag_that_was_not_closed_is_an_error_that_names_the_way_out() {
+fn a_bag_that_was_not_closed_is_an_error_that_names_rosbag_reindex() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("cut.bag");
     write_sample(&path);
@@ -64,8 +64,8 @@ fn a_bag_that_was_not_closed_is_an_error_that_names_the_way_out() {
     unclosed[index_pos..index_pos + 8].fill(0);
     for content in [unclosed.as_slice(), &whole[..1_000_000]] {
         fs::write(&path, content).unwrap();
-        let said = Bag::open(&path).err().unwrap().to_string();
-        assert!(said.contains("cut.bag: no index") && said.contains("rosbag reindex"), "{said}");
+        let error = Bag::open(&path).err().unwrap().to_string();
+        assert!(error.contains("cut.bag: no index") && error.contains("rosbag reindex"), "{error}");
     }
 }
 
@@ -84,8 +84,8 @@ fn a_damaged_chunk_is_an_error_and_the_others_are_read() {
     let secs: Vec<_> = read.into_iter().map(|message| message.unwrap().time.sec).collect();
     assert_eq!(secs, [10, 30, 50]);
     assert_eq!(failed.len(), 1);
-    let said = failed.into_iter().next().unwrap().unwrap_err().to_string();
-    assert!(said.contains("hole.bag: damaged at byte"), "{said}");
+    let error = failed.into_iter().next().unwrap().unwrap_err().to_string();
+    assert!(error.contains("hole.bag: damaged at byte"), "{error}");
 }
 
 #[test]
@@ -94,11 +94,11 @@ fn other_files_are_no_bags_and_the_error_names_them() {
     let path = dir.path().join("b.bag");
     for content in [b"".as_slice(), b"#ROSBAG V1.2\n", MAGIC, b"#ROSBAG V2.0\n\xff\xff\xff\xff"] {
         fs::write(&path, content).unwrap();
-        let said = Bag::open(&path).err().unwrap().to_string();
-        assert!(said.ends_with("b.bag: not a ROS bag of version 2.0"), "{said}");
+        let error = Bag::open(&path).err().unwrap().to_string();
+        assert!(error.ends_with("b.bag: not a ROS bag of version 2.0"), "{error}");
     }
-    let said = Bag::open(dir.path().join("none.bag")).err().unwrap().to_string();
-    assert!(said.contains("none.bag"), "{said}");
+    let error = Bag::open(dir.path().join("none.bag")).err().unwrap().to_string();
+    assert!(error.contains("none.bag"), "{error}");
 }
 
 proptest! {

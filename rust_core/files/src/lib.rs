@@ -1,8 +1,9 @@
 //! The files that the programs read and write, each format in one place: a projector's geometry ([`projector`]), point
-//! clouds ([`pcd`]) and pictures ([`png`], [`picture_file`]).
+//! clouds ([`pcd`]) and pictures ([`picture_file`]).
+
 #![forbid(unsafe_code)]
 
 pub mod pcd;
 pub mod picture_file;
-pub mod png;
 pub mod projector;
+mod whole_file;

@@ -1,28 +1,149 @@
 //! Pictures as PNG files.
 
-use std::path::Path;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
-use crate::png::{write_png, PngError, PngFormat};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
 use rcs_scene::{Encoding, Picture};
 
-/// Writes a picture as a PNG: colours as RGB whatever the encoding's order, mono8 as grey, mono16 as 16-bit grey.
+use crate::whole_file::write_whole;
+
+/// Why a PNG file was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum PngError {
+    /// The pixels are not as many as width and height need.
+    #[error("{}: a picture of {width_px}x{height_px} pixels needs {needed_bytes} bytes, but there are {got_bytes}", path.display())]
+    WrongLength {
+        /// The file.
+        path: PathBuf,
+        /// Columns.
+        width_px: u32,
+        /// Rows.
+        height_px: u32,
+        /// Bytes that the size needs.
+        needed_bytes: u64,
+        /// Bytes given.
+        got_bytes: usize,
+    },
+    /// The file cannot be written.
+    #[error("{}: cannot write: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// The encoder refused the picture.
+    #[error("{}: cannot encode: {source}", path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// The encoder's error.
+        source: image::ImageError,
+    },
+}
+
+/// Writes a picture as a PNG file: colours as RGB whatever the encoding's order, mono8 as grey, mono16 as 16-bit grey.
+/// Alpha is dropped. The file appears whole or not at all, and replaces one that is there. The folder must exist.
+///
+/// ```
+/// use rcs_files::picture_file;
+/// use rcs_scene::{Encoding, Picture};
+///
+/// let folder = tempfile::tempdir()?;
+/// let red = Picture { width_px: 1, height_px: 1, encoding: Encoding::Bgr8, data: vec![0, 0, 255] };
+/// picture_file::write(&folder.path().join("red.png"), &red)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
-/// When the file cannot be written.
+/// [`PngError`], naming the file, if the picture's data have the wrong length or the file cannot be written.
 pub fn write(path: &Path, picture: &Picture) -> Result<(), PngError> {
-    let save = |format, bytes: &[u8]| write_png(path, picture.width_px, picture.height_px, format, bytes);
-    let rgb = |order: [usize; 3], size: usize| -> Vec<u8> {
-        picture.data.chunks_exact(size).flat_map(|pixel| order.map(|channel| pixel[channel])).collect()
+    let Picture { width_px, height_px, encoding, data } = picture;
+    let (width_px, height_px) = (*width_px, *height_px);
+    let needed_bytes = u64::from(width_px) * u64::from(height_px) * encoding.bytes_per_pixel() as u64;
+    if data.len() as u64 != needed_bytes {
+        return Err(PngError::WrongLength {
+            path: path.to_owned(),
+            width_px,
+            height_px,
+            needed_bytes,
+            got_bytes: data.len(),
+        });
+    }
+    let (color_type, bytes) = png_pixels(*encoding, data);
+    write_whole(
+        path,
+        |file| {
+            PngEncoder::new(file)
+                .write_image(&bytes, width_px, height_px, color_type)
+                .map_err(|source| PngError::Encode { path: path.to_owned(), source })
+        },
+        |source| PngError::Write { path: path.to_owned(), source },
+    )
+}
+
+/// What PNG calls the pixels, and their bytes in its order; 16-bit grey in the machine's byte order, as the encoder
+/// takes it.
+fn png_pixels(encoding: Encoding, data: &[u8]) -> (ExtendedColorType, Cow<'_, [u8]>) {
+    let rgb = |order: [usize; 3]| -> Cow<'_, [u8]> {
+        let pixels = data.chunks_exact(encoding.bytes_per_pixel());
+        pixels.flat_map(|pixel| order.map(|channel| pixel[channel])).collect()
     };
-    match picture.encoding {
-        Encoding::Rgb8 => save(PngFormat::Rgb8, &picture.data),
-        Encoding::Rgba8 => save(PngFormat::Rgb8, &rgb([0, 1, 2], 4)),
-        Encoding::Bgr8 => save(PngFormat::Rgb8, &rgb([2, 1, 0], 3)),
-        Encoding::Bgra8 => save(PngFormat::Rgb8, &rgb([2, 1, 0], 4)),
-        Encoding::Mono8 => save(PngFormat::Gray8, &picture.data),
+    match encoding {
+        Encoding::Rgb8 => (ExtendedColorType::Rgb8, data.into()),
+        Encoding::Rgba8 => (ExtendedColorType::Rgb8, rgb([0, 1, 2])),
+        Encoding::Bgr8 | Encoding::Bgra8 => (ExtendedColorType::Rgb8, rgb([2, 1, 0])),
+        Encoding::Mono8 => (ExtendedColorType::L8, data.into()),
         Encoding::Mono16 => {
-            let native = picture.data.chunks_exact(2).flat_map(|b| u16::from_le_bytes([b[0], b[1]]).to_ne_bytes());
-            save(PngFormat::Gray16, &native.collect::<Vec<u8>>())
+            let native = data.chunks_exact(2).flat_map(|b| u16::from_le_bytes([b[0], b[1]]).to_ne_bytes());
+            (ExtendedColorType::L16, native.collect())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(encoding: Encoding, width_px: u32, data: &[u8]) -> Picture {
+        Picture { width_px, height_px: 1, encoding, data: data.to_owned() }
+    }
+
+    #[test]
+    fn every_encoding_is_saved_in_its_colours() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.png");
+        let cases: [(Encoding, &[u8], &[u8]); 6] = [
+            (Encoding::Rgb8, &[1, 2, 3, 4, 5, 6], &[1, 2, 3, 4, 5, 6]),
+            (Encoding::Rgba8, &[1, 2, 3, 255, 4, 5, 6, 255], &[1, 2, 3, 4, 5, 6]),
+            (Encoding::Bgr8, &[3, 2, 1, 6, 5, 4], &[1, 2, 3, 4, 5, 6]),
+            (Encoding::Bgra8, &[3, 2, 1, 255, 6, 5, 4, 255], &[1, 2, 3, 4, 5, 6]),
+            (Encoding::Mono8, &[7, 8], &[7, 8]),
+            (Encoding::Mono16, &[1, 2, 3, 4], &[1, 2, 3, 4]),
+        ];
+        for (encoding, data, expected) in cases {
+            write(&path, &picture(encoding, 2, data)).unwrap();
+            let read = image::open(&path).unwrap();
+            assert_eq!((read.width(), read.height()), (2, 1));
+            let read = match read {
+                image::DynamicImage::ImageLuma16(grey) => grey.iter().flat_map(|v| v.to_le_bytes()).collect(),
+                other => other.into_bytes(),
+            };
+            assert_eq!(read, expected, "{encoding:?}");
+        }
+    }
+
+    #[test]
+    fn a_wrong_length_and_a_missing_folder_name_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.png");
+        let error = write(&path, &picture(Encoding::Rgb8, 4, &[0; 11])).unwrap_err();
+        assert!(matches!(error, PngError::WrongLength { needed_bytes: 12, got_bytes: 11, .. }));
+        assert!(!path.exists());
+        let lost = folder.path().join("missing").join("picture.png");
+        let error = write(&lost, &picture(Encoding::Mono8, 1, &[0])).unwrap_err();
+        assert!(error.to_string().contains("missing/picture.png"), "{error}");
     }
 }

@@ -5,9 +5,8 @@
 use crate::bytes::{copy_of, give_back};
 use crate::layout::Layout;
 use crate::std_msgs::Header;
-use crate::{Image, OccupancyGrid, PointCloud2, Serialized};
+use crate::{Image, OccupancyGrid, PointCloud2};
 use rosrust::{Message, RosMsg};
-use std::collections::HashMap;
 use std::io;
 use std::sync::{Arc, OnceLock};
 
@@ -40,6 +39,31 @@ pub trait TypedMessage: Send + Sync + 'static {
 
     /// Its header; of an array, its first element's. `None` when it has none.
     fn header(&self) -> Option<&Header>;
+}
+
+/// Code that is generic over a message's type, for a [`MessageKind`] that is known at run time.
+///
+/// ```
+/// use rcs_messages::{Message, MessageKind, MessageVisitor};
+///
+/// struct TypeName;
+///
+/// impl MessageVisitor for TypeName {
+///     type Output = String;
+///
+///     fn visit<T: Message>(self) -> String {
+///         T::msg_type()
+///     }
+/// }
+///
+/// assert_eq!(MessageKind::Path.visit(TypeName), "nav_msgs/Path");
+/// ```
+pub trait MessageVisitor {
+    /// What the code returns.
+    type Output;
+
+    /// The code, for messages of type `T`.
+    fn visit<T: Message>(self) -> Self::Output;
 }
 
 macro_rules! any_message {
@@ -81,23 +105,10 @@ macro_rules! any_message {
                 }
             }
 
-            /// Subscribes to a topic of this type on the running rosrust node. `on_message` gets each message's bytes
-            /// and the publisher's name, `on_connect` the header of each new connection, both on a thread of the
-            /// subscription.
-            pub fn subscribe(
-                self,
-                topic: &str,
-                queue_size: usize,
-                on_message: impl Fn(Vec<u8>, &str) + Send + 'static,
-                on_connect: impl Fn(HashMap<String, String>) + Send + 'static,
-            ) -> rosrust::api::error::Result<rosrust::Subscriber> {
+            /// Runs the visitor's generic code for the Rust type of this kind.
+            pub fn visit<V: MessageVisitor>(self, visitor: V) -> V::Output {
                 match self {
-                    $(Self::$variant => rosrust::subscribe_with_ids_and_headers(
-                        topic,
-                        queue_size,
-                        move |message: Serialized<$type>, publisher| on_message(message.bytes, publisher),
-                        on_connect,
-                    ),)*
+                    $(Self::$variant => visitor.visit::<$type>(),)*
                 }
             }
 
@@ -217,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn an_array_speaks_by_its_first_marker() {
+    fn an_array_has_the_header_of_its_first_marker() {
         let marker = Marker { header: Header { frame_id: "map".to_owned(), ..Header::default() }, ..Marker::default() };
         let bytes = crate::encode(&MarkerArray { markers: vec![marker] });
         let message = MessageKind::MarkerArray.decode(&bytes).unwrap();

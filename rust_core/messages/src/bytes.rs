@@ -1,38 +1,37 @@
 //! The bytes of a big message: shared while they are needed, and then memory for the next message.
 //!
-//! Messages are made on rosrust's threads and dropped where their displays are, so what is spare is kept for the whole
-//! process.
+//! Messages are made on rosrust's threads and dropped on the thread of their displays, so the process has one pool.
 
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::spares::Spares;
+use crate::buffer_pool::BufferPool;
 
-/// What is kept at most, in bytes. Whatever is kept was in use at some time, and most of it is soon again.
-const MAX_SPARE_BYTES: usize = 256 << 20;
+/// What the pool holds at most, in bytes. All of it was in use at some time, and most of it soon is again.
+const MAX_POOLED_BYTES: usize = 256 << 20;
 
-static SPARE: Mutex<Spares<u8>> = Mutex::new(Spares::new());
+static POOL: Mutex<BufferPool<u8>> = Mutex::new(BufferPool::new());
 
-/// An empty buffer with room for so many bytes of a message, out of an earlier message's memory where there is some.
-pub fn spare_bytes(len: usize) -> Vec<u8> {
-    SPARE.lock().unwrap_or_else(PoisonError::into_inner).take(len)
+/// An empty buffer with room for so many bytes of a message, in an earlier message's memory where there is some.
+pub fn pooled_bytes(len: usize) -> Vec<u8> {
+    POOL.lock().unwrap_or_else(PoisonError::into_inner).take(len)
 }
 
 /// A copy of a message's bytes.
 pub(crate) fn copy_of(bytes: &[u8]) -> Vec<u8> {
-    let mut copy = spare_bytes(bytes.len());
+    let mut copy = pooled_bytes(bytes.len());
     copy.extend_from_slice(bytes);
     copy
 }
 
-/// Leaves a message's bytes for the next message.
+/// Returns a message's bytes to the pool.
 pub(crate) fn give_back(bytes: Vec<u8>) {
-    let mut spare = SPARE.lock().unwrap_or_else(PoisonError::into_inner);
-    spare.give(bytes);
-    spare.limit_to(MAX_SPARE_BYTES);
+    let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    pool.give(bytes);
+    pool.limit_to(MAX_POOLED_BYTES);
 }
 
-/// Bytes that several messages may share. The last of them gives their memory back.
+/// Bytes that several messages may share. The last of them returns the memory to the pool.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bytes(Arc<Vec<u8>>);
 
@@ -58,7 +57,7 @@ impl Deref for Bytes {
 
 impl Drop for Bytes {
     fn drop(&mut self) {
-        // Where two are dropped at once, neither is the last, and the allocator has the memory.
+        // If two are dropped at the same time, neither is the last, and the memory goes to the allocator.
         if let Some(bytes) = Arc::get_mut(&mut self.0) {
             give_back(std::mem::take(bytes));
         }
@@ -70,23 +69,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_last_of_those_who_share_bytes_gives_them_back() {
+    fn the_last_of_several_messages_returns_their_bytes_to_the_pool() {
         // A length that no other test of this process asks for.
         const LEN: usize = 7_654_321;
         let first = Bytes::from(copy_of(&[7; LEN]));
         let address = first.as_ptr();
         let second = first.clone();
         drop(first);
-        let other = spare_bytes(LEN);
-        assert_ne!(other.as_ptr(), address, "the second has it");
+        let other = pooled_bytes(LEN);
+        assert_ne!(other.as_ptr(), address, "the second still has it");
         assert_eq!(second[LEN - 1], 7);
         drop(second);
-        let third = spare_bytes(LEN);
+        let third = pooled_bytes(LEN);
         assert_eq!(third.as_ptr(), address);
     }
 
     #[test]
-    fn bytes_that_somebody_outside_holds_stay_theirs() {
+    fn bytes_that_are_shared_outside_are_not_pooled() {
         let shared = Arc::new(vec![1, 2, 3]);
         drop(Bytes::from(Arc::clone(&shared)));
         assert_eq!(*shared, [1, 2, 3]);

@@ -1,4 +1,4 @@
-//! Plain numbers out of messages, for code that should not name message types.
+//! Messages as plain numbers, for code that should not name message types.
 
 use crate::geometry_msgs::{Point, Pose, Quaternion, Transform, Vector3};
 use rosrust::Time;

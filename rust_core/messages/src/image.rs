@@ -1,6 +1,6 @@
 //! `sensor_msgs/Image` as a view of the received bytes, or of a finished picture.
 //!
-//! A received image keeps its bytes as [`crate::PointCloud2`] does. An image to send shares its pixels with the renderer
+//! A received image keeps its bytes as [`crate::PointCloud2`] does. An image to be sent shares its pixels with the renderer
 //! ([`Image::with_data`]); they are copied once, into the message's bytes, when it is sent.
 
 use crate::bytes::{copy_of, Bytes};
@@ -12,6 +12,17 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// ROS message `sensor_msgs/Image`.
+///
+/// ```
+/// use rcs_messages::{std_msgs::Header, Image};
+/// use std::sync::Arc;
+///
+/// let pixels = Arc::new(vec![255, 0, 0, 0, 0, 255]);
+/// let image = Image::new(Header::default(), [2, 1], "rgb8", 6, Arc::clone(&pixels));
+/// let received = Image::from_bytes(Arc::new(rcs_messages::encode(&image)))?;
+/// assert_eq!((received.width, received.data()), (2, pixels.as_slice()));
+/// # Ok::<(), rcs_messages::DecodeError>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Image {
     /// Sequence number, stamp and frame.

@@ -1,6 +1,6 @@
-//! Whether bytes can be a message of a type, told from the type's definition before anything is allocated.
+//! Checks whether bytes can be a message of a type, from the type's definition and before anything is allocated.
 //!
-//! The generated types believe an array's announced length and allocate for it; a damaged message would end the process.
+//! The generated types allocate whatever length an array announces; a damaged message would end the process.
 //! A [`Layout`] walks the bytes first: it skips what has a fixed size and checks each length against the bytes left.
 
 use crate::wire::Reader;
@@ -19,7 +19,7 @@ enum Field {
     Repeated(usize, Vec<Field>),
 }
 
-/// How the bytes of a message type lie.
+/// How the fields of a message type lie in its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Layout {
     fields: Vec<Field>,
@@ -43,7 +43,7 @@ impl Layout {
     /// Checks the bytes of one message.
     ///
     /// # Errors
-    /// [`DecodeError`] when a length or a field lies past the end, or bytes are left over.
+    /// [`DecodeError`] if a length or a field reaches past the end, or bytes are left over.
     pub(crate) fn check(&self, bytes: &[u8]) -> Result<(), DecodeError> {
         let mut reader = Reader::new(bytes);
         walk(&self.fields, &mut reader)?;

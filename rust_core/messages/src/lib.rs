@@ -2,15 +2,21 @@
 //!
 //! The small messages are those that `rosrust_msg` generates from the installed definitions, under the names of their
 //! packages: [`geometry_msgs::Pose`], [`visualization_msgs::Marker`] and so on. The big ones, [`PointCloud2`],
-//! [`Image`] and [`OccupancyGrid`], are types of our own, for the generated ones decode their data number by number: they
-//! keep the bytes that were received and give views of them. [`Serialized`] is a message of any type that is not decoded
-//! yet.
+//! [`Image`] and [`OccupancyGrid`], are types of our own, because the generated ones decode their data number by number:
+//! they keep the bytes that were received and give views of them. [`Serialized`] is a message of any type that is not
+//! decoded yet.
 //!
-//! Decoding never reads past the bytes given, never allocates for a length that those bytes cannot hold, and takes
-//! bytes left over for an error.
+//! Decoding never reads past the bytes given, never allocates for a length that those bytes cannot hold, and reports
+//! bytes left over as an error.
 //! [`MessageKind`] names the types that the displays draw and [`AnyMessage`] holds one message of any of them.
+//!
+//! Of rosrust only the traits of messages and services and the types of time are used. Whatever has a connection is in
+//! the crate `rcs_ros`, which runs code for a type that is known at run time through [`MessageKind::visit`].
+
+#![forbid(unsafe_code)]
 
 mod any;
+mod buffer_pool;
 mod bytes;
 mod convert;
 mod image;
@@ -18,15 +24,15 @@ mod layout;
 mod occupancy_grid;
 mod point_cloud2;
 mod serialized;
-mod spares;
 mod wire;
 
 pub mod dynamic_reconfigure;
 pub mod nav_msgs;
 pub mod sensor_msgs;
 
-pub use any::{header, AnyMessage, MessageKind, TypedMessage};
-pub use bytes::spare_bytes;
+pub use any::{header, AnyMessage, MessageKind, MessageVisitor, TypedMessage};
+pub use buffer_pool::BufferPool;
+pub use bytes::pooled_bytes;
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
 pub use image::Image;
 pub use occupancy_grid::OccupancyGrid;
@@ -36,5 +42,4 @@ pub use rosrust_msg::{
     diagnostic_msgs, geometry_msgs, map_msgs, rosgraph_msgs, std_msgs, std_srvs, tf2_msgs, visualization_msgs,
 };
 pub use serialized::Serialized;
-pub use spares::Spares;
 pub use wire::{decode, encode, DecodeError};

@@ -19,6 +19,18 @@ use std::sync::Arc;
 /// Lengths inside the message are checked (a field or the data reaching past the end is an error); whether the data is
 /// as long as [`height`](Self::height), [`row_step`](Self::row_step) and [`point_step`](Self::point_step) claim is not,
 /// see [`PointCloud2::claimed_len`].
+///
+/// ```
+/// use rcs_messages::PointCloud2;
+/// use std::sync::Arc;
+///
+/// let mut cloud = PointCloud2::default().with_data(vec![1, 2, 3, 4]);
+/// (cloud.width, cloud.height, cloud.point_step, cloud.row_step) = (1, 1, 4, 4);
+/// let received = Arc::new(rcs_messages::encode(&cloud));
+/// let view = PointCloud2::from_bytes(received)?;
+/// assert_eq!(view.data(), [1, 2, 3, 4]);
+/// # Ok::<(), rcs_messages::DecodeError>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct PointCloud2 {
     /// Sequence number, stamp and frame.
@@ -69,7 +81,7 @@ impl PointCloud2 {
         self
     }
 
-    /// How many bytes of data the header speaks of: `row_step * height`.
+    /// How many bytes of data there should be: `row_step * height`.
     pub fn claimed_len(&self) -> u64 {
         u64::from(self.row_step) * u64::from(self.height)
     }

@@ -1,8 +1,8 @@
 //! A message that is not decoded yet.
 //!
 //! Subscribing to `Serialized<T>` instead of `T` takes the bytes out of rosrust with one copy and leaves decoding to
-//! [`crate::MessageKind::decode_owned`], which checks lengths first and copies nothing of the big messages. Publishing
-//! one sends a header as it is; rosrust puts its own count into those of generated messages.
+//! [`crate::MessageKind::decode_owned`], which checks lengths first and copies nothing of the big messages. When one is
+//! published, its header stays as it is; in generated messages rosrust fills in sequence number and stamp.
 
 use crate::bytes::copy_of;
 use crate::wire::LENGTH_PREFIX;
@@ -12,6 +12,16 @@ use std::io;
 use std::marker::PhantomData;
 
 /// The bytes of a message of type `T`, without the length that TCPROS puts before them.
+///
+/// ```
+/// use rcs_messages::{rosgraph_msgs::Clock, Message, Serialized, Time};
+///
+/// let clock = Clock { clock: Time { sec: 3, nsec: 4 } };
+/// let serialized = Serialized::<Clock>::new(rcs_messages::encode(&clock));
+/// assert_eq!(Serialized::<Clock>::msg_type(), "rosgraph_msgs/Clock");
+/// assert_eq!(rcs_messages::decode::<Clock>(&serialized.bytes)?, clock);
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub struct Serialized<T> {
     /// The message.
     pub bytes: Vec<u8>,

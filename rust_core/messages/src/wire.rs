@@ -22,7 +22,7 @@ pub enum DecodeError {
         /// How many bytes there are.
         left: usize,
     },
-    /// The message was over before its bytes were.
+    /// Bytes follow the message's last field.
     #[error("message too long: {0} bytes after its last field")]
     TrailingBytes(usize),
 }
@@ -84,7 +84,7 @@ impl<'a> Reader<'a> {
         Ok(count as usize)
     }
 
-    /// Says that nothing may be left.
+    /// Fails if bytes are left over.
     pub(crate) fn finish(&self) -> Result<(), DecodeError> {
         match self.left() {
             0 => Ok(()),

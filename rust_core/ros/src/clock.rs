@@ -1,4 +1,4 @@
-//! ROS's time: the computer's, or the simulation's when there is one.
+//! ROS's time: the computer's, or that of `/clock` under `/use_sim_time`.
 
 use rcs_messages::Time;
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -7,14 +7,14 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// A clock that is read from any thread.
 #[derive(Debug)]
 pub struct RosClock {
-    /// Nanoseconds of the simulation; negative when the computer's clock counts.
+    /// Nanoseconds of the simulation; negative if the computer's clock counts.
     simulated_nanos: AtomicI64,
 }
 
 const REAL: i64 = -1;
 
 impl RosClock {
-    /// The computer's clock, or one that stands at zero until the simulation sends its time.
+    /// The computer's clock, or a simulated one, which is zero until the first [`set`](Self::set).
     pub fn new(simulated: bool) -> Self {
         Self { simulated_nanos: AtomicI64::new(if simulated { 0 } else { REAL }) }
     }
@@ -32,7 +32,7 @@ impl RosClock {
         }
     }
 
-    /// Sets the simulation's time. When it went back: from where to where.
+    /// Sets the simulation's time. If it jumped back, the time before and after.
     pub fn set(&self, time: Time) -> Option<(Time, Time)> {
         let before = self.simulated_nanos.swap(time.nanos(), Ordering::AcqRel);
         (time.nanos() < before).then(|| (Time::from_nanos(before), time))

@@ -1,4 +1,4 @@
-//! The queue between the threads that receive and the one that draws.
+//! The queue between the threads that receive and the one that draws, and the events in it.
 
 use rcs_messages::dynamic_reconfigure::Config;
 use rcs_messages::tf2_msgs::TFMessage;
@@ -20,7 +20,7 @@ pub enum NodeEvent {
         message: AnyMessage,
         /// Name of the node that sent it.
         publisher: Arc<str>,
-        /// When it was there, not decoded yet.
+        /// When rosrust handed it over, before it was decoded.
         received: Instant,
     },
     /// Transforms of `/tf` or `/tf_static`.
@@ -31,7 +31,7 @@ pub enum NodeEvent {
         is_static: bool,
         /// Name of the node that sent them.
         authority: Arc<str>,
-        /// When they were there, not decoded yet.
+        /// When rosrust handed them over, before they were decoded.
         received: Instant,
     },
     /// The simulation's time went back.
@@ -48,11 +48,11 @@ pub enum NodeEvent {
         /// To be answered.
         reply: TriggerReply,
     },
-    /// A parameter that was asked for.
+    /// A parameter that is followed, see [`RosNode::follow_parameters`](crate::RosNode::follow_parameters).
     Parameter {
-        /// Its name, as it was asked for.
+        /// Its name, as given.
         name: Arc<str>,
-        /// Its text; none while it is not there.
+        /// Its value; none while it is not set.
         text: Option<Arc<str>>,
     },
     /// Somebody sets parameters of a [`ReconfigureServer`](crate::ReconfigureServer).
@@ -64,7 +64,7 @@ pub enum NodeEvent {
         /// To be answered with the values that hold then.
         reply: Reply<Config>,
     },
-    /// A publisher of a subscribed topic said farewell to the master.
+    /// A publisher of a subscribed topic is not registered any more.
     PublisherLeft {
         /// The topic's whole name, after remapping.
         topic: Arc<str>,
@@ -76,11 +76,11 @@ pub enum NodeEvent {
     },
 }
 
-/// The way back to a service's caller. Dropped unused, the caller gets an error.
+/// Answers a service call. If it is dropped unused, the caller gets an error.
 #[derive(Debug)]
 pub struct Reply<T>(SyncSender<T>);
 
-/// The way back to the caller of a trigger service.
+/// Answers a call of a trigger service: success and message.
 pub type TriggerReply = Reply<(bool, String)>;
 
 impl<T> Reply<T> {
@@ -113,11 +113,11 @@ pub struct EventQueue {
 
 #[derive(Debug, Default)]
 struct State {
-    waiting: VecDeque<(u64, NodeEvent)>,
+    queued: VecDeque<(u64, NodeEvent)>,
     woken: bool,
 }
 
-/// Puts one source's events into a queue, at most so many at a time.
+/// Puts one source's events into a queue, which holds at most so many of them at a time.
 #[derive(Clone, Debug)]
 pub struct EventSender {
     queue: Arc<EventQueue>,
@@ -126,56 +126,56 @@ pub struct EventSender {
 }
 
 impl EventSender {
-    /// Adds an event and wakes the queue's reader. When `queue_size` events of this sender wait already, the oldest of
-    /// them is dropped. Never waits.
+    /// Adds an event and wakes the queue's reader. If `queue_size` events of this sender are queued already, the oldest
+    /// of them is dropped. Never waits.
     pub fn push(&self, event: NodeEvent) {
         let mut state = self.queue.lock();
         let queue_size = self.queue_size.load(Ordering::Relaxed);
         if queue_size > 0 {
-            let mine = || state.waiting.iter().enumerate().filter(|(_, (id, _))| *id == self.id);
+            let mine = || state.queued.iter().enumerate().filter(|(_, (id, _))| *id == self.id);
             let (count, oldest) = (mine().count(), mine().next().map(|(index, _)| index));
             if let (true, Some(index)) = (count >= queue_size, oldest) {
-                state.waiting.remove(index);
+                state.queued.remove(index);
             }
         }
-        state.waiting.push_back((self.id, event));
+        state.queued.push_back((self.id, event));
         drop(state);
         self.queue.changed.notify_all();
     }
 
-    /// How many of its events may wait from now on (0: any number). Clones share this.
+    /// How many of its events may be queued from now on (0: any number). Clones share this.
     pub fn set_queue_size(&self, queue_size: usize) {
         self.queue_size.store(queue_size, Ordering::Relaxed);
     }
 
-    /// Drops those of its events that wait.
-    pub(crate) fn forget(&self) {
-        self.queue.lock().waiting.retain(|(id, _)| *id != self.id);
+    /// Drops those of its events that are queued.
+    pub(crate) fn drop_queued(&self) {
+        self.queue.lock().queued.retain(|(id, _)| *id != self.id);
     }
 }
 
 impl EventQueue {
-    /// A new source of events, of which at most `queue_size` wait (0: any number).
+    /// A new source of events, of which at most `queue_size` are queued (0: any number).
     pub fn sender(self: &Arc<Self>, queue_size: usize) -> EventSender {
         let id = self.next_id.fetch_add(1, Ordering::Relaxed);
         EventSender { queue: Arc::clone(self), id, queue_size: Arc::new(queue_size.into()) }
     }
 
-    /// Waits until there are events, [`wake`](Self::wake) is called or `timeout` is over; takes all events there are.
+    /// Waits until there are events, [`wake`](Self::wake) is called or `timeout` is over; takes all queued events.
     pub fn wait(&self, timeout: Duration) -> Vec<NodeEvent> {
-        let idle = |state: &mut State| state.waiting.is_empty() && !state.woken;
+        let idle = |state: &mut State| state.queued.is_empty() && !state.woken;
         let waited = self.changed.wait_timeout_while(self.lock(), timeout, idle);
         let mut state = waited.unwrap_or_else(PoisonError::into_inner).0;
         state.woken = false;
-        state.waiting.drain(..).map(|(_, event)| event).collect()
+        state.queued.drain(..).map(|(_, event)| event).collect()
     }
 
-    /// Takes all events there are.
+    /// Takes all queued events.
     pub fn drain(&self) -> Vec<NodeEvent> {
-        self.lock().waiting.drain(..).map(|(_, event)| event).collect()
+        self.lock().queued.drain(..).map(|(_, event)| event).collect()
     }
 
-    /// Lets the present or the next [`wait`](Self::wait) return at once.
+    /// Makes the present or the next [`wait`](Self::wait) return at once.
     pub fn wake(&self) {
         self.lock().woken = true;
         self.changed.notify_all();
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_event_of_the_same_source_gives_way() {
+    fn a_full_queue_drops_the_oldest_event_of_the_same_source() {
         let queue = Arc::new(EventQueue::default());
         let (small, large) = (queue.sender(2), queue.sender(0));
         large.push(jump(1));
@@ -232,12 +232,12 @@ mod tests {
     }
 
     #[test]
-    fn what_a_dropped_source_left_is_forgotten() {
+    fn the_queued_events_of_one_source_are_dropped() {
         let queue = Arc::new(EventQueue::default());
         let (gone, stays) = (queue.sender(0), queue.sender(0));
         gone.push(jump(1));
         stays.push(jump(2));
-        gone.forget();
+        gone.drop_queued();
         assert_eq!(secs(queue.drain()), [2]);
     }
 

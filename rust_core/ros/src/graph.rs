@@ -1,7 +1,7 @@
-//! What the watchdog and the shutdown ask the master and other nodes beyond what rosrust offers.
+//! XML-RPC calls to the master and to other nodes that rosrust does not offer: who publishes what, and unregistering.
 //!
-//! The XML-RPC client is rosrust's own. It has no time limits, so every call runs on a thread that may be left behind; a
-//! node that has not answered the last call is not called again.
+//! The XML-RPC client is the one that rosrust uses. It has no timeouts, so every call runs on a thread that may be left
+//! behind; a node that has not answered the last call is not called again.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::net::{SocketAddr, ToSocketAddrs};
@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use xml_rpc::{Client, Params, Value};
 
-/// A node that takes longer is left out of account.
+/// The answer of a node that takes longer is ignored.
 const CALL_TIMEOUT: Duration = Duration::from_secs(2);
 
 #[derive(Debug)]
@@ -31,7 +31,7 @@ impl Graph {
         }
     }
 
-    /// How the master sees things.
+    /// The master's state.
     pub(crate) fn state(&self) -> Option<State> {
         let state = self.call(&self.master_uri, "getSystemState", vec![])?;
         let Value::Int(master_pid) = self.call(&self.master_uri, "getPid", vec![])? else {
@@ -71,7 +71,7 @@ impl Graph {
         Some(array(&types)?.iter().filter_map(publication).collect())
     }
 
-    /// Remembers what the node publishes and serves, and tells it to a master that was restarted.
+    /// Remembers what the node publishes and serves, and registers it again with a master that was restarted.
     pub(crate) fn keep_registered(&self, state: &State, known: &mut Registrations) {
         if known.master_pid.is_some_and(|pid| pid != state.master_pid) {
             log::info!("the ROS master was restarted, registering again");
@@ -83,7 +83,7 @@ impl Graph {
                 let params = [service, api, &self.node_uri].map(|text| text.as_str().into());
                 self.call(&self.master_uri, "registerService", params.into());
             }
-            // What has been told is seen in the next state.
+            // What was registered is in the next state.
             known.master_pid = Some(state.master_pid);
             return;
         }
@@ -106,12 +106,12 @@ impl Graph {
         }
     }
 
-    /// Where a node can be asked.
+    /// The address of a node's XML-RPC server.
     pub(crate) fn node_uri(&self, node: &str) -> Option<String> {
         text(&self.call(&self.master_uri, "lookupNode", vec![node.into()])?)
     }
 
-    /// Where a node says that it sends a topic from. None when it does not answer.
+    /// The addresses from which a node sends a topic, as it answers itself. None if it does not answer.
     pub(crate) fn topic_addresses(&self, node_uri: &str, topic: &str) -> Option<Vec<SocketAddr>> {
         let protocols = Value::Array(vec![Value::Array(vec![Value::String("TCPROS".to_owned())])]);
         let answer = self.call(node_uri, "requestTopic", vec![topic.into(), Argument(protocols)])?;
@@ -139,7 +139,7 @@ impl Graph {
                 } else {
                     self.node_uri.clone()
                 };
-                // The master is asked once; the process ends either way.
+                // Tried once; the process ends either way.
                 let _ = self.call(&self.master_uri, method, vec![name.as_str().into(), api.as_str().into()]);
             }
         }
@@ -160,7 +160,7 @@ impl Graph {
                 called.ok()
             });
             crate::lock(&unanswered).remove(&uri);
-            // Nobody waits any more if it took too long.
+            // Fails if it took too long and the caller went on.
             let _ = send.send(result);
         };
         std::thread::Builder::new().name("ros-call".to_owned()).spawn(calling).ok()?;
@@ -195,7 +195,7 @@ impl Publication {
     }
 }
 
-/// How the master sees things.
+/// The master's state: who publishes, subscribes and serves what.
 pub(crate) struct State {
     master_pid: i32,
     /// The names of the other nodes that publish each topic.
@@ -208,7 +208,7 @@ pub(crate) struct State {
     services: BTreeSet<String>,
 }
 
-/// What a restarted master must be told.
+/// What is registered again with a restarted master.
 #[derive(Debug, Default)]
 pub(crate) struct Registrations {
     master_pid: Option<i32>,

@@ -1,4 +1,4 @@
-//! Writes parameters to the parameter server on a thread of its own, for the master may take its time.
+//! Writes parameters to the parameter server on a thread of its own, because the master may be slow to answer.
 
 use crate::lock;
 use std::sync::mpsc::{channel, Sender};
@@ -13,13 +13,13 @@ type Param = (String, Value);
 pub(crate) struct ParamWriter(Mutex<Option<Sender<Param>>>);
 
 impl ParamWriter {
-    /// Sets a parameter soon, after those that were set before. What fails is said in the log.
+    /// Sets a parameter soon, after those that were set before. A failure is logged.
     pub(crate) fn set(&self, name: String, value: Value) {
         let mut sender = lock(&self.0);
         let sent = sender.as_ref().is_some_and(|sender| sender.send((name.clone(), value.clone())).is_ok());
         if !sent {
             *sender = start();
-            // The thread has just begun; where there is none, `start` has said so.
+            // The thread has just begun; if there is none, `start` has logged that.
             let _ = sender.as_ref().map(|sender| sender.send((name, value)));
         }
     }

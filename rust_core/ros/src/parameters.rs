@@ -1,32 +1,32 @@
-//! Parameters that the scene needs, a robot's description most of all, fetched without anybody waiting for them.
+//! Parameters that the scene needs, a robot's description most of all, fetched in the background.
 //!
 //! A name is looked up as `ros::NodeHandle::getParam` and, failing that, `searchParam` do: in the node's namespace first
-//! and then in the namespaces around it. What is not there yet is looked for again once a second, as rviz does. A
-//! parameter that is no string counts as an empty text, which is what rviz makes of it.
+//! and then in the namespaces around it. A parameter that is not set yet is polled once a second, as rviz does. A
+//! parameter that is not a string counts as an empty one, as in rviz.
 
-use crate::{NodeEvent, RosNode, Shared};
+use crate::node::Shared;
+use crate::{NodeEvent, RosNode};
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
-const LOOK_PERIOD: Duration = Duration::from_secs(1);
+const POLL_PERIOD: Duration = Duration::from_secs(1);
 
 impl RosNode {
-    /// Looks for string parameters until each was found. Each is a [`NodeEvent::Parameter`], with its text once that is
-    /// known, and before that once without, when it is not there at first.
+    /// Polls string parameters until each was found. Each is a [`NodeEvent::Parameter`] with its value once it is set, and
+    /// before that one without, if it is not set at first.
     pub fn follow_parameters(&self, names: Vec<String>) {
         if names.is_empty() {
             return;
         }
         let shared = Arc::downgrade(&self.shared);
-        let spawned =
-            std::thread::Builder::new().name("ros-parameters".to_owned()).spawn(move || look_for(names, &shared));
+        let spawned = std::thread::Builder::new().name("ros-parameters".to_owned()).spawn(move || poll(names, &shared));
         if let Err(error) = spawned {
             log::error!("parameters cannot be fetched: {error}");
         }
     }
 }
 
-fn look_for(mut names: Vec<String>, shared: &Weak<Shared>) {
+fn poll(mut names: Vec<String>, shared: &Weak<Shared>) {
     let mut first = true;
     loop {
         {
@@ -45,11 +45,11 @@ fn look_for(mut names: Vec<String>, shared: &Weak<Shared>) {
             return;
         }
         first = false;
-        std::thread::sleep(LOOK_PERIOD);
+        std::thread::sleep(POLL_PERIOD);
     }
 }
 
-/// The text of a parameter in the nearest namespace that has it.
+/// The value of a parameter in the nearest namespace that has it.
 fn find(name: &str) -> Option<Arc<str>> {
     let own = rosrust::param(name)?.name().to_owned();
     let is_relative = !name.starts_with(['/', '~']);
@@ -60,7 +60,7 @@ fn find(name: &str) -> Option<Arc<str>> {
     })
 }
 
-/// The whole names by which a relative one may be meant, the innermost namespace first. A remapped name has one only.
+/// The whole names that a relative name may stand for, the innermost namespace first. A remapped name has only one.
 fn upwards(whole: &str, name: &str) -> Vec<String> {
     let Some(namespace) = whole.strip_suffix(name) else { return vec![whole.to_owned()] };
     let mut namespace = namespace.trim_end_matches('/');

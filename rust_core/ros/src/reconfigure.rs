@@ -1,35 +1,36 @@
 //! A dynamic_reconfigure server, as rqt_reconfigure and dynparam expect it.
 //!
 //! In a namespace of its own it has the latched topics `parameter_descriptions` and `parameter_updates`, the service
-//! `set_parameters`, and its values as parameters. What a value means and which bounds it has is its owner's business:
-//! a call is a [`NodeEvent::Reconfigure`], which the owner answers with the values that hold then, and a change is told
-//! to all with [`ReconfigureServer::set_config`].
+//! `set_parameters`, and its values as parameters. Meaning and bounds of the values are up to its owner: a call is
+//! a [`NodeEvent::Reconfigure`], which the owner answers with the values that hold then, and a change is published with
+//! [`ReconfigureServer::set_config`].
 
-use crate::{NodeError, NodeEvent, Reply, RosNode, REPLY_TIMEOUT};
+use crate::image_topic::PublishError;
+use crate::node::REPLY_TIMEOUT;
+use crate::{LatchedPublisher, NodeError, NodeEvent, Reply, RosNode};
 use rcs_messages::dynamic_reconfigure::{Config, ConfigDescription, Reconfigure};
-use rosrust::Publisher;
 use std::collections::HashMap;
 use std::sync::Arc;
 use xml_rpc::Value;
 
-/// Descriptions and values are few; the last one of each is kept for those who come later.
+/// Descriptions and values change seldom.
 const QUEUE_SIZE: usize = 10;
 
 /// Serves until it is dropped.
 pub struct ReconfigureServer {
     name: Arc<str>,
-    descriptions: Publisher<ConfigDescription>,
-    updates: Publisher<Config>,
+    descriptions: LatchedPublisher<ConfigDescription>,
+    updates: LatchedPublisher<Config>,
     _service: rosrust::Service,
     described: ConfigDescription,
     on_parameter_server: HashMap<String, Value>,
 }
 
 impl RosNode {
-    /// Starts a dynamic_reconfigure server in `namespace`; it tells its first values.
+    /// Starts a dynamic_reconfigure server in `namespace` and publishes its first values.
     ///
     /// # Errors
-    /// [`NodeError`] when the name is none or rosrust refuses.
+    /// [`NodeError`] if the name is not valid, or the service or a topic cannot be registered.
     pub fn serve_reconfigure(
         &self,
         namespace: &str,
@@ -38,16 +39,18 @@ impl RosNode {
     ) -> Result<ReconfigureServer, NodeError> {
         let name: Arc<str> = self.resolve(namespace)?.into();
         let (sender, server) = (self.shared.events.sender(0), Arc::clone(&name));
-        let failed = |error| NodeError::ros(format!("cannot serve the parameters of {name}"), &error);
+        let failed = || format!("cannot serve the parameters of {name}");
+        let unpublished = |error: PublishError| NodeError::Ros { what: failed(), reason: error.to_string() };
+        let (descriptions, updates) = (format!("{name}/parameter_descriptions"), format!("{name}/parameter_updates"));
         let service = rosrust::service::<Reconfigure, _>(&format!("{name}/set_parameters"), move |request| {
             let (reply, answer) = Reply::new();
             sender.push(NodeEvent::Reconfigure { server: Arc::clone(&server), request, reply });
             answer.recv_timeout(REPLY_TIMEOUT).map_err(|_| format!("{server}: the node is busy"))
         });
         let mut server = ReconfigureServer {
-            descriptions: latched(&format!("{name}/parameter_descriptions")).map_err(failed)?,
-            updates: latched(&format!("{name}/parameter_updates")).map_err(failed)?,
-            _service: service.map_err(failed)?,
+            descriptions: self.latched_publisher(&descriptions, QUEUE_SIZE).map_err(unpublished)?,
+            updates: self.latched_publisher(&updates, QUEUE_SIZE).map_err(unpublished)?,
+            _service: service.map_err(|error| NodeError::ros(failed(), &error))?,
             described: ConfigDescription::default(),
             on_parameter_server: HashMap::new(),
             name,
@@ -56,12 +59,6 @@ impl RosNode {
         server.set_config(self, config);
         Ok(server)
     }
-}
-
-fn latched<T: rosrust::Message>(topic: &str) -> rosrust::api::error::Result<Publisher<T>> {
-    let mut publisher = rosrust::publish::<T>(topic, QUEUE_SIZE)?;
-    publisher.set_latching(true);
-    Ok(publisher)
 }
 
 /// The values of a message, by name.
@@ -79,17 +76,17 @@ impl ReconfigureServer {
         &self.name
     }
 
-    /// Tells what parameters there are, if that is something new.
+    /// Publishes which parameters there are, if that changed.
     pub fn set_description(&mut self, description: ConfigDescription) {
         if description != self.described {
             if let Err(error) = self.descriptions.send(description.clone()) {
-                log::warn!("{}: cannot describe the parameters: {error}", self.name);
+                log::warn!("{}: cannot publish the parameters' descriptions: {error}", self.name);
             }
             self.described = description;
         }
     }
 
-    /// Tells the values on the topic; those that are new are written to the parameter server, too.
+    /// Publishes the values; those that changed are written to the parameter server, too.
     pub fn set_config(&mut self, ros: &RosNode, config: Config) {
         for (name, value) in values(&config) {
             if self.on_parameter_server.get(name) != Some(&value) {
@@ -98,7 +95,7 @@ impl ReconfigureServer {
             }
         }
         if let Err(error) = self.updates.send(config) {
-            log::warn!("{}: cannot tell the parameters: {error}", self.name);
+            log::warn!("{}: cannot publish the parameters: {error}", self.name);
         }
     }
 }

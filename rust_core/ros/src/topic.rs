@@ -1,10 +1,11 @@
 //! One subscribed topic: one rosrust subscriber for all listeners of the process.
 //!
 //! rosrust unregisters a topic from the master as soon as any of its subscribers is dropped, so there is only ever one.
-//! A listener that comes later gets what latching publishers have sent before, as it would from roscpp.
+//! A listener that is added later gets the latched messages, as a new subscriber does from roscpp.
 
-use crate::{lock, EventSender, NodeError, Shared};
-use rcs_messages::{AnyMessage, MessageKind};
+use crate::node::Shared;
+use crate::{lock, EventSender, NodeError};
+use rcs_messages::{AnyMessage, Message, MessageKind, MessageVisitor, Serialized};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, TryLockError, Weak};
 use std::time::{Duration, Instant};
@@ -13,10 +14,10 @@ use std::time::{Duration, Instant};
 const RECEIVE_QUEUE_SIZE: usize = 1000;
 /// For the big messages, each of which may be megabytes.
 const BIG_RECEIVE_QUEUE_SIZE: usize = 2;
-/// How often one topic's bad messages are spoken of.
+/// How often one topic's undecodable messages are logged.
 const WARN_PERIOD: Duration = Duration::from_secs(5);
 
-/// Gets the topic's name and a message.
+/// Called with the topic's name and a message.
 type Listener = Box<dyn Fn(&Arc<str>, &Received<'_>) + Send + Sync>;
 
 /// A message as listeners get it.
@@ -24,7 +25,7 @@ pub(crate) struct Received<'a> {
     pub(crate) message: &'a AnyMessage,
     /// The publisher's name.
     pub(crate) publisher: &'a Arc<str>,
-    /// When rosrust handed its bytes over; for what is latched, when the listener was added.
+    /// When rosrust handed its bytes over; for a latched message, when the listener was added.
     pub(crate) at: Instant,
 }
 
@@ -81,7 +82,7 @@ impl Topic {
         })
     }
 
-    /// Adds a listener and tells it what is latched.
+    /// Adds a listener and calls it with the latched messages.
     pub(crate) fn add_listener(&self, listener: Listener) -> u64 {
         let (mut state, at) = (lock(&self.receiver.state), Instant::now());
         for (publisher, message) in &state.latched {
@@ -95,7 +96,7 @@ impl Topic {
         id
     }
 
-    /// Takes a listener away; true when none is left.
+    /// Removes a listener; true if none is left.
     fn remove_listener(&self, id: u64) -> bool {
         let mut state = lock(&self.receiver.state);
         state.listeners.remove(&id);
@@ -107,7 +108,7 @@ impl Topic {
         matches!(self.subscriber.try_lock(), Err(TryLockError::WouldBlock))
     }
 
-    /// Whether it is subscribed to; also while that is going on.
+    /// Whether it is subscribed to, or being subscribed to.
     pub(crate) fn is_open(&self) -> bool {
         match self.subscriber.try_lock() {
             Ok(subscriber) => subscriber.is_some(),
@@ -115,7 +116,7 @@ impl Topic {
         }
     }
 
-    /// Subscribes, unless that is done.
+    /// Subscribes, unless it is subscribed to already.
     pub(crate) fn open(&self) -> Result<(), NodeError> {
         let mut subscriber = lock(&self.subscriber);
         if subscriber.is_none() {
@@ -144,8 +145,33 @@ impl Topic {
                 of_messages.take(kind, bytes, publisher);
             }
         };
-        kind.subscribe(&self.given_name, queue_size, on_message, move |header| of_connections.connected(&header))
+        let on_connect = move |header| of_connections.connected(&header);
+        kind.visit(Subscribe { topic: &self.given_name, queue_size, on_message, on_connect })
             .map_err(|error| NodeError::ros(format!("cannot subscribe to {}", self.name), &error))
+    }
+}
+
+/// Subscribes to a topic of the visited type on the running rosrust node.
+struct Subscribe<'a, M, C> {
+    topic: &'a str,
+    queue_size: usize,
+    /// Gets each message's bytes and the publisher's name, on a thread of the subscription.
+    on_message: M,
+    /// Gets the header of each new connection, on a thread of the subscription.
+    on_connect: C,
+}
+
+impl<M, C> MessageVisitor for Subscribe<'_, M, C>
+where
+    M: Fn(Vec<u8>, &str) + Send + 'static,
+    C: Fn(HashMap<String, String>) + Send + 'static,
+{
+    type Output = rosrust::api::error::Result<rosrust::Subscriber>;
+
+    fn visit<T: Message>(self) -> Self::Output {
+        let Self { topic, queue_size, on_message, on_connect } = self;
+        let on_message = move |message: Serialized<T>, publisher: &str| on_message(message.bytes, publisher);
+        rosrust::subscribe_with_ids_and_headers(topic, queue_size, on_message, on_connect)
     }
 }
 
@@ -203,7 +229,7 @@ impl TopicSubscription {
         &self.topic.name
     }
 
-    /// How many messages may wait to be taken from now on (0: any number).
+    /// How many of its messages the event queue holds from now on (0: any number).
     pub fn set_queue_size(&self, queue_size: usize) {
         if let Some(sender) = &self.sender {
             sender.set_queue_size(queue_size);
@@ -212,14 +238,14 @@ impl TopicSubscription {
 }
 
 impl Drop for TopicSubscription {
-    /// Takes what is still waiting out of the queue, and unsubscribes when nobody else listens.
+    /// Drops its queued messages, and unsubscribes if there is no other listener.
     fn drop(&mut self) {
         let unused = self.topic.remove_listener(self.listener);
         let Some(node) = self.node.upgrade() else {
             return;
         };
         if let Some(sender) = &self.sender {
-            sender.forget();
+            sender.drop_queued();
         }
         if unused {
             self.topic.close();

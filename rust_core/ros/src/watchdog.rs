@@ -1,19 +1,20 @@
-//! Repairs what rosrust leaves broken. Every two seconds the master and the publishers of the subscribed topics are asked
-//! how things stand, and that is compared with the connections that the process has.
+//! Repairs what rosrust leaves broken. Every two seconds the master and the publishers of the subscribed topics are
+//! queried, and their answers are compared with the connections that the process has.
 //!
-//! - rosrust connects to a publisher once, when the master names it. When that fails, or the connection breaks later
-//!   while the publisher lives on, the topic stays silent: a topic with a publisher that answers and has no connection,
-//!   twice in a row, is unsubscribed and subscribed again. If that does not help, the next try waits twice as long, as
-//!   each costs the topic's other connections a moment.
-//! - rosrust asks a publisher for its address and waits without limit, under a lock for all topics, so that one stopped
-//!   node would freeze this one: such a question is ended when it has no answer after [`CALL_LIMIT`].
-//! - A master that was restarted knows nothing of this node: it is told again what the node publishes and serves, and
+//! - rosrust connects to a publisher once, when the master names it. If that fails, or the connection breaks later
+//!   while the publisher lives on, the topic stays silent. So a topic with a publisher that answers and has no connection,
+//!   twice in a row, is unsubscribed and subscribed again. If that does not help, the next try waits twice as long, because
+//!   each interrupts the topic's other connections.
+//! - rosrust asks a publisher for its address and waits without limit, under a lock for all topics, so one stopped
+//!   node would freeze this one. The connection of such a call is ended after [`CALL_LIMIT`] without an answer.
+//! - A master that was restarted knows nothing of this node: what the node publishes and serves is registered again, and
 //!   the topics are subscribed again.
 
 use crate::connections::{self, Connection};
 use crate::graph::{Registrations, State};
+use crate::node::Shared;
 use crate::topic::Topic;
-use crate::{lock, NodeEvent, Shared};
+use crate::{lock, NodeEvent};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::net::SocketAddr;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -21,7 +22,7 @@ use std::time::{Duration, Instant};
 
 const PERIOD: Duration = Duration::from_secs(2);
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
-/// How long another node may take to say where its topic is.
+/// How long another node may take to answer rosrust's `requestTopic`.
 const CALL_LIMIT: Duration = Duration::from_millis(1500);
 
 /// Stops the thread.
@@ -41,26 +42,27 @@ impl Watchdog {
         *lock(&self.stopped)
     }
 
-    /// Waits; true when stopped.
+    /// Waits for the next round; true if stopped.
     fn wait(&self) -> bool {
         let waited = self.changed.wait_timeout_while(lock(&self.stopped), PERIOD, |stopped| !*stopped);
         *waited.unwrap_or_else(PoisonError::into_inner).0
     }
 }
 
-/// What is known from the rounds before.
+/// What is known from earlier rounds.
 #[derive(Default)]
 struct Memory {
     suspects: BTreeMap<Arc<str>, Suspect>,
-    questions: HashMap<Connection, Instant>,
+    /// Connections to other nodes' XML-RPC servers, with when they were first seen.
+    calls: HashMap<Connection, Instant>,
     registrations: Registrations,
-    /// Where nodes said that they send their topics from, by the node's address and the topic.
+    /// Where nodes send their topics from by their own answers, by the node's address and the topic.
     addresses: HashMap<(String, Arc<str>), SocketAddr>,
     /// The publishers of each subscribed topic by the master's list.
     sources: HashMap<Arc<str>, HashSet<String>>,
 }
 
-/// What is known of a topic that was found without a connection.
+/// A topic that was found without a connection.
 struct Suspect {
     next_try: Instant,
     wait: Duration,
@@ -69,7 +71,7 @@ struct Suspect {
 /// Where the publishers of the subscribed topics are.
 #[derive(Default)]
 struct Publishers<'a> {
-    /// Where they answer questions.
+    /// Their XML-RPC servers.
     nodes: HashSet<SocketAddr>,
     /// Where they send the topics from. Nodes send all their topics from one port, so there may be several.
     topics: HashMap<SocketAddr, Vec<&'a Arc<Topic>>>,
@@ -84,10 +86,10 @@ pub(crate) fn run(shared: &Arc<Shared>) {
             continue;
         };
         shared.graph.keep_registered(&state, &mut memory.registrations);
-        shared.look_at_publications(&state);
-        memory.notice_farewells(shared, &state, &topics);
+        shared.update_publications(&state);
+        memory.report_lost_publishers(shared, &state, &topics);
         let publishers = memory.publishers(shared, &state, &topics);
-        memory.end_questions(&publishers.nodes);
+        memory.end_unanswered_calls(&publishers.nodes);
         let broken = broken_topics(&state, &topics, &publishers);
         memory.repair(shared, &broken);
     }
@@ -110,8 +112,8 @@ fn broken_topics<'a>(state: &State, topics: &'a [Arc<Topic>], publishers: &Publi
 }
 
 impl Memory {
-    /// Who publishes the topics. A node is asked where it sends a topic from unless there is a connection with where it
-    /// said before, for every question takes time of both nodes.
+    /// Who publishes the topics. A node is asked for the address that it sends a topic from only if there is no connection
+    /// with the address that it gave before, because every call costs both nodes time.
     fn publishers<'a>(&mut self, shared: &Shared, state: &State, topics: &'a [Arc<Topic>]) -> Publishers<'a> {
         let mut found = Publishers::default();
         let mut uris: HashMap<&str, Option<String>> = HashMap::new();
@@ -122,7 +124,7 @@ impl Memory {
                 let Some(uri) = uri else {
                     continue;
                 };
-                found.nodes.extend(crate::address_of(uri));
+                found.nodes.extend(crate::master::addresses_of(uri));
                 let key = (uri.clone(), Arc::clone(topic.name()));
                 let ask = || {
                     // rosrust connects to every address of the host; one is enough.
@@ -138,7 +140,7 @@ impl Memory {
         found
     }
 
-    /// Takes out the addresses that have as many connections as topics, and forgets the others.
+    /// The known addresses that have as many connections as topics; the others are dropped.
     fn connected_addresses(&mut self) -> HashMap<(String, Arc<str>), SocketAddr> {
         let mut connections: HashMap<SocketAddr, usize> = HashMap::new();
         for connection in connections::connections() {
@@ -153,24 +155,24 @@ impl Memory {
         known
     }
 
-    /// Ends the questions to `nodes` that have waited too long.
-    fn end_questions(&mut self, nodes: &HashSet<SocketAddr>) {
+    /// Ends the calls to `nodes` that have had no answer for too long.
+    fn end_unanswered_calls(&mut self, nodes: &HashSet<SocketAddr>) {
         let now = Instant::now();
         let open: Vec<_> = connections::connections().into_iter().filter(|open| nodes.contains(&open.peer)).collect();
-        self.questions.retain(|question, _| open.contains(question));
-        for question in open {
-            let since = *self.questions.entry(question).or_insert(now);
+        self.calls.retain(|call, _| open.contains(call));
+        for call in open {
+            let since = *self.calls.entry(call).or_insert(now);
             if now - since >= CALL_LIMIT {
-                log::info!("the node at {} does not answer, going on without it", question.peer);
-                connections::end(question);
-                self.questions.remove(&question);
+                log::info!("the node at {} does not answer, going on without it", call.peer);
+                connections::end(call);
+                self.calls.remove(&call);
             }
         }
     }
 
-    /// Tells of publishers that the master listed and lists no more. A master that does not know this node's topics was
-    /// restarted, and its list says nothing yet.
-    fn notice_farewells(&mut self, shared: &Shared, state: &State, topics: &[Arc<Topic>]) {
+    /// Reports publishers that the master listed and lists no more. A master that does not know this node's topics was
+    /// restarted, and its list means nothing yet.
+    fn report_lost_publishers(&mut self, shared: &Shared, state: &State, topics: &[Arc<Topic>]) {
         self.sources.retain(|name, _| topics.iter().any(|topic| topic.name() == name));
         for topic in topics.iter().filter(|topic| state.subscriptions.contains(&**topic.name())) {
             let now: HashSet<String> = state.publishers.get(&**topic.name()).into_iter().flatten().cloned().collect();
@@ -181,7 +183,7 @@ impl Memory {
         }
     }
 
-    /// Subscribes again to those topics that were broken the last time too and whose time has come.
+    /// Subscribes again to topics that were broken in the last round, too, and whose next try is due.
     fn repair(&mut self, shared: &Arc<Shared>, broken: &[&Arc<Topic>]) {
         let now = Instant::now();
         self.suspects.retain(|name, _| broken.iter().any(|topic| topic.name() == name));
@@ -194,7 +196,7 @@ impl Memory {
             suspect.next_try = now + suspect.wait;
             suspect.wait = (suspect.wait * 2).min(LONGEST_WAIT);
             let topic = Arc::clone(topic);
-            // On a thread of its own: it may have to wait for another node, which only this thread can end.
+            // On a thread of its own: it may wait for another node, and only this thread ends such a call.
             let spawned = std::thread::Builder::new().name("ros-resubscribe".to_owned()).spawn(move || {
                 log::info!("{}: a connection is missing, subscribing again", topic.name());
                 topic.close();

@@ -2,22 +2,20 @@
 //!
 //! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png]`: pixel (u, v) of the pattern has red
 //! u % 256, green v % 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same.
-//! The second picture, of the same content, comes half a second later. Escape or q quit.
+//! The same picture is shown again half a second later. Escape or q quit.
 
 use std::error::Error;
 use std::thread;
 use std::time::Duration;
 
-use rcs_window::MonitorChoice;
-use rcs_window::ScreenPicture;
-use rcs_window::{self as window, WindowOptions};
+use rcs_window::{self as window, MonitorChoice, ScreenPicture, WindowOptions};
 
 /// Prints log messages, as the programs do.
 struct Stderr;
 
 impl log::Log for Stderr {
     fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
-        metadata.target().starts_with("rcs_")
+        ["rcs_", "window_pattern"].iter().any(|target| metadata.target().starts_with(target))
     }
     fn log(&self, record: &log::Record<'_>) {
         if self.enabled(record.metadata()) {
@@ -56,6 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             sink.show(pattern(width, height));
             thread::sleep(Duration::from_millis(500));
             sink.show(pattern(width, height));
+            log::info!("this was the second picture");
         });
     })?;
     Ok(())

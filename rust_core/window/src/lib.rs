@@ -1,24 +1,24 @@
 //! The projector's window: a picture full screen on a chosen monitor, pixel for pixel.
 //!
 //! [`run`] opens the window on the calling thread, which must be the main thread, and stays until the user presses
-//! Escape or q, closes it, or the [`PictureSink`] is told to close it. Other threads hand pictures to the sink; only the
-//! newest is kept, and the window is drawn when a new picture comes or the window system asks for it, so a picture
-//! that stands still costs nothing.
+//! Escape or q, closes it, or [`PictureSink::close`] is called. Other threads hand pictures to the sink; only the newest is
+//! kept, and the window is drawn when a new picture arrives or the window system requests it, so an unchanged picture
+//! costs nothing.
 //!
 //! Nothing is ever scaled, because a projection fits the world only while picture pixel (u, v) is screen pixel (u, v):
-//! all sizes here are physical pixels, whatever the desktop's scale factor. A picture of another size than the
-//! monitor is shown at the top left on black, and warned about once for each size.
+//! all sizes here are physical pixels, whatever the desktop's scale factor. If picture and monitor
+//! differ in size, the picture is shown at the top left on black, and a warning is printed once for each size.
 
 #![forbid(unsafe_code)]
 
+mod coverage;
 mod monitor;
 mod open;
-mod picture;
-mod place;
+mod screen_picture;
 mod x11;
 
 pub use monitor::{list as list_lines, MonitorChoice, MonitorError, MonitorInfo};
-pub use picture::{PictureError, RawPicture, ScreenPicture};
+pub use screen_picture::{PictureError, ReceivedPicture, ScreenPicture};
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -33,24 +33,25 @@ use winit::keyboard::{Key, NamedKey};
 use winit::window::WindowId;
 
 use crate::open::{monitors, OpenWindow};
-use crate::picture::rgb_bytes;
-use rcs_files::png::{write_png, PngError, PngFormat};
+use crate::screen_picture::rgb_bytes;
+use rcs_files::picture_file::{self, PngError};
+use rcs_scene::{Encoding, Picture};
 
 /// What the window shows and where.
 #[derive(Debug, Clone)]
 pub struct WindowOptions {
-    /// Where the pictures come from, for the window's title and for warnings: a topic.
+    /// The topic of the pictures, for the window's title and for warnings.
     pub source: String,
     /// The monitor to cover.
     pub monitor: MonitorChoice,
-    /// A PNG file that gets what the window shows once the first picture is on the screen.
+    /// A PNG file to save the window's pixels to, once the first picture is on the screen.
     pub screenshot: Option<PathBuf>,
 }
 
-/// Why there is no window, or no longer one.
+/// Why the window could not be opened, or had to be closed.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
-    /// There is no window system, or it broke off.
+    /// There is no window system, or the connection to it broke.
     #[error("no window: {0} (DISPLAY or WAYLAND_DISPLAY must name a running display)")]
     EventLoop(String),
     /// The monitor that was asked for does not exist.
@@ -61,7 +62,7 @@ pub enum WindowError {
     Open {
         /// The monitor.
         monitor: MonitorInfo,
-        /// What the window system says.
+        /// The window system's error.
         reason: String,
     },
     /// The pixels cannot be brought to the window.
@@ -69,7 +70,7 @@ pub enum WindowError {
     Draw {
         /// The monitor.
         monitor: MonitorInfo,
-        /// What the window system says.
+        /// The window system's error.
         reason: String,
     },
     /// The screenshot cannot be written.
@@ -77,14 +78,14 @@ pub enum WindowError {
     Screenshot(#[from] PngError),
 }
 
-/// What other threads tell the window.
+/// What other threads ask of the window.
 #[derive(Debug, Clone, Copy)]
 enum Wake {
     NewPicture,
     Close,
 }
 
-/// The end of the window that other threads hold: they give it pictures and close it.
+/// The window's handle for other threads, which show pictures with it and close the window.
 #[derive(Debug, Clone)]
 pub struct PictureSink {
     newest: Arc<Mutex<Option<ScreenPicture>>>,
@@ -117,7 +118,7 @@ impl PictureSink {
 
 /// Opens the window and shows pictures until it is closed.
 ///
-/// `start` is called once, when the window stands, with the sink for pictures. It must not block: it starts threads.
+/// `start` is called once, when the window is open, with the sink for pictures. It must not block: it starts threads.
 ///
 /// # Errors
 /// [`WindowError`] when there is no display, no such monitor, or the window system refuses the window.
@@ -144,7 +145,7 @@ fn event_loop_error(error: EventLoopError) -> WindowError {
     WindowError::EventLoop(without_place(&error.to_string()))
 }
 
-/// winit begins its messages with the place in its sources, `os error at FILE:LINE: `, which helps no user.
+/// winit begins its messages with a place in its source code, `os error at FILE:LINE: `, which helps no user.
 pub(crate) fn without_place(message: &str) -> String {
     let rest = message.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
     rest.map_or(message, |(_, reason)| reason).trim_end_matches('.').to_owned()
@@ -177,7 +178,7 @@ struct Application<F> {
     open: Option<OpenWindow>,
     picture: Option<ScreenPicture>,
     screenshot: Option<PathBuf>,
-    /// Sizes (of the picture, of the monitor) whose difference was warned about.
+    /// Sizes (of the picture, of the monitor) that a warning was printed for.
     warned_sizes: HashSet<((u32, u32), (u32, u32))>,
     failure: Option<WindowError>,
 }
@@ -190,14 +191,15 @@ impl<F> Application<F> {
         let wants_copy = self.screenshot.is_some() && self.picture.is_some() && open.has_monitors_size();
         let shown = open.draw(self.picture.as_ref(), wants_copy)?;
         if let (Some(shown), Some(path)) = (shown, self.screenshot.take_if(|_| wants_copy)) {
-            let (width, height) = shown.size_px;
-            write_png(&path, width, height, PngFormat::Rgb8, &rgb_bytes(&shown.pixels))?;
+            let (width_px, height_px) = shown.size_px;
+            let data = rgb_bytes(&shown.pixels);
+            picture_file::write(&path, &Picture { width_px, height_px, encoding: Encoding::Rgb8, data })?;
             log::info!("saved what the window shows: {}", path.display());
         }
         Ok(())
     }
 
-    /// Takes the newest picture, if there is a new one, and has the window painted.
+    /// Takes the newest picture, if there is a new one, and requests a redraw.
     fn take_picture(&mut self) {
         if let Some(picture) = self.sink.take() {
             self.picture = Some(picture);
@@ -208,7 +210,7 @@ impl<F> Application<F> {
         }
     }
 
-    /// Warns, once for each size, about a picture that is not as large as the monitor.
+    /// Prints a warning, once for each size, if picture and monitor differ in size.
     fn compare_sizes(&mut self) {
         let (Some(open), Some(picture)) = (&self.open, &self.picture) else {
             return;
@@ -255,16 +257,16 @@ impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
             return;
         };
         let now = Instant::now();
-        let looks = now >= open.next_look();
-        if looks && open.look(event_loop, now) {
+        let is_due = now >= open.next_poll();
+        if is_due && open.poll(event_loop, now) {
             self.compare_sizes();
         }
-        if looks {
-            // What a busy display server lost (an exposure, a wake-up) does not stay lost.
+        if is_due {
+            // Makes up for what a busy display server lost: an exposure, a wake-up.
             self.take_picture();
         }
         if let Some(open) = &self.open {
-            event_loop.set_control_flow(ControlFlow::WaitUntil(open.next_look()));
+            event_loop.set_control_flow(ControlFlow::WaitUntil(open.next_poll()));
         }
     }
 
@@ -308,7 +310,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn messages_lose_the_place_in_the_librarys_sources() {
+    fn messages_lose_the_place_in_winits_source_code() {
         assert_eq!(without_place("os error at /x/y.rs:7: DISPLAY: not set."), "DISPLAY: not set");
         assert_eq!(without_place("something else: bad"), "something else: bad");
     }

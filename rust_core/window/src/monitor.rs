@@ -2,7 +2,7 @@
 //!
 //! A projector is, to the computer, one more monitor. [`MonitorChoice`] is what the user asked for: nothing (the last
 //! monitor that is not the primary one, which is the projector on a robot with a screen, else the only one), a number
-//! from the list, or a name such as `HDMI-1`. [`MonitorInfo`] is what a window system tells of one monitor, in
+//! from the list, or a name such as `HDMI-1`. [`MonitorInfo`] is what a window system reports of one monitor, in
 //! physical pixels of the whole desktop.
 
 use std::convert::Infallible;

@@ -1,4 +1,4 @@
-//! The window that stands on the screen: its surface, its monitor and its keyboard.
+//! The open window: its surface, its monitor and its keyboard.
 //!
 //! On Wayland, and on X11 under a window manager that knows EWMH, the window system makes the window full screen. On
 //! an X server without one the window covers the monitor by itself: it has exactly the monitor's place and size, and
@@ -17,9 +17,9 @@ use winit::platform::x11::{ActiveEventLoopExtX11, WindowAttributesExtX11};
 use winit::raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
+use crate::coverage::{CoverageStep, CoverageWatch};
 use crate::monitor::MonitorInfo;
-use crate::picture::ScreenPicture;
-use crate::place::{PlaceStep, Placement};
+use crate::screen_picture::ScreenPicture;
 use crate::x11::X11Session;
 use crate::{without_place, WindowError, WindowOptions};
 
@@ -51,10 +51,10 @@ pub(crate) struct OpenWindow {
     /// Whether no window manager puts it in its place.
     placed_by_itself: bool,
     has_keyboard: bool,
-    placement: Placement,
+    coverage: CoverageWatch,
 }
 
-/// What stands on the screen.
+/// The pixels on the screen.
 pub(crate) struct Shown {
     /// Columns and rows.
     pub(crate) size_px: (u32, u32),
@@ -91,12 +91,12 @@ impl OpenWindow {
             .and_then(|context| softbuffer::Surface::new(&context, Rc::clone(&window)))
             .map_err(|error| draw_error(&monitor, &error))?;
         window.request_redraw();
-        let placement = Placement::new(Instant::now());
+        let coverage = CoverageWatch::new(Instant::now());
         let has_keyboard = !placed_by_itself;
-        Ok(Self { surface, window, monitor, x11, placed_by_itself, has_keyboard, placement })
+        Ok(Self { surface, window, monitor, x11, placed_by_itself, has_keyboard, coverage })
     }
 
-    /// The monitor as it was seen last.
+    /// The monitor as it was polled last.
     pub(crate) fn monitor(&self) -> &MonitorInfo {
         &self.monitor
     }
@@ -106,12 +106,12 @@ impl OpenWindow {
         self.size_px() == self.monitor.size_px
     }
 
-    /// Asks the window system for an occasion to draw.
+    /// Requests a redraw from the window system.
     pub(crate) fn request_redraw(&self) {
         self.window.request_redraw();
     }
 
-    /// Draws the picture (black without one); gives a copy of what is shown when `copy`.
+    /// Draws the picture (black without one); returns a copy of what is shown if `copy` is set.
     pub(crate) fn draw(&mut self, picture: Option<&ScreenPicture>, copy: bool) -> Result<Option<Shown>, WindowError> {
         let size_px = self.size_px();
         let (Some(width), Some(height)) = (NonZeroU32::new(size_px.0), NonZeroU32::new(size_px.1)) else {
@@ -133,14 +133,14 @@ impl OpenWindow {
         Ok(pixels.map(|pixels| Shown { size_px, pixels }))
     }
 
-    /// When [`look`](Self::look) is to be called again.
-    pub(crate) fn next_look(&self) -> Instant {
-        self.placement.next_look()
+    /// When [`poll`](Self::poll) is to be called again.
+    pub(crate) fn next_poll(&self) -> Instant {
+        self.coverage.next_poll()
     }
 
-    /// Looks whether the window covers its monitor and has the keyboard, and does something about it.
-    /// Returns whether the monitor is another one than at the last look (its place or size).
-    pub(crate) fn look(&mut self, event_loop: &ActiveEventLoop, now: Instant) -> bool {
+    /// Checks whether the window covers its monitor and has the keyboard, and puts right what is not.
+    /// Returns whether the monitor's position or size changed since the last poll.
+    pub(crate) fn poll(&mut self, event_loop: &ActiveEventLoop, now: Instant) -> bool {
         let handle = monitors(event_loop).into_iter().find(|(info, _)| info.name == self.monitor.name);
         let geometry = match &self.x11 {
             Some(x11) => {
@@ -158,13 +158,13 @@ impl OpenWindow {
             log::info!("the monitor is now {}", self.monitor);
         }
         self.has_keyboard = self.has_keyboard || self.take_keyboard();
-        let was_settling = self.placement.is_settling(now);
-        match self.placement.look(now, geometry.is_some(), self.is_in_place()) {
-            PlaceStep::Nothing => {}
-            PlaceStep::PlaceAgain => {
-                self.place_again(handle.map(|(_, handle)| handle));
+        let was_settling = self.coverage.is_settling(now);
+        match self.coverage.poll(now, geometry.is_some(), self.is_in_place()) {
+            CoverageStep::Nothing => {}
+            CoverageStep::CoverAgain => {
+                self.cover_again(handle.map(|(_, handle)| handle));
             }
-            PlaceStep::SayMisplaced => {
+            CoverageStep::WarnMisplaced => {
                 let (width, height) = self.size_px();
                 let (x, y) = self.place_px().unwrap_or_default();
                 log::warn!(
@@ -173,15 +173,15 @@ impl OpenWindow {
                     self.monitor
                 );
             }
-            PlaceStep::SayGone => log::warn!("monitor {} is gone; waiting for it", self.monitor),
+            CoverageStep::WarnMonitorGone => log::warn!("monitor {} is gone; waiting for it", self.monitor),
         }
-        if was_settling && !self.placement.is_settling(self.placement.next_look()) && !self.has_keyboard {
+        if was_settling && !self.coverage.is_settling(self.coverage.next_poll()) && !self.has_keyboard {
             log::warn!("the window does not get the keyboard; end with Ctrl-C instead of Escape");
         }
         is_changed
     }
 
-    fn place_again(&self, handle: Option<MonitorHandle>) {
+    fn cover_again(&self, handle: Option<MonitorHandle>) {
         if self.is_withdrawn() {
             // A window manager that just starts can take a new window down again.
             self.window.set_visible(false);
@@ -190,7 +190,7 @@ impl OpenWindow {
         if self.placed_by_itself {
             let ((x, y), (width, height)) = (self.monitor.position_px, self.monitor.size_px);
             self.window.set_outer_position(PhysicalPosition::new(x, y));
-            // The answer comes as an event of its own.
+            // The answer is an event of its own.
             let _ = self.window.request_inner_size(PhysicalSize::new(width, height));
         } else {
             // A window that is full screen already would be left where it is.
@@ -211,12 +211,12 @@ impl OpenWindow {
         (size.width, size.height)
     }
 
-    /// Where the window system says that the window is; Wayland does not say.
+    /// The window's position as the window system reports it; Wayland does not.
     fn place_px(&self) -> Option<(i32, i32)> {
         self.window.inner_position().ok().map(|place| (place.x, place.y))
     }
 
-    /// Whether the X server has the window neither on the screen nor iconified; other window systems do not say.
+    /// Whether the X server has the window neither on the screen nor iconified; other window systems do not report it.
     fn is_withdrawn(&self) -> bool {
         match (&self.x11, self.x11_id()) {
             (Some(x11), Some(id)) => x11.is_withdrawn(id),
@@ -224,7 +224,7 @@ impl OpenWindow {
         }
     }
 
-    /// Without a window manager nobody gives the window the keyboard.
+    /// Takes the keyboard, which without a window manager no one else gives to the window.
     fn take_keyboard(&self) -> bool {
         match (&self.x11, self.x11_id()) {
             (Some(x11), Some(id)) => x11.focus(id),

@@ -1,10 +1,10 @@
-//! What winit does not tell about an X server.
+//! What winit does not offer for X servers.
 //!
 //! winit makes a window full screen by asking the window manager (EWMH's `_NET_WM_STATE_FULLSCREEN`). A projector's X
-//! server often has none: [`X11Session::has_fullscreen_manager`] tells, so that the window can then be placed over the
-//! monitor by itself. Without a manager nobody gives the window the keyboard either ([`X11Session::focus`]), and a
-//! picture that stands still must not be blanked by the screen saver ([`X11Session::keep_screen_awake`]).
-//! [`X11Session::outputs`] are the monitors as they are now; winit's list can be that of the program's start.
+//! server often has none ([`X11Session::has_fullscreen_manager`]); then the window covers the monitor by itself. Without a manager
+//! the window is not given the keyboard either ([`X11Session::focus`]), and the screen saver must not blank an unchanged
+//! picture ([`X11Session::keep_screen_awake`]). [`X11Session::outputs`] are the monitors as they are now; winit's list can
+//! be that of the program's start.
 
 use x11rb::connection::{Connection, RequestConnection};
 use x11rb::protocol::randr::ConnectionExt as _;
@@ -29,7 +29,7 @@ pub(crate) struct X11Session {
 }
 
 impl X11Session {
-    /// Connects; `None` where that fails, since everything here is an aid only.
+    /// Connects; `None` if that fails, because everything here is an aid only.
     pub(crate) fn open() -> Option<Self> {
         let (connection, screen) = x11rb::connect(None).ok()?;
         let root = connection.setup().roots.get(screen)?.root;

@@ -1,4 +1,4 @@
-//! The window on a real X server: what stands on the screen is the picture, pixel by pixel, over the whole screen.
+//! The window on a real X server: the screen shows the picture, pixel by pixel, over the whole screen.
 //!
 //! Each test starts its own Xvfb on a free display (and openbox where a window manager is asked for), runs the example
 //! `window_pattern` there, reads the root window's pixels and presses keys through the XTEST extension. Debian's
@@ -30,10 +30,6 @@ impl Process {
         let child = command.spawn().unwrap_or_else(|error| panic!("{name}: {error}"));
         Self(child)
     }
-
-    fn wait(&mut self) -> ExitStatus {
-        wait_for("the process to end", || self.0.try_wait().unwrap())
-    }
 }
 
 impl Drop for Process {
@@ -50,7 +46,7 @@ struct Shown {
 }
 
 impl Shown {
-    fn said(&self) -> String {
+    fn log_text(&self) -> String {
         std::fs::read_to_string(self.log.path()).unwrap()
     }
 }
@@ -143,6 +139,14 @@ impl Screen {
         }
     }
 
+    /// Presses a key until the program ends: the window has the keyboard only once it has settled.
+    fn quit(&self, window: &mut Shown, key: u32) -> ExitStatus {
+        wait_for("the key to end the program", || {
+            self.press(key);
+            window.process.0.try_wait().unwrap()
+        })
+    }
+
     fn wait_for_pixels(&self, window: &mut Shown, expected: &[u32]) {
         let deadline = Instant::now() + PATIENCE;
         loop {
@@ -155,11 +159,11 @@ impl Screen {
                 let wrong = pixels.iter().zip(expected).filter(|(got, want)| got != want).count();
                 panic!(
                     "{wrong} of {} pixels on the screen are not the picture's; the program {}; the windows are {:#?}; \
-                     it said {}",
+                     its log {}",
                     expected.len(),
                     ended.map_or("runs".to_owned(), |status| format!("ended with {status}")),
                     self.windows(),
-                    window.said(),
+                    window.log_text(),
                 );
             }
             sleep(Duration::from_millis(100));
@@ -224,10 +228,7 @@ fn covers_the_screen_and_quits(with_manager: bool, key: u32) {
     let saved: Vec<u32> = saved.pixels().map(|p| u32::from_be_bytes([0, p[0], p[1], p[2]])).collect();
     assert!(saved == picture, "the screenshot is the picture");
 
-    // The window asks for the keyboard within its settling time.
-    sleep(Duration::from_secs(1));
-    screen.press(key);
-    assert!(window.process.wait().success());
+    assert!(screen.quit(&mut window, key).success());
 }
 
 #[test]
@@ -246,13 +247,11 @@ fn a_picture_of_another_size_is_unscaled_at_the_top_left_and_warned_about_once()
         let screen = Screen::start(true);
         let mut window = screen.show(&[size]);
         screen.wait_for_pixels(&mut window, &expected(width, height));
-        // The same size comes a second time half a second after the first.
-        sleep(Duration::from_secs(2));
-        screen.press(ESCAPE);
-        assert!(window.process.wait().success());
-        let said = window.said();
-        let warnings: Vec<_> = said.lines().filter(|line| line.starts_with("WARN")).collect();
-        assert_eq!(warnings.len(), 1, "{said}");
+        wait_for("the same picture again", || window.log_text().contains("second picture").then_some(()));
+        assert!(screen.quit(&mut window, ESCAPE).success());
+        let log = window.log_text();
+        let warnings: Vec<_> = log.lines().filter(|line| line.starts_with("WARN")).collect();
+        assert_eq!(warnings.len(), 1, "{log}");
         assert!(warnings[0].contains(&format!("IS {size} PIXELS")), "{warnings:?}");
         assert!(warnings[0].contains("1280x800"), "{warnings:?}");
     }

@@ -26,7 +26,21 @@ const CHUNK_LEN: usize = 768 * 1024;
 /// The bag's header record is padded to this, so that it can be rewritten in place.
 const HEADER_LEN: usize = 4096;
 
-/// A bag being written. [`finish`](BagWriter::finish) it, or it has no index.
+/// A bag being written. It has no index until it is [finished](BagWriter::finish).
+///
+/// ```
+/// use rcs_messages::{std_msgs, Time};
+/// use rcs_test_support::BagWriter;
+///
+/// let folder = std::env::temp_dir();
+/// let path = folder.join(format!("bag_writer_{}.bag", std::process::id()));
+/// let mut writer = BagWriter::create(&path)?;
+/// writer.write("/greeting", false, Time { sec: 1, nsec: 0 }, &std_msgs::String { data: "hello".to_owned() })?;
+/// writer.finish()?;
+/// assert!(std::fs::read(&path)?.starts_with(b"#ROSBAG V2.0"));
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct BagWriter {
     file: BufWriter<File>,
@@ -45,7 +59,7 @@ struct Chunk {
 }
 
 impl BagWriter {
-    /// Starts a bag at `path`, in the place of a file that is there.
+    /// Starts a bag at `path`, replacing a file that is there.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
         let mut writer = Self {
             file: BufWriter::new(File::create(path)?),

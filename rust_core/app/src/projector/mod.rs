@@ -6,15 +6,13 @@ use std::time::Duration;
 
 use crate::logging;
 use crate::small_node::{self, EndRequest};
-use anyhow::{anyhow, bail, Context};
+use anyhow::{bail, Context};
 use clap::Parser;
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::Time;
-use rcs_ros::tune_listeners;
-use rcs_ros::RosNode;
-use rosrust::Publisher;
+use rcs_ros::{LatchedPublisher, RosNode};
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 
@@ -62,7 +60,7 @@ pub fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    // A wrong file is told at once, not when the master comes.
+    // A wrong file is an error at once, not when the master comes.
     let given = arguments.positional.as_deref().or(arguments.file.as_deref());
     let given = given.map(|path| read(path, arguments)).transpose()?;
     let end = EndRequest::watch_signals().context("cannot take signals")?;
@@ -88,11 +86,11 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads the file, tells what it ignores, and fills in what the arguments say.
+/// Reads the file, logs its warnings, and applies the arguments.
 fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<ProjectorFile> {
     let mut file = ProjectorFile::read(path)?;
-    for key in &file.ignored_keys {
-        log::warn!("{}: key '{key}' is not known and is ignored", path.display());
+    for warning in file.warnings() {
+        log::warn!("{}: {warning}", path.display());
     }
     if let Some(frame_id) = &arguments.frame_id {
         file.camera_info.header.frame_id.clone_from(frame_id);
@@ -112,31 +110,21 @@ fn file_parameter(node: &RosNode) -> anyhow::Result<PathBuf> {
 
 /// Both topics; they live as long as this.
 struct Publishers {
-    camera_info: Publisher<CameraInfo>,
-    tf_static: Option<Publisher<TFMessage>>,
+    camera_info: LatchedPublisher<CameraInfo>,
+    tf_static: Option<LatchedPublisher<TFMessage>>,
 }
 
 impl Publishers {
     fn open(node: &RosNode, file: &ProjectorFile, arguments: &Arguments) -> anyhow::Result<Self> {
         let topic = arguments.camera_info_topic.as_ref().or(file.camera_info_topic.as_ref());
         let topic = topic.map_or(DEFAULT_TOPIC, String::as_str);
-        let mut camera_info = rosrust::publish(topic, 1).map_err(|error| anyhow!("topic {topic}: {error}"))?;
-        camera_info.set_latching(true);
-        let info = &file.camera_info;
-        let topic = node.resolve(topic)?;
+        let camera_info = node.latched_publisher(topic, 1)?;
+        let (info, topic) = (&file.camera_info, camera_info.topic());
         log::info!("{}x{} pixels in frame {} on {topic}", info.width, info.height, info.header.frame_id);
         for frame in &file.frames {
             log::info!("static frame {} in {}", frame.child, frame.parent);
         }
-        let tf_static = if file.frames.is_empty() {
-            None
-        } else {
-            let mut tf_static =
-                rosrust::publish("/tf_static", 1).map_err(|error| anyhow!("topic /tf_static: {error}"))?;
-            tf_static.set_latching(true);
-            Some(tf_static)
-        };
-        tune_listeners();
+        let tf_static = if file.frames.is_empty() { None } else { Some(node.latched_publisher("/tf_static", 1)?) };
         Ok(Self { camera_info, tf_static })
     }
 
@@ -144,10 +132,10 @@ impl Publishers {
     fn publish(&self, file: &ProjectorFile, stamp: Time) -> anyhow::Result<()> {
         let mut info = file.camera_info.clone();
         info.header.stamp = stamp;
-        self.camera_info.send(info).map_err(|error| anyhow!("CameraInfo: {error}"))?;
+        self.camera_info.send(info)?;
         if let Some(tf_static) = &self.tf_static {
             let transforms = file.frames.iter().map(|frame| frame.to_message(stamp)).collect();
-            tf_static.send(TFMessage { transforms }).map_err(|error| anyhow!("topic /tf_static: {error}"))?;
+            tf_static.send(TFMessage { transforms })?;
         }
         Ok(())
     }

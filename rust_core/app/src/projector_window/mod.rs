@@ -14,7 +14,7 @@ use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_ros::NodeEvent;
 use rcs_window::{self as window, list_lines, MonitorChoice};
 use rcs_window::{self, PictureSink, WindowOptions};
-use rcs_window::{PictureError, RawPicture, ScreenPicture};
+use rcs_window::{PictureError, ReceivedPicture, ScreenPicture};
 
 const DEFAULT_TOPIC: &str = "/proj_view/image";
 
@@ -119,7 +119,7 @@ fn follow_topic(topic: &str, end: &EndRequest, sink: &PictureSink) -> anyhow::Re
 }
 
 fn picture(image: &Image) -> Result<ScreenPicture, PictureError> {
-    ScreenPicture::from_raw(&RawPicture {
+    ScreenPicture::from_received(&ReceivedPicture {
         width_px: image.width,
         height_px: image.height,
         step_bytes: image.step,

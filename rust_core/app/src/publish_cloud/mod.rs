@@ -6,12 +6,11 @@ use std::time::Duration;
 
 use crate::logging;
 use crate::small_node::{self, EndRequest};
-use anyhow::{anyhow, Context};
+use anyhow::Context;
 use clap::Parser;
 use rcs_files::pcd::PcdCloud;
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::PointCloud2;
-use rcs_ros::tune_listeners;
 
 /// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
 ///
@@ -68,22 +67,19 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(node) = small_node::connect("publish_cloud", &end)? else {
         return Ok(());
     };
-    let topic = &arguments.topic;
-    let mut publisher = rosrust::publish::<PointCloud2>(topic, 1).map_err(|error| anyhow!("topic {topic}: {error}"))?;
-    publisher.set_latching(true);
-    tune_listeners();
+    let publisher = node.latched_publisher::<PointCloud2>(&arguments.topic, 1)?;
     let PointCloud2 { width, height, .. } = message;
     log::info!(
         "{}: {width}x{height} points in frame {} on {} at {} Hz",
         arguments.file.display(),
         arguments.frame,
-        node.resolve(topic)?,
+        publisher.topic(),
         arguments.rate
     );
     loop {
         let mut stamped = message.clone();
         stamped.header.stamp = node.now();
-        publisher.send(stamped).map_err(|error| anyhow!("topic {topic}: {error}"))?;
+        publisher.send(stamped)?;
         let is_end = if arguments.rate > 0.0 {
             end.wait_for(Duration::from_secs_f64(arguments.rate.recip()))
         } else {

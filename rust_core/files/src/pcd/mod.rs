@@ -2,11 +2,11 @@
 //!
 //! [`PcdCloud::read`] reads all three encodings (`ascii`, `binary`, `binary_compressed`) with any fields, types, counts
 //! and sizes into points that lie one after another, little-endian, in rows. A packed colour (`rgb`, `rgba`) is a field
-//! like any other. What a PointCloud2 cannot say is adapted: integers of 8 bytes become `FLOAT64` (exact up to 2^53),
+//! like any other. What a PointCloud2 cannot express is converted: integers of 8 bytes become `FLOAT64` (exact up to 2^53),
 //! and PCL's padding fields (`_`) become bytes that no field names.
 //!
-//! The crates that read PCD files decode each point into a list of typed values; here the bytes are wanted, with the
-//! line or offset of an error, and memory that a damaged header cannot make large.
+//! The crates that read PCD files decode each point into a list of typed values. Here the bytes are needed, errors name
+//! line or offset, and a damaged header allocates no memory that the file does not fill.
 
 mod header;
 mod lzf;
@@ -69,6 +69,17 @@ pub struct CloudField {
 }
 
 /// A point cloud: `height` rows of `width` points of `point_step_bytes` bytes, little-endian, no padding between them.
+///
+/// ```
+/// use rcs_files::pcd::PcdCloud;
+/// use std::path::Path;
+///
+/// let file = b"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA ascii\n0.5 -1 2\n";
+/// let cloud = PcdCloud::parse(Path::new("one.pcd"), file)?;
+/// assert_eq!((cloud.width, cloud.height, cloud.point_step_bytes), (1, 1, 12));
+/// assert_eq!(cloud.data[4..8], (-1.0_f32).to_le_bytes());
+/// # Ok::<(), rcs_files::pcd::PcdError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct PcdCloud {
     /// Points in a row.
@@ -93,7 +104,7 @@ pub enum PcdError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The header is wrong.

@@ -1,5 +1,6 @@
 //! The file's static frames: keys and values, or one line as static_transform_publisher's arguments.
 
+use std::collections::HashSet;
 use std::fmt;
 
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -9,7 +10,7 @@ use rcs_messages::Time;
 use serde::de::{Deserializer, Error as _, MapAccess, Visitor};
 use serde::Deserialize;
 
-use super::numbers::Matrix;
+use super::checked_numbers::Matrix;
 
 /// How far a quaternion's norm may be from one; what is closer is normalised.
 const NORM_TOLERANCE: f64 = 0.01;
@@ -93,7 +94,7 @@ impl RawFrame {
                 placement(&numbers)?
             }
             (_, _, _, Some(_)) => {
-                return Err("transform says it all: no translation and no rotation_... beside it".to_owned());
+                return Err("transform excludes translation and rotation_...".to_owned());
             }
             (_, Some(_), Some(_), _) => return Err("rotation_rpy and rotation_xyzw exclude each other".to_owned()),
             (translation, Some(Matrix([roll, pitch, yaw])), None, None) => {
@@ -148,14 +149,14 @@ fn frame_from_text(text: &str) -> Result<StaticFrame, String> {
     }
 }
 
-fn named_frame(
+/// A frame whose names are as tf2 takes them.
+pub(super) fn named_frame(
     parent: &str,
     child: &str,
     translation_m: [f64; 3],
     rotation: UnitQuaternion<f64>,
 ) -> Result<StaticFrame, String> {
-    // tf2 knows no leading slash.
-    let [parent, child] = [parent, child].map(|name| name.strip_prefix('/').unwrap_or(name));
+    let [parent, child] = [parent, child].map(without_slash);
     if parent.is_empty() || child.is_empty() {
         return Err("parent and child need names".to_owned());
     }
@@ -163,6 +164,21 @@ fn named_frame(
         return Err(format!("frame '{child}' cannot be its own parent"));
     }
     Ok(StaticFrame { parent: parent.to_owned(), child: child.to_owned(), translation_m, rotation })
+}
+
+/// An error for a frame that has two parents.
+pub(super) fn check_placed_once(frames: &[StaticFrame]) -> Result<(), String> {
+    let mut children = HashSet::new();
+    let name = |frame: &StaticFrame| without_slash(&frame.child).to_owned();
+    match frames.iter().map(name).find(|child| !children.insert(child.clone())) {
+        Some(twice) => Err(format!("frame '{twice}' is placed twice")),
+        None => Ok(()),
+    }
+}
+
+/// tf2 knows no leading slash.
+fn without_slash(name: &str) -> &str {
+    name.strip_prefix('/').unwrap_or(name)
 }
 
 #[cfg(test)]

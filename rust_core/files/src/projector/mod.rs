@@ -1,4 +1,5 @@
-//! A projector in one YAML file: what it is (a CameraInfo) and where it is (static frames).
+//! A projector in one YAML file, read and written: what it is (a CameraInfo, lens distortion included) and where it is
+//! (static frames).
 //!
 //! Two forms are read, each with the keys that its own tools write. The plain message, as `rostopic echo` prints it and
 //! `rostopic pub -f` takes it:
@@ -32,10 +33,11 @@
 //! `rotation_xyzw` is a quaternion; `transform` and the plain text are `static_transform_publisher`'s arguments: x y z
 //! yaw pitch roll, or x y z qx qy qz qw (the plain text with the frames behind, and a period that is not used).
 
+mod checked_numbers;
+mod distortion;
 mod frames;
-mod numbers;
+mod write;
 
-use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -44,16 +46,34 @@ use rcs_messages::std_msgs::Header;
 use serde::Deserialize;
 use serde_yaml_ng::Value;
 
-use frames::FrameEntry;
+use checked_numbers::{Matrix, Numbers, Size, Whole};
+pub use distortion::{DistortionModel, DistortionProblem};
 pub use frames::StaticFrame;
-use numbers::{Matrix, Numbers, Size, Whole};
+use frames::{check_placed_once, FrameEntry};
 
-/// Everything that the file says.
+/// The contents of the file.
+///
+/// ```
+/// use rcs_files::projector::ProjectorFile;
+/// use std::path::Path;
+///
+/// let text = "frame_id: beamer\nwidth: 1280\nheight: 800\nK: [1900, 0, 640, 0, 1900, 750, 0, 0, 1]\n";
+/// let mut file = ProjectorFile::parse(Path::new("projector.yaml"), text)?;
+/// assert_eq!(file.camera_info.P[6], 750.0);
+/// assert!(file.warnings().is_empty());
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("calibrated.yaml");
+/// file.camera_info.D = vec![-0.02, 0.01, 0.0, 0.0, 0.0];
+/// file.write(&path)?;
+/// assert_eq!(ProjectorFile::read(&path)?, file);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProjectorFile {
     /// The projector's geometry; the header's stamp is zero and its `frame_id` may be empty.
     pub camera_info: CameraInfo,
-    /// Where to publish it, if the file says so.
+    /// The topic on which to publish it, if the file names one.
     pub camera_info_topic: Option<String>,
     /// Static frames, in the order of the file.
     pub frames: Vec<StaticFrame>,
@@ -69,7 +89,15 @@ pub enum ProjectorFileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// The file cannot be written.
+    #[error("{}: cannot write: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
         source: std::io::Error,
     },
     /// A value is wrong, or the file is not YAML; the message names key, line and column.
@@ -80,7 +108,7 @@ pub enum ProjectorFileError {
         /// Key, line, column and what is wrong there.
         source: serde_yaml_ng::Error,
     },
-    /// Keys are missing or contradict each other.
+    /// Keys are missing or contradict each other, or a value cannot be written.
     #[error("{}: {key}: {reason}", path.display())]
     Key {
         /// The file.
@@ -127,11 +155,17 @@ impl ProjectorFile {
             .map_err(|source| ProjectorFileError::Yaml { path: path.to_owned(), source })?;
         let camera_info_topic = raw.camera_info_topic.clone();
         let frames = raw.frames.iter().map(|FrameEntry(frame)| frame.clone()).collect::<Vec<_>>();
-        let mut children = HashSet::new();
-        if let Some(twice) = frames.iter().find(|frame| !children.insert(frame.child.as_str())) {
-            return Err(key_error(("frames", format!("frame '{}' is placed twice", twice.child))));
-        }
+        check_placed_once(&frames).map_err(|reason| key_error(("frames", reason)))?;
         Ok(Self { camera_info: raw.camera_info().map_err(key_error)?, camera_info_topic, frames, ignored_keys })
+    }
+
+    /// What is not wrong enough for an error: keys without a meaning, and a distortion that no lens model can have. Each
+    /// is a phrase without the file's name.
+    pub fn warnings(&self) -> Vec<String> {
+        let ignored = self.ignored_keys.iter().map(|key| format!("key '{key}' is not known and is ignored"));
+        let distortion = distortion::check(&self.camera_info.distortion_model, &self.camera_info.D);
+        let problem = distortion.err().map(|problem| format!("{}: {problem}", problem.key()));
+        ignored.chain(problem).collect()
     }
 }
 
@@ -250,10 +284,7 @@ impl RawFile {
             (None, Some(Matrix(p))) => (k_from_p(p), p),
             (None, None) => return Err(("P", "missing, and K too (or projection_matrix, camera_matrix)".to_owned())),
         };
-        let [fx, _, _, _, _, fy, ..] = p;
-        if fx == 0.0 || fy == 0.0 {
-            return Err(("P", format!("a focal length is zero (fx {fx}, fy {fy})")));
-        }
+        check_focal_lengths(&p)?;
         let header_frame = self.header.map(|header| header.frame_id).unwrap_or_default();
         let RawRegion { x_offset, y_offset, height: roi_height, width: roi_width, do_rectify } = self.roi;
         Ok(CameraInfo {
@@ -270,6 +301,14 @@ impl RawFile {
             roi: RegionOfInterest { x_offset, y_offset, height: roi_height, width: roi_width, do_rectify },
         })
     }
+}
+
+/// An error for a P whose focal lengths are not both something.
+fn check_focal_lengths([fx, _, _, _, _, fy, ..]: &[f64; 12]) -> Result<(), (&'static str, String)> {
+    if *fx == 0.0 || *fy == 0.0 {
+        return Err(("P", format!("a focal length is zero (fx {fx}, fy {fy})")));
+    }
+    Ok(())
 }
 
 /// The projection of a camera that needs no rectification.
@@ -414,8 +453,8 @@ projection_matrix:
         assert_eq!(file.frames[3].translation_m, [0.5, 0.0, 0.0]);
         assert_eq!(file.frames[3].rotation, UnitQuaternion::identity());
         // Roll by -90 degrees turns z to y, yaw by 90 then turns y to -x.
-        let looks = file.frames[4].rotation * nalgebra::Vector3::z();
-        assert!((looks - nalgebra::Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-9, "{looks}");
+        let axis = file.frames[4].rotation * nalgebra::Vector3::z();
+        assert!((axis - nalgebra::Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-9, "{axis}");
     }
 
     #[test]
@@ -469,9 +508,16 @@ projection_matrix:
     }
 
     #[test]
-    fn unknown_keys_are_told_and_do_no_harm() {
+    fn unknown_keys_and_an_impossible_distortion_are_warnings() {
         let file = parse(&format!("{MESSAGE}Kk: [1]\nroii: {{a: 1}}\n")).unwrap();
         assert_eq!(file.ignored_keys, ["Kk", "roii"]);
+        assert_eq!(file.warnings()[0], "key 'Kk' is not known and is ignored");
+        assert_eq!(file.warnings().len(), 2);
+        let file = parse(&MESSAGE.replace("D: [0.1, 0.0,", "D: [0.1,")).unwrap();
+        assert!(file.warnings().is_empty(), "four coefficients: {:?}", file.warnings());
+        let file = parse(&MESSAGE.replace("D: [0.1, 0.0, 0.0,", "D: [0.1,")).unwrap();
+        assert_eq!(file.warnings(), ["D: 3 coefficients, but plumb_bob has 4 or 5"]);
+        let file = parse(&format!("{MESSAGE}Kk: [1]\nroii: {{a: 1}}\n")).unwrap();
         assert_eq!(file.camera_info, parse(MESSAGE).unwrap().camera_info);
     }
 }

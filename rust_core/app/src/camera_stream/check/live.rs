@@ -57,7 +57,7 @@ fn check(
 ) -> Result<bool, LiveError> {
     let mut stage = Stage::new(config, None, MeshStore::new(PackageIndex::from_env(&[])));
     hear(&mut stage, listen, ros, end)?;
-    ros.look_at_publications();
+    ros.query_publications();
     let mut subjects = stage.subjects(Time::from_nanos(stamp_nanos(ros.now())));
     subjects.extend(stage.cameras().iter().map(|view| report::camera(&stage, view, projection)));
     report::add_surroundings(&mut subjects, ros);

@@ -4,7 +4,7 @@
 //! each pixel also remembers the last point that something nearer has hidden, in half its brightness: its shadow.
 
 use rcs_messages::sensor_msgs::{CameraInfo, PointField};
-use rcs_messages::{spare_bytes, Image, PointCloud2};
+use rcs_messages::{pooled_bytes, Image, PointCloud2};
 use rcs_transforms::Time;
 
 use super::encoding::Pixel;
@@ -75,7 +75,7 @@ pub(super) fn cloud(
     let rows = rows(depth, pixel, "Depth")?;
     let colors = color.map(|color| colors(color, depth)).transpose()?.unwrap_or_default();
     let count = rays.x.len() * rays.y.len();
-    let mut points = Points(spare_bytes(count * POINT_LEN));
+    let mut points = Points(pooled_bytes(count * POINT_LEN));
     let is_big_endian = depth.is_bigendian != 0;
     let pixels = rows.zip(&rays.y).flat_map(|(row, y)| {
         let depths = row.chunks_exact(pixel.bytes()).map(|bytes| depth_m(bytes, is_big_endian));

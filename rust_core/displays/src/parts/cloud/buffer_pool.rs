@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use rcs_messages::Spares;
+use rcs_messages::BufferPool;
 use rcs_scene::{Drawable, Geometry, PointBuffer, PointColors};
 
 /// How many clouds of the present size the pool may hold: a whole one, the pieces of another, and what both have room for on
@@ -15,9 +15,9 @@ const MAX_CLOUDS: usize = 3;
 
 /// Vectors that clouds are made of, and the scratch memory of reading one.
 #[derive(Debug, Default)]
-pub(super) struct BufferPool {
-    pub(super) positions: Spares<[f32; 3]>,
-    pub(super) colors: Spares<[u8; 4]>,
+pub(super) struct CloudPool {
+    pub(super) positions: BufferPool<[f32; 3]>,
+    pub(super) colors: BufferPool<[u8; 4]>,
     /// Scratch: how many points are shown of each share of them.
     pub(super) shown: Vec<usize>,
     /// Scratch: the values that points are coloured by.
@@ -26,7 +26,7 @@ pub(super) struct BufferPool {
     retired: Vec<Arc<PointBuffer>>,
 }
 
-impl BufferPool {
+impl CloudPool {
     /// Marks drawables as not shown any more.
     pub(super) fn retire(&mut self, drawables: &[Drawable]) {
         self.retired.extend(drawables.iter().filter_map(|drawable| match &drawable.geometry {
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn a_cloud_s_memory_is_taken_back_when_the_last_scene_with_it_is_gone() {
-        let mut pool = BufferPool::default();
+        let mut pool = CloudPool::default();
         let positions = pool.positions.take(COUNT);
         let address = positions.as_ptr();
         let shown = drawable(PointBuffer { positions, colors: PointColors::Uniform([0; 4]) });
@@ -100,7 +100,7 @@ mod tests {
 
     #[test]
     fn of_many_clouds_that_go_at_once_only_some_memory_is_kept() {
-        let mut pool = BufferPool::default();
+        let mut pool = CloudPool::default();
         for _ in 0..10 {
             pool.give(PointBuffer { positions: Vec::with_capacity(COUNT), colors: PointColors::Uniform([0; 4]) });
         }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer, IntensitySettings};
 use rcs_scene::Rgba;
 
-use super::buffer_pool::BufferPool;
+use super::buffer_pool::CloudPool;
 use super::fields::{Channel, Layout};
 use super::points::{PointBytes, SHARE};
 
@@ -47,9 +47,9 @@ impl<'a> Coloring<'a> {
         big_endian: bool,
         points: &PointBytes<'_>,
         positions: &[[f32; 3]],
-        pool: &mut BufferPool,
+        pool: &mut CloudPool,
     ) -> PointColor {
-        let BufferPool { colors, values, .. } = pool;
+        let CloudPool { colors, values, .. } = pool;
         let mut memory = || colors.take_filled(points.len());
         match self.transformer {
             ColorTransformer::FlatColor => {

@@ -26,7 +26,7 @@ use rcs_transforms::Time;
 
 use crate::parts::bounds::middle;
 use crate::{Level, Statuses, World};
-use buffer_pool::BufferPool;
+use buffer_pool::CloudPool;
 use fields::Layout;
 
 pub(crate) use color::rainbow;
@@ -84,7 +84,7 @@ pub(crate) struct Clouds {
     auto_size: bool,
     shown: VecDeque<Shown>,
     drawables: Vec<Drawable>,
-    pool: BufferPool,
+    pool: CloudPool,
 }
 
 /// A cloud that can be shown.
@@ -111,7 +111,7 @@ impl Clouds {
             auto_size: false,
             shown: VecDeque::new(),
             drawables: Vec::new(),
-            pool: BufferPool::default(),
+            pool: CloudPool::default(),
         }
     }
 
@@ -251,6 +251,6 @@ impl Clouds {
     pub(crate) fn clear(&mut self) {
         self.shown.clear();
         self.drawables.clear();
-        self.pool = BufferPool::default();
+        self.pool = CloudPool::default();
     }
 }

@@ -2,7 +2,7 @@
 
 use rcs_scene::{PointBuffer, PointColors, PointStyle};
 
-use super::buffer_pool::BufferPool;
+use super::buffer_pool::CloudPool;
 
 const MAX_VERTICES: usize = 36 * 1024 * 10;
 
@@ -18,7 +18,7 @@ pub(crate) fn max_points(style: &PointStyle) -> usize {
 }
 
 /// The pieces of a cloud; one that fits into a piece stays as it is.
-pub(super) fn cut(buffer: PointBuffer, style: &PointStyle, pool: &mut BufferPool) -> Vec<PointBuffer> {
+pub(super) fn cut(buffer: PointBuffer, style: &PointStyle, pool: &mut CloudPool) -> Vec<PointBuffer> {
     let max_points = max_points(style);
     if buffer.positions.len() <= max_points {
         return vec![buffer];
@@ -51,7 +51,7 @@ mod tests {
         let positions: Vec<[f32; 3]> = (0..count).map(|i| [i as f32; 3]).collect();
         let colors: Vec<[u8; 4]> = (0..count as u32).map(u32::to_le_bytes).collect();
         let whole = PointBuffer { positions: positions.clone(), colors: PointColors::PerPoint(colors) };
-        let pieces = cut(whole, &PointStyle::Boxes { size_m: [0.1; 3] }, &mut BufferPool::default());
+        let pieces = cut(whole, &PointStyle::Boxes { size_m: [0.1; 3] }, &mut CloudPool::default());
         let lens: Vec<usize> = pieces.iter().map(|piece| piece.positions.len()).collect();
         assert_eq!(lens, [10_240, 10_240, 4_520]);
         assert_eq!(pieces.iter().flat_map(|piece| piece.positions.clone()).collect::<Vec<_>>(), positions);

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use rcs_messages::PointCloud2;
 use rcs_scene::{PointBuffer, PointColors};
 
-use super::buffer_pool::BufferPool;
+use super::buffer_pool::CloudPool;
 use super::color::{Coloring, PointColor};
 use super::fields::{bytes_at, Layout};
 
@@ -129,7 +129,7 @@ pub(crate) fn read(
     layout: &Layout,
     coloring: &Coloring<'_>,
     nowhere: Nowhere,
-    pool: &mut BufferPool,
+    pool: &mut CloudPool,
 ) -> (PointBuffer, usize) {
     let (data, point_step) = (cloud.data(), layout.point_step.max(1));
     let place = Place::of(cloud, layout);
@@ -196,7 +196,7 @@ mod tests {
         let settings = CloudSettings::default();
         let fixed_from_cloud = Isometry3::identity();
         let coloring = Coloring::new(&settings, transformer, &fixed_from_cloud);
-        Ok(read(cloud, &layout, &coloring, Nowhere::LeftOut, &mut BufferPool::default()).0)
+        Ok(read(cloud, &layout, &coloring, Nowhere::LeftOut, &mut CloudPool::default()).0)
     }
 
     #[test]
@@ -221,7 +221,7 @@ mod tests {
         for (fixed_from_cloud, low, high) in [(Isometry3::identity(), 3, 2), (turned, 2, 3)] {
             let coloring = Coloring::new(&settings, ColorTransformer::AxisColor, &fixed_from_cloud);
             let (buffer, nowhere_count) =
-                read(&cloud, &layout, &coloring, Nowhere::FarAway, &mut BufferPool::default());
+                read(&cloud, &layout, &coloring, Nowhere::FarAway, &mut CloudPool::default());
             assert_eq!((buffer.positions[0], nowhere_count), ([999_999.0; 3], 1));
             // The bounds are those of the three others: magenta at the top, red at the bottom.
             assert_eq!((buffer.colors.get(low), buffer.colors.get(high)), ([255, 0, 0, 255], [255, 0, 255, 255]));

@@ -1,38 +1,38 @@
-//! Memory that serves again.
+//! Recycled memory for what grows with the scene.
 //!
-//! A depth camera's cloud is megabytes of bytes, of positions and of colours, thirty times a second. The allocator gives
-//! vectors of that size back to the operating system and gets them anew, cleared page by page. So who is done with such a
-//! vector leaves it here for the next.
+//! A depth camera's cloud is megabytes of bytes, of positions and of colours, thirty times a second. The allocator returns
+//! vectors of that size to the operating system and gets them anew, cleared page by page. So a vector that is done with
+//! is given back to a pool, which the next one is taken from.
 
-/// Vectors that nobody uses, the longest unused first.
+/// Vectors that are not in use, the longest unused first.
 #[derive(Debug)]
-pub struct Spares<T> {
+pub struct BufferPool<T> {
     vectors: Vec<Vec<T>>,
 }
 
 /// Vectors of fewer bytes are left to the allocator, which keeps them.
 const MIN_BYTES: usize = 4096;
 
-/// A vector is not taken for what fills less than this share of it.
+/// A vector is not used for what would fill less than one part in so many of it.
 const MAX_WASTE: usize = 4;
 
-/// A new vector gets this share of room on top, so that it also holds the next cloud if that is a little larger.
+/// A new vector has one part in so many more room than asked for, so that it also holds a next cloud that is a little larger.
 const ROOM_ON_TOP: usize = 8;
 
-impl<T> Spares<T> {
-    /// None yet.
+impl<T> BufferPool<T> {
+    /// An empty pool.
     pub const fn new() -> Self {
         Self { vectors: Vec::new() }
     }
 
-    /// An empty vector with room for so many elements: the smallest spare one that fits, or a new one.
+    /// An empty vector with room for so many elements: the smallest unused one that fits, or a new one.
     pub fn take(&mut self, len: usize) -> Vec<T> {
         let mut vector = self.find(len);
         vector.clear();
         vector
     }
 
-    /// A vector of so many elements, whatever they are.
+    /// A vector of so many elements, whose values are unspecified.
     pub fn take_filled(&mut self, len: usize) -> Vec<T>
     where
         T: Copy + Default,
@@ -52,15 +52,14 @@ impl<T> Spares<T> {
         }
     }
 
-    /// Takes a vector whose content nobody needs any more.
+    /// Returns a vector whose content is not needed any more.
     pub fn give(&mut self, vector: Vec<T>) {
         if vector.capacity().saturating_mul(size_of::<T>()) >= MIN_BYTES {
             self.vectors.push(vector);
         }
     }
 
-    /// Gives up those that have been unused for longest, until the rest has room for no more than so many elements
-    /// together.
+    /// Frees those that have been unused for longest, until the rest has room for no more than so many elements together.
     pub fn limit_to(&mut self, elements: usize) {
         let mut room: usize = self.vectors.iter().map(Vec::capacity).sum();
         let too_many = self.vectors.iter().take_while(|vector| {
@@ -73,7 +72,7 @@ impl<T> Spares<T> {
     }
 }
 
-impl<T> Default for Spares<T> {
+impl<T> Default for BufferPool<T> {
     fn default() -> Self {
         Self::new()
     }
@@ -84,38 +83,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_memory_of_one_cloud_serves_the_next() {
-        let mut spares = Spares::new();
-        let first: Vec<u32> = spares.take(5000);
+    fn the_memory_of_one_cloud_is_used_for_the_next() {
+        let mut pool = BufferPool::new();
+        let first: Vec<u32> = pool.take(5000);
         let address = first.as_ptr();
-        spares.give(first);
-        let second = spares.take(5100);
+        pool.give(first);
+        let second = pool.take(5100);
         assert_eq!((second.as_ptr(), second.len()), (address, 0));
-        let third = spares.take(5000);
+        let third = pool.take(5000);
         assert_ne!(third.as_ptr(), address, "it is in use");
     }
 
     #[test]
-    fn what_is_far_too_large_is_left_for_something_else() {
-        let mut spares = Spares::new();
+    fn a_vector_that_is_far_too_large_stays_in_the_pool() {
+        let mut pool = BufferPool::new();
         for len in [100_000_usize, 9000, 20_000] {
-            spares.give(Vec::<u8>::with_capacity(len));
+            pool.give(Vec::<u8>::with_capacity(len));
         }
-        assert_eq!(spares.take(8500).capacity(), 9000, "the smallest that fits");
-        assert_eq!(spares.take(5000).capacity(), 20_000);
-        assert!(spares.take(5000).capacity() < 100_000);
-        assert_eq!(spares.take(0).capacity(), 0);
+        assert_eq!(pool.take(8500).capacity(), 9000, "the smallest that fits");
+        assert_eq!(pool.take(5000).capacity(), 20_000);
+        assert!(pool.take(5000).capacity() < 100_000);
+        assert_eq!(pool.take(0).capacity(), 0);
     }
 
     #[test]
-    fn those_unused_for_longest_go_first() {
-        let mut spares = Spares::new();
+    fn those_unused_for_longest_are_freed_first() {
+        let mut pool = BufferPool::new();
         for len in [5000_usize, 7000, 6000] {
-            spares.give(Vec::<u8>::with_capacity(len));
+            pool.give(Vec::<u8>::with_capacity(len));
         }
-        spares.limit_to(13_500);
-        assert_eq!(spares.vectors.iter().map(Vec::capacity).collect::<Vec<_>>(), [7000, 6000]);
-        spares.limit_to(0);
-        assert!(spares.vectors.is_empty());
+        pool.limit_to(13_500);
+        assert_eq!(pool.vectors.iter().map(Vec::capacity).collect::<Vec<_>>(), [7000, 6000]);
+        pool.limit_to(0);
+        assert!(pool.vectors.is_empty());
     }
 }

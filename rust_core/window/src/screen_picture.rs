@@ -1,14 +1,30 @@
-//! A received picture turned into what a screen wants.
+//! A received picture as the screen takes it.
 //!
 //! [`ScreenPicture`] holds one `u32` a pixel, `0x00RRGGBB`, which is what the window's surface takes. It is made from
-//! the fields of a `sensor_msgs/Image`, in any of the six encodings that a camera stream can have (`rgb8`, `rgba8`,
-//! `bgr8`, `bgra8`, `mono8`, `mono16`). Alpha is dropped, as `image_view` drops it. Sixteen bits of grey become
+//! the fields of a `sensor_msgs/Image`, in any [`Encoding`] that a camera stream can have. Alpha is dropped, as `image_view` drops it. Sixteen bits of grey become
 //! eight by the rule 65535 → 255 with rounding, so that an eight-bit picture widened to sixteen bits comes back exactly.
 //!
 //! [`ScreenPicture::draw_unscaled`] lays it on a surface of any size: picture pixel (u, v) is surface pixel (u, v),
 //! what does not fit is cut off, what is not covered is black.
 
+use rcs_scene::Encoding;
+
 /// A picture of one `0x00RRGGBB` value a pixel, rows from the top, no padding.
+///
+/// ```
+/// use rcs_window::{ReceivedPicture, ScreenPicture};
+///
+/// let received = ReceivedPicture {
+///     width_px: 2,
+///     height_px: 1,
+///     step_bytes: 6,
+///     encoding: "bgr8",
+///     is_bigendian: false,
+///     data: &[0, 0, 255, 0, 0, 255],
+/// };
+/// assert_eq!(ScreenPicture::from_received(&received)?, ScreenPicture::from_fn(2, 1, |_, _| [255, 0, 0]));
+/// # Ok::<(), rcs_window::PictureError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ScreenPicture {
     width_px: u32,
@@ -18,7 +34,7 @@ pub struct ScreenPicture {
 
 /// The fields of a `sensor_msgs/Image`, borrowed from wherever they were received.
 #[derive(Debug, Clone, Copy)]
-pub struct RawPicture<'a> {
+pub struct ReceivedPicture<'a> {
     /// Columns.
     pub width_px: u32,
     /// Rows.
@@ -36,7 +52,7 @@ pub struct RawPicture<'a> {
 /// Why a received picture cannot be shown.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PictureError {
-    /// The encoding is none of the six.
+    /// The encoding is not an [`Encoding`].
     #[error("encoding '{encoding}' cannot be shown (rgb8, rgba8, bgr8, bgra8, mono8 and mono16 can)")]
     UnknownEncoding {
         /// The encoding that the message names.
@@ -71,16 +87,9 @@ pub enum PictureError {
         step_bytes: u32,
         /// Bytes that the claimed rows need (the last one without its padding).
         needed_bytes: u64,
-        /// Bytes that came.
+        /// Bytes received.
         got_bytes: usize,
     },
-}
-
-/// How the pixels of an encoding are read.
-#[derive(Clone, Copy)]
-struct PixelFormat {
-    bytes_per_pixel: usize,
-    read_row: ReadRow,
 }
 
 /// Appends the pixels of one row's bytes.
@@ -102,21 +111,18 @@ fn row<const N: usize>(bytes: &[u8], pixels: &mut Vec<u32>, to_rgb: impl Fn([u8;
     pixels.extend(bytes.as_chunks().0.iter().map(|pixel| pack(to_rgb(*pixel))));
 }
 
-impl PixelFormat {
-    fn of(encoding: &str, is_bigendian: bool) -> Option<Self> {
-        let (bytes_per_pixel, read_row): (usize, ReadRow) = match encoding {
-            "rgb8" => (3, |bytes, pixels| row(bytes, pixels, |[r, g, b]| [r, g, b])),
-            "rgba8" => (4, |bytes, pixels| row(bytes, pixels, |[r, g, b, _]| [r, g, b])),
-            "bgr8" => (3, |bytes, pixels| row(bytes, pixels, |[b, g, r]| [r, g, b])),
-            "bgra8" => (4, |bytes, pixels| row(bytes, pixels, |[b, g, r, _]| [r, g, b])),
-            "mono8" => (1, |bytes, pixels| row(bytes, pixels, |[grey]| [grey; 3])),
-            "mono16" if is_bigendian => {
-                (2, |bytes, pixels| row(bytes, pixels, |grey| [narrow(u16::from_be_bytes(grey)); 3]))
-            }
-            "mono16" => (2, |bytes, pixels| row(bytes, pixels, |grey| [narrow(u16::from_le_bytes(grey)); 3])),
-            _ => return None,
-        };
-        Some(Self { bytes_per_pixel, read_row })
+/// How rows of an encoding are read.
+fn read_row(encoding: Encoding, is_bigendian: bool) -> ReadRow {
+    match encoding {
+        Encoding::Rgb8 => |bytes, pixels| row(bytes, pixels, |[r, g, b]| [r, g, b]),
+        Encoding::Rgba8 => |bytes, pixels| row(bytes, pixels, |[r, g, b, _]| [r, g, b]),
+        Encoding::Bgr8 => |bytes, pixels| row(bytes, pixels, |[b, g, r]| [r, g, b]),
+        Encoding::Bgra8 => |bytes, pixels| row(bytes, pixels, |[b, g, r, _]| [r, g, b]),
+        Encoding::Mono8 => |bytes, pixels| row(bytes, pixels, |[grey]| [grey; 3]),
+        Encoding::Mono16 if is_bigendian => {
+            |bytes, pixels| row(bytes, pixels, |grey| [narrow(u16::from_be_bytes(grey)); 3])
+        }
+        Encoding::Mono16 => |bytes, pixels| row(bytes, pixels, |grey| [narrow(u16::from_le_bytes(grey)); 3]),
     }
 }
 
@@ -124,16 +130,15 @@ impl ScreenPicture {
     /// Reads a received picture.
     ///
     /// # Errors
-    /// [`PictureError`] when the encoding is unknown, the picture is empty, or the data are shorter than the header
-    /// claims. Data beyond the last row are ignored, as image_transport's viewers ignore them.
-    pub fn from_raw(raw: &RawPicture<'_>) -> Result<Self, PictureError> {
-        let RawPicture { width_px, height_px, step_bytes, encoding, is_bigendian, data } = *raw;
-        let format = PixelFormat::of(encoding, is_bigendian)
+    /// [`PictureError`] if the encoding is unknown, the picture is empty, or the data are shorter than the header claims. Data beyond the last row are ignored, as image_transport's viewers ignore them.
+    pub fn from_received(received: &ReceivedPicture<'_>) -> Result<Self, PictureError> {
+        let ReceivedPicture { width_px, height_px, step_bytes, encoding, is_bigendian, data } = *received;
+        let known = Encoding::from_name(encoding)
             .ok_or_else(|| PictureError::UnknownEncoding { encoding: encoding.to_owned() })?;
         if width_px == 0 || height_px == 0 {
             return Err(PictureError::Empty { width_px, height_px });
         }
-        let row_bytes = u64::from(width_px) * format.bytes_per_pixel as u64;
+        let row_bytes = u64::from(width_px) * known.bytes_per_pixel() as u64;
         if u64::from(step_bytes) < row_bytes {
             return Err(PictureError::StepTooSmall {
                 width_px,
@@ -147,10 +152,11 @@ impl ScreenPicture {
             return Err(PictureError::DataTooShort { height_px, step_bytes, needed_bytes, got_bytes: data.len() });
         }
         // The data hold `needed_bytes`, so all sizes below fit memory.
-        let row_bytes = width_px as usize * format.bytes_per_pixel;
+        let row_bytes = width_px as usize * known.bytes_per_pixel();
         let mut pixels = Vec::with_capacity(width_px as usize * height_px as usize);
+        let read_row = read_row(known, is_bigendian);
         for row in data.chunks(step_bytes as usize).take(height_px as usize) {
-            (format.read_row)(row.get(..row_bytes).unwrap_or(row), &mut pixels);
+            read_row(row.get(..row_bytes).unwrap_or(row), &mut pixels);
         }
         Ok(Self { width_px, height_px, pixels })
     }
@@ -201,8 +207,8 @@ pub(crate) fn rgb_bytes(pixels: &[u32]) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    fn raw<'a>(encoding: &'a str, width_px: u32, step_bytes: u32, data: &'a [u8]) -> RawPicture<'a> {
-        RawPicture { width_px, height_px: 2, step_bytes, encoding, is_bigendian: false, data }
+    fn received<'a>(encoding: &'a str, width_px: u32, step_bytes: u32, data: &'a [u8]) -> ReceivedPicture<'a> {
+        ReceivedPicture { width_px, height_px: 2, step_bytes, encoding, is_bigendian: false, data }
     }
 
     #[test]
@@ -218,7 +224,7 @@ mod tests {
         for (encoding, pixel, expected) in cases {
             let data = pixel.repeat(4);
             let step = u32::try_from(pixel.len() * 2).unwrap();
-            let picture = ScreenPicture::from_raw(&raw(encoding, 2, step, &data)).unwrap();
+            let picture = ScreenPicture::from_received(&received(encoding, 2, step, &data)).unwrap();
             assert_eq!(picture.pixels, vec![expected; 4], "{encoding}");
             assert_eq!(picture.size_px(), (2, 2));
         }
@@ -226,9 +232,9 @@ mod tests {
 
     #[test]
     fn mono16_honours_the_byte_order_and_inverts_widening_exactly() {
-        let mut picture = raw("mono16", 1, 2, &[0x12, 0x34, 0x12, 0x34]);
+        let mut picture = received("mono16", 1, 2, &[0x12, 0x34, 0x12, 0x34]);
         picture.is_bigendian = true;
-        assert_eq!(ScreenPicture::from_raw(&picture).unwrap().pixels, vec![0x121212; 2]);
+        assert_eq!(ScreenPicture::from_received(&picture).unwrap().pixels, vec![0x121212; 2]);
         for grey in 0..=u8::MAX {
             assert_eq!(narrow(u16::from(grey) * 257), grey);
         }
@@ -238,21 +244,21 @@ mod tests {
     #[test]
     fn padding_between_rows_is_skipped_and_missing_after_the_last() {
         let data = [1, 2, 3, 99, 99, 4, 5, 6];
-        let picture = ScreenPicture::from_raw(&raw("rgb8", 1, 5, &data)).unwrap();
+        let picture = ScreenPicture::from_received(&received("rgb8", 1, 5, &data)).unwrap();
         assert_eq!(picture.pixels, vec![0x010203, 0x040506]);
     }
 
     #[test]
     fn data_shorter_than_claimed_is_refused_not_read_past() {
         assert!(matches!(
-            ScreenPicture::from_raw(&raw("rgb8", 1, 3, &[0; 5])),
+            ScreenPicture::from_received(&received("rgb8", 1, 3, &[0; 5])),
             Err(PictureError::DataTooShort { needed_bytes: 6, got_bytes: 5, .. })
         ));
         assert!(matches!(
-            ScreenPicture::from_raw(&raw("bgra8", 2, 7, &[0; 64])),
+            ScreenPicture::from_received(&received("bgra8", 2, 7, &[0; 64])),
             Err(PictureError::StepTooSmall { needed_bytes: 8, .. })
         ));
-        let huge = RawPicture {
+        let huge = ReceivedPicture {
             width_px: u32::MAX,
             height_px: u32::MAX,
             step_bytes: u32::MAX,
@@ -260,14 +266,14 @@ mod tests {
             is_bigendian: false,
             data: &[0; 8],
         };
-        assert!(matches!(ScreenPicture::from_raw(&huge), Err(PictureError::DataTooShort { .. })));
+        assert!(matches!(ScreenPicture::from_received(&huge), Err(PictureError::DataTooShort { .. })));
     }
 
     #[test]
     fn unknown_encodings_and_empty_pictures_are_named() {
-        let error = ScreenPicture::from_raw(&raw("bayer_rggb8", 1, 1, &[0; 2])).unwrap_err();
+        let error = ScreenPicture::from_received(&received("bayer_rggb8", 1, 1, &[0; 2])).unwrap_err();
         assert!(error.to_string().contains("bayer_rggb8"));
-        assert!(matches!(ScreenPicture::from_raw(&raw("mono8", 0, 0, &[])), Err(PictureError::Empty { .. })));
+        assert!(matches!(ScreenPicture::from_received(&received("mono8", 0, 0, &[])), Err(PictureError::Empty { .. })));
     }
 
     #[test]
