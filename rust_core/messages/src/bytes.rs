@@ -3,6 +3,7 @@
 //! Messages are made on rosrust's threads and dropped where their displays are, so what is spare is kept for the whole
 //! process.
 
+use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -32,19 +33,39 @@ pub(crate) fn give_back(bytes: Vec<u8>) {
     spare.limit_to(MAX_SPARE_BYTES);
 }
 
-/// Bytes that several messages may share. The last of them gives their memory back.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Bytes(Arc<Vec<u8>>);
+/// Something that holds bytes, such as a picture.
+pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
+
+/// Bytes that several messages may share. The last of them gives their memory back, if it is a message's own.
+#[derive(Clone)]
+pub(crate) enum Bytes {
+    /// A message's own.
+    Own(Arc<Vec<u8>>),
+    /// Those of something that is no message.
+    Foreign(SharedBytes),
+}
+
+impl Default for Bytes {
+    fn default() -> Self {
+        Self::Own(Arc::default())
+    }
+}
+
+impl fmt::Debug for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (**self).fmt(f)
+    }
+}
 
 impl From<Arc<Vec<u8>>> for Bytes {
     fn from(bytes: Arc<Vec<u8>>) -> Self {
-        Self(bytes)
+        Self::Own(bytes)
     }
 }
 
 impl From<Vec<u8>> for Bytes {
     fn from(bytes: Vec<u8>) -> Self {
-        Self(Arc::new(bytes))
+        Self::Own(Arc::new(bytes))
     }
 }
 
@@ -52,15 +73,20 @@ impl Deref for Bytes {
     type Target = [u8];
 
     fn deref(&self) -> &[u8] {
-        &self.0
+        match self {
+            Self::Own(bytes) => bytes,
+            Self::Foreign(owner) => (**owner).as_ref(),
+        }
     }
 }
 
 impl Drop for Bytes {
     fn drop(&mut self) {
         // Where two are dropped at once, neither is the last, and the allocator has the memory.
-        if let Some(bytes) = Arc::get_mut(&mut self.0) {
-            give_back(std::mem::take(bytes));
+        if let Self::Own(bytes) = self {
+            if let Some(bytes) = Arc::get_mut(bytes) {
+                give_back(std::mem::take(bytes));
+            }
         }
     }
 }

@@ -26,7 +26,7 @@ pub mod nav_msgs;
 pub mod sensor_msgs;
 
 pub use any::{header, AnyMessage, MessageKind};
-pub use bytes::spare_bytes;
+pub use bytes::{spare_bytes, SharedBytes};
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
 pub use image::Image;
 pub use occupancy_grid::OccupancyGrid;
