@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use rcs_displays::{Level, Statuses};
+use rcs_displays::{Level, StatusCause, Statuses};
 use rcs_transforms::Time;
 
 use crate::camera_stream::report::{Kind, Subject, FIXED_FRAME, PUBLISHER};
@@ -55,14 +55,14 @@ fn without_numbers(text: &str) -> String {
     text.chars().filter(|letter| !letter.is_ascii_digit()).collect()
 }
 
-fn patience_secs(status_name: &str, level: Level, text: &str) -> f64 {
+fn patience_secs(status_name: &str, level: Level, cause: StatusCause) -> f64 {
     match status_name {
         Statuses::TRANSFORM | FIXED_FRAME => FRAME_PATIENCE_SECS,
         // An error of a topic is a message that is wrong, or a name.
         Statuses::TOPIC if level == Level::Warn => TOPIC_PATIENCE_SECS,
         PUBLISHER => TOPIC_PATIENCE_SECS,
         // Markers, robots' links and frames have statuses of their own names.
-        _ if text.starts_with("For frame [") || text.starts_with("No transform") => FRAME_PATIENCE_SECS,
+        _ if cause == StatusCause::Frame => FRAME_PATIENCE_SECS,
         _ => 0.0,
     }
 }
@@ -112,9 +112,10 @@ impl StatusLog {
                     (None, _) => Tale::new(now),
                 };
                 let (who, text) = (&key.0, status.text.replace(" \n", "; ").replace('\n', "; "));
-                if tale.is_news(name, status.level, &text, now, is_end) {
+                let patience_secs = patience_secs(name, status.level, status.cause);
+                if tale.is_news(patience_secs, status.level, &text, now, is_end) {
                     match status.level {
-                        Level::Error if patience_secs(name, status.level, &text) == 0.0 => {
+                        Level::Error if patience_secs == 0.0 => {
                             log::error!("{who}: {name}: {text}");
                         }
                         Level::Ok => log::info!("{who}: {name}: ok again: {text}"),
@@ -126,7 +127,7 @@ impl StatusLog {
         }
         // A status that is not there any more is a problem that is over.
         for (key, mut tale) in unseen {
-            if tale.is_news(&key.1, Level::Ok, "", now, is_end) {
+            if tale.is_news(0.0, Level::Ok, "", now, is_end) {
                 log::info!("{}: {}: ok again", key.0, key.1);
             }
             self.tales.insert(key, tale);
@@ -141,7 +142,7 @@ impl Tale {
     }
 
     /// Takes what the status is now, and tells whether that is to be said.
-    fn is_news(&mut self, name: &str, level: Level, text: &str, now: Time, is_end: bool) -> bool {
+    fn is_news(&mut self, patience_secs: f64, level: Level, text: &str, now: Time, is_end: bool) -> bool {
         let is_bad = level > Level::Ok;
         if is_bad != self.is_bad || self.since > now {
             (self.is_bad, self.since) = (is_bad, now);
@@ -151,7 +152,7 @@ impl Tale {
             return self.said.is_some() && (is_end || lasted_secs >= WELL_PATIENCE_SECS) && self.said.take().is_some();
         }
         let problem = without_numbers(text);
-        if self.said.as_ref() == Some(&problem) || (!is_end && lasted_secs < patience_secs(name, level, text)) {
+        if self.said.as_ref() == Some(&problem) || (!is_end && lasted_secs < patience_secs) {
             return false;
         }
         if let Some(said_at) = self.said_at.filter(|said_at| *said_at <= now) {
@@ -191,7 +192,8 @@ mod tests {
         for look in 0..(secs * 2.0) as u32 {
             let secs = f64::from(look) / 2.0;
             let (level, text) = status(secs);
-            if tale.is_news(name, level, text, at(100.0 + secs), false) {
+            let patience_secs = patience_secs(name, level, StatusCause::Other);
+            if tale.is_news(patience_secs, level, text, at(100.0 + secs), false) {
                 said.push((secs, text));
             }
         }

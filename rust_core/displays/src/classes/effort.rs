@@ -21,7 +21,7 @@ use crate::parts::cloud::rainbow;
 use crate::parts::robot_description::{link_frame, RobotDescription, Words};
 use crate::parts::solids::{arrow, arrow_pose, drawable, ArrowSize};
 use crate::parts::urdf::JointKind;
-use crate::{Level, Statuses, World};
+use crate::{Level, StatusText, Statuses, World};
 
 const WORDS: Words = Words { good: "Robot model parsed Ok", bad: "Unable to parse robot model description!" };
 /// A circle has so many of 32 points, so that a gap shows where it begins.
@@ -85,7 +85,7 @@ impl EffortDisplay {
             let Some(joint) = joints.get(name) else { continue };
             let Ok(fixed_from_link) = world.fixed_from(&joint.frame, Time::ZERO) else {
                 let text = format!("Error transforming from frame '{}' to frame '{}'", joint.frame, world.fixed_frame);
-                self.statuses.set(Level::Error, name, text);
+                self.statuses.set(Level::Error, name, StatusText::about_frame(text));
                 continue;
             };
             if effort.is_finite() {

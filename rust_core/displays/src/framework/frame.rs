@@ -1,9 +1,9 @@
-//! Frames of displays: those that stand in one and follow it (Grid, Axes), and how rviz puts it that a frame cannot be
-//! found.
+//! Frames of displays: following a reference frame (Grid, Axes), and rviz's status texts for frames that cannot be found.
 
 use nalgebra::Isometry3;
 use rcs_transforms::{Dropped, LookupError, LookupProblem, Time};
 
+use crate::framework::status::StatusText;
 use crate::{Level, Statuses, World};
 
 /// Where a reference frame (`None` is the fixed frame) is now. While it cannot be found, the place where it was last
@@ -27,9 +27,9 @@ pub(crate) fn follow(
     }
 }
 
-/// Why something cannot be placed in the fixed frame, as rviz says it in a status: first whether one of the two frames is
-/// missing.
-pub(crate) fn problem(error: &LookupError, fixed_frame: &str) -> String {
+/// Why something cannot be placed in the fixed frame, in the words of rviz's statuses: a frame that does not exist at all
+/// comes first.
+pub(crate) fn problem(error: &LookupError, fixed_frame: &str) -> StatusText {
     let (LookupError::Lookup { source: frame, .. }
     | LookupError::Connectivity { source: frame, .. }
     | LookupError::Extrapolation { source: frame, .. }
@@ -44,18 +44,18 @@ pub(crate) fn problem(error: &LookupError, fixed_frame: &str) -> String {
         LookupError::InvalidArgument { .. } => "Frame [] does not exist".to_owned(),
         _ => format!("No transform to fixed frame [{fixed_frame}].  TF error: [{error}]"),
     };
-    format!("For frame [{frame}]: {reason}")
+    StatusText::about_frame(format!("For frame [{frame}]: {reason}"))
 }
 
-/// Why a message was dropped, as rviz says it in a status.
-pub(crate) fn drop_reason(dropped: &Dropped, fixed_frame: &str) -> String {
+/// Why a message was dropped, in the words of rviz's statuses.
+pub(crate) fn drop_reason(dropped: &Dropped, fixed_frame: &str) -> StatusText {
     match dropped {
         Dropped::TooOld { frame, stamp, .. } => {
-            format!("Message removed because it is too old (frame=[{frame}], stamp=[{stamp}])")
+            format!("Message removed because it is too old (frame=[{frame}], stamp=[{stamp}])").into()
         }
         Dropped::QueueFull { reason: Some(reason), .. } => problem(reason, fixed_frame),
-        Dropped::EmptyFrame { .. } => "For frame []: Frame [] does not exist".to_owned(),
-        // It was not even looked at, as newer messages came too fast.
-        Dropped::QueueFull { reason: None, .. } => "Unknown reason for transform failure".to_owned(),
+        Dropped::EmptyFrame { .. } => StatusText::about_frame("For frame []: Frame [] does not exist".to_owned()),
+        // Its frame was never looked up, as newer messages came too fast.
+        Dropped::QueueFull { reason: None, .. } => "Unknown reason for transform failure".into(),
     }
 }

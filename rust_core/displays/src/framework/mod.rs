@@ -3,6 +3,7 @@
 pub(crate) mod arrivals;
 pub(crate) mod display;
 pub(crate) mod frame;
+pub(crate) mod in_view;
 pub(crate) mod message_display;
 pub(crate) mod placed;
 pub(crate) mod recall;

@@ -5,6 +5,8 @@
 
 use std::borrow::Cow;
 
+use rcs_scene::DisplayId;
+
 use crate::framework::display::Display;
 use crate::framework::set::ListedDisplay;
 use crate::{Level, ShownMessage, Statuses, TopicRequest};
@@ -12,6 +14,8 @@ use crate::{Level, ShownMessage, Statuses, TopicRequest};
 /// A display and how it does.
 #[derive(Clone, Debug)]
 pub struct DisplayReport<'a> {
+    /// Its number, by which [`rcs_scene::DisplayMask`] and [`crate::DisplaySet::in_view`] know it.
+    pub id: DisplayId,
     /// Which display it is.
     pub listed: &'a ListedDisplay,
     /// What it listens to.
@@ -26,6 +30,7 @@ pub struct DisplayReport<'a> {
 
 impl<'a> DisplayReport<'a> {
     pub(crate) fn new(
+        id: DisplayId,
         listed: &'a ListedDisplay,
         display: &'a dyn Display,
         received: u64,
@@ -36,7 +41,7 @@ impl<'a> DisplayReport<'a> {
         if let Some((level, text)) = topic_status(listed, &topics, received, &statuses) {
             statuses.to_mut().set(level, Statuses::TOPIC, text);
         }
-        Self { listed, topics, received, shown, statuses }
+        Self { id, listed, topics, received, shown, statuses }
     }
 }
 

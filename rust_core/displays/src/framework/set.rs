@@ -9,7 +9,7 @@ use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::{
     CameraPubSettings, CloudSettings, Config, DisplayConfig, DisplaySettings, PlacedDisplay, ViewConfig, Visibility,
 };
-use rcs_scene::{DirectionalLight, DisplayId, DisplayMask, Scene};
+use rcs_scene::{Camera, DirectionalLight, DisplayId, DisplayMask, Scene};
 use rcs_transforms::Time;
 
 use crate::classes::axes::AxesDisplay;
@@ -38,6 +38,7 @@ use crate::classes::screw::ScrewDisplay;
 use crate::classes::tf::TfDisplay;
 use crate::framework::arrivals::{Arrivals, ShownMessage};
 use crate::framework::display::Display;
+use crate::framework::in_view::InView;
 use crate::framework::recall::Recall;
 use crate::framework::report::DisplayReport;
 use crate::parts::cloud::{CloudDisplay, CloudSource};
@@ -338,6 +339,13 @@ impl DisplaySet {
         }
     }
 
+    /// Whether anything of a display lies in a camera's view, since the last update. [`InView::Empty`] for an id that no
+    /// display has. Meant for reports: a cloud outside the view takes a look at each of its points.
+    pub fn in_view(&self, display: DisplayId, camera: &Camera) -> InView {
+        let entry = self.entries.iter().find(|entry| entry.id == display);
+        entry.map_or(InView::Empty, |entry| InView::of(entry.display.drawables(), camera))
+    }
+
     /// Forgets all messages.
     pub fn reset(&mut self) {
         self.recall.forget_messages();
@@ -362,7 +370,7 @@ impl DisplaySet {
     pub fn reports(&self) -> impl Iterator<Item = DisplayReport<'_>> {
         self.entries.iter().map(|entry| {
             let shown = entry.arrivals.shown();
-            DisplayReport::new(&entry.listed, entry.display.as_ref(), entry.received, shown)
+            DisplayReport::new(entry.id, &entry.listed, entry.display.as_ref(), entry.received, shown)
         })
     }
 }

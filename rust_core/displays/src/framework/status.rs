@@ -1,8 +1,8 @@
-//! What a display would say of itself in rviz's tree.
+//! The statuses of a display, as rviz's tree shows them.
 
 use std::collections::BTreeMap;
 
-/// How well a display does; the worst of its statuses counts.
+/// How bad a status is; a display is as bad as the worst of its statuses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Level {
     /// All is well.
@@ -14,13 +14,53 @@ pub enum Level {
     Error,
 }
 
+/// What a status is about, where whoever reports it has to know: a frame that is missing now is often merely late.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum StatusCause {
+    /// A frame that cannot be found, or not at the time in question.
+    Frame,
+    /// Anything else.
+    #[default]
+    Other,
+}
+
+/// The text of a status with its cause. Plain text has the cause [`StatusCause::Other`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StatusText {
+    /// In rviz's words.
+    pub text: String,
+    /// What it is about.
+    pub cause: StatusCause,
+}
+
+impl StatusText {
+    /// A text about a frame that cannot be found.
+    pub(crate) fn about_frame(text: String) -> Self {
+        Self { text, cause: StatusCause::Frame }
+    }
+}
+
+impl From<String> for StatusText {
+    fn from(text: String) -> Self {
+        Self { text, cause: StatusCause::Other }
+    }
+}
+
+impl From<&str> for StatusText {
+    fn from(text: &str) -> Self {
+        text.to_owned().into()
+    }
+}
+
 /// One line of a display's statuses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Status {
     /// How bad it is.
     pub level: Level,
-    /// What is the matter, as rviz puts it.
+    /// What is the matter, in rviz's words.
     pub text: String,
+    /// What it is about.
+    pub cause: StatusCause,
 }
 
 /// A display's statuses by name (`Topic`, `Transform`, `Message`, …).
@@ -30,16 +70,17 @@ pub struct Statuses {
 }
 
 impl Statuses {
-    /// The status that tells whether messages come.
+    /// The name of the status that reports whether messages arrive.
     pub const TOPIC: &'static str = "Topic";
-    /// The status that tells about frames.
+    /// The name of the status that reports whether frames are known.
     pub const TRANSFORM: &'static str = "Transform";
-    /// The status of a display whose class is not drawn.
+    /// The name of the status of a display whose class is not drawn.
     pub const CLASS: &'static str = "Class";
 
     /// Sets a status.
-    pub fn set(&mut self, level: Level, name: &str, text: impl Into<String>) {
-        self.by_name.insert(name.to_owned(), Status { level, text: text.into() });
+    pub fn set(&mut self, level: Level, name: &str, text: impl Into<StatusText>) {
+        let StatusText { text, cause } = text.into();
+        self.by_name.insert(name.to_owned(), Status { level, text, cause });
     }
 
     /// Takes a status away.

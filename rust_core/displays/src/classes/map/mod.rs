@@ -20,7 +20,7 @@ use rcs_transforms::Time;
 use crate::framework::display::{Display, TopicRequest};
 use crate::framework::world::{isometry, stamp};
 use crate::parts::solids::drawable;
-use crate::{Level, Statuses, World};
+use crate::{Level, StatusText, Statuses, World};
 
 /// Cells on a side of the largest map that rviz can show, where it is cut into eight textures.
 const MAX_SIDE: u32 = 65_536;
@@ -121,13 +121,13 @@ impl MapDisplay {
     }
 
     /// Where a map's corner is; the fixed frame's origin while its frame is not known.
-    fn place(&self, map: &Map, world: &World<'_>) -> Result<Isometry3<f64>, String> {
+    fn place(&self, map: &Map, world: &World<'_>) -> Result<Isometry3<f64>, StatusText> {
         let at = |time| world.fixed_from(&map.frame, time);
         let at_stamp = self.settings.use_timestamp.then(|| at(map.stamp).ok()).flatten();
         let fixed_from_frame = at_stamp.map_or_else(|| at(Time::ZERO), Ok);
-        fixed_from_frame
-            .map(|fixed_from_frame| fixed_from_frame * map.frame_from_map)
-            .map_err(|_| format!("No transform from [{}] to [{}]", map.frame, world.fixed_frame))
+        fixed_from_frame.map(|fixed_from_frame| fixed_from_frame * map.frame_from_map).map_err(|_| {
+            StatusText::about_frame(format!("No transform from [{}] to [{}]", map.frame, world.fixed_frame))
+        })
     }
 
     fn drawable(&self, map: &Map, fixed_from_map: &Isometry3<f64>) -> Drawable {

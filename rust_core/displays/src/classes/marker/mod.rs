@@ -115,7 +115,7 @@ impl MarkerDisplay {
         self.ready.extend(self.waiting.take_ready(world.transforms, world.fixed_frame));
         for (marker, reason) in self.waiting.take_dropped() {
             let reason = frame::drop_reason(&reason, world.fixed_frame);
-            self.store.fail(&marker, &reason, world, &mut self.statuses);
+            self.store.fail(&marker, reason, world, &mut self.statuses);
         }
     }
 

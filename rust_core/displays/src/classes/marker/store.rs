@@ -14,7 +14,7 @@ use super::kind::Kind;
 use super::part::Part;
 use crate::framework::frame::problem;
 use crate::framework::world::{isometry, stamp};
-use crate::{Level, Statuses, World};
+use crate::{Level, StatusText, Statuses, World};
 
 /// Markers of a shorter lifetime, zero above all, stay until they are deleted.
 const MIN_LIFETIME: Duration = Duration::from_micros(100);
@@ -82,10 +82,10 @@ impl MarkerStore {
     }
 
     /// Takes note of a message that will never be placed. Deleting needs no place.
-    pub(super) fn fail(&mut self, marker: &Marker, reason: &str, world: &World<'_>, statuses: &mut Statuses) {
+    pub(super) fn fail(&mut self, marker: &Marker, reason: StatusText, world: &World<'_>, statuses: &mut Statuses) {
         match u8::try_from(marker.action) {
             Ok(Marker::DELETE | Marker::DELETEALL) => self.process(marker, world, |_| true, statuses),
-            _ => set_status(&(marker.ns.clone(), marker.id), Some((Level::Error, reason.to_owned())), statuses),
+            _ => set_error(&(marker.ns.clone(), marker.id), reason, statuses),
         }
     }
 
@@ -113,7 +113,7 @@ impl MarkerStore {
         };
         let Some(mut kind) = kind else { return };
         let parts = kind.parts(marker, world.meshes).unwrap_or_else(|problem| {
-            set_status(&id, Some((Level::Error, problem)), statuses);
+            set_error(&id, problem, statuses);
             Vec::new()
         });
         let mut pose = PlainTransform::from(&marker.pose);
@@ -137,7 +137,7 @@ impl MarkerStore {
         };
         match shown.locate(world) {
             Ok(place) => shown.fixed_from_marker = Some(place),
-            Err(error) => set_status(&id, Some((Level::Error, problem(&error, world.fixed_frame))), statuses),
+            Err(error) => set_error(&id, problem(&error, world.fixed_frame), statuses),
         }
         self.markers.insert(id, shown);
     }
@@ -157,7 +157,7 @@ impl MarkerStore {
         for (id, shown) in self.markers.iter_mut().filter(|(_, shown)| shown.frame_locked) {
             let place = shown.locate(world);
             match &place {
-                Err(error) => set_status(id, Some((Level::Error, problem(error, world.fixed_frame))), statuses),
+                Err(error) => set_error(id, problem(error, world.fixed_frame), statuses),
                 Ok(_) if shown.fixed_from_marker.is_none() => set_status(id, shown.finding.clone(), statuses),
                 Ok(_) => {}
             }
@@ -208,10 +208,18 @@ fn lifetime(marker: &Marker) -> Option<Duration> {
 }
 
 /// rviz names a marker's status after its namespace and id.
-fn set_status((ns, id): &MarkerId, status: Option<(Level, String)>, statuses: &mut Statuses) {
-    let name = format!("{ns}/{id}");
+fn status_name((ns, id): &MarkerId) -> String {
+    format!("{ns}/{id}")
+}
+
+fn set_status(id: &MarkerId, status: Option<(Level, String)>, statuses: &mut Statuses) {
+    let name = status_name(id);
     match status {
         Some((level, text)) => statuses.set(level, &name, text),
         None => statuses.remove(&name),
     }
+}
+
+fn set_error(id: &MarkerId, text: impl Into<StatusText>, statuses: &mut Statuses) {
+    statuses.set(Level::Error, &status_name(id), text);
 }

@@ -20,7 +20,7 @@ use crate::parts::robot_description::{link_frame, RobotDescription, Words, STATU
 use crate::parts::solids::{axes, axes_materials, drawable};
 use crate::parts::trail::Trail;
 use crate::parts::urdf::Robot;
-use crate::{Level, Statuses, World};
+use crate::{Level, StatusText, Statuses, World};
 
 use build::{Builder, LinkPieces, Piece};
 
@@ -58,7 +58,7 @@ impl ShownLink {
                 Some(_) => statuses.set(Level::Ok, &self.frame, "Transform OK"),
                 None => {
                     let text = format!("No transform from [{}] to [{}]", self.frame, world.fixed_frame);
-                    statuses.set(Level::Error, &self.frame, text);
+                    statuses.set(Level::Error, &self.frame, StatusText::about_frame(text));
                 }
             }
         }

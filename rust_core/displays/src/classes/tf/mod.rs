@@ -21,7 +21,7 @@ use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::Time;
 
 use crate::framework::display::Display;
-use crate::{Level, Statuses, World};
+use crate::{Level, StatusText, Statuses, World};
 
 use age::{Age, Fade};
 use symbol::{Place, Symbol, Symbols};
@@ -131,7 +131,7 @@ impl Display for TfDisplay {
                 self.statuses.set(Level::Ok, name, "Transform OK");
             } else {
                 let text = format!("No transform from [{name}] to frame [{}]", world.fixed_frame);
-                self.statuses.set(Level::Warn, name, text);
+                self.statuses.set(Level::Warn, name, StatusText::about_frame(text));
             }
             match place.filter(|_| frame.is_enabled) {
                 Some(place) => {
