@@ -1,37 +1,26 @@
-//! What is said on standard error, in the form of ROS nodes: `[ WARN] …`.
+//! The log on standard error, in the format of ROS nodes: `[ WARN] text`.
+//!
+//! This project's crates log information and worse, all other crates only errors. The environment variable `RUST_LOG`
+//! overrides that, in env_logger's syntax: `RUST_LOG=rcs_ros=debug`.
 
-use log::{LevelFilter, Log, Metadata, Record};
+use std::io::Write;
 
-struct StandardError;
+use log::LevelFilter;
 
-/// The programs' own crates, whose names are their messages' targets.
-const PROGRAMS: [&str; 4] = ["camera_stream", "projector", "projector_window", "publish_cloud"];
+/// What the names of this project's crates begin with.
+const OWN_CRATES: &str = "rcs_";
 
-impl Log for StandardError {
-    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        // Libraries speak only where something is wrong.
-        let target = metadata.target();
-        let own = target.starts_with("rcs_") || PROGRAMS.contains(&target);
-        own || metadata.level() <= log::Level::Error
-    }
-
-    fn log(&self, record: &Record<'_>) {
-        if self.enabled(record.metadata()) {
-            eprintln!("[{:>5}] {}", record.level(), record.args());
-        }
-    }
-
-    fn flush(&self) {}
-}
-
-/// Starts logging: information and worse, or all.
+/// Starts logging; with `debug` also this project's debug messages.
 pub fn start(debug: bool) {
-    log::set_max_level(if debug { LevelFilter::Debug } else { LevelFilter::Info });
-    // A second call keeps the first logger, which is the same one.
-    let _ = log::set_logger(&StandardError);
+    let own_level = if debug { LevelFilter::Debug } else { LevelFilter::Info };
+    let mut builder = env_logger::Builder::new();
+    builder.filter_level(LevelFilter::Error).filter_module(OWN_CRATES, own_level).parse_default_env();
+    builder.format(|out, record| writeln!(out, "[{:>5}] {}", record.level(), record.args()));
+    // A second call changes nothing.
+    let _ = builder.try_init();
 }
 
-/// An error with its causes in one line; a cause that the text before it tells already is left out.
+/// An error with its causes in one line; a cause that is part of the text before it is left out.
 pub fn one_line(error: &anyhow::Error) -> String {
     let mut line = String::new();
     for cause in error.chain() {
@@ -52,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cause_is_told_once() {
+    fn a_cause_is_named_once() {
         let error = anyhow!("no such file").context("a.bag: no such file").context("cannot render");
         assert_eq!(one_line(&error), "cannot render: a.bag: no such file");
         let parsed = "x".parse::<u8>().context("rate");

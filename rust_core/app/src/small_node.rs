@@ -1,8 +1,8 @@
-//! The life of a small ROS node: its own arguments, and an orderly end.
+//! What all the ROS nodes here have in common: their own arguments, and an orderly shutdown.
 //!
-//! ROS gives every node arguments with `:=` in them (`topic:=other`, `_param:=value`, `__name:=name`), which the node
-//! reads by itself; [`own_arguments`] are the others. SIGINT, SIGTERM and `rosnode kill` ask the node to end
-//! ([`EndRequest`]); it then unregisters and exits with 0. A second signal ends it at once.
+//! ROS arguments have `:=` in them (`topic:=other`, `_param:=value`, `__name:=name`), and rosrust reads them;
+//! [`own_arguments`] are the others. SIGINT, SIGTERM and `rosnode kill` request the shutdown ([`EndRequest`]); the node
+//! then unregisters and exits with 0. A second signal ends it at once.
 
 use std::ffi::OsString;
 use std::io;
@@ -14,10 +14,10 @@ use std::time::{Duration, Instant};
 use rcs_ros::{NodeError, RosNode};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-/// How often the node checks whether it is asked to end.
+/// How often a waiting node polls for the shutdown request.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
 
-/// The program's arguments, its name first, without those that are ROS's.
+/// The program's arguments, its name first, without ROS arguments.
 pub fn own_arguments() -> Vec<OsString> {
     without_ros_arguments(std::env::args_os())
 }
@@ -36,17 +36,17 @@ pub fn remapping_of(name: &str) -> Option<String> {
     })
 }
 
-/// Whether the node is asked to end. Clones ask the same.
+/// Whether the node is requested to shut down. Clones share the request.
 #[derive(Debug, Clone)]
 pub struct EndRequest {
     requested: Arc<AtomicBool>,
 }
 
 impl EndRequest {
-    /// Takes SIGINT and SIGTERM from now on.
+    /// Handles SIGINT and SIGTERM from now on.
     ///
     /// # Errors
-    /// The system's, when it refuses.
+    /// When the signal handlers cannot be installed.
     pub fn watch_signals() -> io::Result<Self> {
         let requested = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
@@ -57,17 +57,17 @@ impl EndRequest {
         Ok(Self { requested })
     }
 
-    /// Asks the node to end.
+    /// Requests the shutdown.
     pub fn request(&self) {
         self.requested.store(true, Ordering::Release);
     }
 
-    /// Whether a signal came or the ROS master asked the node to end.
+    /// Whether a signal was received or the ROS master shut the node down.
     pub fn is_requested(&self) -> bool {
         self.requested.load(Ordering::Acquire) || rcs_ros::is_asked_to_end()
     }
 
-    /// Waits until the end is requested, or for `duration`; true for the end.
+    /// Waits until the shutdown is requested, but no longer than `duration`. Returns whether it is requested.
     pub fn wait_for(&self, duration: Duration) -> bool {
         let until = Instant::now() + duration;
         loop {
@@ -82,16 +82,16 @@ impl EndRequest {
         }
     }
 
-    /// Waits until the end is requested.
+    /// Waits until the shutdown is requested.
     pub fn wait(&self) {
         while !self.wait_for(Duration::from_secs(3600)) {}
     }
 }
 
-/// Waits for the ROS master, saying so once, and starts the node there. None when the end was requested before.
+/// Waits for the ROS master, which is logged once, and starts the node. `None` if the shutdown was requested meanwhile.
 ///
 /// # Errors
-/// [`NodeError`] when the master's address is no address or the node cannot start.
+/// [`NodeError`] if the master's address is invalid or the node cannot start.
 pub fn connect(default_name: &str, end: &EndRequest) -> Result<Option<RosNode>, NodeError> {
     match RosNode::connect(default_name, &|| end.is_requested()) {
         Ok(node) => Ok(Some(node)),

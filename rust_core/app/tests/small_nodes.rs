@@ -1,11 +1,11 @@
 //! The programs `projector`, `projector_window` and `publish_cloud` as a user runs them, as far as no ROS master and no
-//! display is needed: help, exit codes, errors that name the file, and an orderly end while waiting for a master.
+//! display is needed: help, exit codes, errors that name the file, and an orderly shutdown while waiting for a master.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::io::Write;
-use std::process::{Command, Output, Stdio};
-use std::thread::sleep;
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 const PROJECTOR: &str = env!("CARGO_BIN_EXE_projector");
@@ -15,11 +15,15 @@ const CLOUD: &str = env!("CARGO_BIN_EXE_publish_cloud");
 const PROJECTOR_FILE: &str = "header: {frame_id: proj}\nwidth: 64\nheight: 48\nK: [50, 0, 32, 0, 50, 24, 0, 0, 1]\n";
 const CLOUD_FILE: &str = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n";
 
+/// A master that does not exist: port 9 (discard) answers nowhere.
+const MASTER: &str = "http://127.0.0.1:9";
+/// How long something may take that takes milliseconds on an idle machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+
 /// A program with a master that does not exist and without a display.
 fn program(path: &str) -> Command {
     let mut command = Command::new(path);
-    // Port 9 (discard) answers nowhere.
-    command.env("ROS_MASTER_URI", "http://127.0.0.1:9").env("ROS_HOSTNAME", "127.0.0.1");
+    command.env("ROS_MASTER_URI", MASTER).env("ROS_HOSTNAME", "127.0.0.1");
     for variable in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
         command.env_remove(variable);
     }
@@ -46,6 +50,17 @@ fn help_names_topics_and_exit_codes() {
         assert_eq!(output.status.code(), Some(0));
         let help = String::from_utf8(output.stdout).unwrap();
         assert!(help.contains(topic) && help.contains("Exit codes"), "{help}");
+    }
+}
+
+#[test]
+fn help_and_version_name_the_program() {
+    let camera_stream = env!("CARGO_BIN_EXE_camera_stream");
+    for path in [camera_stream, PROJECTOR, WINDOW, CLOUD] {
+        let name = path.rsplit('/').next().unwrap();
+        let text = |option| String::from_utf8(program(path).arg(option).output().unwrap().stdout).unwrap();
+        assert_eq!(text("--version"), format!("{name} {}\n", env!("CARGO_PKG_VERSION")));
+        assert!(text("--help").contains(&format!("Usage: {name} ")), "{}", text("--help"));
     }
 }
 
@@ -93,7 +108,7 @@ fn a_projector_without_a_frame_is_refused_and_an_option_gives_one() {
 }
 
 #[test]
-fn without_a_display_the_window_says_so_and_exits_with_1() {
+fn without_a_display_the_window_reports_that_and_exits_with_1() {
     for arguments in [&["--list-monitors"][..], &[]] {
         let output = program(WINDOW).args(arguments).output().unwrap();
         assert_eq!(output.status.code(), Some(1));
@@ -104,31 +119,89 @@ fn without_a_display_the_window_says_so_and_exits_with_1() {
 }
 
 #[test]
-fn waiting_for_a_master_is_said_once_and_signals_end_it_with_0() {
+fn signals_end_a_node_that_waits_for_a_master_with_0() {
     let (_folder, projector) = file("projector.yaml", PROJECTOR_FILE);
     let (_other, cloud) = file("cloud.pcd", CLOUD_FILE);
     ends_in_order(program(PROJECTOR).args(["--file", &projector, "__name:=other"]), "-INT");
     ends_in_order(program(CLOUD).args([&cloud, "cloud:=/objects"]), "-TERM");
 }
 
-/// Runs a program that waits for a master, ends it with a signal, and looks at what it said.
+#[test]
+fn a_missing_master_is_logged_once() {
+    let (_folder, projector) = file("projector.yaml", PROJECTOR_FILE);
+    let mut node = Waiting::start(program(PROJECTOR).arg(&projector));
+    node.wait_for_log(MASTER);
+    // Nothing may follow: long enough for the node to have looked for the master a few times more.
+    assert!(node.next_line(Duration::from_secs(1)).is_none(), "{}", node.log);
+    assert_eq!(node.end("-TERM").code(), Some(0), "{}", node.log);
+    assert_eq!(node.log.matches(MASTER).count(), 1, "{}", node.log);
+}
+
+/// Runs a program until it waits for a master, and ends it with a signal.
 fn ends_in_order(command: &mut Command, signal: &str) {
-    let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
-    sleep(Duration::from_millis(700));
-    assert!(child.try_wait().unwrap().is_none(), "the program waits");
-    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
-    let deadline = Instant::now() + Duration::from_secs(10);
-    while child.try_wait().unwrap().is_none() {
-        if Instant::now() > deadline {
-            child.kill().unwrap();
-            panic!("the program does not end after {signal}");
-        }
-        sleep(Duration::from_millis(20));
+    let mut node = Waiting::start(command);
+    node.wait_for_log(MASTER);
+    assert_eq!(node.end(signal).code(), Some(0), "{}", node.log);
+}
+
+/// A running program, with the lines of its standard error as they come.
+struct Waiting {
+    child: Child,
+    lines: Receiver<String>,
+    /// All lines so far.
+    log: String,
+}
+
+impl Waiting {
+    fn start(command: &mut Command) -> Self {
+        let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+        let (sender, lines) = std::sync::mpsc::channel();
+        let stderr = child.stderr.take().unwrap();
+        std::thread::spawn(move || {
+            for line in BufReader::new(stderr).lines() {
+                if sender.send(line.unwrap()).is_err() {
+                    return;
+                }
+            }
+        });
+        Self { child, lines, log: String::new() }
     }
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let message = stderr(&output);
-    let said = message.matches("http://127.0.0.1:9").count();
-    assert_eq!(said, 1, "{message}");
+
+    /// The next line, if one comes in time.
+    fn next_line(&mut self, patience: Duration) -> Option<String> {
+        let line = self.lines.recv_timeout(patience).ok()?;
+        self.log += &format!("{line}\n");
+        Some(line)
+    }
+
+    /// Waits for a line with this text.
+    fn wait_for_log(&mut self, text: &str) {
+        let deadline = Instant::now() + PATIENCE;
+        while let Some(line) = self.next_line(deadline.saturating_duration_since(Instant::now())) {
+            if line.contains(text) {
+                return;
+            }
+        }
+        panic!("{text} is not in the log: {}", self.log);
+    }
+
+    /// Sends a signal, and waits until the program has ended and all of its log is read.
+    fn end(&mut self, signal: &str) -> ExitStatus {
+        assert!(self.child.try_wait().unwrap().is_none(), "the program ended by itself: {}", self.log);
+        let sent = Command::new("kill").args([signal, &self.child.id().to_string()]).status().unwrap();
+        assert!(sent.success());
+        let deadline = Instant::now() + PATIENCE;
+        // The end of the log is the end of the program.
+        while self.next_line(deadline.saturating_duration_since(Instant::now())).is_some() {}
+        assert!(Instant::now() < deadline, "the program does not end after {signal}: {}", self.log);
+        self.child.wait().unwrap()
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        // Only a test that fails leaves it running.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
 }

@@ -2,6 +2,7 @@
 //!
 //! Messages are made on rosrust's threads and dropped on the thread of their displays, so the process has one pool.
 
+use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -31,19 +32,39 @@ pub(crate) fn give_back(bytes: Vec<u8>) {
     pool.limit_to(MAX_POOLED_BYTES);
 }
 
-/// Bytes that several messages may share. The last of them returns the memory to the pool.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Bytes(Arc<Vec<u8>>);
+/// Something that holds bytes, such as a picture.
+pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
+
+/// Bytes that several messages may share. The last of them returns the memory to the pool, if it is a message's own.
+#[derive(Clone)]
+pub(crate) enum Bytes {
+    /// A message's own.
+    Own(Arc<Vec<u8>>),
+    /// Those of something that is no message.
+    Foreign(SharedBytes),
+}
+
+impl Default for Bytes {
+    fn default() -> Self {
+        Self::Own(Arc::default())
+    }
+}
+
+impl fmt::Debug for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (**self).fmt(f)
+    }
+}
 
 impl From<Arc<Vec<u8>>> for Bytes {
     fn from(bytes: Arc<Vec<u8>>) -> Self {
-        Self(bytes)
+        Self::Own(bytes)
     }
 }
 
 impl From<Vec<u8>> for Bytes {
     fn from(bytes: Vec<u8>) -> Self {
-        Self(Arc::new(bytes))
+        Self::Own(Arc::new(bytes))
     }
 }
 
@@ -51,15 +72,20 @@ impl Deref for Bytes {
     type Target = [u8];
 
     fn deref(&self) -> &[u8] {
-        &self.0
+        match self {
+            Self::Own(bytes) => bytes,
+            Self::Foreign(owner) => (**owner).as_ref(),
+        }
     }
 }
 
 impl Drop for Bytes {
     fn drop(&mut self) {
         // If two are dropped at the same time, neither is the last, and the memory goes to the allocator.
-        if let Some(bytes) = Arc::get_mut(&mut self.0) {
-            give_back(std::mem::take(bytes));
+        if let Self::Own(bytes) = self {
+            if let Some(bytes) = Arc::get_mut(bytes) {
+                give_back(std::mem::take(bytes));
+            }
         }
     }
 }

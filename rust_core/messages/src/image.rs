@@ -1,9 +1,9 @@
 //! `sensor_msgs/Image` as a view of the received bytes, or of a finished picture.
 //!
 //! A received image keeps its bytes as [`crate::PointCloud2`] does. An image to be sent shares its pixels with the renderer
-//! ([`Image::with_data`]); they are copied once, into the message's bytes, when it is sent.
+//! ([`Image::sharing`]); they are copied once, into the message's bytes, when it is sent.
 
-use crate::bytes::{copy_of, Bytes};
+use crate::bytes::{copy_of, Bytes, SharedBytes};
 use crate::std_msgs::Header;
 use crate::wire::{framed, write_count, write_header, write_string, write_u32, DecodeError, Reader, LENGTH_PREFIX};
 use rosrust::{Message, RosMsg};
@@ -56,6 +56,14 @@ impl Image {
             ..Self::default()
         }
         .with_data(pixels)
+    }
+
+    /// As [`new`](Self::new), with the pixels of `owner`, which stay its own.
+    pub fn sharing(header: Header, size_px: [u32; 2], encoding: &str, step_bytes: u32, owner: SharedBytes) -> Self {
+        let mut image = Self::new(header, size_px, encoding, step_bytes, Arc::default());
+        image.data = 0..(*owner).as_ref().len();
+        image.buffer = Bytes::Foreign(owner);
+        image
     }
 
     /// Reads a message whose bytes become the image's own; nothing is copied.
@@ -179,6 +187,17 @@ mod tests {
             ..Image::default()
         }
         .with_data(Arc::new(vec![1, 2, 3, 4, 5, 6]))
+    }
+
+    #[test]
+    fn shared_pixels_are_those_of_their_owner_and_go_over_the_wire_as_own_ones_do() {
+        let own = image();
+        let owner = Arc::new(vec![1, 2, 3, 4, 5, 6]);
+        let shared = Image::sharing(own.header.clone(), [1, 2], "rgb8", 3, Arc::clone(&owner) as SharedBytes);
+        assert_eq!(shared.data().as_ptr(), owner.as_ptr());
+        assert_eq!(shared.encode_vec().unwrap(), own.encode_vec().unwrap());
+        drop(shared);
+        assert_eq!(*owner, [1, 2, 3, 4, 5, 6]);
     }
 
     #[test]

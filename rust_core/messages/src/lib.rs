@@ -32,7 +32,7 @@ pub mod sensor_msgs;
 
 pub use any::{header, AnyMessage, MessageKind, MessageVisitor, TypedMessage};
 pub use buffer_pool::BufferPool;
-pub use bytes::pooled_bytes;
+pub use bytes::{pooled_bytes, SharedBytes};
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
 pub use image::Image;
 pub use occupancy_grid::OccupancyGrid;

@@ -3,22 +3,22 @@
 //! The CameraInfo goes out on the sibling topic `camera_info`: the image topic's name with another last part. Both have
 //! the same stamp, sequence number and frame.
 //!
-//! Sending never waits: rosrust keeps one frame for its writing thread and drops the older one. That thread writes to
-//! the subscribers one after the other, so a stopped one would hold up all others for good; [`crate::listeners`] sets a
-//! limit to that.
+//! Sending never blocks: rosrust queues one frame for its writing thread and drops the older one. That thread writes to
+//! the subscribers one after the other, so a stopped one would block all others; [`crate::listeners`] sets a time limit.
 
 use crate::listeners::tune_listeners;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
-use rcs_messages::{Image, Serialized, Time};
+use rcs_messages::{Image, Serialized, SharedBytes, Time};
+use rcs_scene::Picture;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How often it is looked for new subscribers. Each look wakes a core, also when nothing else happens.
+/// How often new subscribers are polled for. Each poll wakes a core, also when nothing else happens.
 const POLL_PERIOD: Duration = Duration::from_millis(50);
-/// A frame that waits for the writing thread gives way to the next.
+/// A frame that is still queued for the writing thread is dropped for the next.
 const QUEUE_SIZE: usize = 1;
 
 /// Why something cannot be published.
@@ -29,7 +29,7 @@ pub enum PublishError {
     Advertise {
         /// The topic.
         topic: String,
-        /// What rosrust says.
+        /// rosrust's reason.
         reason: String,
     },
     /// A message could not be sent.
@@ -37,10 +37,10 @@ pub enum PublishError {
     Send {
         /// The topic.
         topic: String,
-        /// What rosrust says.
+        /// rosrust's reason.
         reason: String,
     },
-    /// The buffer does not hold the rows that the picture has.
+    /// The picture's bytes are not as many as its rows need.
     #[error("{topic}: {len} bytes of pixels for {height_px} rows of {step_bytes} bytes")]
     Size {
         /// The topic.
@@ -50,21 +50,8 @@ pub enum PublishError {
         /// Rows.
         height_px: u32,
         /// Bytes of a row.
-        step_bytes: u32,
+        step_bytes: usize,
     },
-}
-
-/// A finished picture. Its pixels are shared, not copied, until they are sent.
-#[derive(Clone, Debug)]
-pub struct Picture {
-    /// Width and height in pixels.
-    pub size_px: [u32; 2],
-    /// ROS's name of what a pixel is, such as `rgb8`.
-    pub encoding: &'static str,
-    /// Bytes from one row to the next.
-    pub step_bytes: u32,
-    /// The rows, top first.
-    pub pixels: Arc<Vec<u8>>,
 }
 
 /// Publishes a camera's pictures until it is dropped, which unregisters both topics.
@@ -88,8 +75,11 @@ pub fn camera_info_topic(image_topic: &str) -> String {
 impl ImagePublisher {
     /// Publishes on `topic` and its sibling, on the running rosrust node.
     ///
-    /// `on_subscriber` is called with the name of every node that newly subscribes to either, on a thread of its own,
+    /// `on_subscriber` is called with the name of every node that newly subscribes to either, on a separate thread,
     /// within some fifty milliseconds.
+    ///
+    /// # Errors
+    /// [`PublishError::Advertise`].
     pub fn new(topic: &str, on_subscriber: impl Fn(&str) + Send + 'static) -> Result<Self, PublishError> {
         let image = advertise::<Image>(topic, QUEUE_SIZE)?;
         // image_transport takes the sibling of the name as it was given, and remaps the two separately.
@@ -118,8 +108,8 @@ impl ImagePublisher {
         &self.info_topic
     }
 
-    /// How many nodes subscribe to the image or to the CameraInfo, this node itself not counted: its own setup may
-    /// well listen to the topic that the CameraInfo goes out on.
+    /// How many nodes subscribe to the image or to the CameraInfo, this node itself not counted: its own config may
+    /// well subscribe to the topic that the CameraInfo is published on.
     pub fn subscriber_count(&self) -> usize {
         let mut names: BTreeSet<String> = self.image.subscriber_names().into_iter().collect();
         names.extend(self.info.subscriber_names());
@@ -127,21 +117,27 @@ impl ImagePublisher {
         names.len()
     }
 
-    /// Sends a picture and the CameraInfo it was drawn by, both with `stamp` and the CameraInfo's frame. Never waits.
-    pub fn publish(&mut self, picture: &Picture, info: &CameraInfo, stamp: Time) -> Result<(), PublishError> {
-        let [_, height] = picture.size_px;
-        if picture.pixels.len() as u64 != u64::from(picture.step_bytes) * u64::from(height) {
+    /// Sends a picture and the CameraInfo it was drawn with, both with `stamp` and the CameraInfo's frame. Never waits;
+    /// the pixels are copied once, into the message.
+    ///
+    /// # Errors
+    /// [`PublishError::Size`] or [`PublishError::Send`].
+    pub fn publish(&mut self, picture: &Arc<Picture>, info: &CameraInfo, stamp: Time) -> Result<(), PublishError> {
+        let (step, height_px) = (picture.step(), picture.height_px);
+        let step_bytes = u32::try_from(step).ok().filter(|_| picture.data.len() == step * height_px as usize);
+        let Some(step_bytes) = step_bytes else {
             return Err(PublishError::Size {
                 topic: self.topic.clone(),
-                len: picture.pixels.len(),
-                height_px: height,
-                step_bytes: picture.step_bytes,
+                len: picture.data.len(),
+                height_px,
+                step_bytes: step,
             });
-        }
+        };
         let header = Header { seq: self.next_seq, stamp, frame_id: info.header.frame_id.clone() };
         self.next_seq = self.next_seq.wrapping_add(1);
-        let pixels = Arc::clone(&picture.pixels);
-        let image = Image::new(header.clone(), picture.size_px, picture.encoding, picture.step_bytes, pixels);
+        let (size_px, encoding) = ([picture.width_px, height_px], picture.encoding.name());
+        let pixels: SharedBytes = Arc::<Picture>::clone(picture);
+        let image = Image::sharing(header.clone(), size_px, encoding, step_bytes, pixels);
         let info = CameraInfo { header, ..info.clone() };
         // As it is: rosrust would put its own sequence number into a message that it knows.
         let info = Serialized::new(rcs_messages::encode(&info));
@@ -167,7 +163,7 @@ impl ImagePublisher {
         };
         let spawned = std::thread::Builder::new().name("image-subscribers".to_owned()).spawn(watching);
         if let Err(error) = spawned {
-            log::warn!("{}: new subscribers will not be noticed at once: {error}", self.topic);
+            log::warn!("{}: new subscribers are not noticed at once: {error}", self.topic);
         }
     }
 }

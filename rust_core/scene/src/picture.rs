@@ -110,6 +110,12 @@ pub struct Picture {
     pub data: Vec<u8>,
 }
 
+impl AsRef<[u8]> for Picture {
+    fn as_ref(&self) -> &[u8] {
+        &self.data
+    }
+}
+
 impl Picture {
     /// Makes it a picture of this size and encoding; the bytes may hold anything. Keeps its memory.
     pub fn reset(&mut self, width_px: u32, height_px: u32, encoding: Encoding) {

@@ -9,8 +9,9 @@
 
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{header, MessageKind};
-use rcs_ros::image_topic::{ImagePublisher, Picture};
+use rcs_ros::image_topic::ImagePublisher;
 use rcs_ros::{plain_args, NodeEvent, RosNode, TopicSubscription};
+use rcs_scene::{Encoding, Picture};
 use std::error::Error;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -109,12 +110,10 @@ fn publish(
     let _own = node.subscribe(publisher.info_topic(), MessageKind::CameraInfo, 1)?;
     say(&format!("ready {} image {} info {}", node.name(), publisher.topic(), publisher.info_topic()));
     let [width, height] = size_px;
-    let picture = Picture {
-        size_px,
-        encoding: "rgb8",
-        step_bytes: width * 3,
-        pixels: Arc::new(vec![7; (width * height * 3) as usize]),
-    };
+    let mut picture = Picture::default();
+    picture.reset(width, height, Encoding::Rgb8);
+    picture.data.fill(7);
+    let picture = Arc::new(picture);
     let mut info = CameraInfo { width, height, ..CameraInfo::default() };
     info.header.frame_id = "projector".to_owned();
     let mut next = Instant::now();

@@ -74,6 +74,20 @@ fn the_table_names_what_is_missing_and_gives_1_and_what_is_well_gives_0() {
     let (_folder, path) = file(&config(&[CLOUD], &[CameraPub::default()]));
     let output = check(&master, &path, &["--listen", "2"]);
     assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
+    // In place of the node's launch line, whose name and private parameters it has, too, with the node running.
+    let mut node = master.environment(Command::new(program("camera_stream")));
+    let line = ["-f", "map", "--splash-screen", "", "--renderer", "cpu", "__name:=eyes", "_projection:=exact"];
+    let node = Running::start(node.arg("-d").arg(&path).args(line)).unwrap();
+    let is_drawing = || node.errors().iter().any(|line| line.contains("drawing "));
+    assert!(rcs_tests::ros::wait_until(PATIENCE, is_drawing), "{:?}", node.errors());
+    let mut command = master.environment(Command::new(program("camera_stream")));
+    command.args(["check", "--live", "--listen", "2", "-d"]).arg(&path).args(line);
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
+    assert!(master.output("rosnode", &["list"]).unwrap().lines().any(|name| name == "/eyes"), "{:?}", node.errors());
+    assert_eq!(check(&master, &path, &["_projection:=voodoo"]).status.code(), Some(2));
+    let elsewhere = check(&master, &path, &["--listen", "1", "--fixed-frame", "elsewhere"]);
+    assert!(has_row(&text(&elsewhere.stdout), &["Global Status", "Error", "Unknown frame elsewhere"]));
     // Remappings are the node's.
     let output = check(&master, &path, &["--listen", "2", "/cloud:=/silent"]);
     assert_eq!(output.status.code(), Some(1), "{}{}", text(&output.stdout), text(&output.stderr));
@@ -101,4 +115,28 @@ fn without_a_master_or_a_config_it_gives_2_at_once_and_a_signal_ends_the_listeni
     running.signal("INT");
     assert_eq!(running.wait(PATIENCE).and_then(|status| status.code()), Some(1), "{:?}", running.errors());
     assert!(running.line_with("No messages received").is_some(), "{:?}", running.lines());
+}
+
+#[test]
+fn a_display_that_is_hidden_or_out_of_view_is_in_the_table() {
+    let master = RosMaster::start().unwrap();
+    let puppet = Puppet::start(&master, &[]).unwrap();
+    puppet.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    puppet.run("latch('/cloud', cloud(0xff0000))").unwrap();
+    let axes = "{Class: rviz/Axes, Name: axes, Enabled: true}";
+    // The camera looks along z from the frame's origin.
+    let behind = "{Class: rviz/Grid, Name: behind, Enabled: true, Offset: {X: 0, Y: 0, Z: -5}, Reference Frame: eye}";
+    let scene = config(&[CLOUD, axes, behind], &[CameraPub::default()]);
+    let (_folder, path) = file(&scene.replace("Visibility: {Value: true}", "Visibility: {Value: true, axes: false}"));
+    let output = check(&master, &path, &["--listen", "2"]);
+    let table = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{table}\n{}", text(&output.stderr));
+    let rows: [&[&str]; 2] = [
+        &["axes", "rviz/Axes", "Ok", "Visibility: hidden in camera CameraPub"],
+        &["behind", "rviz/Grid", "Warn", "Visibility: outside the view of camera CameraPub"],
+    ];
+    for row in rows {
+        assert!(has_row(&table, row), "{row:?} is not in\n{table}");
+    }
+    assert!(has_row(&table, &["cloud", "Ok", "1 messages received"]) && table.matches("Visibility").count() == 2);
 }

@@ -106,10 +106,15 @@ fn a_sequence_is_numbered_and_covers_the_bag() {
     let colors: Vec<[u8; 3]> = names.iter().map(|name| render.pixel(&format!("new/folder/{name}"), 32, 24)).collect();
     let (red, green, blue) = ([255, 0, 0], [0, 255, 0], [0, 0, 255]);
     assert_eq!(colors, [red, red, green, green, blue, blue, blue]);
-    for rate in ["0", "-3", "NaN"] {
-        let said = render.bad(&format!("-d scene.rviz --bag scene.bag --frames folder --rate={rate}"));
-        assert!(said.contains("--rate"), "{said}");
+    for rate in ["0", "-3", "NaN", "1e11", "1e300"] {
+        let output = render.run(&format!("-d scene.rviz --bag scene.bag --frames folder --rate={rate}"));
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains("--rate"), "{error}");
     }
+    render.bag("long.bag", "for secs in (1, 4000000000): bag.write('/eye/camera_info', info(), at(secs))");
+    assert!(render.bad("-d scene.rviz --bag long.bag --frames folder").contains("--rate 30"));
+    assert!(!render.path("folder").exists());
 }
 
 #[test]

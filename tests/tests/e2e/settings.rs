@@ -104,7 +104,7 @@ fn a_reload_changes_what_differs_and_nothing_else() {
     let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Reference Frame: elsewhere}";
     stand.rewrite(&config(&[grid, CLOUD], &[blue()]));
     let answer = stand.puppet(RELOAD);
-    assert!(answer.starts_with("(True, ") && answer.contains("1 displays stay, 1 are made, 0 are gone"), "{answer}");
+    assert!(answer.starts_with("(True, ") && answer.contains("1 displays kept, 1 added, 0 removed"), "{answer}");
     stand.wait_for(format!("corner() == {BLUE}"));
     stand.puppet("eye.forget()");
     stand.wait_for(format!("eye.middle() == {RED}"));
@@ -190,7 +190,7 @@ fn a_file_that_cannot_be_read_leaves_everything_as_it_is() {
     stand.rewrite(&config(&[CLOUD], &[blue()]));
     std::thread::sleep(Duration::from_secs(2));
     assert_eq!(stand.puppet("corner()"), BLACK);
-    assert_eq!(stand.log_lines(&["written again"]), 0, "{}", stand.log());
+    assert_eq!(stand.log_lines(&["the config changed"]), 0, "{}", stand.log());
 }
 
 #[test]
@@ -202,7 +202,7 @@ fn saving_the_file_changes_the_picture() {
     // Half of a file that somebody takes long to write is not taken.
     let green = config(&[CLOUD], &[CameraPub { background: "0; 255; 0", ..camera() }]);
     stand.rewrite(&green[..green.find("Background").unwrap()]);
-    stand.wait_for_log("cannot be read, everything stays as it is").unwrap();
+    stand.wait_for_log("cannot be read, so the previous one is kept").unwrap();
     stand.puppet("eye.forget()");
     stand.wait_for(format!("corner() == {BLUE} and eye.middle() == {RED}"));
     stand.rewrite(&green);

@@ -1,4 +1,4 @@
-//! From a CameraInfo and the frames to the camera that looks at the scene.
+//! From a CameraInfo and the frames to the camera that the scene is drawn with.
 
 use rcs_displays::World;
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -7,39 +7,52 @@ use rcs_transforms::{LookupError, Time};
 use thiserror::Error;
 
 /// How a CameraInfo's P becomes a projection.
+///
+/// ```
+/// use clap::ValueEnum;
+/// use rcs_app::camera_stream::camera_pose::{rviz_differs, Projection};
+/// use rcs_messages::sensor_msgs::CameraInfo;
+///
+/// assert_eq!(Projection::from_str("exact", true), Ok(Projection::Exact));
+/// // With one focal length and no P[7], both draw the same picture.
+/// let mut info = CameraInfo { width: 1280, height: 800, ..CameraInfo::default() };
+/// info.P = [1900.0, 0.0, 640.0, 0.0, 0.0, 1900.0, 750.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+/// assert!(!rviz_differs(&info));
+/// info.P[5] = 2000.0;
+/// assert!(rviz_differs(&info));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Projection {
-    /// As rviz's CameraPub draws: one focal length for both axes, `P[7]` upwards. The same picture as before; exact for
-    /// square pixels and no `P[7]`.
+    /// As rviz's CameraPub draws: one focal length for both axes, `P[7]` upwards. Exact if fx = fy and P[7] = 0
     #[default]
     Rviz,
-    /// As P says: what a projector with different focal lengths needs.
+    /// As P says: needed by a projector with different focal lengths
     Exact,
 }
 
-/// Why a camera cannot see.
+/// Why there is no camera to draw with.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CameraProblem {
-    /// Nothing came on its topic yet.
+    /// No CameraInfo was received yet.
     #[error("No CameraInfo received on [{topic}]. Topic may not exist.")]
     NoCameraInfo {
         /// The config's "Camera Info Topic".
         topic: String,
     },
-    /// The CameraInfo makes no camera.
+    /// The CameraInfo is invalid.
     #[error("CameraInfo on [{topic}]: {error}")]
     BadCameraInfo {
         /// The config's "Camera Info Topic".
         topic: String,
-        /// What is wrong; it names the field.
+        /// What is wrong; names the field.
         error: CameraError,
     },
-    /// It is not known where the camera is.
+    /// The pose of the camera's frame is unknown.
     #[error("camera of [{topic}]: {error}")]
     NoTransform {
         /// The config's "Camera Info Topic".
         topic: String,
-        /// What is missing; it names both frames.
+        /// What is missing; names both frames.
         error: Box<LookupError>,
     },
 }

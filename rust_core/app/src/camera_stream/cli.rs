@@ -13,23 +13,30 @@ use crate::camera_stream::camera_pose::Projection;
 /// Without a command it is a ROS node that publishes the pictures. ROS arguments (from:=to, _param:=value, __name:=,
 /// __ns:=, __log:=) may stand anywhere.
 ///
-/// Exit status: 0 done (a node: ended by SIGINT or SIGTERM), 1 something is wrong, 2 unusable arguments or an unreadable
-/// config.
+/// Exit status: 0 success (a node: ended by SIGINT or SIGTERM), 1 failure, 2 invalid arguments or an unreadable config.
 #[derive(Debug, Parser)]
 #[command(name = "camera_stream", version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
-    /// What to do in place of running as a node.
+    /// What to do instead of running as a node.
     #[command(subcommand)]
     pub command: Option<Command>,
     /// The node's arguments.
     #[command(flatten)]
     pub node: NodeArgs,
-    /// What draws: a hardware GPU where there is one and else the CPU (auto), cpu, or any GPU driver (gpu)
+    /// What draws: a hardware GPU if there is one, else the CPU (auto); the CPU (cpu); or any GPU driver (gpu)
     #[arg(long, global = true, value_name = "auto|cpu|gpu")]
     pub renderer: Option<RendererChoice>,
-    /// How a CameraInfo's P is used: as rviz does (the same picture), or exactly (for fx ≠ fy or P[7] ≠ 0)
+    /// How a CameraInfo's P is used: as rviz does (the same picture as before), or exactly (needed if fx ≠ fy or P[7] ≠ 0)
     #[arg(long, global = true, value_enum)]
     pub projection: Option<Projection>,
+}
+
+impl Cli {
+    /// Whether debug messages are logged.
+    pub fn is_debug(&self) -> bool {
+        let of_check = matches!(&self.command, Some(Command::Check(args)) if args.node.log_level_debug);
+        self.node.log_level_debug || of_check
+    }
 }
 
 /// The arguments of the node: those of rviz.
@@ -38,21 +45,21 @@ pub struct NodeArgs {
     /// The .rviz config with CameraPub displays
     #[arg(short = 'd', long = "display-config", value_name = "FILE")]
     pub display_config: Option<PathBuf>,
-    /// The fixed frame, instead of the config's
+    /// The fixed frame, overriding the config's
     #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
     pub fixed_frame: Option<String>,
-    /// Do not read the config again when its file changes
+    /// Do not reload the config when its file changes
     #[arg(long)]
     pub no_watch: bool,
-    /// Options of rviz's window: taken and without effect
+    /// Options of rviz's window: accepted and ignored
     #[command(flatten)]
     pub window: WindowArgs,
-    /// Log what only concerns developers, too
+    /// Log debug messages, too
     #[arg(long)]
     pub log_level_debug: bool,
 }
 
-/// Options of rviz that only concern its window: launch files may hold them, so they are taken, and have no effect.
+/// Options of rviz that only concern its window: launch files may have them, so they are accepted and ignored.
 #[derive(Args, Clone, Debug)]
 pub struct WindowArgs {
     #[arg(short = 's', long, hide = true, value_name = "FILE")]
@@ -75,15 +82,17 @@ pub struct WindowArgs {
     opengl: Option<String>,
 }
 
-/// What to do in place of running as a node.
+/// What to do instead of running as a node.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Draws pictures of a bag, without ROS
+    /// Renders pictures from a bag, without ROS
     Render(RenderArgs),
-    /// Prints what of a config is understood and drawn, or with --live how its displays do in a running ROS
+    /// Prints which parts of a config are understood and drawn; with --live the status of each display in a running ROS
     ///
-    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not, 2 the config cannot be read or there
-    /// is no ROS master.
+    /// With --live it takes all arguments of the node: put `check --live` in front of them to diagnose a launch line.
+    ///
+    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not, 2 invalid arguments, an unreadable
+    /// config or no ROS master.
     Check(CheckArgs),
 }
 
@@ -93,7 +102,7 @@ pub struct RenderArgs {
     /// The .rviz config with a CameraPub display
     #[arg(short = 'd', long = "display-config", value_name = "FILE")]
     pub display_config: PathBuf,
-    /// The fixed frame, instead of the config's
+    /// The fixed frame, overriding the config's
     #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
     pub fixed_frame: Option<String>,
     /// The bag with /tf, CameraInfo and the displays' messages
@@ -102,22 +111,22 @@ pub struct RenderArgs {
     /// The picture to write
     #[arg(short = 'o', long, value_name = "FILE.png", required_unless_present = "frames", conflicts_with = "frames")]
     pub output: Option<PathBuf>,
-    /// Draw the moment this many seconds after the bag's first message; without it, after its last message
-    #[arg(long, value_name = "SECS", conflicts_with = "frames", allow_negative_numbers = true)]
+    /// Render the moment this many seconds after the bag's first message [default: at its last message]
+    #[arg(long, value_name = "SECS", conflicts_with = "frames", allow_negative_numbers = true, value_parser = moment)]
     pub at: Option<f64>,
-    /// Write a numbered picture of every moment into this folder
+    /// Write a sequence of numbered pictures into this folder, one million at most
     #[arg(long, value_name = "DIR")]
     pub frames: Option<PathBuf>,
-    /// Pictures a second for --frames
-    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
+    /// Pictures a second for --frames, 1000 at most
+    #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true, value_parser = rate)]
     pub rate: f64,
-    /// The CameraPub display to draw; needed when the config has several
+    /// The CameraPub display to render; required if the config has several
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// A parameter that displays read (robot_description, say), from a file
     #[arg(long, value_name = "NAME=FILE")]
     pub param: Vec<String>,
-    /// Where package:// addresses are looked for before ROS_PACKAGE_PATH: a package or a folder of packages
+    /// Where package:// addresses are resolved before ROS_PACKAGE_PATH: a package or a folder of packages
     #[arg(long, value_name = "DIR")]
     pub package_path: Vec<PathBuf>,
 }
@@ -125,15 +134,39 @@ pub struct RenderArgs {
 /// The arguments of `check`.
 #[derive(Args, Clone, Debug)]
 pub struct CheckArgs {
-    /// The .rviz config
-    #[arg(value_name = "FILE.rviz")]
-    pub config: PathBuf,
-    /// Connect to the ROS master, listen for a while, and print each display's statuses as rviz would show them
+    /// The .rviz config; -d FILE does the same
+    #[arg(value_name = "FILE.rviz", required_unless_present = "display_config", conflicts_with = "display_config")]
+    pub config: Option<PathBuf>,
+    /// The arguments of the node that is diagnosed.
+    #[command(flatten)]
+    pub node: NodeArgs,
+    /// Connect to the ROS master, subscribe for a while, and print each display's statuses as rviz would show them
     #[arg(long)]
     pub live: bool,
-    /// How long --live listens
+    /// How long --live subscribes
     #[arg(long, value_name = "SECS", default_value = "5", requires = "live", value_parser = seconds)]
     pub listen: Duration,
+}
+
+impl CheckArgs {
+    /// The config's file, by whichever of the two arguments.
+    pub fn file(&self) -> PathBuf {
+        self.config.clone().or_else(|| self.node.display_config.clone()).unwrap_or_default()
+    }
+}
+
+/// The highest `--rate` in pictures a second: no monitor or projector shows more.
+const MAX_RATE_HZ: f64 = 1000.0;
+
+/// Pictures a second: above 0 and not above [`MAX_RATE_HZ`].
+fn rate(text: &str) -> Result<f64, String> {
+    let rate_hz = text.parse::<f64>().ok().filter(|rate_hz| *rate_hz > 0.0 && *rate_hz <= MAX_RATE_HZ);
+    rate_hz.ok_or_else(|| format!("pictures a second, above 0 and not above {MAX_RATE_HZ}"))
+}
+
+/// Seconds, any finite number.
+fn moment(text: &str) -> Result<f64, String> {
+    text.parse::<f64>().ok().filter(|secs| secs.is_finite()).ok_or_else(|| "seconds, a finite number".to_owned())
 }
 
 /// Seconds on the command line: from 0 to a day.
@@ -151,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_launch_files_arguments_for_rviz_are_taken() {
+    fn a_launch_files_arguments_for_rviz_are_accepted() {
         let node = parse(&["camera_stream", "-d", "x.rviz", "-f", "map"]).unwrap().node;
         assert_eq!(node.display_config, Some(PathBuf::from("x.rviz")));
         assert_eq!(node.fixed_frame.as_deref(), Some("map"));
@@ -173,7 +206,45 @@ mod tests {
     }
 
     #[test]
-    fn how_long_to_listen_is_seconds_and_only_for_live() {
+    fn rates_and_moments_are_finite_and_within_bounds() {
+        let base = ["camera_stream", "render", "-d", "x.rviz", "--bag", "x.bag"];
+        let exit_code =
+            |more: &[&str]| parse(&[&base[..], more].concat()).map_or_else(|error| error.exit_code(), |_| 0);
+        for rate in ["0.001", "30", "1000"] {
+            assert_eq!(exit_code(&["--frames", "d", "--rate", rate]), 0, "{rate}");
+        }
+        for rate in ["0", "-3", "NaN", "inf", "1001", "1e11", "1e300", "fast"] {
+            assert_eq!(exit_code(&["--frames", "d", "--rate", rate]), 2, "{rate}");
+        }
+        for secs in ["0", "-1", "1.5", "1e9"] {
+            assert_eq!(exit_code(&["-o", "a.png", "--at", secs]), 0, "{secs}");
+        }
+        for secs in ["NaN", "inf", "-inf", "1e999", "soon"] {
+            assert_eq!(exit_code(&["-o", "a.png", "--at", secs]), 2, "{secs}");
+        }
+    }
+
+    #[test]
+    fn check_takes_the_arguments_of_the_launch_line_that_it_diagnoses() {
+        let check = |line: &str| {
+            let args = ["camera_stream", "check", "--live"].into_iter().chain(line.split(' '));
+            Cli::try_parse_from(args).map(|cli| match cli.command {
+                Some(Command::Check(args)) => (args.file(), args.node.fixed_frame, cli.projection, cli.renderer),
+                other => panic!("{other:?}"),
+            })
+        };
+        let line = "-d x.rviz -f map --projection exact --renderer cpu --no-watch --log-level-debug --splash-screen s \
+                    --help-file h -l --fullscreen --in-mc-wrapper --no-stereo --disable-anti-aliasing -v --opengl 3";
+        let (file, frame) = (PathBuf::from("x.rviz"), Some("map".to_owned()));
+        let all = (file.clone(), frame, Some(Projection::Exact), Some(RendererChoice::Cpu));
+        assert_eq!(check(line).unwrap(), all);
+        assert_eq!(check("--display-config=x.rviz --fixed-frame=map").unwrap().0, file);
+        assert_eq!(check("x.rviz").unwrap().0, file);
+        assert!(check("x.rviz -d x.rviz").is_err() && check("-f map").is_err());
+    }
+
+    #[test]
+    fn the_listening_time_is_in_seconds_and_only_for_live() {
         let check = |more: &[&str]| {
             parse(&[&["camera_stream", "check", "x.rviz"], more].concat()).map(|cli| match cli.command {
                 Some(Command::Check(args)) => args,

@@ -5,13 +5,18 @@ pub mod check;
 pub mod cli;
 pub mod node;
 pub mod offline;
-mod recent;
-mod report;
+pub mod outputs;
+mod private_parameters;
+mod rolling_window;
 pub mod stage;
 mod status_log;
+mod status_tree;
+mod subscriptions;
+mod visibility;
 
 use std::process::ExitCode;
 
+use crate::camera_stream::check::live::LiveArgs;
 use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
 use crate::camera_stream::offline::Target;
 use crate::camera_stream::stage::Stage;
@@ -22,42 +27,41 @@ use clap::Parser;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::Config;
 
-/// Unusable arguments or an unreadable config.
-const UNUSABLE: u8 = 2;
+/// The exit status for invalid arguments and an unreadable config.
+const INVALID: u8 = 2;
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse_from(own_arguments()) {
         Ok(cli) => cli,
         Err(error) => {
-            // Help and version are no errors; clap prints each where it belongs. A closed pipe is nothing to report.
+            // Help and version are no errors; clap prints each to the right stream. A closed pipe is ignored.
             let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { UNUSABLE } else { 0 });
+            return ExitCode::from(if error.use_stderr() { INVALID } else { 0 });
         }
     };
-    logging::start(cli.node.log_level_debug);
-    quiet_graphics_libraries();
+    logging::start(cli.is_debug());
     let result = match &cli.command {
-        Some(Command::Check(args)) if args.live => match rcs_rviz_config::load(&args.config) {
+        Some(Command::Check(args)) if args.live => match rcs_rviz_config::load(&args.file()) {
             Ok(config) => return check_live(&cli, args, &config),
-            Err(error) => return unusable(&error),
+            Err(error) => return invalid(&error),
         },
-        Some(Command::Check(args)) => match rcs_rviz_config::load(&args.config) {
-            Ok(config) => check::print(&config, &mut std::io::stdout().lock())
+        Some(Command::Check(args)) => match rcs_rviz_config::load(&args.file()) {
+            Ok(config) => check::print(&config, args.node.fixed_frame.as_deref(), &mut std::io::stdout().lock())
                 .map(|understood| if understood { ExitCode::SUCCESS } else { ExitCode::FAILURE })
                 .map_err(|error| anyhow!("standard output: {error}")),
-            Err(error) => return unusable(&error),
+            Err(error) => return invalid(&error),
         },
         Some(Command::Render(args)) => match rcs_rviz_config::load(&args.display_config) {
             Ok(config) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
-            Err(error) => return unusable(&error),
+            Err(error) => return invalid(&error),
         },
         None => match &cli.node.display_config {
             Some(file) => match rcs_rviz_config::load(file) {
                 Ok(config) => node::run(&cli, &config).map(|()| ExitCode::SUCCESS),
-                Err(error) => return unusable(&error),
+                Err(error) => return invalid(&error),
             },
-            None => return unusable(&"no config: name one with -d FILE.rviz (see --help)"),
+            None => return invalid(&"no config: name one with -d FILE.rviz (see --help)"),
         },
     };
     result.unwrap_or_else(|error| {
@@ -66,26 +70,18 @@ pub fn main() -> ExitCode {
     })
 }
 
-/// libwayland complains on standard error where there is no session and so no XDG_RUNTIME_DIR, although a program that
-/// opens no window needs none. With an existing folder in its place it finds no socket there and stays silent.
-fn quiet_graphics_libraries() {
-    const RUNTIME_FOLDER: &str = "XDG_RUNTIME_DIR";
-    if std::env::var_os(RUNTIME_FOLDER).is_none() {
-        std::env::set_var(RUNTIME_FOLDER, std::env::temp_dir());
-    }
-}
-
-fn unusable(error: &dyn std::fmt::Display) -> ExitCode {
+fn invalid(error: &dyn std::fmt::Display) -> ExitCode {
     eprintln!("camera_stream: {error}");
-    ExitCode::from(UNUSABLE)
+    ExitCode::from(INVALID)
 }
 
 fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
-    let projection = cli.projection.unwrap_or_default();
-    match check::live::run(config, args.listen, projection, &mut std::io::stdout().lock()) {
+    let (listen, fixed_frame) = (args.listen, args.node.fixed_frame.clone());
+    let args = LiveArgs { listen, fixed_frame, projection: cli.projection };
+    match check::live::run(config, &args, &mut std::io::stdout().lock()) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
-        Err(error) => unusable(&error),
+        Err(error) => invalid(&error),
     }
 }
 

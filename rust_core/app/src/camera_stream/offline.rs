@@ -1,4 +1,4 @@
-//! `camera_stream render`: pictures from a config and a bag, without ROS.
+//! `camera_stream render`: pictures from a config and a bag, without a ROS master.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -10,17 +10,20 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rcs_bag::{Bag, BagMessage, Connection};
 use rcs_displays::CameraView;
 use rcs_messages::{stamp_nanos, AnyMessage, MessageKind};
-use rcs_render::{Renderer, View};
+use rcs_render::Renderer;
 use rcs_resources::PackageIndex;
 use rcs_scene::Picture;
 use rcs_transforms::Time;
 
 use crate::camera_stream::camera_pose::Projection;
-use crate::camera_stream::stage::Stage;
+use crate::camera_stream::outputs::{Frame, Output, PngFile, PngSequence};
+use crate::camera_stream::stage::{renderer_view, Stage};
 use crate::camera_stream::status_log::StatusLog;
-use rcs_files::picture_file;
 
-/// What is rendered, and where to.
+/// The most pictures of a sequence: their numbers have six digits.
+const MAX_PICTURES: u64 = 1_000_000;
+
+/// Which moments are rendered, and where to.
 #[derive(Clone, Debug)]
 pub enum Target {
     /// One picture of a moment: that many seconds after the bag's first message (or at that ROS time, where it lies
@@ -33,7 +36,7 @@ pub enum Target {
     },
     /// Pictures of the whole bag, numbered from 0: `frame_000000.png`.
     Sequence {
-        /// The folder; it is made where it is missing.
+        /// The folder; it is created if it does not exist.
         folder: PathBuf,
         /// Pictures a second.
         rate_hz: f64,
@@ -43,7 +46,7 @@ pub enum Target {
 /// Renders what one camera of the stage sees of a bag.
 ///
 /// # Errors
-/// One line that names the bag, the camera, the topic or the frame that is in the way.
+/// One line that names the bag, the camera, the topic or the frame that is the reason.
 pub fn render(
     stage: &mut Stage,
     bag_path: &Path,
@@ -56,34 +59,35 @@ pub fn render(
     let bag = Bag::open(bag_path)?;
     let Some((start, end)) = bag.time_range() else { bail!("{}: the bag holds no messages", bag_path.display()) };
     let (start, end) = (time(start), time(end));
-    let moments = moments(target, start, end)?;
-    let progress = progress(moments.len());
+    let moments = Moments::of(target, start, end)?;
+    let mut output = target.open()?;
+    let progress = progress(moments.count);
     let mut player = Player::new(stage, &bag)?;
-    let mut picture = Picture::default();
-    for (i, moment) in moments.iter().enumerate() {
-        player.play_until(stage, *moment)?;
-        stage.update(*moment);
+    let mut picture = Arc::new(Picture::default());
+    for moment in moments.iter() {
+        player.play_until(stage, moment)?;
+        stage.update(moment);
         let eye = stage.camera(&camera, projection).with_context(|| bag_path.display().to_string())?;
         let scene = stage.scene();
-        let view = View {
-            scene: &scene,
-            camera: &eye,
-            visible: &camera.visible,
-            background: camera.settings.background_color,
-            encoding: camera.settings.image_encoding,
-        };
-        renderer.render(&view, &mut picture)?;
-        let file = match target {
-            Target::Picture { file, .. } => file.clone(),
-            Target::Sequence { folder, .. } => folder.join(format!("frame_{i:06}.png")),
-        };
-        picture_file::write(&file, &picture)?;
+        renderer.render(&renderer_view(&camera, &scene, &eye), Arc::make_mut(&mut picture))?;
+        let info = stage.camera_info(&camera).cloned().unwrap_or_default();
+        output.send(&Frame { picture: Arc::clone(&picture), info, stamp: ros_time(moment) })?;
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let last = moments.last().copied().unwrap_or(end);
-    player.status_log.conclude(&stage.subjects(last), last);
+    player.status_log.conclude(&stage.status_entries(moments.last()), moments.last());
     Ok(())
+}
+
+impl Target {
+    fn open(&self) -> Result<Box<dyn Output>> {
+        Ok(match self {
+            Self::Picture { file, .. } => Box::new(PngFile::new(file)),
+            Self::Sequence { folder, .. } => {
+                Box::new(PngSequence::create(folder).with_context(|| folder.display().to_string())?)
+            }
+        })
+    }
 }
 
 /// The texts of parameters that are given as `NAME=FILE`, the file by its path or its `package://` address.
@@ -102,7 +106,7 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
     given.iter().map(read).collect()
 }
 
-/// Hands the stage the parameters that it asks for; those that are not among `parameters` do not exist.
+/// Sets the parameters that the stage reads; those that are not among `parameters` are not set.
 pub fn hand_over(stage: &mut Stage, parameters: &HashMap<String, Arc<str>>) {
     for name in stage.parameters() {
         let text = parameters.get(name.trim_start_matches('/'));
@@ -127,25 +131,54 @@ fn time(stamp: rcs_messages::Time) -> Time {
     Time::from_nanos(stamp_nanos(stamp))
 }
 
-fn moments(target: &Target, start: Time, end: Time) -> Result<Vec<Time>> {
-    match target {
-        Target::Picture { at_secs: None, .. } => Ok(vec![end]),
-        Target::Picture { at_secs: Some(secs), .. } => {
-            let absolute = *secs >= start.as_secs_f64() && *secs <= end.as_secs_f64() + 1.0;
-            let moment = if absolute { Time::from_secs_f64(*secs) } else { after(start, *secs) };
-            if moment < start {
-                bail!("--at {secs}: the bag begins at {start}");
+fn ros_time(time: Time) -> rcs_messages::Time {
+    let (sec, nsec) = time.as_secs_nanos();
+    rcs_messages::Time { sec, nsec }
+}
+
+/// The moments that are rendered: evenly spaced, one at least.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Moments {
+    first: Time,
+    rate_hz: f64,
+    count: u64,
+}
+
+impl Moments {
+    fn of(target: &Target, start: Time, end: Time) -> Result<Self> {
+        let single = |first| Ok(Self { first, rate_hz: 1.0, count: 1 });
+        match target {
+            Target::Picture { at_secs: None, .. } => single(end),
+            Target::Picture { at_secs: Some(secs), .. } => {
+                let absolute = *secs >= start.as_secs_f64() && *secs <= end.as_secs_f64() + 1.0;
+                let moment = if absolute { Time::from_secs_f64(*secs) } else { after(start, *secs) };
+                if moment < start {
+                    bail!("--at {secs}: the bag begins at {start}");
+                }
+                single(moment)
             }
-            Ok(vec![moment])
-        }
-        Target::Sequence { folder, rate_hz } => {
-            if !rate_hz.is_finite() || *rate_hz <= 0.0 {
-                bail!("--rate {rate_hz}: pictures a second, above 0");
+            Target::Sequence { rate_hz, .. } => {
+                let length_secs = end.secs_since(start);
+                // The last one is drawn although its time is rounded.
+                let count = (length_secs * rate_hz + 1e-9).floor() + 1.0;
+                if !(count >= 1.0 && count <= MAX_PICTURES as f64) {
+                    bail!("--rate {rate_hz}: {count} pictures of {length_secs} s, more than {MAX_PICTURES}");
+                }
+                Ok(Self { first: start, rate_hz: *rate_hz, count: count as u64 })
             }
-            std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-            let count = (end.secs_since(start) * rate_hz + 1e-9).floor() as u64 + 1;
-            Ok((0..count).map(|i| after(start, i as f64 / rate_hz)).collect())
         }
+    }
+
+    fn at(&self, index: u64) -> Time {
+        after(self.first, index as f64 / self.rate_hz)
+    }
+
+    fn iter(&self) -> impl Iterator<Item = Time> + '_ {
+        (0..self.count).map(|index| self.at(index))
+    }
+
+    fn last(&self) -> Time {
+        self.at(self.count.saturating_sub(1))
     }
 }
 
@@ -159,27 +192,27 @@ fn after(start: Time, secs: f64) -> Time {
     })
 }
 
-/// A bar on a terminal for more than one picture, nothing on a pipe.
-fn progress(pictures: usize) -> ProgressBar {
+/// A progress bar on a terminal for more than one picture, nothing on a pipe.
+fn progress(pictures: u64) -> ProgressBar {
     if pictures < 2 {
         return ProgressBar::hidden();
     }
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} pictures, {eta} left");
-    ProgressBar::new(pictures as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    ProgressBar::new(pictures).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// Plays a bag's messages onto a stage.
+/// Plays a bag's messages to a stage.
 struct Player {
     messages: std::iter::Peekable<rcs_bag::Messages>,
-    /// The config's names of each topic of the bag, and what the config expects there.
+    /// The topics of the config: the full name, the config's name, and the type that it expects.
     wanted: Vec<(String, String, MessageKind)>,
-    /// When the first and the last of the transforms came that the displays have not seen yet.
+    /// When the first and the last of the transforms were recorded that the displays were not yet updated with.
     unseen_transforms: Option<(Time, Time)>,
     status_log: StatusLog,
 }
 
-/// The displays see the transforms of so much time at once, as in rviz those of one of its pictures.
-const LOOK_PERIOD: Duration = Duration::from_millis(33);
+/// The displays are updated with the transforms of so much time at once, as rviz is once a picture.
+const UPDATE_PERIOD: Duration = Duration::from_millis(33);
 
 /// A topic's full name in a bag or a config, without remapping: names without a slash are below the root.
 fn full_name(topic: &str) -> String {
@@ -220,19 +253,19 @@ impl Player {
                     self.play(stage, &message);
                     let now = time(message.time);
                     if self.status_log.is_due(now) {
-                        self.status_log.look(&stage.subjects(now), now);
+                        self.status_log.check(&stage.status_entries(now), now);
                     }
                 }
                 Some(Err(error)) => log::warn!("{error}"),
                 None => break,
             }
         }
-        self.show_transforms(stage);
+        self.update_with_transforms(stage);
         Ok(())
     }
 
-    /// Lets the displays see the transforms that came since they looked last, at the time at which those came.
-    fn show_transforms(&mut self, stage: &mut Stage) {
+    /// Updates the displays with the transforms since their last update, at the time of the last of those.
+    fn update_with_transforms(&mut self, stage: &mut Stage) {
         if let Some((_, last)) = self.unseen_transforms.take() {
             stage.update(last);
         }
@@ -241,10 +274,10 @@ impl Player {
     fn play(&mut self, stage: &mut Stage, message: &BagMessage) {
         let connection = &message.connection;
         let name = full_name(&connection.topic);
-        let damaged = |error: &dyn std::fmt::Display| log::warn!("topic {name}: a message cannot be read: {error}");
+        let damaged = |error: &dyn std::fmt::Display| log::warn!("topic {name}: cannot decode a message: {error}");
         let now = time(message.time);
-        if self.unseen_transforms.is_some_and(|(first, _)| now.saturating_since(first) >= LOOK_PERIOD) {
-            self.show_transforms(stage);
+        if self.unseen_transforms.is_some_and(|(first, _)| now.saturating_since(first) >= UPDATE_PERIOD) {
+            self.update_with_transforms(stage);
         }
         if is_transforms(connection) {
             let first = self.unseen_transforms.map_or(now, |(first, _)| first);
@@ -269,5 +302,28 @@ impl Player {
         }
         self.unseen_transforms = None;
         stage.update(now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sequence_covers_the_bag_and_has_a_limit() {
+        let at = |secs| Time::from_secs_nanos(secs, 0);
+        let moments = |rate_hz, end| {
+            let target = Target::Sequence { folder: PathBuf::new(), rate_hz };
+            Moments::of(&target, at(100), at(end))
+        };
+        let times: Vec<f64> = moments(2.0, 102).unwrap().iter().map(Time::as_secs_f64).collect();
+        assert_eq!(times, [100.0, 100.5, 101.0, 101.5, 102.0]);
+        assert_eq!(moments(2.0, 102).unwrap().last(), at(102));
+        assert_eq!(moments(30.0, 100).unwrap().count, 1);
+        assert_eq!(moments(1000.0, 1099).unwrap().count, 999_001);
+        for (rate_hz, end) in [(1000.0, 1101), (1e300, 101), (f64::NAN, 101), (1e11, 4_000_000_000)] {
+            let error = moments(rate_hz, end).unwrap_err().to_string();
+            assert!(error.contains("1000000"), "{error}");
+        }
     }
 }

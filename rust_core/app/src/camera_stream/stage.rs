@@ -1,6 +1,31 @@
-//! A config being played: its displays, the frames, and the CameraInfos of its cameras.
+//! A config at work: its displays, the frames, and the CameraInfos of its cameras.
 //!
 //! Live topics and bags feed the same stage, and what its cameras see is a function of the messages and the time.
+//!
+//! ```
+//! use rcs_app::camera_stream::camera_pose::Projection;
+//! use rcs_app::camera_stream::stage::Stage;
+//! use rcs_resources::{MeshStore, PackageIndex};
+//! use rcs_transforms::Time;
+//!
+//! let config = "
+//! Visualization Manager:
+//!   Global Options: {Fixed Frame: map}
+//!   Displays:
+//!   - {Class: rviz/Grid, Name: floor, Enabled: true}
+//!   - {Class: rviz_camera_stream/CameraPub, Name: projector, Enabled: true, Image Topic: /image,
+//!      Camera Info Topic: /camera_info}
+//! ";
+//! let config = rcs_rviz_config::parse(config, "scene.rviz")?;
+//! let mut stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([])));
+//! assert_eq!(stage.topics()[0].topic, "/camera_info");
+//! // Messages go in with `take` and `take_transforms`; then the scene is brought up to date.
+//! assert!(stage.update(Time::ZERO), "the grid is new in the scene");
+//! assert!(!stage.scene().drawables.is_empty());
+//! let without_camera_info = stage.camera(&stage.cameras()[0], Projection::Rviz).unwrap_err();
+//! assert_eq!(without_camera_info.to_string(), "No CameraInfo received on [/camera_info]. Topic may not exist.");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -10,20 +35,21 @@ use rcs_displays::{CameraView, DisplaySet, Reconfigured, TopicRequest, World};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{quaternion_xyzw, stamp_nanos, translation_xyz, AnyMessage, MessageKind};
+use rcs_render::View;
 use rcs_resources::MeshStore;
 use rcs_rviz_config::Config;
-use rcs_scene::Scene;
+use rcs_scene::{Encoding, Scene};
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use crate::camera_stream::camera_pose::{self, CameraProblem, Projection};
-use crate::camera_stream::report::{self, Subject};
+use crate::camera_stream::status_tree::{self, StatusEntry};
 
 /// The frame in which the scene is built.
 fn fixed_frame_of(config: &Config, given: Option<&str>) -> String {
     given.unwrap_or(&config.global.fixed_frame).trim_start_matches('/').to_owned()
 }
 
-/// A config with all that its messages have said so far.
+/// A config's displays and cameras with the state that the messages so far gave them.
 #[derive(Debug)]
 pub struct Stage {
     displays: DisplaySet,
@@ -47,8 +73,8 @@ impl Stage {
         }
     }
 
-    /// Goes over to another config; `fixed_frame` overrides its own. Displays that it has, too, stay as they are, unless
-    /// the fixed frame is another one: then everything is placed anew.
+    /// Replaces the config; `fixed_frame` overrides its own. Displays that both have are kept, and placed again if the fixed
+    /// frame changed.
     pub fn reconfigure(&mut self, config: &Config, fixed_frame: Option<&str>, now: Time) -> Reconfigured {
         let fixed_frame = fixed_frame_of(config, fixed_frame);
         let is_moved = fixed_frame != self.fixed_frame;
@@ -73,7 +99,7 @@ impl Stage {
         &self.displays
     }
 
-    /// What displays and cameras listen to, by the names in the config; transforms not among them.
+    /// The topics of displays and cameras, by their names in the config; those of transforms are not among them.
     pub fn topics(&self) -> Vec<TopicRequest> {
         let mut topics = self.displays.topics();
         for camera in self.cameras() {
@@ -90,7 +116,7 @@ impl Stage {
         World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes }
     }
 
-    /// Takes transforms of a publisher. One that is refused is said once for each child frame.
+    /// Takes transforms of a publisher. One that is rejected is logged once for each child frame.
     pub fn take_transforms(&mut self, message: &TFMessage, is_static: bool, publisher: &str) {
         for stamped in &message.transforms {
             let transform = RawTransform {
@@ -115,7 +141,7 @@ impl Stage {
     }
 
     /// As [`take`](Self::take), with the moment when the message was received, which
-    /// [`DisplaySet::newly_shown`] tells again.
+    /// [`DisplaySet::newly_shown`] passes on.
     pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, now: Time) {
         if let AnyMessage::CameraInfo(info) = message {
             self.camera_infos.insert(topic.to_owned(), info.clone());
@@ -124,18 +150,18 @@ impl Stage {
         self.displays.take_received(topic, message, received, &world);
     }
 
-    /// The names of the ROS parameters that the displays want to know, as the config has them.
+    /// The names of the ROS parameters that the displays read, as the config has them.
     pub fn parameters(&self) -> Vec<String> {
         self.displays.parameters()
     }
 
-    /// Takes the text of a parameter, by its name in the config; `None` while nobody has set it.
+    /// Takes the text of a parameter, by its name in the config; `None` while it is not set.
     pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, now: Time) {
         let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
         self.displays.take_parameter(name, text, &world);
     }
 
-    /// Takes note that a publisher of a topic is gone, by the topic's name in the config.
+    /// Handles that a publisher of a topic left, by the topic's name in the config.
     pub fn publisher_left(&mut self, topic: &str) {
         self.displays.publisher_left(topic);
     }
@@ -146,9 +172,9 @@ impl Stage {
         self.displays.update(&world)
     }
 
-    /// How the whole scene and each display does at a ROS time.
-    pub(crate) fn subjects(&self, now: Time) -> Vec<Subject<'_>> {
-        report::scene(&self.displays, &self.transforms, &self.fixed_frame, now)
+    /// The global status and those of each display at a ROS time.
+    pub(crate) fn status_entries(&self, now: Time) -> Vec<StatusEntry<'_>> {
+        status_tree::scene(&self.displays, &self.transforms, &self.fixed_frame, now)
     }
 
     /// The scene as of the last update.
@@ -171,9 +197,20 @@ impl Stage {
         camera_pose::camera(info, topic, &self.world(Time::ZERO), f64::from(camera.settings.near_clip_m), projection)
     }
 
-    /// Forgets frames and messages: the time jumped back. CameraInfos stay, as latched topics are not sent again.
+    /// Drops frames and messages: the time jumped back. CameraInfos are kept, as latched topics are not sent again.
     pub fn reset(&mut self) {
         self.transforms.clear();
         self.displays.reset();
+    }
+}
+
+/// What a renderer needs to draw a camera's picture.
+pub fn renderer_view<'a>(view: &'a CameraView, scene: &'a Scene, camera: &'a rcs_scene::Camera) -> View<'a> {
+    View {
+        scene,
+        camera,
+        visible: &view.visible,
+        background: view.settings.background_color,
+        encoding: Encoding::from_name(view.settings.image_encoding.name()).unwrap_or_default(),
     }
 }

@@ -1,56 +1,57 @@
-//! Says in the log what rviz would show beside a display in its tree: what is missing or wrong with it, and that it is
-//! well again.
+//! Logs the changes of the statuses that rviz would show in its display tree: what is missing or wrong, and that it is ok
+//! again.
 //!
-//! Each change is said once. Frames are often a little late and publishers start in any order, so that what may still
-//! come is said when it has been missing for a while; a message that is wrong is said at once, as the next may be right.
-//! What comes and goes is said less and less often.
+//! Each change is logged once. Frames are often a little late and publishers start in any order, so what may still arrive
+//! is logged only after it has been missing for a while; a wrong message is logged at once, as the next may be right.
+//! A status that changes back and forth is logged less and less often.
 
 use std::collections::HashMap;
 
 use rcs_displays::{Level, StatusCause, Statuses};
 use rcs_transforms::Time;
 
-use crate::camera_stream::report::{Kind, Subject, FIXED_FRAME, PUBLISHER};
+use crate::camera_stream::status_tree::{EntryKind, StatusEntry, FIXED_FRAME, PUBLISHER};
+use crate::camera_stream::visibility::VISIBILITY;
 
-/// How long a frame may be missing before that is said.
+/// How long a frame may be missing before that is logged.
 const FRAME_PATIENCE_SECS: f64 = 2.0;
-/// How long a topic may be silent before that is said.
+/// How long a topic may be silent before that is logged.
 const TOPIC_PATIENCE_SECS: f64 = 5.0;
-/// How long something must be well before that is said.
-const WELL_PATIENCE_SECS: f64 = 2.0;
-/// How long the same status is not spoken of after a problem was said; each time twice as long.
+/// How long a status must be ok before that is logged.
+const OK_PATIENCE_SECS: f64 = 2.0;
+/// How long a status is not logged again after a problem was; doubled each time.
 const FIRST_SILENCE_SECS: f64 = 10.0;
-/// The longest such silence.
+/// The longest such time.
 const LONGEST_SILENCE_SECS: f64 = 320.0;
-/// What was not spoken of for that long is as new.
+/// A status that was not logged for that long counts as new.
 const FORGOTTEN_AFTER_SECS: f64 = 900.0;
-/// How often the displays are looked at.
-const LOOK_PERIOD_SECS: f64 = 0.5;
+/// How often the statuses are checked.
+const CHECK_PERIOD_SECS: f64 = 0.5;
 /// Statuses can name any number of markers, and nobody reads that many lines.
 const MOST_STATUSES: usize = 500;
 
-/// What was said already.
+/// Logs statuses as they change.
 #[derive(Debug, Default)]
 pub(crate) struct StatusLog {
-    /// By who it is and the status's name.
-    tales: HashMap<(String, String), Tale>,
-    looked: Option<Time>,
+    /// By the display and the status's name.
+    histories: HashMap<(String, String), StatusHistory>,
+    last_check: Option<Time>,
 }
 
-/// What is known of one status.
+/// The history of one status.
 #[derive(Debug)]
-struct Tale {
+struct StatusHistory {
     /// Whether it is a problem, and since when it is one or none.
     is_bad: bool,
     since: Time,
-    /// The problem that was said last, unless its end was said too.
-    said: Option<String>,
-    /// When a problem was said last.
-    said_at: Option<Time>,
+    /// The problem that was logged last, unless its end was logged, too.
+    logged: Option<String>,
+    /// When a problem was logged last.
+    logged_at: Option<Time>,
     silence_secs: f64,
 }
 
-/// What makes two texts the same problem: all but their numbers, which are times and positions.
+/// Two texts are the same problem if they differ only in their numbers, which are times and positions.
 fn without_numbers(text: &str) -> String {
     text.chars().filter(|letter| !letter.is_ascii_digit()).collect()
 }
@@ -58,7 +59,7 @@ fn without_numbers(text: &str) -> String {
 fn patience_secs(status_name: &str, level: Level, cause: StatusCause) -> f64 {
     match status_name {
         Statuses::TRANSFORM | FIXED_FRAME => FRAME_PATIENCE_SECS,
-        // An error of a topic is a message that is wrong, or a name.
+        // An error of a topic is a wrong message or a wrong name.
         Statuses::TOPIC if level == Level::Warn => TOPIC_PATIENCE_SECS,
         PUBLISHER => TOPIC_PATIENCE_SECS,
         // Markers, robots' links and frames have statuses of their own names.
@@ -67,96 +68,98 @@ fn patience_secs(status_name: &str, level: Level, cause: StatusCause) -> f64 {
     }
 }
 
-/// Whether a status is spoken of here: cameras speak for themselves, what is not drawn was said when the config was read,
-/// and of a topic it is enough that it is silent.
-fn is_told(subject: &Subject<'_>, status_name: &str, level: Level) -> bool {
-    match (status_name, subject.kind) {
+/// Whether a status is logged here: the node logs its cameras' problems itself, a class that is not drawn was logged when
+/// the config was read, that a topic is silent is enough without its missing publisher, and displays move in and out of
+/// view all the time.
+fn is_logged(entry: &StatusEntry<'_>, status_name: &str, level: Level) -> bool {
+    match (status_name, entry.kind) {
         (PUBLISHER, _) => level == Level::Error,
-        (Statuses::CLASS, _) | (_, Kind::Camera) => false,
-        (_, Kind::Global | Kind::Display) => true,
+        (Statuses::CLASS | VISIBILITY, _) | (_, EntryKind::Camera) => false,
+        (_, EntryKind::Global | EntryKind::Display) => true,
     }
 }
 
 impl StatusLog {
-    /// Whether it is time to look again.
+    /// Whether the statuses are to be checked again.
     pub(crate) fn is_due(&self, now: Time) -> bool {
-        self.looked.is_none_or(|looked| looked > now || now.secs_since(looked) >= LOOK_PERIOD_SECS)
+        self.last_check.is_none_or(|last| last > now || now.secs_since(last) >= CHECK_PERIOD_SECS)
     }
 
-    /// Looks at how the displays do. `now` is of any clock that goes on.
-    pub(crate) fn look(&mut self, subjects: &[Subject<'_>], now: Time) {
-        self.looked = Some(now);
-        self.say(subjects, now, false);
+    /// Logs what changed. `now` is of any clock that advances.
+    pub(crate) fn check(&mut self, entries: &[StatusEntry<'_>], now: Time) {
+        self.last_check = Some(now);
+        self.log_changes(entries, now, false);
     }
 
-    /// Says what is wrong now, whether or not it may still come right.
-    pub(crate) fn conclude(&mut self, subjects: &[Subject<'_>], now: Time) {
-        self.say(subjects, now, true);
+    /// Logs all problems that there are now, also those that might have resolved themselves later.
+    pub(crate) fn conclude(&mut self, entries: &[StatusEntry<'_>], now: Time) {
+        self.log_changes(entries, now, true);
     }
 
-    fn say(&mut self, subjects: &[Subject<'_>], now: Time, is_end: bool) {
-        let mut unseen: HashMap<(String, String), Tale> = std::mem::take(&mut self.tales);
-        for subject in subjects {
-            for (name, status) in subject.statuses.iter().filter(|(name, status)| is_told(subject, name, status.level))
-            {
-                let who = match subject.kind {
-                    Kind::Global => subject.path.clone(),
-                    Kind::Display => format!("display {}", subject.path),
-                    Kind::Camera => format!("camera {}", subject.path),
+    fn log_changes(&mut self, entries: &[StatusEntry<'_>], now: Time, is_end: bool) {
+        let mut unseen: HashMap<(String, String), StatusHistory> = std::mem::take(&mut self.histories);
+        for entry in entries {
+            for (name, status) in entry.statuses.iter().filter(|(name, status)| is_logged(entry, name, status.level)) {
+                let display = match entry.kind {
+                    EntryKind::Global => entry.path.clone(),
+                    EntryKind::Display => format!("display {}", entry.path),
+                    EntryKind::Camera => format!("camera {}", entry.path),
                 };
-                let key = (who, name.to_owned());
-                let mut tale = match (unseen.remove(&key), status.level) {
-                    (Some(tale), _) => tale,
+                let key = (display, name.to_owned());
+                let mut history = match (unseen.remove(&key), status.level) {
+                    (Some(history), _) => history,
                     (None, Level::Ok) => continue,
-                    (None, _) if self.tales.len() >= MOST_STATUSES => continue,
-                    (None, _) => Tale::new(now),
+                    (None, _) if self.histories.len() >= MOST_STATUSES => continue,
+                    (None, _) => StatusHistory::new(now),
                 };
-                let (who, text) = (&key.0, status.text.replace(" \n", "; ").replace('\n', "; "));
+                let (display, text) = (&key.0, status.text.replace(" \n", "; ").replace('\n', "; "));
                 let patience_secs = patience_secs(name, status.level, status.cause);
-                if tale.is_news(patience_secs, status.level, &text, now, is_end) {
+                if history.update(patience_secs, status.level, &text, now, is_end) {
                     match status.level {
                         Level::Error if patience_secs == 0.0 => {
-                            log::error!("{who}: {name}: {text}");
+                            log::error!("{display}: {name}: {text}");
                         }
-                        Level::Ok => log::info!("{who}: {name}: ok again: {text}"),
-                        _ => log::warn!("{who}: {name}: {text}"),
+                        Level::Ok => log::info!("{display}: {name}: ok again: {text}"),
+                        _ => log::warn!("{display}: {name}: {text}"),
                     }
                 }
-                self.tales.insert(key, tale);
+                self.histories.insert(key, history);
             }
         }
-        // A status that is not there any more is a problem that is over.
-        for (key, mut tale) in unseen {
-            if tale.is_news(0.0, Level::Ok, "", now, is_end) {
+        // A problem whose status was removed is over.
+        for (key, mut history) in unseen {
+            if history.update(0.0, Level::Ok, "", now, is_end) {
                 log::info!("{}: {}: ok again", key.0, key.1);
             }
-            self.tales.insert(key, tale);
+            self.histories.insert(key, history);
         }
-        self.tales.retain(|_, tale| !tale.is_over(now));
+        self.histories.retain(|_, history| !history.is_over(now));
     }
 }
 
-impl Tale {
+impl StatusHistory {
     fn new(now: Time) -> Self {
-        Self { is_bad: false, since: now, said: None, said_at: None, silence_secs: FIRST_SILENCE_SECS }
+        Self { is_bad: false, since: now, logged: None, logged_at: None, silence_secs: FIRST_SILENCE_SECS }
     }
 
-    /// Takes what the status is now, and tells whether that is to be said.
-    fn is_news(&mut self, patience_secs: f64, level: Level, text: &str, now: Time, is_end: bool) -> bool {
+    /// Records what the status is now. Returns whether to log it.
+    fn update(&mut self, patience_secs: f64, level: Level, text: &str, now: Time, is_end: bool) -> bool {
         let is_bad = level > Level::Ok;
         if is_bad != self.is_bad || self.since > now {
             (self.is_bad, self.since) = (is_bad, now);
         }
         let lasted_secs = now.secs_since(self.since);
         if !is_bad {
-            return self.said.is_some() && (is_end || lasted_secs >= WELL_PATIENCE_SECS) && self.said.take().is_some();
+            return self.logged.is_some()
+                && (is_end || lasted_secs >= OK_PATIENCE_SECS)
+                && self.logged.take().is_some();
         }
         let problem = without_numbers(text);
-        if self.said.as_ref() == Some(&problem) || (!is_end && lasted_secs < patience_secs) {
+        if self.logged.as_ref() == Some(&problem) || (!is_end && lasted_secs < patience_secs) {
             return false;
         }
-        if let Some(said_at) = self.said_at.filter(|said_at| *said_at <= now) {
-            let quiet_secs = now.secs_since(said_at);
+        if let Some(logged_at) = self.logged_at.filter(|logged_at| *logged_at <= now) {
+            let quiet_secs = now.secs_since(logged_at);
             if quiet_secs < self.silence_secs && !is_end {
                 return false;
             }
@@ -166,14 +169,14 @@ impl Tale {
                 FIRST_SILENCE_SECS
             };
         }
-        (self.said, self.said_at) = (Some(problem), Some(now));
+        (self.logged, self.logged_at) = (Some(problem), Some(now));
         true
     }
 
-    /// Whether there is nothing left to remember.
+    /// Whether it can be forgotten.
     fn is_over(&self, now: Time) -> bool {
-        let is_quiet = |said_at: Time| said_at > now || now.secs_since(said_at) >= FORGOTTEN_AFTER_SECS;
-        !self.is_bad && self.said.is_none() && self.said_at.is_none_or(is_quiet)
+        let is_old = |logged_at: Time| logged_at > now || now.secs_since(logged_at) >= FORGOTTEN_AFTER_SECS;
+        !self.is_bad && self.logged.is_none() && self.logged_at.is_none_or(is_old)
     }
 }
 
@@ -185,42 +188,42 @@ mod tests {
         Time::from_secs_f64(secs)
     }
 
-    /// When and what is said of a status that is looked at twice a second.
-    fn said(name: &str, secs: f64, status: impl Fn(f64) -> (Level, &'static str)) -> Vec<(f64, &'static str)> {
-        let mut tale = Tale::new(at(100.0));
-        let mut said = Vec::new();
-        for look in 0..(secs * 2.0) as u32 {
-            let secs = f64::from(look) / 2.0;
+    /// When and with what text a status is logged that is checked twice a second.
+    fn logged(name: &str, secs: f64, status: impl Fn(f64) -> (Level, &'static str)) -> Vec<(f64, &'static str)> {
+        let mut history = StatusHistory::new(at(100.0));
+        let mut logged = Vec::new();
+        for check in 0..(secs * 2.0) as u32 {
+            let secs = f64::from(check) / 2.0;
             let (level, text) = status(secs);
             let patience_secs = patience_secs(name, level, StatusCause::Other);
-            if tale.is_news(patience_secs, level, text, at(100.0 + secs), false) {
-                said.push((secs, text));
+            if history.update(patience_secs, level, text, at(100.0 + secs), false) {
+                logged.push((secs, text));
             }
         }
-        said
+        logged
     }
 
     #[test]
-    fn a_problem_is_said_once_and_its_end_too() {
+    fn a_problem_is_logged_once_and_so_is_its_end() {
         let frames = |secs| if secs < 5.0 { (Level::Error, "lost 1") } else { (Level::Ok, "found") };
-        assert_eq!(said("Transform", 30.0, frames), [(2.0, "lost 1"), (7.0, "found")]);
-        assert_eq!(said("Message", 30.0, frames), [(0.0, "lost 1"), (7.0, "found")]);
+        assert_eq!(logged("Transform", 30.0, frames), [(2.0, "lost 1"), (7.0, "found")]);
+        assert_eq!(logged("Message", 30.0, frames), [(0.0, "lost 1"), (7.0, "found")]);
         let late = |secs| if secs < 1.5 { (Level::Error, "lost") } else { (Level::Ok, "found") };
-        assert_eq!(said("Transform", 30.0, late), []);
+        assert_eq!(logged("Transform", 30.0, late), []);
         let numbers = |secs| (Level::Error, if secs < 5.0 { "at 17 s" } else { "at 18 s" });
-        assert_eq!(said("Transform", 30.0, numbers), [(2.0, "at 17 s")]);
+        assert_eq!(logged("Transform", 30.0, numbers), [(2.0, "at 17 s")]);
         let other = |secs| (Level::Error, if secs < 5.0 { "arm" } else { "leg" });
-        assert_eq!(said("Transform", 30.0, other), [(2.0, "arm"), (12.0, "leg")]);
+        assert_eq!(logged("Transform", 30.0, other), [(2.0, "arm"), (12.0, "leg")]);
     }
 
     #[test]
-    fn what_comes_and_goes_is_said_less_and_less_often() {
+    fn a_status_that_changes_back_and_forth_is_logged_less_and_less_often() {
         let flutter = |secs: f64| if secs % 6.0 < 3.0 { (Level::Error, "bad") } else { (Level::Ok, "good") };
-        let lines = said("Message", 3600.0, flutter);
+        let lines = logged("Message", 3600.0, flutter);
         assert_eq!(lines[..4], [(0.0, "bad"), (5.0, "good"), (12.0, "bad"), (17.0, "good")]);
         assert!(lines.len() < 40, "{}", lines.len());
         let alternating = |secs: f64| (Level::Error, if secs % 1.0 < 0.5 { "a" } else { "b" });
-        let lines = said("Transform", 3600.0, alternating);
+        let lines = logged("Transform", 3600.0, alternating);
         assert!(lines.len() > 2 && lines.len() < 20, "{}", lines.len());
     }
 }

@@ -23,11 +23,12 @@ const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 /// translation: [x, y, z], rotation_rpy: [roll, pitch, yaw]} or of static_transform_publisher's arguments).
 #[derive(Parser)]
 #[command(
+    name = "projector",
     version,
     after_help = "\
 Topics published: /proj_view/camera_info (sensor_msgs/CameraInfo, latched), /tf_static (tf2_msgs/TFMessage, latched)
 Parameter: ~file, used when no file is given as an argument
-Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 wrong arguments
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 invalid arguments
 
 Example: projector projector.yaml --camera-info-topic /proj_view/camera_info"
 )]
@@ -60,10 +61,10 @@ pub fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    // A wrong file is an error at once, not when the master comes.
+    // An invalid file is reported at once, not when the master is up.
     let given = arguments.positional.as_deref().or(arguments.file.as_deref());
     let given = given.map(|path| read(path, arguments)).transpose()?;
-    let end = EndRequest::watch_signals().context("cannot take signals")?;
+    let end = EndRequest::watch_signals().context("cannot handle signals")?;
     let Some(node) = small_node::connect("projector", &end)? else {
         return Ok(());
     };
@@ -108,7 +109,7 @@ fn file_parameter(node: &RosNode) -> anyhow::Result<PathBuf> {
     }
 }
 
-/// Both topics; they live as long as this.
+/// Both topics, published until this is dropped.
 struct Publishers {
     camera_info: LatchedPublisher<CameraInfo>,
     tf_static: Option<LatchedPublisher<TFMessage>>,
@@ -128,7 +129,7 @@ impl Publishers {
         Ok(Self { camera_info, tf_static })
     }
 
-    /// Publishes everything; both topics keep it for later subscribers.
+    /// Publishes everything, latched for later subscribers.
     fn publish(&self, file: &ProjectorFile, stamp: Time) -> anyhow::Result<()> {
         let mut info = file.camera_info.clone();
         info.header.stamp = stamp;

@@ -20,19 +20,20 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
 
 /// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
 ///
-/// Picture pixel (u, v) is screen pixel (u, v). A picture of another size than the monitor is shown at the top left on
-/// black, with a warning. Encodings: rgb8, rgba8, bgr8, bgra8, mono8, mono16. Escape or q ends.
+/// Picture pixel (u, v) is screen pixel (u, v). A warning is printed if picture and monitor differ in size; the picture is
+/// then at the top left, on black. Encodings: rgb8, rgba8, bgr8, bgra8, mono8, mono16. Escape or q ends.
 #[derive(Parser)]
 #[command(
+    name = "projector_window",
     version,
     after_help = "\
 Topic subscribed to: /proj_view/image (sensor_msgs/Image); image:=/topic remaps it, as for image_view
-Exit codes: 0 ended by Escape, q, SIGINT, SIGTERM or rosnode kill; 1 the window or the node failed; 2 wrong arguments
+Exit codes: 0 ended by Escape, q, SIGINT, SIGTERM or rosnode kill; 1 the window or the node failed; 2 invalid arguments
 
 Example: projector_window --monitor HDMI-1 image:=/proj_view/image"
 )]
 struct Arguments {
-    /// The image topic [default: what image:= says, else /proj_view/image]
+    /// The image topic [default: the remapping of image:=, else /proj_view/image]
     #[arg(long)]
     topic: Option<String>,
     /// The monitor's name, or its number in the list [default: the last that is not primary, else the only one]
@@ -41,7 +42,7 @@ struct Arguments {
     /// List the monitors and exit
     #[arg(long)]
     list_monitors: bool,
-    /// Save what the window shows, once the first picture is there
+    /// Save what the window shows once the first picture has arrived
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
 }
@@ -69,16 +70,16 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
     let topic =
         arguments.topic.or_else(|| small_node::remapping_of("image")).unwrap_or_else(|| DEFAULT_TOPIC.to_owned());
     let options = WindowOptions { source: topic.clone(), monitor: arguments.monitor, screenshot: arguments.screenshot };
-    let end = EndRequest::watch_signals().context("cannot take signals")?;
+    let end = EndRequest::watch_signals().context("cannot handle signals")?;
 
-    // The window system wants the main thread; the node lives on another one and closes the window when it ends.
+    // The window system needs the main thread; the node runs on another one and closes the window when it ends.
     let (outcome, node_outcome) = mpsc::channel();
     let node_end = end.clone();
     window::run(options, move |sink| {
         thread::spawn(move || {
             let result = follow_topic(&topic, &node_end, &sink);
             sink.close();
-            // The window is closed already when nobody listens.
+            // Nobody receives it if the window was closed first.
             let _ = outcome.send(result);
         });
     })?;
@@ -86,12 +87,12 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
     node_outcome.recv_timeout(Duration::from_secs(4)).unwrap_or(Ok(()))
 }
 
-/// Hands the topic's pictures to the window until the end is requested.
+/// Hands the topic's pictures to the window until the shutdown is requested.
 fn follow_topic(topic: &str, end: &EndRequest, sink: &PictureSink) -> anyhow::Result<()> {
     let Some(node) = small_node::connect("projector_window", end)? else {
         return Ok(());
     };
-    // One picture waits at most: the window shows the latest.
+    // A queue of one: the window shows the latest picture.
     let subscription = node.subscribe(topic, MessageKind::Image, 1)?;
     let mut last_error = None;
     while !end.is_requested() {
@@ -104,7 +105,7 @@ fn follow_topic(topic: &str, end: &EndRequest, sink: &PictureSink) -> anyhow::Re
                     sink.show(picture);
                     last_error = None;
                 }
-                // Once for each kind of error, however many pictures come.
+                // Each kind of error is logged once, however many pictures arrive.
                 Err(error) if last_error.as_ref() == Some(&error) => {}
                 Err(error) => {
                     log::error!("topic {}: {error}", subscription.topic());

@@ -14,14 +14,15 @@ use rcs_messages::PointCloud2;
 
 /// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
 ///
-/// Reads ascii, binary and binary_compressed files with any fields. The file's VIEWPOINT is not used. ROS's remappings
+/// Reads ascii, binary and binary_compressed files with any fields. The file's VIEWPOINT is ignored. ROS's remappings
 /// and special arguments work: cloud:=/other __name:=name __ns:=namespace.
 #[derive(Parser)]
 #[command(
+    name = "publish_cloud",
     version,
     after_help = "\
 Topic published: cloud (sensor_msgs/PointCloud2, latched)
-Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 wrong arguments
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node failed; 2 invalid arguments
 
 Example: publish_cloud objects.pcd --frame base_link cloud:=/objects"
 )]
@@ -31,7 +32,7 @@ struct Arguments {
     /// The topic; a remapping cloud:=/other does the same
     #[arg(long, default_value = "cloud")]
     topic: String,
-    /// The frame in which the points are (header.frame_id)
+    /// The frame of the points (header.frame_id)
     #[arg(long, default_value = "map")]
     frame: String,
     /// How often to publish, in Hz, each time with the current time as stamp; 0: once
@@ -63,7 +64,7 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let message = message(PcdCloud::read(&arguments.file)?, &arguments.frame);
-    let end = EndRequest::watch_signals().context("cannot take signals")?;
+    let end = EndRequest::watch_signals().context("cannot handle signals")?;
     let Some(node) = small_node::connect("publish_cloud", &end)? else {
         return Ok(());
     };
@@ -106,7 +107,7 @@ fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
     message.width = cloud.width;
     message.fields = fields.collect();
     message.point_step = cloud.point_step_bytes;
-    // The reader allows no cloud of more bytes than a u32 counts.
+    // The reader rejects a cloud with more bytes than fit into a u32.
     message.row_step = cloud.point_step_bytes.saturating_mul(cloud.width);
     message.is_dense = cloud.is_dense;
     message

@@ -1,21 +1,23 @@
-//! `camera_stream check --live`: a config against a running ROS. Listens for a few seconds as the node would, and prints
-//! how each display and camera did.
+//! `camera_stream check --live`: a config against a running ROS. Subscribes for a few seconds as the node would, and prints
+//! the status of each display and camera.
 
-use std::collections::HashMap;
 use std::io::{self, Write};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rcs_displays::Level;
-use rcs_messages::{stamp_nanos, MessageKind};
+use rcs_messages::stamp_nanos;
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_ros::{NodeError, NodeEvent, RosNode};
-use rcs_rviz_config::Config;
+use rcs_ros::{NodeError, RosNode};
+use rcs_rviz_config::{Config, Finding};
 use rcs_transforms::Time;
 
 use crate::camera_stream::camera_pose::Projection;
-use crate::camera_stream::report::{self, Subject};
+use crate::camera_stream::check::node_name::NodeName;
+use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::Stage;
+use crate::camera_stream::status_tree::{self, StatusEntry};
+use crate::camera_stream::subscriptions::Subscriptions;
+use crate::camera_stream::visibility::{self, PlacedCamera};
 use crate::small_node::EndRequest;
 
 /// How long it sleeps at most while nothing is received.
@@ -26,112 +28,116 @@ const HEAD: [&str; 5] = ["DISPLAY", "CLASS", "TOPIC", "STATUS", "TEXT"];
 /// Why the check could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum LiveError {
-    /// The ROS there is cannot be used.
+    /// No node can be started, or it cannot subscribe.
     #[error(transparent)]
     Ros(#[from] NodeError),
-    /// Signals cannot be taken, or the output cannot be written.
+    /// Signals cannot be handled, or the output cannot be written.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// A private parameter has no valid value.
+    #[error("{0}")]
+    Parameter(String),
 }
 
-/// Listens for that long and prints the table. Returns whether all is well.
+/// The arguments of the launch line that matter to the check.
+#[derive(Clone, Debug)]
+pub struct LiveArgs {
+    /// How long to listen.
+    pub listen: Duration,
+    /// Overrides the config's.
+    pub fixed_frame: Option<String>,
+    /// Overrides the node's private parameter.
+    pub projection: Option<Projection>,
+}
+
+/// Subscribes for a while and prints the table. Returns whether every status is Ok and all of the config is understood.
 ///
 /// # Errors
 /// See [`LiveError`]; no master is one of them.
-pub fn run(config: &Config, listen: Duration, projection: Projection, out: &mut dyn Write) -> Result<bool, LiveError> {
+pub fn run(config: &Config, args: &LiveArgs, out: &mut dyn Write) -> Result<bool, LiveError> {
+    // The master would end the running node if this one took its name.
+    let name = NodeName::of_this_process()?;
     let end = EndRequest::watch_signals()?;
-    // Not the node's own name: the master would end the node that has it.
-    let ros = RosNode::connect_now(&format!("camera_stream_check_{}", std::process::id()))?;
-    let result = check(config, listen, projection, &ros, &end, out);
+    let ros = RosNode::connect_now(&name.own)?;
+    let result = check(config, args, &name, &ros, &end, out);
     ros.shutdown();
     result
 }
 
 fn check(
     config: &Config,
-    listen: Duration,
-    projection: Projection,
+    args: &LiveArgs,
+    name: &NodeName,
     ros: &RosNode,
     end: &EndRequest,
     out: &mut dyn Write,
 ) -> Result<bool, LiveError> {
-    let mut stage = Stage::new(config, None, MeshStore::new(PackageIndex::from_env(&[])));
-    hear(&mut stage, listen, ros, end)?;
+    // `_projection:=` of the command line, or what the node's own launch file set.
+    let parameters = ["~projection", &format!("{}/projection", name.diagnosed)];
+    let projection = private_parameters::projection(ros, args.projection, &parameters)
+        .map_err(|error| LiveError::Parameter(error.to_string()))?;
+    let mut stage = Stage::new(config, args.fixed_frame.as_deref(), MeshStore::new(PackageIndex::from_env(&[])));
+    receive(&mut stage, args.listen, ros, end)?;
     ros.query_publications();
-    let mut subjects = stage.subjects(Time::from_nanos(stamp_nanos(ros.now())));
-    subjects.extend(stage.cameras().iter().map(|view| report::camera(&stage, view, projection)));
-    report::add_surroundings(&mut subjects, ros);
-    print(&subjects, out)?;
+    let mut entries = stage.status_entries(ros_time(ros));
+    let place = |view| PlacedCamera { view, camera: stage.camera(view, projection).ok() };
+    let placed: Vec<_> = stage.cameras().iter().map(place).collect();
+    visibility::add(&mut entries, stage.displays(), &placed);
+    entries.extend(stage.cameras().iter().map(|view| status_tree::camera(&stage, view, projection)));
+    status_tree::add_ros_graph(&mut entries, ros);
+    print(&entries, out)?;
     for finding in &config.findings {
         writeln!(out, "{}: {finding}", config.source)?;
     }
-    let is_well = subjects.iter().all(|subject| subject.level() == Level::Ok);
-    Ok(is_well && config.findings.is_empty())
+    let is_ok = entries.iter().all(|entry| entry.level() == Level::Ok);
+    Ok(is_ok && !config.findings.iter().any(Finding::is_not_understood))
 }
 
-/// Plays what comes onto the stage.
-fn hear(stage: &mut Stage, listen: Duration, ros: &RosNode, end: &EndRequest) -> Result<(), LiveError> {
+fn ros_time(ros: &RosNode) -> Time {
+    Time::from_nanos(stamp_nanos(ros.now()))
+}
+
+/// Applies what is received to the stage.
+fn receive(stage: &mut Stage, listen: Duration, ros: &RosNode, end: &EndRequest) -> Result<(), LiveError> {
     ros.subscribe_transforms()?;
-    let mut names: HashMap<(Arc<str>, MessageKind), Vec<String>> = HashMap::new();
-    let mut subscriptions = Vec::new();
-    for request in stage.topics() {
-        match ros.subscribe(&request.topic, request.kind, request.queue_size) {
-            Ok(subscription) => {
-                names.entry((subscription.topic().clone(), request.kind)).or_default().push(request.topic);
-                subscriptions.push(subscription);
-            }
-            Err(error) => log::error!("{error}"),
-        }
-    }
+    let mut subscriptions = Subscriptions::default();
+    subscriptions.update(ros, stage.topics());
     ros.follow_parameters(stage.parameters());
-    let now = || Time::from_nanos(stamp_nanos(ros.now()));
     let started = Instant::now();
     loop {
         let left = listen.saturating_sub(started.elapsed());
         for event in ros.events().wait(left.min(LONGEST_SLEEP)) {
-            match event {
-                NodeEvent::Message { topic, message, .. } => {
-                    for name in names.get(&(topic, message.kind())).into_iter().flatten() {
-                        stage.take(name, &message, now());
-                    }
-                }
-                NodeEvent::Transforms { message, is_static, authority, .. } => {
-                    stage.take_transforms(&message, is_static, &authority);
-                }
-                NodeEvent::Parameter { name, text } => stage.take_parameter(&name, text.as_ref(), now()),
-                NodeEvent::TimeJumpedBack { .. } => stage.reset(),
-                _ => {}
-            }
+            subscriptions.apply(event, stage, ros_time(ros));
         }
-        stage.update(now());
+        stage.update(ros_time(ros));
         if left.is_zero() || end.is_requested() || ros.is_asked_to_end() {
             return Ok(());
         }
     }
 }
 
-/// One row for each status that is not well; what is all well has one row with its texts.
-fn rows(subject: &Subject<'_>) -> Vec<[String; 5]> {
-    let who = [&subject.path, &subject.class, &subject.topic].map(|text| (!text.is_empty()).then_some(text.as_str()));
-    let who = who.map(|text| text.unwrap_or("-").to_owned());
+/// One row for each status that is not Ok; an entry whose statuses are all Ok has one row with their texts.
+fn rows(entry: &StatusEntry<'_>) -> Vec<[String; 5]> {
+    let columns = [&entry.path, &entry.class, &entry.topic].map(|text| (!text.is_empty()).then_some(text.as_str()));
+    let columns = columns.map(|text| text.unwrap_or("-").to_owned());
     let row = |level: Level, text: String| {
-        let [path, class, topic] = who.clone();
+        let [path, class, topic] = columns.clone();
         [path, class, topic, format!("{level:?}"), text.replace(" \n", "; ").replace('\n', "; ")]
     };
-    if subject.level() == Level::Ok {
+    if entry.level() == Level::Ok {
         let texts: Vec<String> =
-            subject.statuses.iter().map(|(name, status)| format!("{name}: {}", status.text)).collect();
+            entry.statuses.iter().map(|(name, status)| format!("{name}: {}", status.text)).collect();
         return vec![row(Level::Ok, texts.join(", "))];
     }
-    let mut bad: Vec<_> = subject.statuses.iter().filter(|(_, status)| status.level > Level::Ok).collect();
+    let mut bad: Vec<_> = entry.statuses.iter().filter(|(_, status)| status.level > Level::Ok).collect();
     bad.sort_by_key(|(_, status)| std::cmp::Reverse(status.level));
     bad.into_iter().map(|(name, status)| row(status.level, format!("{name}: {}", status.text))).collect()
 }
 
-/// Prints the table with columns as wide as what is in them.
-fn print(subjects: &[Subject<'_>], out: &mut dyn Write) -> io::Result<()> {
+/// Prints the table, each column as wide as its widest cell.
+fn print(entries: &[StatusEntry<'_>], out: &mut dyn Write) -> io::Result<()> {
     let rows: Vec<[String; 5]> =
-        std::iter::once(HEAD.map(str::to_owned)).chain(subjects.iter().flat_map(rows)).collect();
+        std::iter::once(HEAD.map(str::to_owned)).chain(entries.iter().flat_map(rows)).collect();
     let width = |column: usize| {
         let widths = rows.iter().filter_map(|row| row.get(column)).map(|text| text.chars().count());
         widths.max().unwrap_or(0)
@@ -152,31 +158,32 @@ mod tests {
     use rcs_displays::Statuses;
 
     use super::*;
-    use crate::camera_stream::report::Kind;
+    use crate::camera_stream::status_tree::EntryKind;
 
     #[test]
-    fn the_table_has_a_row_for_each_problem_and_one_for_what_is_well() {
-        let subject = |path: &str, statuses: &[(Level, &str, &str)]| {
+    fn the_table_has_a_row_for_each_problem_and_one_for_an_ok_entry() {
+        let entry = |path: &str, statuses: &[(Level, &str, &str)]| {
             let mut set = Statuses::default();
             for (level, name, text) in statuses {
                 set.set(*level, name, *text);
             }
-            Subject {
-                kind: Kind::Display,
+            StatusEntry {
+                kind: EntryKind::Display,
+                display: Some(0),
                 path: path.to_owned(),
                 class: "rviz/Path".to_owned(),
                 topic: String::new(),
-                listens: Vec::new(),
-                has_heard: true,
+                subscriptions: Vec::new(),
+                has_received: true,
                 statuses: Cow::Owned(set),
                 values: Vec::new(),
             }
         };
-        let well = subject("é", &[(Level::Ok, "Topic", "3 messages received"), (Level::Ok, "Transform", "OK")]);
-        let ill =
-            subject("long name", &[(Level::Warn, "A", "odd"), (Level::Error, "B", "bro\nken"), (Level::Ok, "C", "")]);
+        let ok = entry("é", &[(Level::Ok, "Topic", "3 messages received"), (Level::Ok, "Transform", "OK")]);
+        let bad =
+            entry("long name", &[(Level::Warn, "A", "odd"), (Level::Error, "B", "bro\nken"), (Level::Ok, "C", "")]);
         let mut out = Vec::new();
-        print(&[well, ill], &mut out).unwrap();
+        print(&[ok, bad], &mut out).unwrap();
         let expected = "\
 DISPLAY    CLASS      TOPIC  STATUS  TEXT
 é          rviz/Path  -      Ok      Topic: 3 messages received, Transform: OK

@@ -1,17 +1,18 @@
-//! `camera_stream check`: what of a config is understood and drawn.
+//! `camera_stream check`: which parts of a config are understood and drawn.
 
 pub mod live;
+mod node_name;
 
 use std::io::{self, Write};
 
 use rcs_rviz_config::{Config, Role};
 
-/// Prints each display and each finding, and tells whether all was understood.
+/// Prints each display and each finding; `fixed_frame` overrides the config's. Returns whether all was understood.
 ///
 /// # Errors
 /// When the output cannot be written.
-pub fn print(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
-    writeln!(out, "{}: fixed frame {}", config.source, config.global.fixed_frame)?;
+pub fn print(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) -> io::Result<bool> {
+    writeln!(out, "{}: fixed frame {}", config.source, fixed_frame.unwrap_or(&config.global.fixed_frame))?;
     for placed in config.placed_displays() {
         let display = placed.display;
         let drawn = match (display.settings.role(), placed.enabled) {

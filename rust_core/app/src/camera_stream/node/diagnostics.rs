@@ -1,6 +1,6 @@
-//! How the displays and cameras do, said by the node: changes in the log, all of it on `/diagnostics` once a second.
+//! Reports the status of each display and camera: changes in the log, all of it on `/diagnostics` once a second.
 //!
-//! The pace is the computer's clock, so that a simulation that stands still is heard of too; the stamps are ROS's.
+//! The rate is of the computer's clock, so that a paused simulation is reported, too; the stamps are ROS time.
 
 use std::time::{Duration, Instant};
 
@@ -10,30 +10,30 @@ use rcs_ros::diagnostics_topic::DiagnosticsPublisher;
 use rcs_ros::RosNode;
 use rcs_transforms::Time;
 
-use crate::camera_stream::report::{self, Kind, Subject};
 use crate::camera_stream::status_log::StatusLog;
+use crate::camera_stream::status_tree::{self, EntryKind, StatusEntry};
 
 /// How often `/diagnostics` is published.
 const PERIOD: Duration = Duration::from_secs(1);
-/// A monitor shows that many lines of a display at most; what is wrong comes first.
+/// A monitor shows that many statuses of a display at most; problems come first.
 const MOST_VALUES: usize = 100;
 /// What the diagnosed thing is.
 const HARDWARE_ID: &str = "rviz_camera_stream";
 
-/// What tells how the node does.
+/// Reports statuses to the log and on `/diagnostics`.
 pub(super) struct Diagnostics {
     log: StatusLog,
     publisher: Option<DiagnosticsPublisher>,
     started: Instant,
     published: Option<Instant>,
-    fault: Option<String>,
+    last_error: Option<String>,
 }
 
 impl Diagnostics {
     /// Opens the topic.
     pub(super) fn start() -> Self {
         let publisher = DiagnosticsPublisher::new().map_err(|error| log::error!("{error}")).ok();
-        Self { log: StatusLog::default(), publisher, started: Instant::now(), published: None, fault: None }
+        Self { log: StatusLog::default(), publisher, started: Instant::now(), published: None, last_error: None }
     }
 
     /// How long until they are published again.
@@ -41,35 +41,36 @@ impl Diagnostics {
         self.published.map_or(Duration::ZERO, |last| PERIOD.saturating_sub(now.saturating_duration_since(last)))
     }
 
-    /// Says what is due. `subjects` is called for what is told of.
-    pub(super) fn tell<'s>(&mut self, ros: &RosNode, subjects: impl FnOnce() -> Vec<Subject<'s>>) {
+    /// Reports what is due. `entries` is called for the statuses; it is passed whether they are published, and not only
+    /// logged.
+    pub(super) fn report<'s>(&mut self, ros: &RosNode, entries: impl FnOnce(bool) -> Vec<StatusEntry<'s>>) {
         let now = Instant::now();
         let log_time = Time::from_secs_f64(now.saturating_duration_since(self.started).as_secs_f64());
         let (is_log_due, is_topic_due) = (self.log.is_due(log_time), self.until_due(now).is_zero());
         if !is_log_due && !is_topic_due {
             return;
         }
-        let mut subjects = subjects();
-        report::add_surroundings(&mut subjects, ros);
+        let mut entries = entries(is_topic_due);
+        status_tree::add_ros_graph(&mut entries, ros);
         if is_log_due {
-            self.log.look(&subjects, log_time);
+            self.log.check(&entries, log_time);
         }
         if is_topic_due {
-            // From when it was due, so that the rate is not what is left of it.
+            // Timed from when it was due, so that delays do not add up.
             let regular = self.published.and_then(|last| last.checked_add(PERIOD));
             self.published = regular.filter(|due| now.saturating_duration_since(*due) < PERIOD).or(Some(now));
-            self.publish(ros, &subjects);
+            self.publish(ros, &entries);
         }
     }
 
-    fn publish(&mut self, ros: &RosNode, subjects: &[Subject<'_>]) {
+    fn publish(&mut self, ros: &RosNode, entries: &[StatusEntry<'_>]) {
         let Some(publisher) = &mut self.publisher else { return };
         let node = ros.name().trim_start_matches('/');
-        let status = subjects.iter().map(|subject| diagnostic_status(node, subject)).collect();
-        self.fault = match publisher.publish(status, ros.now()).map_err(|error| error.to_string()) {
+        let status = entries.iter().map(|entry| diagnostic_status(node, entry)).collect();
+        self.last_error = match publisher.publish(status, ros.now()).map_err(|error| error.to_string()) {
             Ok(()) => None,
             Err(error) => {
-                if self.fault.as_ref() != Some(&error) {
+                if self.last_error.as_ref() != Some(&error) {
                     log::error!("{error}");
                 }
                 Some(error)
@@ -86,35 +87,35 @@ fn level(level: Level) -> i8 {
     }
 }
 
-/// A subject as monitors show it: the worst status in the headline, and all of them with what else is known below it.
-fn diagnostic_status(node: &str, subject: &Subject<'_>) -> DiagnosticStatus {
-    let message = match subject.statuses.worst() {
+/// An entry as monitors show it: the worst status in the headline, below it all of them with the entry's values.
+fn diagnostic_status(node: &str, entry: &StatusEntry<'_>) -> DiagnosticStatus {
+    let message = match entry.statuses.worst() {
         Some((name, status)) if status.level > Level::Ok => format!("{name}: {}", status.text),
         _ => "OK".to_owned(),
     };
     let value = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
     let mut values = Vec::new();
-    if !subject.class.is_empty() {
-        values.push(value("class", subject.class.clone()));
+    if !entry.class.is_empty() {
+        values.push(value("class", entry.class.clone()));
     }
-    if !subject.topic.is_empty() {
-        let key = if subject.kind == Kind::Camera { "image topic" } else { "topic" };
-        values.push(value(key, subject.topic.clone()));
+    if !entry.topic.is_empty() {
+        let key = if entry.kind == EntryKind::Camera { "image topic" } else { "topic" };
+        values.push(value(key, entry.topic.clone()));
     }
-    values.extend(subject.values.iter().map(|(key, text)| value(key, text.clone())));
-    let mut statuses: Vec<_> = subject.statuses.iter().collect();
+    values.extend(entry.values.iter().map(|(key, text)| value(key, text.clone())));
+    let mut statuses: Vec<_> = entry.statuses.iter().collect();
     statuses.sort_by_key(|(_, status)| std::cmp::Reverse(status.level));
-    let told = statuses.iter().take(MOST_VALUES).map(|(name, status)| match status.level {
+    let listed = statuses.iter().take(MOST_VALUES).map(|(name, status)| match status.level {
         Level::Ok => value(name, status.text.clone()),
         level => value(name, format!("{level:?}: {}", status.text)),
     });
-    values.extend(told);
+    values.extend(listed);
     if statuses.len() > MOST_VALUES {
         values.push(value("further statuses", (statuses.len() - MOST_VALUES).to_string()));
     }
     DiagnosticStatus {
-        level: level(subject.level()),
-        name: format!("{node}: {}", subject.path),
+        level: level(entry.level()),
+        name: format!("{node}: {}", entry.path),
         message,
         hardware_id: HARDWARE_ID.to_owned(),
         values,
@@ -135,23 +136,24 @@ mod tests {
         for marker in 0..300 {
             statuses.set(Level::Ok, &format!("n/{marker}"), "Marker OK");
         }
-        let mut subject = Subject {
-            kind: Kind::Display,
+        let mut entry = StatusEntry {
+            kind: EntryKind::Display,
+            display: Some(0),
             path: "robot / markers".to_owned(),
             class: "rviz/Marker".to_owned(),
             topic: "/m".to_owned(),
-            listens: Vec::new(),
-            has_heard: true,
+            subscriptions: Vec::new(),
+            has_received: true,
             statuses: Cow::Owned(statuses),
             values: vec![("messages received", "7".to_owned())],
         };
-        let well = diagnostic_status("cam", &subject);
-        assert_eq!((well.level, well.name.as_str(), well.message.as_str()), (0, "cam: robot / markers", "OK"));
-        subject.statuses.to_mut().set(Level::Warn, "z", "odd");
-        subject.statuses.to_mut().set(Level::Error, "zz", "broken");
-        let ill = diagnostic_status("cam", &subject);
-        assert_eq!((ill.level, ill.message.as_str()), (2, "zz: broken"));
-        let values: Vec<(&str, &str)> = ill.values.iter().map(|v| (v.key.as_str(), v.value.as_str())).collect();
+        let ok = diagnostic_status("cam", &entry);
+        assert_eq!((ok.level, ok.name.as_str(), ok.message.as_str()), (0, "cam: robot / markers", "OK"));
+        entry.statuses.to_mut().set(Level::Warn, "z", "odd");
+        entry.statuses.to_mut().set(Level::Error, "zz", "broken");
+        let bad = diagnostic_status("cam", &entry);
+        assert_eq!((bad.level, bad.message.as_str()), (2, "zz: broken"));
+        let values: Vec<(&str, &str)> = bad.values.iter().map(|v| (v.key.as_str(), v.value.as_str())).collect();
         let head = [
             ("class", "rviz/Marker"),
             ("topic", "/m"),

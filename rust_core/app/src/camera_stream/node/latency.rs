@@ -1,14 +1,14 @@
-//! How long the data take into a camera's pictures, and how old they are there.
+//! The latency from a message to a camera's picture, stage by stage, and the age of the data shown.
 //!
 //! ```text
 //!   received ──► decoded ──► drawn ──► published
 //! ```
 //!
-//! Only new pictures are measured, and one message speaks for each of them. Of every display that shows another message
-//! than in the picture before it is the newest one; older ones that it replaced are nobody's delay. Where several
-//! displays are new in one picture, it is the message that was received first: a slow display is not hidden by a fast
-//! one. A picture that is new only because frames moved counts from the last transforms. One without either, such as
-//! the first for a subscriber or one in which something faded, is not measured.
+//! Only new pictures are measured, each by one message. Of every display that shows another message than in the picture
+//! before, the newest one counts; the older ones that it replaced delayed nothing. Where several displays changed in one
+//! picture, the message that was received first counts, so that a slow display is not hidden by a fast one. A picture that
+//! is new only because frames moved counts from the last transforms. One without either, such as the first for a
+//! subscriber or one in which something faded, is not measured.
 
 use std::time::Instant;
 
@@ -16,43 +16,42 @@ use rcs_displays::ShownMessage;
 use rcs_scene::{DisplayId, DisplayMask};
 use rcs_transforms::Time;
 
-use crate::camera_stream::recent::Recent;
-use crate::camera_stream::report::{age_ms, figure};
+use crate::camera_stream::rolling_window::RollingWindow;
+use crate::camera_stream::status_tree::{age_ms, figure};
 
-/// How many pictures the figures are of.
+/// How many pictures the figures cover.
 const PICTURES: usize = 100;
 
-/// Something received that is to be seen in the next picture.
+/// When something that the next picture shows was received, and when it was part of the scene.
 #[derive(Clone, Copy, Debug)]
-struct News {
+struct Arrival {
     received: Instant,
-    /// When the scene had it.
     decoded: Instant,
 }
 
 /// The figures of a camera's last new pictures.
 #[derive(Debug, Default)]
 pub(super) struct Latency {
-    /// What the displays show since the last picture, one for each display, with its stamp.
-    news: Vec<(DisplayId, News, Time)>,
+    /// The messages that are new since the last picture, one for each display, with their stamps.
+    messages: Vec<(DisplayId, Arrival, Time)>,
     /// The last transforms since the last picture.
-    moved: Option<News>,
+    transforms: Option<Arrival>,
     figures: Figures,
 }
 
 /// In milliseconds.
 #[derive(Debug)]
 struct Figures {
-    received_to_decoded_ms: Recent<PICTURES>,
-    decoded_to_drawn_ms: Recent<PICTURES>,
-    drawn_to_published_ms: Recent<PICTURES>,
-    received_to_published_ms: Recent<PICTURES>,
-    age_ms: Recent<PICTURES>,
+    received_to_decoded_ms: RollingWindow<PICTURES>,
+    decoded_to_drawn_ms: RollingWindow<PICTURES>,
+    drawn_to_published_ms: RollingWindow<PICTURES>,
+    received_to_published_ms: RollingWindow<PICTURES>,
+    age_ms: RollingWindow<PICTURES>,
 }
 
 impl Default for Figures {
     fn default() -> Self {
-        let none = Recent::new;
+        let none = RollingWindow::new;
         Self {
             received_to_decoded_ms: none(),
             decoded_to_drawn_ms: none(),
@@ -68,39 +67,41 @@ impl Default for Figures {
 pub(super) struct Update<'a> {
     /// The displays that show another message.
     pub(super) shown: &'a [(DisplayId, ShownMessage)],
-    /// When the last transforms were received, if some were.
-    pub(super) moved: Option<Instant>,
+    /// When the last transforms were received, if any were.
+    pub(super) transforms_received: Option<Instant>,
     /// When the scene was up to date.
     pub(super) decoded: Instant,
 }
 
 impl Latency {
-    /// Takes note of what the next picture will show.
-    pub(super) fn follow(&mut self, update: &Update<'_>, visible: &DisplayMask) {
-        let Update { shown, moved, decoded } = *update;
+    /// Records what the next picture will show.
+    pub(super) fn record_update(&mut self, update: &Update<'_>, visible: &DisplayMask) {
+        let Update { shown, transforms_received, decoded } = *update;
         for (display, message) in shown.iter().filter(|(display, _)| visible.shows(*display)) {
             let Some(received) = message.received else { continue };
-            let new = (*display, News { received, decoded }, message.stamp);
-            match self.news.iter_mut().find(|(known, ..)| known == display) {
+            let new = (*display, Arrival { received, decoded }, message.stamp);
+            match self.messages.iter_mut().find(|(known, ..)| known == display) {
                 Some(known) => *known = new,
-                None => self.news.push(new),
+                None => self.messages.push(new),
             }
         }
-        self.moved = moved.map(|received| News { received, decoded }).or(self.moved);
+        let transforms = transforms_received.map(|received| Arrival { received, decoded });
+        self.transforms = transforms.or(self.transforms);
     }
 
-    /// Forgets what was to be seen: there is no picture for it.
+    /// Forgets what the next picture would have shown: there is none.
     pub(super) fn forget(&mut self) {
-        self.news.clear();
-        self.moved = None;
+        self.messages.clear();
+        self.transforms = None;
     }
 
-    /// Takes the figures of a new picture. `stamp` is the picture's own, the ROS time of publishing.
+    /// Adds the figures of a new picture. `stamp` is the picture's own, the ROS time of publishing.
     pub(super) fn measure(&mut self, drawn: Instant, published: Instant, stamp: Time) {
-        let first = self.news.iter().map(|(_, news, _)| *news).min_by_key(|news| news.received).or(self.moved);
-        let oldest = self.news.iter().filter_map(|(.., data)| age_ms(*data, stamp)).max_by(f64::total_cmp);
+        let arrivals = self.messages.iter().map(|(_, arrival, _)| *arrival);
+        let first = arrivals.min_by_key(|arrival| arrival.received).or(self.transforms);
+        let oldest = self.messages.iter().filter_map(|(.., data)| age_ms(*data, stamp)).max_by(f64::total_cmp);
         self.forget();
-        let Some(News { received, decoded }) = first else { return };
+        let Some(Arrival { received, decoded }) = first else { return };
         let ms = |from: Instant, to: Instant| to.saturating_duration_since(from).as_secs_f64() * 1e3;
         let figures = &mut self.figures;
         figures.received_to_decoded_ms.push(ms(received, decoded));
@@ -112,17 +113,17 @@ impl Latency {
         }
     }
 
-    /// The figures by their names.
+    /// The figures with their names.
     pub(super) fn values(&self) -> [(&'static str, String); 6] {
         let figures = &self.figures;
-        let told = |recent: &Recent<PICTURES>| figure(recent.typical());
+        let text = |window: &RollingWindow<PICTURES>| figure(window.percentiles());
         [
             ("frames measured", figures.received_to_published_ms.len().to_string()),
-            ("received to decoded ms (median / p95)", told(&figures.received_to_decoded_ms)),
-            ("decoded to drawn ms (median / p95)", told(&figures.decoded_to_drawn_ms)),
-            ("drawn to published ms (median / p95)", told(&figures.drawn_to_published_ms)),
-            ("received to published ms (median / p95)", told(&figures.received_to_published_ms)),
-            ("age of the data shown ms (median / p95)", told(&figures.age_ms)),
+            ("received to decoded ms (median / p95)", text(&figures.received_to_decoded_ms)),
+            ("decoded to drawn ms (median / p95)", text(&figures.decoded_to_drawn_ms)),
+            ("drawn to published ms (median / p95)", text(&figures.drawn_to_published_ms)),
+            ("received to published ms (median / p95)", text(&figures.received_to_published_ms)),
+            ("age of the data shown ms (median / p95)", text(&figures.age_ms)),
         ]
     }
 }
@@ -154,12 +155,12 @@ mod tests {
             let shown = [(display, ShownMessage { stamp: Time::from_secs_nanos(stamp_secs, 0), received })];
             let mut visible = DisplayMask::all();
             visible.set(9, false);
-            self.latency.follow(&Update { shown: &shown, moved: None, decoded }, &visible);
+            self.latency.record_update(&Update { shown: &shown, transforms_received: None, decoded }, &visible);
         }
 
-        fn turn(&mut self, received: u64, decoded: u64) {
-            let (moved, decoded) = (Some(self.at(received)), self.at(decoded));
-            self.latency.follow(&Update { shown: &[], moved, decoded }, &DisplayMask::all());
+        fn move_frames(&mut self, received: u64, decoded: u64) {
+            let (transforms_received, decoded) = (Some(self.at(received)), self.at(decoded));
+            self.latency.record_update(&Update { shown: &[], transforms_received, decoded }, &DisplayMask::all());
         }
 
         /// A picture, published when it is 100 s.
@@ -168,37 +169,37 @@ mod tests {
             self.latency.measure(drawn, published, Time::from_secs_nanos(100, 0));
         }
 
-        fn told(&self) -> [String; 6] {
+        fn values(&self) -> [String; 6] {
             self.latency.values().map(|(_, value)| value)
         }
     }
 
     #[test]
-    fn each_stage_is_told_and_together_they_are_the_whole() {
+    fn the_stages_add_up_to_the_whole() {
         let mut bench = Bench::new();
-        assert_eq!(bench.told(), ["0", "-", "-", "-", "-", "-"]);
+        assert_eq!(bench.values(), ["0", "-", "-", "-", "-", "-"]);
         bench.show(1, 0, 3, 98);
         bench.publish(13, 14);
         let stages = ["3.00 / 3.00", "10.00 / 10.00", "1.00 / 1.00", "14.00 / 14.00"];
-        assert_eq!(bench.told()[1..5], stages);
-        assert_eq!((&*bench.told()[0], &*bench.told()[5]), ("1", "2000.00 / 2000.00"));
+        assert_eq!(bench.values()[1..5], stages);
+        assert_eq!((&*bench.values()[0], &*bench.values()[5]), ("1", "2000.00 / 2000.00"));
     }
 
     #[test]
-    fn of_a_display_the_newest_message_counts_and_of_displays_the_slowest() {
+    fn the_newest_message_of_the_slowest_display_counts() {
         let mut bench = Bench::new();
         bench.show(1, 0, 1, 10);
         bench.show(1, 20, 21, 99);
         bench.publish(22, 23);
-        assert_eq!((&*bench.told()[4], &*bench.told()[5]), ("3.00 / 3.00", "1000.00 / 1000.00"));
+        assert_eq!((&*bench.values()[4], &*bench.values()[5]), ("3.00 / 3.00", "1000.00 / 1000.00"));
         bench.show(1, 130, 131, 99);
         bench.show(2, 100, 131, 90);
         bench.publish(132, 133);
-        assert_eq!((&*bench.told()[4], &*bench.told()[5]), ("3.00 / 33.00", "1000.00 / 10000.00"));
+        assert_eq!((&*bench.values()[4], &*bench.values()[5]), ("3.00 / 33.00", "1000.00 / 10000.00"));
     }
 
     #[test]
-    fn pictures_without_news_and_hidden_displays_are_not_measured() {
+    fn pictures_without_new_messages_and_hidden_displays_are_not_measured() {
         let mut bench = Bench::new();
         bench.publish(1, 2);
         bench.show(9, 0, 1, 10);
@@ -206,21 +207,21 @@ mod tests {
         bench.show(1, 0, 1, 10);
         bench.latency.forget();
         bench.publish(5, 6);
-        assert_eq!(bench.told()[0], "0");
+        assert_eq!(bench.values()[0], "0");
     }
 
     #[test]
-    fn moved_frames_count_where_no_display_has_news_and_have_no_age() {
+    fn moved_frames_count_where_no_display_has_a_new_message_and_have_no_age() {
         let mut bench = Bench::new();
-        bench.turn(0, 1);
-        bench.turn(10, 11);
+        bench.move_frames(0, 1);
+        bench.move_frames(10, 11);
         bench.publish(15, 16);
-        assert_eq!(bench.told()[4..], ["6.00 / 6.00", "-"]);
-        bench.turn(90, 91);
+        assert_eq!(bench.values()[4..], ["6.00 / 6.00", "-"]);
+        bench.move_frames(90, 91);
         bench.show(1, 80, 91, 0);
         bench.publish(92, 93);
-        assert_eq!(bench.told()[4..], ["6.00 / 13.00", "-"], "data without a stamp has no age");
+        assert_eq!(bench.values()[4..], ["6.00 / 13.00", "-"], "data without a stamp has no age");
         bench.publish(94, 95);
-        assert_eq!(bench.told()[0], "2", "each is counted once");
+        assert_eq!(bench.values()[0], "2", "each is counted once");
     }
 }

@@ -1,28 +1,27 @@
 //! `camera_stream` as a ROS node.
 //!
-//! One thread owns the stage: it takes what the network received, brings the scene up to date, draws what somebody
-//! looks at and hands it to the publishers. Nothing is drawn that nobody subscribes to, and a scene that did not change
-//! is not drawn again: its last picture goes out with a new stamp.
+//! One thread owns the stage: it handles what was received, brings the scene up to date, draws what is watched and
+//! hands it to the outputs. Nothing is drawn that nobody subscribes to, and a scene that did not change is not drawn
+//! again: its last picture is published with a new stamp.
 
 mod camera;
+mod camera_health;
+mod camera_plan;
 mod diagnostics;
+mod file_watch;
 mod latency;
-mod pace;
 mod parameters;
 mod reload;
-mod subscriptions;
-mod tuning;
-mod watch;
+mod runtime_settings;
+mod schedule;
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::str::FromStr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use anyhow::{anyhow, Context, Result};
-use clap::ValueEnum;
-use rcs_messages::{stamp_nanos, MessageKind};
+use anyhow::{Context, Result};
+use rcs_messages::stamp_nanos;
 use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::{NodeEvent, RosNode};
@@ -32,14 +31,16 @@ use rcs_transforms::Time;
 
 use crate::camera_stream::camera_pose::Projection;
 use crate::camera_stream::cli::Cli;
+use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::Stage;
+use crate::camera_stream::subscriptions::Subscriptions;
+use crate::camera_stream::visibility::{self, PlacedCamera};
 use crate::logging::one_line;
 use crate::small_node::{self, EndRequest};
-use camera::CameraOutput;
+use camera::{CameraOutput, Drawing};
 use diagnostics::Diagnostics;
+use file_watch::FileWatch;
 use latency::Update;
-use subscriptions::Subscriptions;
-use watch::FileWatch;
 
 /// How long the node sleeps at most when nothing happens.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
@@ -47,36 +48,24 @@ const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 /// Runs the node until it is asked to end.
 ///
 /// # Errors
-/// One line that names what is in the way: the master's address, a topic, the renderer.
+/// One line that names what failed: the master's address, a topic, the renderer.
 pub fn run(cli: &Cli, config: &Config) -> Result<()> {
     for finding in &config.findings {
         log::warn!("{}: {finding}", config.source);
     }
-    let end = EndRequest::watch_signals().context("signals cannot be taken")?;
+    let end = EndRequest::watch_signals().context("cannot handle signals")?;
     let Some(ros) = small_node::connect("camera_stream", &end)? else { return Ok(()) };
-    let result = Node::start(cli, config, &ros).map(|mut node| node.play(&end));
+    let result = Node::start(cli, config, &ros).map(|mut node| node.run(&end));
     ros.shutdown();
     result
 }
 
-/// A private parameter, where the command line says nothing.
-fn choice<T>(ros: &RosNode, given: Option<T>, name: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<T>
-where
-    T: Default,
-{
-    match (given, ros.string_param(name)) {
-        (Some(given), _) => Ok(given),
-        (None, Some(text)) => parse(&text).map_err(|error| anyhow!("parameter {name}: {error}")),
-        (None, None) => Ok(T::default()),
-    }
-}
-
-/// Watches the config, unless that is not wanted.
+/// Watches the config's file, unless `--no-watch` or `~watch` says not to.
 fn watch(cli: &Cli, ros: &RosNode) -> Result<Option<FileWatch>> {
     let is_wanted = !cli.node.no_watch && ros.bool_param("~watch").unwrap_or(true);
     let Some(file) = cli.node.display_config.clone().filter(|_| is_wanted) else { return Ok(None) };
     let events = ros.events().clone();
-    FileWatch::start(file, move || events.wake()).map(Some).context("the config cannot be watched")
+    FileWatch::start(file, move || events.wake()).map(Some).context("cannot watch the config")
 }
 
 struct Node<'a> {
@@ -86,38 +75,38 @@ struct Node<'a> {
     projection: Projection,
     cameras: Vec<CameraOutput>,
     subscriptions: Subscriptions,
-    /// As it was read last.
+    /// As it was last read.
     config: Config,
     file: PathBuf,
-    /// The command line's, before the config's.
+    /// The command line's, which overrides the config's.
     fixed_frame: Option<String>,
-    /// The whole name of the service that reads the config again.
+    /// The whole name of the service that reloads the config.
     reload_service: Arc<str>,
     watch: Option<FileWatch>,
-    /// Grows with every change of the scene.
+    /// Incremented with every change of the scene.
     scene_version: u64,
     scene: Option<(u64, Arc<Scene>)>,
     renderer_choice: RendererChoice,
     diagnostics: Diagnostics,
-    /// When the last transforms were received that the displays have not seen.
-    moved: Option<Instant>,
+    /// When the last transforms were received since the last update.
+    transforms_received: Option<Instant>,
 }
 
 impl<'a> Node<'a> {
     fn start(cli: &Cli, config: &Config, ros: &'a RosNode) -> Result<Self> {
-        let renderer_choice = choice(ros, cli.renderer, "~renderer", RendererChoice::from_str)?;
-        let projection = choice(ros, cli.projection, "~projection", |text| Projection::from_str(text, true))?;
+        let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
+        let projection = private_parameters::projection(ros, cli.projection, &["~projection"])?;
         let renderer = rcs_render::create(renderer_choice)?;
         let meshes = MeshStore::new(PackageIndex::from_env(&[]));
         let stage = Stage::new(config, cli.node.fixed_frame.as_deref(), meshes);
         if stage.cameras().is_empty() {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
-        let plans = camera::plans(ros, config)?;
-        let cameras = camera::rearrange(ros, plans, Vec::new(), config, stage.displays());
+        let plans = camera_plan::plans(ros, config)?;
+        let cameras = camera_plan::rearrange(ros, plans, Vec::new(), config, stage.displays());
         ros.subscribe_transforms()?;
         let mut subscriptions = Subscriptions::default();
-        subscriptions.follow(ros, stage.topics());
+        subscriptions.update(ros, stage.topics());
         ros.follow_parameters(stage.parameters());
         log::info!("drawing {} of {} with {}", camera::names(&cameras), config.source, renderer.describe());
         Ok(Self {
@@ -136,7 +125,7 @@ impl<'a> Node<'a> {
             scene: None,
             renderer_choice,
             diagnostics: Diagnostics::start(),
-            moved: None,
+            transforms_received: None,
         })
     }
 
@@ -144,24 +133,24 @@ impl<'a> Node<'a> {
         Time::from_nanos(stamp_nanos(self.ros.now()))
     }
 
-    fn play(&mut self, end: &EndRequest) {
+    fn run(&mut self, end: &EndRequest) {
         self.stage.update(self.now());
         while !end.is_requested() && !self.ros.is_asked_to_end() {
             let events = self.ros.events().wait(self.sleep());
-            let mut heard = !events.is_empty();
+            let mut has_news = !events.is_empty();
             for event in events {
-                self.take(event);
+                self.handle(event);
             }
             if self.watch.as_ref().is_some_and(FileWatch::take_change) {
-                self.follow_file();
-                heard = true;
+                self.reload_changed_file();
+                has_news = true;
             }
             let now = self.now();
-            if heard || self.stage.displays().next_change().is_some_and(|change| change <= now) {
+            if has_news || self.stage.displays().next_change().is_some_and(|change| change <= now) {
                 self.update(now);
             }
             self.publish();
-            self.tell();
+            self.report_statuses();
         }
     }
 
@@ -169,11 +158,12 @@ impl<'a> Node<'a> {
     fn update(&mut self, now: Time) {
         self.scene_version += u64::from(self.stage.update(now));
         let shown = self.stage.displays().newly_shown();
-        let update = Update { shown, moved: self.moved.take(), decoded: Instant::now() };
-        self.cameras.iter_mut().for_each(|camera| camera.follow(&update));
+        let transforms_received = self.transforms_received.take();
+        let update = Update { shown, transforms_received, decoded: Instant::now() };
+        self.cameras.iter_mut().for_each(|camera| camera.record_update(&update));
     }
 
-    /// Until something is due by itself: a camera's next picture, or a change of the scene.
+    /// How long until something is due by itself: a camera's next picture, or a change of the scene.
     fn sleep(&self) -> Duration {
         let now = Instant::now();
         let cameras = self.cameras.iter().filter_map(|camera| camera.until_due(now)).min();
@@ -182,44 +172,30 @@ impl<'a> Node<'a> {
         cameras.into_iter().chain(change).fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
     }
 
-    /// Says how displays and cameras do.
-    fn tell(&mut self) {
+    /// Reports the status of each display and camera.
+    fn report_statuses(&mut self) {
         let (stage, projection, cameras, now) = (&self.stage, self.projection, &self.cameras, self.now());
-        self.diagnostics.tell(self.ros, || {
-            let mut subjects = stage.subjects(now);
-            subjects.extend(cameras.iter().map(|camera| camera.subject(stage, projection)));
-            subjects
+        self.diagnostics.report(self.ros, |is_published| {
+            let mut entries = stage.status_entries(now);
+            if is_published {
+                let place = |camera: &'_ CameraOutput| stage.camera(camera.view(), projection).ok();
+                let placed = cameras.iter().map(|camera| PlacedCamera { view: camera.view(), camera: place(camera) });
+                visibility::add(&mut entries, stage.displays(), &placed.collect::<Vec<_>>());
+            }
+            entries.extend(cameras.iter().map(|camera| camera.status_entry(stage, projection)));
+            entries
         });
     }
 
-    fn take(&mut self, event: NodeEvent) {
+    fn handle(&mut self, event: NodeEvent) {
         match event {
-            NodeEvent::Message { topic, message, received, .. } => {
-                let now = self.now();
-                // The scene is put together anew. Until then nobody holds its clouds, so that the next ones can have their
-                // memory.
-                self.scene = None;
-                for name in self.subscriptions.names(&topic, message.kind()) {
-                    self.stage.take_received(name, &message, Some(received), now);
-                }
-            }
-            NodeEvent::Transforms { message, is_static, authority, received } => {
-                self.moved = Some(received);
-                self.stage.take_transforms(&message, is_static, &authority);
-            }
-            NodeEvent::TimeJumpedBack { from, to } => {
-                log::warn!(
-                    "the time jumped back from {} to {}: frames and messages are forgotten",
-                    Time::from_nanos(stamp_nanos(from)),
-                    Time::from_nanos(stamp_nanos(to))
-                );
-                self.stage.reset();
-                self.cameras.iter_mut().for_each(CameraOutput::forget_news);
-                self.scene_version += 1;
-            }
             NodeEvent::Trigger { service, reply } if service == self.reload_service => match self.reload() {
                 Ok(changed) => reply.send(true, changed.unwrap_or_else(|| "nothing changed".to_owned())),
                 Err(error) => reply.send(false, one_line(&error)),
+            },
+            NodeEvent::Trigger { service, reply } => match self.cameras.iter_mut().find(|c| c.serves(&service)) {
+                Some(camera) => camera.trigger(reply),
+                None => reply.send(false, "Image publisher not configured"),
             },
             NodeEvent::Reconfigure { server, request, reply } => {
                 // Without an answer, the caller gets an error.
@@ -227,41 +203,50 @@ impl<'a> Node<'a> {
                     reply.answer(camera.reconfigure(&request, self.stage.displays(), self.ros));
                 }
             }
-            NodeEvent::Trigger { service, reply } => match self.cameras.iter_mut().find(|c| c.serves(&service)) {
-                Some(camera) => camera.trigger(reply),
-                None => reply.send(false, "Image publisher not configured"),
-            },
-            NodeEvent::Parameter { name, text } => {
-                let now = self.now();
-                self.stage.take_parameter(&name, text.as_ref(), now);
-            }
-            NodeEvent::PublisherLeft { topic } => {
-                for name in MessageKind::ALL.iter().flat_map(|kind| self.subscriptions.names(&topic, *kind)) {
-                    self.stage.publisher_left(name);
-                }
-            }
-            NodeEvent::SubscriberConnected { .. } => {}
+            event => self.apply(event),
         }
     }
 
-    /// Draws and publishes what is due: as many pictures are begun as the renderer works on at once, and each goes out
+    /// Applies an event that changes the scene.
+    fn apply(&mut self, event: NodeEvent) {
+        match &event {
+            // The scene is put together again. Dropped here already, it holds no clouds whose memory the next ones can use.
+            NodeEvent::Message { .. } => self.scene = None,
+            NodeEvent::Transforms { received, .. } => self.transforms_received = Some(*received),
+            NodeEvent::TimeJumpedBack { from, to } => {
+                log::warn!(
+                    "time jumped back from {} to {}: all frames and messages are dropped",
+                    Time::from_nanos(stamp_nanos(*from)),
+                    Time::from_nanos(stamp_nanos(*to))
+                );
+                self.cameras.iter_mut().for_each(CameraOutput::forget_messages);
+                self.scene_version += 1;
+            }
+            _ => {}
+        }
+        let now = self.now();
+        self.subscriptions.apply(event, &mut self.stage, now);
+    }
+
+    /// Draws and publishes what is due: as many pictures are begun as the renderer works on at once, and each is published
     /// as soon as it is finished.
     fn publish(&mut self) {
         let mut in_flight = VecDeque::new();
         for index in 0..self.cameras.len() {
-            let (stage, version, cached) = (&self.stage, self.scene_version, &mut self.scene);
+            let (stage, scene_version, cached) = (&self.stage, self.scene_version, &mut self.scene);
             let scene = || {
                 let (_, scene) = match cached.take() {
-                    Some(current) if current.0 == version => cached.insert(current),
-                    _ => cached.insert((version, Arc::new(stage.scene()))),
+                    Some(current) if current.0 == scene_version => cached.insert(current),
+                    _ => cached.insert((scene_version, Arc::new(stage.scene()))),
                 };
                 scene.clone()
             };
             let Some(camera) = self.cameras.get_mut(index) else { continue };
-            let renderer = self.renderer.as_mut();
-            match camera.begin_if_due(stage, version, scene, self.projection, renderer, self.ros) {
+            let (projection, renderer) = (self.projection, self.renderer.as_mut());
+            let drawing = Drawing { stage, scene_version, projection, renderer, ros: self.ros };
+            match camera.begin_if_due(drawing, scene) {
                 Ok(true) => in_flight.push_back(index),
-                done => self.note(index, done.map(|_| ())),
+                result => self.record_result(index, result.map(|_| ())),
             }
             if in_flight.len() >= self.renderer.pictures_at_once() {
                 self.finish(in_flight.pop_front());
@@ -275,16 +260,16 @@ impl<'a> Node<'a> {
     /// Publishes the picture that was begun first, which is that of this camera.
     fn finish(&mut self, index: Option<usize>) {
         let Some((index, camera)) = index.and_then(|index| Some((index, self.cameras.get_mut(index)?))) else { return };
-        let done = camera.finish(self.renderer.as_mut(), self.ros);
-        self.note(index, done);
+        let result = camera.finish(self.renderer.as_mut(), self.ros);
+        self.record_result(index, result);
     }
 
-    /// Takes how a camera's drawing and publishing went. What goes wrong is said once, and does not end the node; a GPU
-    /// that `auto` chose and that fails gives way to the CPU.
-    fn note(&mut self, index: usize, done: Result<()>) {
-        let gpu_failed = matches!(&done, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })));
+    /// Records how a camera's drawing and publishing went. An error is logged once and does not end the node. A GPU that
+    /// `auto` chose and that fails is replaced by the CPU.
+    fn record_result(&mut self, index: usize, result: Result<()>) {
+        let gpu_failed = matches!(&result, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })));
         if let Some(camera) = self.cameras.get_mut(index) {
-            camera.note(done);
+            camera.record_result(result);
         }
         if gpu_failed {
             self.cameras.iter_mut().for_each(CameraOutput::lose_picture);

@@ -1,8 +1,8 @@
-//! The settings of a camera that dynamic_reconfigure offers, and what they are called there.
+//! The settings of a camera that dynamic_reconfigure offers, and their names there.
 //!
-//! A colour is three whole numbers, for which rqt_reconfigure has sliders; the encoding is a list to choose from; each
+//! A colour is three integers, for which rqt_reconfigure has sliders; the encoding is an enum; each
 //! display and group has a switch, named after its path. As in any dynamic_reconfigure server, a value out of bounds
-//! becomes the nearest one within, and a parameter that is not known is passed over.
+//! becomes the nearest one within, and an unknown parameter is ignored.
 
 use std::collections::HashSet;
 
@@ -18,7 +18,7 @@ const BACKGROUND: [&str; 3] = ["background_red", "background_green", "background
 const ENCODING: &str = "image_encoding";
 const NEAR_CLIP: &str = "near_clip";
 const VISIBILITY: &str = "visibility";
-/// As far as a slider for pictures a second is of use. A config may have more.
+/// The upper end of the frame rate's slider. A config may have more.
 const HIGH_FRAME_RATE_HZ: f64 = 100.0;
 const NEAREST_CLIP_M: f64 = 0.01;
 
@@ -43,7 +43,7 @@ pub(super) struct Switch {
     description: String,
 }
 
-/// A name that ROS and Python take: letters, digits and underscores, a letter first.
+/// A name that is valid in ROS and Python: letters, digits and underscores, a letter first.
 pub(super) fn ros_name(name: &str, prefix: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = name.chars().map(plain).collect();
@@ -54,7 +54,7 @@ pub(super) fn ros_name(name: &str, prefix: &str) -> String {
     }
 }
 
-/// The name, or the first of `name_2`, `name_3`, … that is not used; it is then.
+/// The name, or the first of `name_2`, `name_3`, … that is free; marks it as used.
 pub(super) fn unique(name: String, used: &mut HashSet<String>) -> String {
     let numbered = (2..).map(|number| format!("{name}_{number}"));
     let free = std::iter::once(name.clone()).chain(numbered).find(|name| !used.contains(name)).unwrap_or(name);
@@ -62,8 +62,8 @@ pub(super) fn unique(name: String, used: &mut HashSet<String>) -> String {
     free
 }
 
-/// The switches of a config's displays: each that is drawn and each group, once for each path, for displays of one path
-/// share their tick box.
+/// The switches of a config's displays: one for each path of a display that is drawn or of a group, as displays of the
+/// same path share their tick box.
 pub(super) fn switches(config: &Config) -> Vec<Switch> {
     let (mut names, mut paths, mut switches) = (HashSet::new(), HashSet::new(), Vec::new());
     for placed in config.placed_displays() {
@@ -76,21 +76,21 @@ pub(super) fn switches(config: &Config) -> Vec<Switch> {
         if !paths.insert(path.clone()) {
             continue;
         }
-        let what = match role {
+        let drawn = match role {
             Role::Group => "the group and all that is in it",
             _ => display.class.as_str(),
         };
         let switched_off = if placed.enabled { "" } else { ", which is disabled in the config" };
         switches.push(Switch {
             name: unique(format!("show_{}", ros_name(&path.join("_"), "")), &mut names),
-            description: format!("Show {} ({what}){switched_off}", path.join(" / ")),
+            description: format!("Show {} ({drawn}){switched_off}", path.join(" / ")),
             path,
         });
     }
     switches
 }
 
-/// The number that a config's text most likely has: the shortest that is the same in single precision.
+/// The number as the config most likely has it: the shortest that is the same in single precision.
 fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
@@ -117,7 +117,7 @@ impl Parameters {
         }
     }
 
-    /// Puts them into a camera's settings.
+    /// Writes them to a camera's settings.
     pub(super) fn write_to(&self, settings: &mut CameraPubSettings) {
         settings.frame_rate_hz = self.frame_rate_hz as f32;
         settings.background_color = self.background;
@@ -140,7 +140,7 @@ impl Parameters {
         }
     }
 
-    /// Takes those values of a request that are there, within the bounds of a description.
+    /// Applies the values of a request, limited to the bounds of a description.
     pub(super) fn set(&mut self, request: &Values, switches: &[Switch], bounds: &ConfigDescription) {
         for DoubleParameter { name, value } in request.doubles.iter().filter(|param| !param.value.is_nan()) {
             let own = match name.as_str() {
@@ -160,7 +160,7 @@ impl Parameters {
         for StrParameter { name, value } in request.strs.iter().filter(|param| param.name == ENCODING) {
             match Encoding::from_name(value) {
                 Some(encoding) => self.encoding = encoding,
-                None => log::warn!("{name}: there is no encoding \"{value}\""),
+                None => log::warn!("{name}: unknown encoding \"{value}\""),
             }
         }
         for BoolParameter { name, value } in &request.bools {
@@ -172,7 +172,7 @@ impl Parameters {
         }
     }
 
-    /// All values, as dynamic_reconfigure tells them.
+    /// All values, as dynamic_reconfigure publishes them.
     pub(super) fn values(&self, switches: &[Switch]) -> Values {
         let switch = |switch: &Switch| BoolParameter {
             name: switch.name.clone(),
@@ -189,9 +189,9 @@ impl Parameters {
         }
     }
 
-    /// What there is to set, with bounds; these values are the defaults.
+    /// The parameters with their bounds; these values are the defaults.
     pub(super) fn description(&self, switches: &[Switch]) -> ConfigDescription {
-        // The least or the largest of all values.
+        // The smallest or the largest of all values.
         let bounds = |value: bool, channel: i32, frame_rate_hz: f64, near_clip_m: f64| {
             let mut values = self.values(switches);
             values.bools.iter_mut().for_each(|param| param.value = value);
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn every_display_and_group_has_a_switch_with_a_name_of_its_own() {
+    fn every_display_and_group_has_a_switch_with_a_unique_name() {
         let grid = |name: &str| format!("{{Class: rviz/Grid, Name: {name}, Enabled: true}}");
         let group =
             format!("{{Class: rviz/Group, Name: g, Enabled: true, Displays: [{}, {}]}}", grid("a b"), grid("a_b"));
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn values_out_of_bounds_become_the_nearest_ones_and_nonsense_is_passed_over() {
+    fn values_out_of_bounds_become_the_nearest_ones_and_nonsense_is_ignored() {
         let mut parameters = Parameters::of(&CameraPubSettings::default());
         let bounds = parameters.description(&[]);
         let text = |value: &str| vec![StrParameter { name: ENCODING.to_owned(), value: value.to_owned() }];
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_user_set_gives_way_only_where_the_file_changed() {
+    fn a_users_values_are_replaced_only_where_the_file_changed() {
         let before = Parameters::of(&CameraPubSettings::default());
         let own = Parameters { background: [1, 2, 3], near_clip_m: 0.5, ..before.clone() };
         let after = Parameters { near_clip_m: 0.2, encoding: Encoding::Bgr8, ..before.clone() };
@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn a_configs_numbers_are_told_as_they_are_written() {
+    fn a_configs_numbers_are_reported_as_they_are_written() {
         let settings = CameraPubSettings { near_clip_m: 0.01, frame_rate_hz: 144.1, ..CameraPubSettings::default() };
         let parameters = Parameters::of(&settings);
         assert_eq!(parameters.values(&[]).doubles, [double(FRAME_RATE, 144.1), double(NEAR_CLIP, 0.01)]);
@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_such_as_ros_takes() {
+    fn names_are_valid_in_ros() {
         assert_eq!(ros_name("Camera Pub/2 é", "camera_"), "Camera_Pub_2__");
         assert_eq!(ros_name("2nd", "camera_"), "camera_2nd");
         assert_eq!(ros_name("", "camera_"), "camera_");

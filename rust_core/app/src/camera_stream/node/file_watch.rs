@@ -1,9 +1,9 @@
-//! Notices that a file was written again.
+//! Notices that a file was rewritten.
 //!
-//! The file's metadata are looked at a few times a second. That also sees a file that an editor put in the other's place,
-//! one behind a symbolic link and one on a network share, which notifications of the kernel do not tell about. A change
-//! counts once the file is the same in two looks, so that nobody reads one that is being written; a file that is not
-//! there for a moment is waited for.
+//! The file's metadata is polled a few times a second. That also covers a file that an editor replaces, one behind a
+//! symbolic link and one on a network share, of which the kernel sends no notification. A change counts once two
+//! consecutive polls agree, so that a file is not read while it is being written; a file that is missing for a moment is
+//! waited for.
 
 use std::io;
 use std::os::unix::fs::MetadataExt;
@@ -12,10 +12,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How often the file is looked at.
-const LOOK_PERIOD: Duration = Duration::from_millis(200);
+/// How often the file is polled.
+const POLL_PERIOD: Duration = Duration::from_millis(200);
 
-/// Tells one state of a file from another.
+/// Distinguishes one state of a file from another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Fingerprint {
     device: u64,
@@ -39,55 +39,55 @@ impl Fingerprint {
     }
 }
 
-/// What was seen of the file.
+/// Finds completed changes in a sequence of polls.
 #[derive(Debug, Default)]
-struct Looks {
+struct ChangeDetector {
     last: Option<Fingerprint>,
-    told: Option<Fingerprint>,
+    reported: Option<Fingerprint>,
 }
 
-impl Looks {
+impl ChangeDetector {
     /// Whether a change is complete.
-    fn look(&mut self, now: Option<Fingerprint>) -> bool {
-        let settled = now.is_some() && now == self.last && now != self.told;
+    fn poll(&mut self, now: Option<Fingerprint>) -> bool {
+        let settled = now.is_some() && now == self.last && now != self.reported;
         self.last = now;
         if settled {
-            self.told = now;
+            self.reported = now;
         }
         settled
     }
 }
 
-/// Looks at a file until it is dropped.
+/// Watches a file until it is dropped.
 pub(super) struct FileWatch {
     changed: Arc<AtomicBool>,
     ended: Arc<AtomicBool>,
 }
 
 impl FileWatch {
-    /// Begins to look. The state at the beginning counts as a change, for it may be newer than what was read before.
-    /// `wake` is called for each change, on a thread of its own.
+    /// Starts watching. The first state counts as a change, as it may be newer than what was read before. `wake` is called
+    /// for each change, on a separate thread.
     ///
     /// # Errors
-    /// The system's, when it has no thread left.
+    /// When the thread cannot be started.
     pub(super) fn start(file: PathBuf, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let (changed, ended) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         let (change, end) = (Arc::clone(&changed), Arc::clone(&ended));
         let watching = move || {
-            let mut looks = Looks::default();
+            let mut detector = ChangeDetector::default();
             while !end.load(Ordering::Acquire) {
-                if looks.look(Fingerprint::of(&file)) {
+                if detector.poll(Fingerprint::of(&file)) {
                     change.store(true, Ordering::Release);
                     wake();
                 }
-                std::thread::sleep(LOOK_PERIOD);
+                std::thread::sleep(POLL_PERIOD);
             }
         };
         std::thread::Builder::new().name("config-watch".to_owned()).spawn(watching)?;
         Ok(Self { changed, ended })
     }
 
-    /// Whether the file changed since this was asked the last time.
+    /// Whether the file changed since the last call.
     pub(super) fn take_change(&self) -> bool {
         self.changed.swap(false, Ordering::AcqRel)
     }
@@ -109,36 +109,36 @@ mod tests {
         let file = folder.path().join("scene.rviz");
         let now = || Fingerprint::of(&file);
         let write = |text: &str| std::fs::write(&file, text).unwrap();
-        let mut looks = Looks::default();
-        assert!(!looks.look(now()) && !looks.look(now()), "there is no file");
+        let mut detector = ChangeDetector::default();
+        assert!(!detector.poll(now()) && !detector.poll(now()), "there is no file");
         write("first");
-        assert_eq!([looks.look(now()), looks.look(now()), looks.look(now())], [false, true, false]);
+        assert_eq!([detector.poll(now()), detector.poll(now()), detector.poll(now())], [false, true, false]);
         write("being wr");
-        assert!(!looks.look(now()));
+        assert!(!detector.poll(now()));
         write("being written");
-        assert!(!looks.look(now()));
-        assert!(looks.look(now()));
+        assert!(!detector.poll(now()));
+        assert!(detector.poll(now()));
     }
 
     #[test]
-    fn a_file_put_in_the_others_place_and_one_behind_a_link_are_seen() {
+    fn a_replaced_file_and_one_behind_a_link_are_noticed() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         std::fs::write(at("a"), "same").unwrap();
         std::os::unix::fs::symlink(at("a"), at("link")).unwrap();
-        let mut looks = Looks::default();
-        looks.look(Fingerprint::of(&at("link")));
-        assert!(looks.look(Fingerprint::of(&at("link"))));
+        let mut detector = ChangeDetector::default();
+        detector.poll(Fingerprint::of(&at("link")));
+        assert!(detector.poll(Fingerprint::of(&at("link"))));
         std::fs::remove_file(at("a")).unwrap();
-        assert!(!looks.look(Fingerprint::of(&at("link"))), "gone for a moment");
+        assert!(!detector.poll(Fingerprint::of(&at("link"))), "missing for a moment");
         std::fs::write(at("b"), "same").unwrap();
         std::fs::rename(at("b"), at("a")).unwrap();
-        assert!(!looks.look(Fingerprint::of(&at("link"))));
-        assert!(looks.look(Fingerprint::of(&at("link"))));
+        assert!(!detector.poll(Fingerprint::of(&at("link"))));
+        assert!(detector.poll(Fingerprint::of(&at("link"))));
     }
 
     #[test]
-    fn the_first_state_and_each_later_one_are_told_once() {
+    fn the_first_state_and_each_later_one_are_reported_once() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("scene.rviz");
         std::fs::write(&file, "first").unwrap();

@@ -1,0 +1,118 @@
+//! How one of the node's cameras is doing: its problems, its counters and its latency, for the log and its statuses.
+
+use anyhow::Result;
+use rcs_displays::{CameraView, Level};
+use rcs_messages::sensor_msgs::CameraInfo;
+
+use super::latency::Latency;
+use crate::camera_stream::camera_pose::{rviz_differs, CameraProblem, Projection};
+use crate::camera_stream::outputs::Outputs;
+use crate::camera_stream::stage::Stage;
+use crate::camera_stream::status_tree::{self, StatusEntry};
+use crate::logging::one_line;
+
+/// What is known of a camera's pictures.
+#[derive(Debug, Default)]
+pub(super) struct CameraHealth {
+    /// Why there is no camera at present.
+    problem: Option<CameraProblem>,
+    /// Why the last picture failed.
+    last_error: Option<String>,
+    has_warned_about_projection: bool,
+    /// Pictures drawn.
+    pub(super) drawn: u64,
+    /// Pictures published, unchanged ones included.
+    pub(super) published: u64,
+    pub(super) latency: Latency,
+}
+
+impl CameraHealth {
+    /// Whether there is no camera at present.
+    pub(super) fn has_problem(&self) -> bool {
+        self.problem.is_some()
+    }
+
+    /// Records how drawing and publishing went. An error is logged once.
+    pub(super) fn record_result(&mut self, camera: &str, result: Result<()>) {
+        self.last_error = result.err().map(|error| {
+            let error = one_line(&error);
+            if self.last_error.as_ref() != Some(&error) {
+                log::error!("camera {camera}: {error}");
+            }
+            error
+        });
+    }
+
+    /// Records why there is no camera, and logs it if it is another problem than before.
+    pub(super) fn record_problem(&mut self, camera: &str, problem: CameraProblem) {
+        let same_kind = |known: &CameraProblem| std::mem::discriminant(known) == std::mem::discriminant(&problem);
+        let is_new = match (&self.problem, &problem) {
+            // Its text has times in it.
+            (Some(known @ CameraProblem::NoTransform { .. }), _) => !same_kind(known),
+            // Compared as text: a NaN in a problem is not equal to itself.
+            (known, _) => known.as_ref().map(ToString::to_string) != Some(problem.to_string()),
+        };
+        if is_new {
+            match problem {
+                CameraProblem::BadCameraInfo { .. } => log::error!("camera {camera}: {problem}"),
+                _ => log::warn!("camera {camera}: {problem}"),
+            }
+        }
+        self.problem = Some(problem);
+        self.latency.forget();
+    }
+
+    /// Records that there is a camera, and logs it if there was none.
+    pub(super) fn clear_problem(&mut self, camera: &str) {
+        if self.problem.take().is_some() {
+            log::info!("camera {camera}: ok");
+        }
+    }
+
+    /// Warns once if rviz's projection is not the one that the CameraInfo asks for.
+    pub(super) fn warn_about_projection(&mut self, view: &CameraView, info: &CameraInfo, projection: Projection) {
+        if projection == Projection::Rviz && rviz_differs(info) && !self.has_warned_about_projection {
+            self.has_warned_about_projection = true;
+            log::warn!(
+                "camera {}: P on [{}] has fx ≠ fy or P[7] ≠ 0, which rviz's CameraPub does not project exactly; \
+                 --projection exact (or _projection:=exact) does",
+                view.name,
+                view.settings.camera_info_topic
+            );
+        }
+    }
+
+    /// The camera's statuses and figures.
+    pub(super) fn status_entry(
+        &self,
+        stage: &Stage,
+        view: &CameraView,
+        projection: Projection,
+        outputs: &Outputs,
+        has_trigger: bool,
+    ) -> StatusEntry<'static> {
+        let mut entry = status_tree::camera(stage, view, projection);
+        let statuses = entry.statuses.to_mut();
+        match &outputs.topic {
+            None if statuses.level() < Level::Error => {
+                statuses.set(Level::Error, "Output Topic", "Image publisher not configured");
+            }
+            _ if !has_trigger => {
+                let text = "Could not create trigger. Make sure that display namespace is unique!";
+                statuses.set(Level::Warn, "Display namespace", text);
+            }
+            _ => statuses.set(Level::Ok, "Display namespace", "OK"),
+        }
+        if let Some(error) = &self.last_error {
+            statuses.set(Level::Error, "Picture", error.clone());
+        }
+        if let Some(topic) = &outputs.topic {
+            entry.topic = topic.topic().to_owned();
+            entry.values.push(("subscribers", topic.subscriber_count().to_string()));
+        }
+        entry.values.push(("frames drawn", self.drawn.to_string()));
+        entry.values.push(("frames published", self.published.to_string()));
+        entry.values.extend(self.latency.values());
+        entry
+    }
+}

@@ -1,0 +1,66 @@
+//! The settings of a camera that can be changed while the node runs: the config's, and dynamic_reconfigure's over them.
+//!
+//! At the start the config's values apply. A user's values replace them until the value in the file changes. Values that
+//! an earlier run left on the parameter server are ignored: the `.rviz` file is what the user sees and edits.
+
+use std::sync::Arc;
+
+use rcs_messages::dynamic_reconfigure::Config as Values;
+use rcs_ros::{ReconfigureServer, RosNode};
+use rcs_rviz_config::CameraPubSettings;
+
+use super::parameters::{Parameters, Switch};
+
+/// The settings of one camera that can be changed while it runs.
+pub(super) struct RuntimeSettings {
+    in_file: Parameters,
+    current: Parameters,
+    switches: Arc<[Switch]>,
+    /// `None` where rosrust cannot offer its services.
+    server: Option<ReconfigureServer>,
+}
+
+impl RuntimeSettings {
+    /// The config's settings of a camera, offered as `~name`.
+    pub(super) fn start(ros: &RosNode, name: &str, settings: &CameraPubSettings, switches: &Arc<[Switch]>) -> Self {
+        let current = Parameters::of(settings);
+        let server =
+            ros.serve_reconfigure(&format!("~{name}"), current.description(switches), current.values(switches));
+        let server = server.map_err(|error| log::error!("{error}")).ok();
+        Self { in_file: current.clone(), current, switches: Arc::clone(switches), server }
+    }
+
+    /// Whether dynamic_reconfigure's server of this name is this one.
+    pub(super) fn serves(&self, server: &str) -> bool {
+        self.server.as_ref().is_some_and(|own| &**own.name() == server)
+    }
+
+    /// Applies a user's values. Returns the values that apply now.
+    pub(super) fn set(&mut self, ros: &RosNode, request: &Values) -> Values {
+        self.current.set(request, &self.switches, &self.in_file.description(&self.switches));
+        let values = self.current.values(&self.switches);
+        if let Some(server) = &mut self.server {
+            server.set_config(ros, values.clone());
+        }
+        values
+    }
+
+    /// Takes over the values that changed in the config.
+    pub(super) fn update_from(&mut self, ros: &RosNode, settings: &CameraPubSettings, switches: &Arc<[Switch]>) {
+        let in_file = Parameters::of(settings);
+        let current = self.current.with_changes(&self.in_file, &in_file);
+        let values = current.values(switches);
+        if let Some(server) = &mut self.server {
+            server.set_description(in_file.description(switches));
+            if values != self.current.values(&self.switches) {
+                server.set_config(ros, values);
+            }
+        }
+        (self.in_file, self.current, self.switches) = (in_file, current, Arc::clone(switches));
+    }
+
+    /// Writes the values that apply now to the camera's settings.
+    pub(super) fn write_to(&self, settings: &mut CameraPubSettings) {
+        self.current.write_to(settings);
+    }
+}

@@ -1,0 +1,94 @@
+//! Where finished pictures go: one trait for all outputs, one file for each kind.
+//!
+//! A camera decides when a picture is due and what is drawn; an [`Output`] hands the finished [`Frame`] on, and reports
+//! whether anybody is watching. To add one (a window in this process, say): implement the trait in a file beside
+//! these, and add it to [`Outputs`].
+
+mod png;
+mod topic;
+
+use std::sync::Arc;
+
+use rcs_files::png::PngError;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::Time;
+use rcs_ros::image_topic::PublishError;
+use rcs_scene::Picture;
+
+pub use png::{PngFile, PngSequence};
+pub use topic::{retain, TopicNames, TopicOutput};
+
+/// A finished picture with the CameraInfo it was drawn with. Cheap to clone: picture and CameraInfo are shared.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The picture. Its memory is drawn into again once no output holds it any more.
+    pub picture: Arc<Picture>,
+    /// The CameraInfo that the camera was made of.
+    pub info: Arc<CameraInfo>,
+    /// When the picture is handed on, in ROS time.
+    pub stamp: Time,
+}
+
+/// Why a frame was not handed on.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// A topic cannot be published on.
+    #[error(transparent)]
+    Topic(#[from] PublishError),
+    /// A PNG file cannot be written.
+    #[error(transparent)]
+    Png(#[from] PngError),
+}
+
+/// Hands a camera's finished pictures on.
+pub trait Output {
+    /// Hands a frame on. Does not wait for those who watch.
+    ///
+    /// # Errors
+    /// See [`OutputError`].
+    fn send(&mut self, frame: &Frame) -> Result<(), OutputError>;
+
+    /// Whether anybody is watching. Nothing is drawn for an output that nobody watches.
+    fn is_watched(&self) -> bool {
+        true
+    }
+
+    /// Whether somebody began to watch since this was last asked, and so has no picture yet.
+    fn take_new_watcher(&mut self) -> bool {
+        false
+    }
+}
+
+/// The outputs of one of the node's cameras.
+#[derive(Default)]
+pub struct Outputs {
+    /// The image topic; `None` where the config names none, or where it cannot be published.
+    pub topic: Option<TopicOutput>,
+}
+
+impl Outputs {
+    fn each(&mut self) -> impl Iterator<Item = &mut dyn Output> {
+        self.topic.iter_mut().map(|topic| topic as &mut dyn Output)
+    }
+
+    /// Whether there is no output at all.
+    pub fn is_empty(&self) -> bool {
+        self.topic.is_none()
+    }
+}
+
+/// All of them together.
+impl Output for Outputs {
+    /// Hands the frame to each output, also after one that failed. Returns the first error.
+    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+        self.each().fold(Ok(()), |done, output| done.and(output.send(frame)))
+    }
+
+    fn is_watched(&self) -> bool {
+        self.topic.as_ref().is_some_and(Output::is_watched)
+    }
+
+    fn take_new_watcher(&mut self) -> bool {
+        self.each().fold(false, |is_new, output| output.take_new_watcher() || is_new)
+    }
+}
