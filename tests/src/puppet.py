@@ -79,20 +79,27 @@ def tf(parent, child, xyz=(0, 0, 0), q=(0, 0, 0, 1), stamp=rospy.Time()):
     return TFMessage([transform])
 
 
-def often(rate_hz, make, topic):
-    """Publishes `make(i)` at a rate from now on, until `stop.set()`."""
-    stop = threading.Event()
-    out = publisher(topic, type(make(0)), False)
+class PublishRepeatedly(threading.Thread):
+    """Publishes `make(i)` at a rate from now on, until `stop()`."""
 
-    def run():
+    def __init__(self, rate_hz, make, topic):
+        super().__init__(daemon=True)
+        self.period_secs, self.make = 1 / rate_hz, make
+        self.out = publisher(topic, type(make(0)), False)
+        self.ended = threading.Event()
+        self.start()
+
+    def run(self):
         i = 0
-        while not stop.is_set():
-            out.publish(make(i))
+        while not self.ended.is_set():
+            self.out.publish(self.make(i))
             i += 1
-            stop.wait(1 / rate_hz)
+            self.ended.wait(self.period_secs)
 
-    threading.Thread(target=run, daemon=True).start()
-    return stop
+    def stop(self):
+        """Returns once the last message has been published."""
+        self.ended.set()
+        self.join()
 
 
 class Eye:
@@ -103,6 +110,7 @@ class Eye:
         self.infos = []  # (arrival, seq, stamp, frame_id, width, height, publisher)
         self.colors = []  # of the pixel in the middle, each time that it changed
         self.last = None
+        self.quiet_since = time.monotonic()
         self.subscribers = [
             rospy.Subscriber(topic, Image, self.see, queue_size=10, buff_size=1 << 24),
             rospy.Subscriber(topic.rsplit("/", 1)[0] + "/camera_info", CameraInfo, self.read, queue_size=10),
@@ -111,6 +119,7 @@ class Eye:
     def see(self, image):
         header = image.header
         self.last = image
+        self.quiet_since = time.monotonic()
         color = self.pixel(image.width // 2, image.height // 2)
         if self.colors[-1:] != [color]:
             self.colors.append(color)
@@ -129,6 +138,10 @@ class Eye:
 
     def middle(self):
         return self.pixel(self.last.width // 2, self.last.height // 2) if self.last else None
+
+    def quiet_secs(self):
+        """How long no image has arrived."""
+        return time.monotonic() - self.quiet_since
 
     def forget(self):
         self.images, self.infos, self.colors, self.last = [], [], [], None

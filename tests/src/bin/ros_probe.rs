@@ -48,9 +48,16 @@ fn listen(node: &RosNode, topics: &[&str], is_ended: &dyn Fn() -> bool) -> Resul
         say(&format!("subscribed {}", subscription.topic()));
     }
     say(&format!("ready {} simulated {}", node.name(), node.is_simulated()));
+    let mut publications = None;
     while !is_ended() && !node.is_asked_to_end() {
         for event in node.events().wait(Duration::from_millis(50)) {
             print_event(node, event);
+        }
+        // Each round of the watchdog that the master answers gives another list.
+        let latest = node.publications();
+        if latest.as_ref().map(Arc::as_ptr) != publications.as_ref().map(Arc::as_ptr) {
+            say("publications known");
+            publications = latest;
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! "Frame Rate" and the trigger service.
 
+use crate::diagnostics::MONITOR;
 use rcs_tests::puppet::Puppet;
 use rcs_tests::ros::PATIENCE;
 use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
@@ -14,6 +15,12 @@ fn stand(cameras: &[CameraPub]) -> Stand {
     // The node has heard of everything; what is latched comes with the connection.
     stand.wait_for("all(out.get_num_connections() > 0 for out in publishers.values())");
     stand
+}
+
+/// Collects the node's diagnostics.
+fn monitor(stand: &Stand) {
+    stand.puppet("topic = '/diagnostics'");
+    stand.puppet(MONITOR);
 }
 
 /// Pictures a second that the eye got.
@@ -42,7 +49,7 @@ fn changes_below_0_are_not_held_back_to_the_global_rate() {
     let stand = stand(&[CameraPub::default()]);
     stand.puppet("eye = Eye('/view/image')");
     stand.wait_for("eye.middle() == (255, 0, 0)");
-    stand.puppet("stop = often(100, lambda i: cloud(i & 0xffffff), '/cloud'); eye.forget()");
+    stand.puppet("repeated = PublishRepeatedly(100, lambda i: cloud(i & 0xffffff), '/cloud'); eye.forget()");
     stand.wait_for("len(eye.images) > 150");
     let rate = rate(&stand);
     assert!(rate > 36.0, "{rate} pictures a second, for a scene that changes 100 times");
@@ -53,6 +60,7 @@ fn at_0_there_is_one_picture_for_each_trigger_and_none_without() {
     let stand = stand(&[CameraPub { rate: "0", ..CameraPub::default() }]);
     stand.puppet("eye = Eye('/view/image')");
     stand.wait_for("all(s.get_num_connections() for s in eye.subscribers)");
+    // No picture may come without a trigger.
     std::thread::sleep(Duration::from_secs(1));
     assert_eq!(stand.puppet("eye.images"), "[]");
     let said = stand.master.output("rosservice", &["call", "/camera_trigger"]).unwrap();
@@ -64,6 +72,7 @@ fn at_0_there_is_one_picture_for_each_trigger_and_none_without() {
         assert_eq!(stand.puppet("trigger('/camera_trigger')"), "(True, 'New image will be published on: /view/image')");
         stand.wait_for(format!("len(eye.images) == {count}"));
     }
+    // No further picture may come without a further trigger.
     std::thread::sleep(Duration::from_secs(1));
     assert_eq!(stand.puppet("len(eye.images), len(eye.infos)"), "(4, 4)");
 }
@@ -71,7 +80,7 @@ fn at_0_there_is_one_picture_for_each_trigger_and_none_without() {
 #[test]
 fn above_0_pictures_come_at_that_rate() {
     let stand = stand(&[CameraPub { rate: "8", ..CameraPub::default() }]);
-    stand.puppet("stop = often(50, lambda i: cloud(i), '/cloud'); eye = Eye('/view/image')");
+    stand.puppet("repeated = PublishRepeatedly(50, lambda i: cloud(i), '/cloud'); eye = Eye('/view/image')");
     stand.wait_for("len(eye.images) > 20");
     let rate = rate(&stand);
     assert!((6.5..9.0).contains(&rate), "{rate} pictures a second");
@@ -81,8 +90,9 @@ fn above_0_pictures_come_at_that_rate() {
 #[test]
 fn the_first_subscriber_gets_a_picture_at_once() {
     let stand = stand(&[CameraPub { rate: "0.02", ..CameraPub::default() }]);
-    // The node has all that it needs, and nobody looks.
-    std::thread::sleep(Duration::from_secs(2));
+    // The node has received all that it needs before the first subscriber comes.
+    monitor(&stand);
+    stand.wait_for("level('camera_stream: CameraPub') == 0 and level('camera_stream: cloud') == 0");
     stand.puppet("eye = Eye('/view/image')");
     stand.wait_for("len(eye.images) >= 1 and eye.middle() == (255, 0, 0)");
     // Another one does not wait for the 50 s of this rate, either.
@@ -98,14 +108,15 @@ fn nothing_is_drawn_while_nobody_looks() {
     // Squares of half the picture, each before the last one, which take time.
     stand.puppet("latch('/cloud', cloud(0xff0000, points=[(0, 0, 4 - z / 50) for z in range(100)]))");
     // A moving camera makes a new picture of every moment.
-    stand
-        .puppet("stop = often(60, lambda i: tf('map', 'moving', xyz=(i * 1e-4, 0, 0), stamp=rospy.Time.now()), '/tf')");
+    stand.puppet("moving = lambda i: tf('map', 'moving', xyz=(i * 1e-4, 0, 0), stamp=rospy.Time.now())");
+    stand.puppet("repeated = PublishRepeatedly(60, moving, '/tf')");
     stand.puppet("latch('/eye/camera_info', info(frame='moving', width=1280, height=800, f=900.0))");
     stand.puppet("eye = Eye('/view/image')");
     stand.wait_for("len({i[6] for i in eye.images}) > 10");
     let watched = cpu_ticks_in_2_secs(&stand);
+    monitor(&stand);
     stand.puppet("eye.close()");
-    std::thread::sleep(Duration::from_secs(1));
+    stand.wait_for("values('camera_stream: CameraPub').get('subscribers') == '0'");
     let unwatched = cpu_ticks_in_2_secs(&stand);
     assert!(unwatched * 5 < watched, "{unwatched} ticks of CPU time unwatched, {watched} watched");
 }
@@ -119,6 +130,7 @@ fn cpu_ticks_in_2_secs(stand: &Stand) -> u64 {
         fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
     };
     let before = ticks();
+    // The time that is measured.
     std::thread::sleep(Duration::from_secs(2));
     ticks() - before
 }

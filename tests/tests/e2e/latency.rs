@@ -78,6 +78,7 @@ fn waiting_for_a_frame_counts_from_when_the_message_was_received() {
     let stand = stand("info()");
     stand.puppet("sent = time.time(); send('/cloud', cloud(0x00ff00, 'late', stamp=rospy.Time.now()))");
     stand.wait_for("values(DISPLAY).get('messages received') == '1'");
+    // The time that is measured below; meanwhile nothing may be drawn.
     std::thread::sleep(std::time::Duration::from_secs(1));
     assert_eq!(stand.puppet("measured(), values(DISPLAY)['age of the data shown ms']"), "(0, '-')");
     stand.puppet("latch('/tf_static', TFMessage(tf('map', 'eye').transforms + tf('map', 'late').transforms))");
@@ -95,11 +96,11 @@ fn many_pictures_are_told_by_the_last_hundred_and_the_age_follows_the_stamps() {
     let stand = stand("info()");
     let often = |stamp: &str| {
         stand.puppet("before_count = len({image[6] for image in eye.images})");
-        stand.puppet(format!("stop = often(40, lambda i: cloud(0x10000 + i, stamp={stamp}), '/cloud')"));
+        stand.puppet(format!("repeated = PublishRepeatedly(40, lambda i: cloud(0x10000 + i, stamp={stamp}), '/cloud')"));
         stand.wait_for("len({image[6] for image in eye.images}) - before_count > 130");
     };
     let pause = || {
-        stand.puppet("stop.set(); arrived = len(arrays)");
+        stand.puppet("repeated.stop(); arrived = len(arrays)");
         stand.wait_for("len(arrays) > arrived + 2");
         stand.puppet("eye.forget(); before = None");
     };

@@ -1,5 +1,6 @@
 //! The node's life: waiting for a master, ending in order, and others that stall or come back.
 
+use crate::diagnostics::MONITOR;
 use rcs_tests::programs::program;
 use rcs_tests::puppet::Puppet;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
@@ -10,7 +11,12 @@ use std::time::{Duration, Instant};
 
 /// A node with a picture of a red cloud.
 fn stand() -> Stand {
-    let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    stand_with(&[CLOUD])
+}
+
+/// A node with these displays and a picture of a red cloud.
+fn stand_with(displays: &[&str]) -> Stand {
+    let stand = Stand::start(&config(displays, &[CameraPub::default()]), &[]).unwrap();
     stand.puppet("latch('/tf_static', tf('map', 'eye'))");
     stand.puppet("latch('/eye/camera_info', info())");
     stand.puppet("latch('/cloud', cloud(0xff0000))");
@@ -33,6 +39,7 @@ fn without_a_master_the_node_says_so_once_and_starts_when_it_comes() {
     let mut master = RosMaster::reserve().unwrap();
     let node = node(&master, &file);
     assert!(wait_until(PATIENCE, || !node.errors().is_empty()));
+    // No second line may follow while there is no master.
     std::thread::sleep(Duration::from_secs(2));
     assert_eq!(node.errors().len(), 1, "{:?}", node.errors());
     assert!(node.errors()[0].contains(&master.uri()), "{:?}", node.errors());
@@ -112,12 +119,18 @@ fn a_stalled_subscriber_does_not_stop_anothers_pictures() {
     // Big pictures, so that no buffer takes many.
     stand.puppet("latch('/eye/camera_info', info(width=1280, height=800))");
     let stalled = Puppet::start(&stand.master, &["__name:=stalled"]).unwrap();
-    stalled.run("eye = Eye('/view/image')").unwrap();
-    assert!(stalled.wait_for(PATIENCE, "len(eye.images) > 3"));
+    // It does not subscribe to the CameraInfo, whose small messages would hardly ever fill a buffer.
+    stalled.run("received = []; images = rospy.Subscriber('/view/image', Image, received.append)").unwrap();
+    assert!(stalled.wait_for(PATIENCE, "len(received) > 3"));
+    stand.puppet("topic = '/diagnostics'");
+    stand.puppet(MONITOR);
+    let subscribers = |count: u32| format!("values('camera_stream: CameraPub').get('subscribers') == '{count}'");
+    stand.wait_for(subscribers(2));
     let signal = |name: &str| Command::new("kill").args([name, &stalled.id().to_string()]).status().unwrap();
     assert!(signal("-STOP").success());
-    std::thread::sleep(Duration::from_secs(2));
+    // From filling the buffers until the stalled connection is closed.
     stand.puppet("eye.forget()");
+    stand.wait_for(subscribers(1));
     stand.wait_for("len(eye.images) > 60");
     let longest = "max(b[0] - a[0] for a, b in zip(eye.images, eye.images[1:]))";
     let longest: f64 = stand.puppet(longest).parse().unwrap();
@@ -127,9 +140,16 @@ fn a_stalled_subscriber_does_not_stop_anothers_pictures() {
 
 #[test]
 fn a_restarted_master_learns_of_the_node_again() {
-    let mut stand = stand();
-    // The node looks after its registrations every few seconds.
-    std::thread::sleep(Duration::from_secs(5));
+    let silent = CLOUD.replace("Name: cloud", "Name: silent").replace("/cloud", "/silent");
+    let mut stand = stand_with(&[CLOUD, &silent]);
+    // The node asks the master every few seconds what is registered, and remembers what is its own. What it reports of
+    // the publishers of a topic comes from the same answer: when that has followed a change, all is remembered.
+    stand.puppet("topic = '/diagnostics'");
+    stand.puppet(MONITOR);
+    let has_nobody = "'No publishers on [/silent]' in values('camera_stream: silent').get('Publisher', '')";
+    stand.wait_for(has_nobody);
+    stand.puppet("publisher('/silent', PointCloud2, False)");
+    stand.wait_for(format!("not {has_nobody}"));
     stand.master.restart().unwrap();
     let listed = || stand.master.output("rosservice", &["list"]).unwrap().contains("/camera_trigger");
     assert!(wait_until(PATIENCE, listed), "{}", stand.log());

@@ -97,6 +97,7 @@ fn a_camera_without_its_frame_says_which_and_starts_when_it_comes() {
     stand.puppet("eye = Eye('/view/image')");
     let named = || stand.log_lines(&["WARN", "CameraPub", "lens", "map"]) == 1;
     assert!(wait_until(Duration::from_secs(30), named), "{}", stand.log());
+    // No picture may come while the frame is missing.
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(stand.puppet("eye.images"), "[]");
     stand.puppet("latch('/tf_static', tf('map', 'lens'))");

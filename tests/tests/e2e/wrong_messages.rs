@@ -11,10 +11,10 @@ fn a_cloud_shorter_than_its_header_says_is_dropped_and_said_once() {
     stand.puppet("latch('/cloud', cloud(0xff0000))");
     stand.wait_for("eye.middle() == (255, 0, 0)");
     stand.puppet("short = cloud(0x00ff00); short.data = short.data[:-1]");
-    stand.puppet("stop = often(20, lambda i: short, '/cloud')");
+    stand.puppet("repeated = PublishRepeatedly(20, lambda i: short, '/cloud')");
     let said = || stand.log_lines(&["display cloud", "Dropping message"]);
     assert!(wait_until(PATIENCE, || said() > 0), "{}", stand.log());
-    stand.puppet("stop.set(); time.sleep(0.2)");
+    stand.puppet("repeated.stop()");
     stand.puppet("latch('/cloud', cloud(0x0000ff))");
     stand.wait_for("eye.middle() == (0, 0, 255)");
     assert_eq!(said(), 1, "{}", stand.log());
