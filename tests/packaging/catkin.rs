@@ -63,7 +63,7 @@ fn catkin_build_installs_what_rosrun_finds() {
 }
 
 #[test]
-fn plain_cmake_installs_programs_and_all_that_users_name() {
+fn plain_cmake_installs_programs_launch_files_and_configs() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     succeed(&format!(

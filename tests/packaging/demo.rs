@@ -100,7 +100,7 @@ fn failure(script: &str) -> (Option<i32>, String) {
 }
 
 #[test]
-fn unusable_arguments_are_told() {
+fn unusable_arguments_are_reported() {
     for (arguments, word) in [
         ("--viewer mirror", "--viewer mirror: it is projector_window or image_view"),
         ("--renderer voodoo", "--renderer voodoo: it is auto, cpu or gpu"),

@@ -44,7 +44,7 @@ fn the_old_packages_config_has_its_cameras_and_displays() {
 }
 
 #[test]
-fn every_projector_file_is_read_whole() {
+fn every_key_of_the_projector_files_is_read() {
     for file in files("config", "yaml") {
         let projector = ProjectorFile::read(&file).unwrap();
         assert_eq!(projector.ignored_keys, Vec::<String>::new(), "{}", file.display());
@@ -64,7 +64,7 @@ fn the_demos_cameras_are_those_of_the_old_package() {
 }
 
 #[test]
-fn a_fetchs_projector_hangs_on_its_torso() {
+fn the_fetch_projector_is_mounted_on_its_torso() {
     let projector = ProjectorFile::read(&repository().join("config/fetch_projector.yaml")).unwrap();
     let frames: Vec<_> = projector.frames.iter().map(|frame| (&*frame.parent, &*frame.child)).collect();
     assert_eq!(frames, [("torso_lift_link", "proj_link"), ("proj_link", "proj_view")]);
@@ -92,7 +92,7 @@ fn the_readmes_picture_is_what_the_demo_draws() {
 }
 
 #[test]
-fn the_documents_links_lead_somewhere() {
+fn the_links_of_the_documents_lead_to_existing_files() {
     let mut links = 0;
     for document in ["README.md", "docs/architecture.md", "docs/differences.md"] {
         let path = repository().join(document);

@@ -106,7 +106,7 @@ fn demo_without_a_display_says_why_rviz_does_not_open() {
 }
 
 #[test]
-fn projection_publishes_where_it_is_told() {
+fn projection_publishes_on_the_topics_of_its_arguments() {
     let master = RosMaster::start().unwrap();
     let launched = Launched::start(
         &master,

@@ -33,7 +33,7 @@ fn bags_of_every_compression_are_read() {
 }
 
 #[test]
-fn ros_reads_a_bag_of_ours() {
+fn rosbag_reads_a_bag_that_we_wrote() {
     let master = RosMaster::reserve().unwrap();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("ours.bag");

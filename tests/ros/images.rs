@@ -13,7 +13,7 @@ fn word<'a>(line: &'a str, key: &str) -> &'a str {
 }
 
 #[test]
-fn rospy_gets_picture_and_camera_info_with_the_same_header() {
+fn rospy_receives_picture_and_camera_info_with_the_same_header() {
     let master = RosMaster::start().unwrap();
     let publisher = probe(&master, &["image", "/view/image", "64", "48", "10"]);
     let ready = publisher.line_with("ready").unwrap();
@@ -38,7 +38,7 @@ fn rospy_gets_picture_and_camera_info_with_the_same_header() {
 }
 
 #[test]
-fn a_stopped_subscriber_holds_up_neither_the_node_nor_the_others_and_comes_back() {
+fn a_stopped_subscriber_delays_nobody_and_reconnects() {
     let master = RosMaster::start().unwrap();
     let publisher = probe(&master, &["image", "/view/image", "1280", "800", "20"]);
     assert!(publisher.line_with("ready").is_some());

@@ -18,7 +18,7 @@ fn checksums_are_those_of_rosmsg() {
 
 /// Recorders write the definition into bags, from which other tools make the type anew.
 #[test]
-fn definitions_make_the_same_types() {
+fn message_definitions_have_the_checksums_of_ros() {
     let script = "import sys, genpy.dynamic\n\
                   name = sys.argv[1]\n\
                   print(genpy.dynamic.generate_dynamic(name, sys.argv[2])[name]._md5sum)\n";
@@ -31,7 +31,7 @@ fn definitions_make_the_same_types() {
 
 /// These are written by hand, for the package need not be there when the programs are built.
 #[test]
-fn dynamic_reconfigure_is_that_of_ros() {
+fn dynamic_reconfigure_messages_are_those_of_ros() {
     let master = RosMaster::reserve().unwrap();
     let python = |script: &str, args: &[&str]| {
         let said = master.output("python3", &[&["-c", script], args].concat()).unwrap();

@@ -13,7 +13,7 @@ fn publish_points(master: &RosMaster, topic: &str, frame: &str) -> Running {
 }
 
 #[test]
-fn a_master_that_is_not_there_yet_is_waited_for_and_spoken_of_once() {
+fn a_missing_master_is_waited_for_and_logged_once() {
     let mut master = RosMaster::reserve().unwrap();
     let probe = probe(&master, &["listen"]);
     assert!(wait_until(PATIENCE, || !probe.errors().is_empty()));
@@ -77,7 +77,7 @@ fn transforms_carry_their_publishers_name_and_the_service_answers() {
 }
 
 #[test]
-fn a_terminated_node_is_gone_from_the_master_at_once() {
+fn a_terminated_node_is_unregistered_at_once() {
     let master = RosMaster::start().unwrap();
     assert!(master.output("rosparam", &["set", "/use_sim_time", "true"]).is_ok());
     let mut probe = probe(&master, &["listen", "/a", POINT, "1"]);
@@ -94,7 +94,7 @@ fn a_terminated_node_is_gone_from_the_master_at_once() {
 }
 
 #[test]
-fn the_simulations_time_is_followed_and_a_jump_back_is_told() {
+fn simulated_time_is_followed_and_a_jump_back_is_reported() {
     let master = RosMaster::start().unwrap();
     assert!(master.output("rosparam", &["set", "/use_sim_time", "true"]).is_ok());
     let probe = probe(&master, &["listen"]);
@@ -108,7 +108,7 @@ fn the_simulations_time_is_followed_and_a_jump_back_is_told() {
 }
 
 #[test]
-fn messages_of_another_type_are_not_taken() {
+fn messages_of_another_type_are_ignored() {
     let master = RosMaster::start().unwrap();
     let probe = probe(&master, &["listen", "/a", "nav_msgs/Path", "1"]);
     assert!(probe.line_with("ready").is_some());
@@ -120,11 +120,11 @@ fn messages_of_another_type_are_not_taken() {
 }
 
 #[test]
-fn a_restarted_master_is_told_everything_again() {
+fn everything_is_registered_again_with_a_restarted_master() {
     let mut master = RosMaster::start().unwrap();
     let probe = probe(&master, &["listen", "/a", POINT, "1"]);
     assert!(probe.line_with("ready").is_some());
-    // The watchdog has to learn first what is registered: of two rounds that end after this, the second begins after it.
+    // The watchdog must have learned what is registered: of two rounds that end from now on, the second began after now.
     for _ in 0..2 {
         assert!(probe.prints_again("publications known", PATIENCE));
     }
@@ -136,7 +136,7 @@ fn a_restarted_master_is_told_everything_again() {
 }
 
 #[test]
-fn a_stopped_publisher_holds_up_neither_the_start_nor_other_publishers() {
+fn a_stopped_publisher_delays_neither_the_start_nor_other_publishers() {
     let master = RosMaster::start().unwrap();
     let stopped = publish_points(&master, "/a", "stopped");
     let live = publish_points(&master, "/a", "live");

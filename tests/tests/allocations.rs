@@ -115,7 +115,7 @@ fn cloud_frames(count: usize) -> Vec<Vec<u8>> {
 }
 
 #[test]
-fn an_unchanged_cloud_in_any_style() {
+fn an_unchanged_cloud_in_any_style_allocates_nothing_per_point() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     for (name, style) in STYLES {
         for is_moving in [false, true] {
@@ -126,7 +126,7 @@ fn an_unchanged_cloud_in_any_style() {
 }
 
 #[test]
-fn unchanged_triangles_lines_and_labels_while_the_camera_moves() {
+fn a_moving_camera_allocates_nothing_per_triangle_line_or_label() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let one = |geometry| bytes_of_drawing(vec![solids::drawable(geometry)], true);
     assert_steady("triangles", |count| one(solids::triangles(count, 4.0, FOCAL_PX, VIEW)), [SMALL, LARGE]);
@@ -137,7 +137,7 @@ fn unchanged_triangles_lines_and_labels_while_the_camera_moves() {
 }
 
 #[test]
-fn a_new_cloud_in_each_frame() {
+fn a_new_cloud_in_each_frame_allocates_nothing_per_point() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     for settings in [
         "Style: Flat Squares, Color Transformer: RGB8",
@@ -167,7 +167,7 @@ fn a_new_cloud_in_each_frame() {
 }
 
 #[test]
-fn a_new_translucent_cloud_allocates_a_list_of_its_pieces() {
+fn a_new_translucent_cloud_allocates_only_a_list_of_its_pieces() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let frames = cloud_frames(LARGE);
     let mut played = Played::new(&cloud_display("Style: Boxes, Color Transformer: RGB8, Alpha: 0.5"));
@@ -183,7 +183,7 @@ fn a_new_translucent_cloud_allocates_a_list_of_its_pieces() {
 }
 
 #[test]
-fn markers_that_stay_as_they_are() {
+fn unchanged_markers_allocate_nothing_per_marker() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let display = "  - {Class: rviz/MarkerArray, Name: m, Enabled: true, Marker Topic: /m}\n";
     let of = |count: usize| {
@@ -212,7 +212,7 @@ fn markers_that_stay_as_they_are() {
 
 /// 250,000 triangles in 25 links, seen from a frame that moves.
 #[test]
-fn a_robot_that_stands_still_while_the_camera_moves() {
+fn a_still_robot_before_a_moving_camera_allocates_nothing_per_triangle() {
     const CONFIG: &str = "
 Visualization Manager:
   Global Options: {Fixed Frame: base}
@@ -259,7 +259,7 @@ Visualization Manager:
 }
 
 #[test]
-fn a_picture_on_the_wire_is_its_bytes_once() {
+fn an_encoded_picture_is_copied_only_once() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut shot = shot(vec![drawable(in_rows(SMALL), STYLES[0].1)]);
     shot.draw().unwrap();

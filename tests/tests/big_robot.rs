@@ -104,7 +104,7 @@ impl Bench {
 }
 
 #[test]
-fn a_robot_of_full_size_loads_in_less_than_two_seconds_and_moves() {
+fn a_full_size_robot_loads_in_less_than_two_seconds_and_moves() {
     let folder = tempfile::tempdir().unwrap();
     let joints = big_robot::write(folder.path()).unwrap();
     assert_eq!(joints.len(), 24);

@@ -33,7 +33,7 @@ fn image_and_camera_info_have_the_same_stamp_number_and_frame() {
 }
 
 #[test]
-fn a_camera_whose_camera_info_goes_out_on_the_topic_it_reads_does_not_feed_on_itself() {
+fn a_camera_info_published_on_the_topic_it_is_read_from_does_not_feed_back() {
     let stand = stand(&CameraPub { image: "/proj_view/image", info: "/proj_view/camera_info", ..CameraPub::default() });
     stand.puppet("latch('/proj_view/camera_info', info())");
     stand.wait_for("len(eye.images) > 60");
@@ -53,7 +53,7 @@ fn a_camera_whose_camera_info_goes_out_on_the_topic_it_reads_does_not_feed_on_it
 }
 
 #[test]
-fn size_p_and_frame_may_change_at_any_moment() {
+fn size_p_and_frame_of_a_camera_info_may_change_at_any_time() {
     let stand = stand(&CameraPub::default());
     stand.puppet("latch('/eye/camera_info', info())");
     stand.wait_for("eye.middle() == (255, 0, 0)");
@@ -73,7 +73,7 @@ fn size_p_and_frame_may_change_at_any_moment() {
 }
 
 #[test]
-fn a_camera_info_that_makes_no_camera_is_one_error_and_stops_the_pictures() {
+fn an_invalid_camera_info_is_one_error_and_stops_the_pictures() {
     let stand = stand(&CameraPub::default());
     let infinite = "info(P=[50, 0, 32, 0, 0, float('inf'), 24, 0, 0, 0, 1, 0])";
     let nan = "info(P=[50, 0, float('nan'), 0, 0, 50, 24, 0, 0, 0, 1, 0])";

@@ -39,7 +39,7 @@ fn has_row(table: &str, words: &[&str]) -> bool {
 }
 
 #[test]
-fn the_table_names_what_is_missing_and_gives_1_and_what_is_well_gives_0() {
+fn the_table_names_what_is_missing_and_exits_with_1_or_with_0_if_nothing_is() {
     let master = RosMaster::start().unwrap();
     let puppet = Puppet::start(&master, &[]).unwrap();
     puppet.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
@@ -81,7 +81,7 @@ fn the_table_names_what_is_missing_and_gives_1_and_what_is_well_gives_0() {
 }
 
 #[test]
-fn without_a_master_or_a_config_it_gives_2_at_once_and_a_signal_ends_the_listening() {
+fn without_a_master_or_a_config_it_exits_with_2_at_once_and_a_signal_ends_the_listening() {
     let mut master = RosMaster::reserve().unwrap();
     let (_folder, path) = file(&config(&[CLOUD], &[CameraPub::default()]));
     let started = Instant::now();

@@ -27,7 +27,7 @@ fn monitored(displays: &[&str], args: &[&str], topic: &str) -> Stand {
 }
 
 #[test]
-fn displays_and_cameras_tell_what_they_lack_and_that_they_are_well() {
+fn displays_and_cameras_report_what_is_missing_and_then_ok() {
     let disabled = "{Class: rviz/Grid, Name: hidden, Enabled: false}";
     let group =
         "{Class: rviz/Group, Name: paths, Enabled: true, Displays: [{Class: rviz/Path, Name: empty, Enabled: true, \
@@ -68,7 +68,7 @@ fn displays_and_cameras_tell_what_they_lack_and_that_they_are_well() {
 }
 
 #[test]
-fn a_frame_that_goes_missing_and_comes_is_told_as_rviz_does_and_its_end_is_in_the_log() {
+fn a_missing_frame_is_reported_as_by_rviz_and_its_arrival_is_logged() {
     let stand = monitored(&[CLOUD], &[], "/diagnostics");
     stand.puppet("latch('/tf_static', tf('map', 'eye')); latch('/cloud', cloud(0xff0000, 'lost'))");
     stand.wait_for("message('camera_stream: cloud') == 'Transform: For frame [lost]: Frame [lost] does not exist'");
@@ -83,7 +83,7 @@ fn a_frame_that_goes_missing_and_comes_is_told_as_rviz_does_and_its_end_is_in_th
 }
 
 #[test]
-fn a_publisher_of_another_type_is_named_and_the_topic_can_be_remapped() {
+fn a_publisher_of_another_type_is_named_and_the_diagnostics_topic_can_be_remapped() {
     let stand = monitored(&[CLOUD], &["/diagnostics:=/robot/health", "__name:=eyes"], "/robot/health");
     stand.puppet("latch('/cloud', info())");
     stand.wait_for("level('eyes: cloud') == 2");
@@ -95,7 +95,7 @@ fn a_publisher_of_another_type_is_named_and_the_topic_can_be_remapped() {
 }
 
 #[test]
-fn a_simulation_that_does_not_run_is_heard_of_once_a_second() {
+fn diagnostics_are_published_once_a_second_while_simulated_time_stands_still() {
     let master = RosMaster::start().unwrap();
     master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
     let puppet = Puppet::start(&master, &[]).unwrap();

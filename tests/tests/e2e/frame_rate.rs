@@ -102,7 +102,7 @@ fn the_first_subscriber_gets_a_picture_at_once() {
 }
 
 #[test]
-fn nothing_is_drawn_while_nobody_looks() {
+fn nothing_is_rendered_without_subscribers() {
     let stand = stand(&[CameraPub::default()]);
     stand.puppet("latch('/eye/camera_info', info(width=1280, height=800, f=900.0))");
     // Squares of half the picture, each before the last one, which take time.

@@ -47,7 +47,7 @@ fn number(stand: &Stand, python: &str) -> f64 {
 }
 
 #[test]
-fn the_stages_of_one_picture_make_up_the_whole_and_no_more_than_is_seen_from_outside() {
+fn the_stages_of_a_picture_add_up_to_no_more_than_the_latency_a_subscriber_sees() {
     let stand = stand("info(width=1280, height=800, f=900.0)");
     stand.wait_for("measured() == 0");
     assert_eq!(stand.puppet("[told(name) for name in STAGES + [TOTAL, AGE]]"), "['-', '-', '-', '-', '-']");
@@ -92,7 +92,7 @@ fn waiting_for_a_frame_counts_from_when_the_message_was_received() {
 }
 
 #[test]
-fn many_pictures_are_told_by_the_last_hundred_and_the_age_follows_the_stamps() {
+fn figures_are_those_of_the_last_hundred_pictures_and_the_age_follows_the_stamps() {
     let stand = stand("info()");
     let often = |stamp: &str| {
         stand.puppet("before_count = len({image[6] for image in eye.images})");
@@ -138,7 +138,7 @@ fn many_pictures_are_told_by_the_last_hundred_and_the_age_follows_the_stamps() {
 }
 
 #[test]
-fn with_a_simulation_the_age_is_in_its_time_and_unknown_before_it_begins() {
+fn with_simulated_time_the_age_is_in_that_time_and_unknown_before_the_first_clock() {
     let master = RosMaster::start().unwrap();
     master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
     let puppet = Puppet::start(&master, &[]).unwrap();

@@ -32,7 +32,7 @@ fn node(master: &RosMaster, config: &Path) -> Running {
 }
 
 #[test]
-fn without_a_master_the_node_says_so_once_and_starts_when_it_comes() {
+fn without_a_master_the_node_logs_once_and_starts_when_the_master_does() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scene.rviz");
     std::fs::write(&file, config(&[CLOUD], &[CameraPub::default()])).unwrap();
@@ -96,7 +96,7 @@ fn rosnode_kill_ends_the_node_with_0() {
 }
 
 #[test]
-fn a_publisher_that_was_killed_and_started_again_is_heard() {
+fn a_publisher_that_was_killed_and_restarted_is_received_again() {
     let stand = stand();
     let start = |color: &str| {
         let other = Puppet::start(&stand.master, &["__name:=clouds"]).unwrap();
@@ -139,7 +139,7 @@ fn a_stalled_subscriber_does_not_stop_anothers_pictures() {
 }
 
 #[test]
-fn a_restarted_master_learns_of_the_node_again() {
+fn the_node_registers_again_with_a_restarted_master() {
     let silent = CLOUD.replace("Name: cloud", "Name: silent").replace("/cloud", "/silent");
     let mut stand = stand_with(&[CLOUD, &silent]);
     // The node asks the master every few seconds what is registered, and remembers what is its own. What it reports of

@@ -24,7 +24,7 @@ fn offline(case: &Path, folder: &Path, encoding: &str) -> (u32, u32, Vec<u8>) {
 }
 
 #[test]
-fn a_played_bag_gives_the_picture_that_is_drawn_of_it_offline() {
+fn a_played_bag_gives_the_picture_that_render_draws_of_it() {
     let master = RosMaster::start().unwrap();
     let cases = [
         ("pc2_flat_squares_rgb8", "rgb8"),

@@ -24,7 +24,7 @@ fn topics_and_the_nodes_name_and_namespace_are_remapped() {
 }
 
 #[test]
-fn an_image_topic_is_remapped_and_answers_with_its_new_name() {
+fn an_image_topic_is_remapped_and_the_trigger_answers_with_its_new_name() {
     let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &["/view/image:=/wall/picture"]).unwrap();
     stand.puppet("latch('/tf_static', tf('map', 'eye'))");
     stand.puppet("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); eye = Eye('/wall/picture')");
@@ -62,7 +62,7 @@ fn the_renderer_is_chosen_by_a_private_parameter() {
 }
 
 #[test]
-fn rvizs_arguments_of_a_launch_file_are_taken() {
+fn the_arguments_that_launch_files_give_rviz_are_accepted() {
     let args = ["--splash-screen", "", "--no-stereo", "-l", "__log:=/dev/null", "--fixed-frame", "world"];
     let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &args).unwrap();
     stand.puppet("latch('/tf_static', tf('world', 'eye'))");

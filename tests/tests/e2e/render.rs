@@ -83,7 +83,7 @@ fn case_arguments(case: &Path) -> String {
 }
 
 #[test]
-fn the_last_moment_is_drawn_or_the_one_that_is_asked_for() {
+fn the_end_of_the_bag_is_drawn_or_the_time_given_by_at() {
     let render = Render::with_scene();
     let times = [("", [0, 0, 255]), ("--at 0", [255, 0, 0]), ("--at 1.5", [0, 255, 0]), ("--at 102", [0, 0, 255])];
     for (at, color) in times {
@@ -183,7 +183,7 @@ fn compressed_bags_are_read() {
 }
 
 #[test]
-fn packages_of_meshes_are_found_where_the_command_line_says() {
+fn packages_of_meshes_are_found_in_the_package_path_of_the_command_line() {
     let render = Render::new();
     let case = case("marker_mesh_stl");
     let assets = repository().join("tests/conformance/assets");

@@ -140,7 +140,7 @@ fn a_reload_changes_what_differs_and_nothing_else() {
 }
 
 #[test]
-fn what_a_user_set_lasts_until_the_file_says_something_else() {
+fn a_reconfigured_value_lasts_until_the_file_changes_it() {
     let stand = stand(&config(&[CLOUD], &[camera()]), &["--no-watch"]);
     stand.puppet("c = client(); c.update_configuration({'background_blue': 255, 'show_cloud': False})");
     stand.wait_for(format!("corner() == {BLUE} and eye.middle() == {BLUE}"));
@@ -173,7 +173,7 @@ fn what_a_user_set_lasts_until_the_file_says_something_else() {
 }
 
 #[test]
-fn a_file_that_cannot_be_read_leaves_everything_as_it_is() {
+fn a_file_that_cannot_be_read_changes_nothing() {
     let stand = stand(&config(&[CLOUD], &[camera()]), &["_watch:=false"]);
     stand.rewrite("Visualization Manager: {Displays: [\n");
     let answer = stand.puppet(RELOAD);

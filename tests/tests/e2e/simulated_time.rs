@@ -18,7 +18,7 @@ with rosbag.Bag(path, 'w') as bag:
 ";
 
 #[test]
-fn a_bag_with_its_clock_is_drawn_and_played_again_it_starts_without_the_old_clouds() {
+fn a_bag_played_again_with_its_clock_starts_without_the_clouds_of_the_first_round() {
     let master = RosMaster::start().unwrap();
     master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
     let puppet = Puppet::start(&master, &[]).unwrap();

@@ -50,7 +50,7 @@ fn a_cloud_is_placed_where_its_frame_was_at_its_stamp() {
 }
 
 #[test]
-fn rotations_that_are_none_are_refused_with_their_publisher_and_frame() {
+fn invalid_rotations_are_refused_and_logged_with_their_publisher_and_frame() {
     let stand = stand(&[]);
     stand.puppet("nan = float('nan')");
     for (number, rotation) in ["(0, 0, 0, 0.9)", "(0, nan, 0, 1)", "(0, 0, 0, 0)"].into_iter().enumerate() {
@@ -68,7 +68,7 @@ fn rotations_that_are_none_are_refused_with_their_publisher_and_frame() {
 }
 
 #[test]
-fn a_leading_slash_of_a_frame_is_tolerated() {
+fn a_leading_slash_of_a_frame_name_is_ignored() {
     let stand = stand(&[]);
     stand.puppet("latch('/tf_static', tf('/map', '/hand'))");
     stand.puppet("latch('/eye/camera_info', info(frame='/hand'))");
@@ -90,7 +90,7 @@ fn the_fixed_frame_can_be_chosen_on_the_command_line() {
 }
 
 #[test]
-fn a_camera_without_its_frame_says_which_and_starts_when_it_comes() {
+fn a_camera_whose_frame_is_missing_logs_it_and_starts_when_it_arrives() {
     let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     stand.puppet("latch('/cloud', cloud(0xff0000))");
     stand.puppet("latch('/eye/camera_info', info(frame='lens'))");

@@ -4,7 +4,7 @@ use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
 
 #[test]
-fn a_cloud_shorter_than_its_header_says_is_dropped_and_said_once() {
+fn a_cloud_with_too_little_data_is_dropped_and_logged_once() {
     let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     stand.puppet("latch('/tf_static', tf('map', 'eye'))");
     stand.puppet("latch('/eye/camera_info', info()); eye = Eye('/view/image')");
@@ -22,7 +22,7 @@ fn a_cloud_shorter_than_its_header_says_is_dropped_and_said_once() {
 }
 
 #[test]
-fn a_display_whose_frame_does_not_come_is_told() {
+fn a_display_whose_frame_is_missing_is_logged() {
     let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     stand.puppet("latch('/tf_static', tf('map', 'eye')); latch('/cloud', cloud(0xff0000, 'lost'))");
     let said = || stand.log_lines(&["WARN", "display cloud", "Frame [lost] does not exist"]);
@@ -30,7 +30,7 @@ fn a_display_whose_frame_does_not_come_is_told() {
 }
 
 #[test]
-fn displays_that_are_not_drawn_or_not_known_are_told_and_do_not_keep_the_others_from_being_drawn() {
+fn an_unknown_display_class_is_logged_and_the_other_displays_are_drawn() {
     let displays = [
         "{Class: rviz/InteractiveMarkers, Name: robot, Enabled: true}",
         "{Class: fancy_plugins/Hologram, Name: ghost, Enabled: true, Topic: /cloud}",
@@ -45,7 +45,7 @@ fn displays_that_are_not_drawn_or_not_known_are_told_and_do_not_keep_the_others_
 }
 
 #[test]
-fn several_cameras_see_one_scene() {
+fn several_cameras_render_one_scene() {
     let camera = |name, image, info, background| CameraPub { name, image, info, background, ..CameraPub::default() };
     let cameras = [
         CameraPub { namespace: "left", ..camera("Left", "/left/image", "/left/lens", "9; 0; 0") },
