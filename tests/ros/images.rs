@@ -33,7 +33,7 @@ fn rospy_receives_picture_and_camera_info_with_the_same_header() {
     assert_eq!(line, "pair True projector 64 48 rgb8 192 9216 64");
     assert!(publisher.line_with("subscriber /viewer").is_some());
     assert!(publisher.line_with("to 1 in").is_some());
-    // It listens to the very topic that its camera_info goes out on.
+    // It subscribes to the very topic that its camera_info is published on.
     assert_eq!(publisher.count("message"), 0);
 }
 
@@ -57,7 +57,7 @@ fn a_stopped_subscriber_delays_nobody_and_reconnects() {
     assert!(slowest.unwrap() < 200_000, "{slowest:?} us for one publish");
 
     stopped.signal("CONT");
-    // What was buffered comes first, then nothing, then the watchdog's new connection.
+    // What was buffered arrives first, then nothing, then pictures on the watchdog's new connection.
     assert!(wait_until(PATIENCE, || publisher.prints_again("to 2 in", Duration::from_millis(500))));
     let before = stopped.count("message");
     assert!(wait_until(PATIENCE, || stopped.count("message") > before + 20), "{:?}", stopped.errors());

@@ -72,8 +72,8 @@ fn transforms_carry_their_publishers_name_and_the_service_answers() {
     let line = probe.line_with("transform map odom static false from /").unwrap();
     assert!(!line.ends_with("from /"), "{line}");
     assert!(probe.line_with("transform odom base static true from /rostopic_").is_some());
-    let said = master.output("rosservice", &["call", "/robot/probe_trigger", "{}"]).unwrap();
-    assert!(said.contains("success: True") && said.contains("heard by /robot/probe"), "{said}");
+    let printed = master.output("rosservice", &["call", "/robot/probe_trigger", "{}"]).unwrap();
+    assert!(printed.contains("success: True") && printed.contains("received by /robot/probe"), "{printed}");
 }
 
 #[test]
@@ -124,7 +124,8 @@ fn everything_is_registered_again_with_a_restarted_master() {
     let mut master = RosMaster::start().unwrap();
     let probe = probe(&master, &["listen", "/a", POINT, "1"]);
     assert!(probe.line_with("ready").is_some());
-    // The watchdog must have learned what is registered: of two rounds that end from now on, the second began after now.
+    // The watchdog must have learned what is registered: of two rounds that end from now on, the second
+    // began after now.
     for _ in 0..2 {
         assert!(probe.prints_again("publications known", PATIENCE));
     }

@@ -96,7 +96,8 @@ fn figures_are_those_of_the_last_hundred_pictures_and_the_age_follows_the_stamps
     let stand = stand("info()");
     let often = |stamp: &str| {
         stand.puppet("before_count = len({image[6] for image in eye.images})");
-        stand.puppet(format!("repeated = PublishRepeatedly(40, lambda i: cloud(0x10000 + i, stamp={stamp}), '/cloud')"));
+        stand
+            .puppet(format!("repeated = PublishRepeatedly(40, lambda i: cloud(0x10000 + i, stamp={stamp}), '/cloud')"));
         stand.wait_for("len({image[6] for image in eye.images}) - before_count > 130");
     };
     let pause = || {

@@ -1,38 +1,38 @@
-//! A scene, what looks at it, and the renderer that draws it.
+//! A scene, the camera that sees it, and the renderer that draws it.
 //!
-//! `RCS_RENDERER` chooses the renderer: `cpu` (which is what is taken without it), `gpu`, or `auto`.
+//! `RCS_RENDERER` chooses the renderer: `cpu` (the default), `gpu` or `auto`.
 
 use nalgebra::{Isometry3, Vector3};
 use rcs_render::{create, Renderer, RendererChoice, View};
 use rcs_scene::{Camera, CameraError, DisplayMask, Drawable, Encoding, Intrinsics, Picture, Scene};
 
-/// Where nothing is; no colour of the scenes has this in all channels.
+/// Color of the background; no color of the scenes has this level in all channels.
 const BACKGROUND: [u8; 3] = [LEVEL; 3];
 const LEVEL: u8 = 3;
 
-/// Why nothing can be drawn.
+/// Why there is no renderer.
 #[derive(Debug)]
-pub struct NoShot(String);
+pub struct RenderingError(String);
 
-impl std::fmt::Display for NoShot {
+impl std::fmt::Display for RenderingError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for NoShot {}
+impl std::error::Error for RenderingError {}
 
 /// The renderer that `RCS_RENDERER` names.
 ///
 /// # Errors
-/// One line that says what is wrong with the name or the GPU.
-pub fn renderer() -> Result<Box<dyn Renderer>, NoShot> {
+/// One line about what is wrong with the name or the GPU.
+pub fn renderer() -> Result<Box<dyn Renderer>, RenderingError> {
     let name = std::env::var("RCS_RENDERER").unwrap_or_else(|_| "cpu".to_owned());
-    let choice = name.parse::<RendererChoice>().map_err(|error| NoShot(format!("RCS_RENDERER: {error}")))?;
-    create(choice).map_err(|error| NoShot(format!("RCS_RENDERER={name}: {error}")))
+    let choice = name.parse::<RendererChoice>().map_err(|error| RenderingError(format!("RCS_RENDERER: {error}")))?;
+    create(choice).map_err(|error| RenderingError(format!("RCS_RENDERER={name}: {error}")))
 }
 
-/// A camera in the fixed frame's origin that looks along z, y down, at `focal_px` for each metre in a metre's distance.
+/// A camera in the fixed frame's origin that looks along z, y down, with a focal length in pixels.
 ///
 /// # Errors
 /// What is wrong with the numbers.
@@ -43,15 +43,16 @@ pub fn camera(size_px: [u32; 2], focal_px: f64) -> Result<Camera, CameraError> {
     Ok(Camera::new(Intrinsics::from_p(width_px, height_px, &p)?, &Isometry3::identity(), 0.01))
 }
 
-/// The end-to-end benchmark's projector: 1280×800 pixels and a long focal length, so that a depth camera's view fills it.
+/// The end-to-end benchmark's projector: 1280×800 pixels and a long focal length, so that a depth camera's view fills
+/// it.
 ///
 /// # Errors
-/// None that these numbers have.
+/// None for these numbers.
 pub fn projector() -> Result<Camera, CameraError> {
     camera([1280, 800], 1900.0)
 }
 
-/// A camera that has moved a little in each frame, and comes back.
+/// A camera that moves a little with each frame and returns every eight frames.
 ///
 /// # Errors
 /// What is wrong with the numbers.
@@ -62,11 +63,11 @@ pub fn moving_camera(size_px: [u32; 2], focal_px: f64, frame: usize) -> Result<C
     Ok(Camera::new(*still.intrinsics(), &fixed_from_optical, still.near_m()))
 }
 
-/// What is drawn and what draws it; the picture's memory serves again.
-pub struct Shot {
-    /// What is there.
+/// What is drawn and what draws it; the picture's memory is reused.
+pub struct Rendering {
+    /// What is drawn.
     pub scene: Scene,
-    /// What looks at it.
+    /// What sees it.
     pub camera: Camera,
     /// How the picture is laid out.
     pub encoding: Encoding,
@@ -76,8 +77,8 @@ pub struct Shot {
     visible: DisplayMask,
 }
 
-impl Shot {
-    /// A shot on a renderer.
+impl Rendering {
+    /// Draws these on a renderer, without a light.
     pub fn new(drawables: Vec<Drawable>, camera: Camera, renderer: Box<dyn Renderer>) -> Self {
         Self {
             scene: Scene { drawables, light: None },
@@ -92,7 +93,7 @@ impl Shot {
     /// Draws a picture of its own scene.
     ///
     /// # Errors
-    /// What the renderer says.
+    /// Those of the renderer.
     pub fn draw(&mut self) -> Result<&Picture, rcs_render::RenderError> {
         let scene = std::mem::take(&mut self.scene);
         let done = self.draw_of(&scene).map(|_| ());
@@ -103,7 +104,7 @@ impl Shot {
     /// Draws a picture of a scene.
     ///
     /// # Errors
-    /// What the renderer says.
+    /// Those of the renderer.
     pub fn draw_of(&mut self, scene: &Scene) -> Result<&Picture, rcs_render::RenderError> {
         let view = View {
             scene,

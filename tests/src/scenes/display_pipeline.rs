@@ -1,4 +1,4 @@
-//! Displays of a config that are told messages: from a message to the scene, without ROS and without a clock.
+//! The displays of a config: from a message to the scene, without ROS and without a clock.
 
 use rcs_displays::{DisplaySet, World};
 use rcs_messages::AnyMessage;
@@ -8,20 +8,20 @@ use rcs_transforms::{Time, TransformTree};
 
 /// The displays, the frames, and the last scene.
 #[derive(Debug)]
-pub struct Played {
+pub struct DisplayPipeline {
     displays: DisplaySet,
     transforms: TransformTree,
     meshes: MeshStore,
     now_nanos: i64,
-    /// What is there since the last message.
+    /// The scene after the last message.
     pub scene: Scene,
 }
 
-impl Played {
+impl DisplayPipeline {
     /// The displays of these lines of a config, whose fixed frame is `map`.
     ///
     /// # Panics
-    /// Where they are no config.
+    /// When they are not a valid config.
     #[expect(clippy::expect_used, reason = "the config is the test's own")]
     pub fn new(displays: &str) -> Self {
         let text = format!("Visualization Manager:\n  Displays:\n{displays}  Global Options: {{Fixed Frame: map}}\n");
@@ -35,21 +35,21 @@ impl Played {
         }
     }
 
-    /// Takes a message of a topic and puts the scene together, a thirtieth of a second later than before.
-    pub fn show(&mut self, topic: &str, message: &AnyMessage) -> &Scene {
+    /// Takes a message of a topic and updates the scene, a thirtieth of a second later than before.
+    pub fn receive(&mut self, topic: &str, message: &AnyMessage) -> &Scene {
         self.step(Some((topic, message)))
     }
 
-    /// Lets a thirtieth of a second go by without a message.
-    pub fn wait(&mut self) -> &Scene {
+    /// Updates the scene a thirtieth of a second later, without a message.
+    pub fn advance(&mut self) -> &Scene {
         self.step(None)
     }
 
-    fn step(&mut self, heard: Option<(&str, &AnyMessage)>) -> &Scene {
+    fn step(&mut self, received: Option<(&str, &AnyMessage)>) -> &Scene {
         self.now_nanos += 33_333_333;
         let now = Time::from_nanos(self.now_nanos);
         let world = World { transforms: &self.transforms, fixed_frame: "map", now, meshes: &self.meshes };
-        if let Some((topic, message)) = heard {
+        if let Some((topic, message)) = received {
             self.displays.take(topic, message, &world);
         }
         if self.displays.update(&world) {
