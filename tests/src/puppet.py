@@ -1,6 +1,6 @@
-"""A ROS node that does what a test tells it.
+"""A ROS node that runs the Python code that a test sends.
 
-Each order on standard input is a line with the number of bytes that follow, and those bytes of Python; it is evaluated
+Each request on standard input is a line with the number of bytes that follow, and those bytes of Python; it is evaluated
 in this module. The answer on standard output is a line `ok N` or `error N`, and N bytes of text.
 """
 import struct
@@ -26,17 +26,17 @@ def publisher(topic, kind, latch):
 
 
 def latch(topic, message):
-    """Publishes a message that later subscribers get, too."""
+    """Publishes a latched message."""
     publisher(topic, type(message), True).publish(message)
 
 
 def send(topic, message):
-    """Publishes a message once somebody listens."""
+    """Publishes a message as soon as there is a subscriber."""
     out = publisher(topic, type(message), False)
     until = time.monotonic() + 30
     while out.get_num_connections() == 0:
         if time.monotonic() > until:
-            raise TimeoutError("nobody listens on " + topic)
+            raise TimeoutError("no subscriber of " + topic)
         time.sleep(0.01)
     out.publish(message)
 
@@ -167,12 +167,12 @@ def serve():
         head = sys.stdin.buffer.readline()
         if not head:
             return
-        order = sys.stdin.buffer.read(int(head)).decode()
+        request = sys.stdin.buffer.read(int(head)).decode()
         try:
             try:
-                code = compile(order, "order", "eval")
+                code = compile(request, "request", "eval")
             except SyntaxError:
-                exec(compile(order, "order", "exec"), space)
+                exec(compile(request, "request", "exec"), space)
                 answer(b"ok", "")
                 continue
             answer(b"ok", str(eval(code, space)))

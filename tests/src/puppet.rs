@@ -1,6 +1,7 @@
-//! A rospy node in the hands of a test: it publishes, subscribes and calls services as it is told in Python.
+//! A rospy node that a test controls: it runs the Python code that the test sends, which publishes, subscribes and calls
+//! services.
 //!
-//! What it knows (`cloud`, `info`, `tf`, `latch`, `Eye`...) is in `puppet.py`.
+//! The helpers for that code (`cloud`, `info`, `tf`, `latch`, `Eye`...) are in `puppet.py`.
 
 use crate::ros::{wait_until, RosMaster};
 use std::fmt::Display;

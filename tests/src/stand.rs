@@ -9,7 +9,7 @@ use std::io;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// A cloud on `/cloud` whose points are seen as squares of a metre in their colour.
+/// A display of `/cloud`: the points are squares of 1 m in their own colour.
 pub const CLOUD: &str = "{Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /cloud, Style: Flat Squares, \
      Size (m): 1, Color Transformer: RGB8, Position Transformer: XYZ, Queue Size: 10, Alpha: 1, Decay Time: 0}";
 
@@ -77,7 +77,7 @@ pub struct Stand {
 }
 
 impl Stand {
-    /// Starts a master, a puppet and `camera_stream` with a config and more arguments, and waits until the node draws.
+    /// Starts a master, a puppet and `camera_stream` with a config and more arguments, and waits until the node is ready.
     ///
     /// # Errors
     /// When one of them does not start.
@@ -122,12 +122,12 @@ impl Stand {
         self.node.errors().join("\n")
     }
 
-    /// How many lines of the node's log hold all of these words.
+    /// Number of lines of the node's log that contain all of these words.
     pub fn log_lines(&self, words: &[&str]) -> usize {
         self.node.errors().iter().filter(|line| words.iter().all(|word| line.contains(word))).count()
     }
 
-    /// Waits until the node's log holds a line with this text.
+    /// Waits until the node's log has a line with this text.
     ///
     /// # Errors
     /// With the log, when it does not come.
@@ -135,7 +135,7 @@ impl Stand {
         if crate::ros::wait_until(PATIENCE, || self.log_lines(&[text]) > 0) {
             Ok(())
         } else {
-            Err(io::Error::other(format!("the node does not say \"{text}\":\n{}", self.log())))
+            Err(io::Error::other(format!("the node does not log \"{text}\":\n{}", self.log())))
         }
     }
 
@@ -156,7 +156,7 @@ impl Stand {
     pub fn wait_for(&self, python: impl std::fmt::Display) {
         if !self.puppet.wait_for(PATIENCE, &python) {
             let eye = "(eye.colors[-10:], eye.images[-3:], eye.infos[-3:]) if 'eye' in globals() else None";
-            panic!("not so after {PATIENCE:?}: {python}; the eye saw {:?}", self.puppet.run(eye));
+            panic!("not true after {PATIENCE:?}: {python}; the eye saw {:?}", self.puppet.run(eye));
         }
     }
 }
@@ -166,7 +166,7 @@ impl Drop for Stand {
         if std::thread::panicking() {
             eprintln!("--- the node's log:\n{}\n---", self.log());
         }
-        // What is left behind is a small folder of temporary files.
+        // If this fails, a small folder of temporary files remains.
         let _ = fs::remove_dir_all(&self.folder);
     }
 }
