@@ -1,4 +1,4 @@
-//! The CameraInfo that a camera reads, and the one that it sends beside its picture.
+//! The CameraInfo that a camera subscribes to, and the one that it publishes beside its picture.
 
 use rcs_tests::ros::wait_until;
 use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
@@ -40,7 +40,7 @@ fn a_camera_info_published_on_the_topic_it_is_read_from_does_not_feed_back() {
     let rate = "(len(eye.images) - 1) / (eye.images[-1][0] - eye.images[0][0])";
     let rate: f64 = stand.puppet(rate).parse().unwrap();
     assert!(rate < 45.0, "{rate} pictures a second, for an unchanged scene at 30");
-    // The real publisher's next message counts, though most on the topic are the node's own.
+    // The next message of the real publisher is used, although most on the topic are the node's own.
     stand.puppet("latch('/proj_view/camera_info', info(width=80, height=60))");
     stand.wait_for("eye.images[-1][4:6] == (80, 60)");
     stand.wait_for("eye.infos[-1][4:6] == (80, 60)");
@@ -48,7 +48,7 @@ fn a_camera_info_published_on_the_topic_it_is_read_from_does_not_feed_back() {
     stand.wait_for("len(eye.images) > 20");
     assert_eq!(stand.puppet("{i[4:6] for i in eye.images}"), "{(80, 60)}");
     assert_eq!(stand.puppet("max(abs(i[0] - i[2]) for i in eye.images) < 2"), "True");
-    // With the image comes its CameraInfo, also to the publisher of the other one.
+    // The image's CameraInfo is published as well, and reaches the publisher of the other one.
     assert_eq!(stand.puppet("'/camera_stream' in {i[6] for i in eye.infos}"), "True");
 }
 

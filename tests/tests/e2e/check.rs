@@ -1,4 +1,4 @@
-//! `camera_stream check`.
+//! `camera_stream check`: its lines and exit codes.
 
 use rcs_tests::programs::{program, repository};
 use rcs_tests::stand::{config, CameraPub, CLOUD};

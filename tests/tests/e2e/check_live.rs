@@ -1,4 +1,4 @@
-//! `camera_stream check --live`.
+//! `camera_stream check --live`: its table and exit codes against a running ROS.
 
 use rcs_tests::programs::program;
 use rcs_tests::puppet::Puppet;
@@ -24,7 +24,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Whether a row holds these words in this order.
+/// Whether a row contains these words in this order.
 fn has_row(table: &str, words: &[&str]) -> bool {
     table.lines().any(|line| {
         let mut rest = line;
@@ -74,7 +74,7 @@ fn the_table_names_what_is_missing_and_exits_with_1_or_with_0_if_nothing_is() {
     let (_folder, path) = file(&config(&[CLOUD], &[CameraPub::default()]));
     let output = check(&master, &path, &["--listen", "2"]);
     assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
-    // Remappings are the node's.
+    // Topics are remapped as for the node.
     let output = check(&master, &path, &["--listen", "2", "/cloud:=/silent"]);
     assert_eq!(output.status.code(), Some(1), "{}{}", text(&output.stdout), text(&output.stderr));
     assert!(text(&output.stdout).contains("[/silent]"), "{}", text(&output.stdout));

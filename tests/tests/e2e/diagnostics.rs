@@ -1,10 +1,11 @@
-//! `/diagnostics`, as Python's diagnostic_msgs reads it, and the log beside it.
+//! `/diagnostics` as a Python subscriber receives it, and the log beside it.
 
 use rcs_tests::puppet::Puppet;
 use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
 use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
 
-/// Collects what comes on a topic: arrivals, stamps and the last status of each name as (level, message, hardware, values).
+/// Subscribes to a topic and keeps arrivals, stamps and the last status of each name as (level, message, hardware,
+/// values).
 pub(crate) const MONITOR: &str = "
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 arrays, known = [], {}
@@ -55,12 +56,12 @@ fn displays_and_cameras_report_what_is_missing_and_then_ok() {
     assert_eq!(stand.puppet("values('camera_stream: cloud')['class']"), "rviz/PointCloud2");
     let camera = "[values('camera_stream: CameraPub')[key] for key in ('image topic', 'size', 'subscribers')]";
     assert_eq!(stand.puppet(camera), "['/view/image', '64x48', '1']", "{}", stand.puppet("known"));
-    // What does not change is published again, and not drawn again.
+    // An unchanged picture is published again without being rendered again.
     let frames = |what: &str| format!("int(values('camera_stream: CameraPub')['frames {what}'])");
     stand.wait_for(format!("{} > 20 and 1 <= {} <= 3", frames("published"), frames("drawn")));
     assert!(stand.puppet("known['camera_stream: cloud'][2]").contains("rviz_camera_stream"));
 
-    // The pace, from when the monitor is connected.
+    // The rate, from when the monitor is connected.
     stand.puppet("del arrays[:]");
     stand.wait_for("len(arrays) >= 4");
     assert_eq!(stand.puppet("2.0 < arrays[3][0] - arrays[0][0] < 5.0"), "True", "{}", stand.puppet("arrays"));

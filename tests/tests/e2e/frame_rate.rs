@@ -1,4 +1,4 @@
-//! "Frame Rate" and the trigger service.
+//! The property "Frame Rate" and the trigger service.
 
 use crate::diagnostics::MONITOR;
 use rcs_tests::puppet::Puppet;
@@ -6,13 +6,13 @@ use rcs_tests::ros::PATIENCE;
 use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
 use std::time::Duration;
 
-/// A node with these cameras, whose CameraInfo, frame and red cloud are there.
+/// A node with these cameras and publishers of their CameraInfo, their frame and a red cloud.
 fn stand(cameras: &[CameraPub]) -> Stand {
     let stand = Stand::start(&config(&[CLOUD], cameras), &[]).unwrap();
     stand.puppet("latch('/tf_static', tf('map', 'eye'))");
     stand.puppet("latch('/eye/camera_info', info())");
     stand.puppet("latch('/cloud', cloud(0xff0000))");
-    // The node has heard of everything; what is latched comes with the connection.
+    // The node has connected to all of them; latched messages arrive with the connection.
     stand.wait_for("all(out.get_num_connections() > 0 for out in publishers.values())");
     stand
 }
@@ -23,7 +23,7 @@ fn monitor(stand: &Stand) {
     stand.puppet(MONITOR);
 }
 
-/// Pictures a second that the eye got.
+/// Pictures per second that the eye got.
 fn rate(stand: &Stand) -> f64 {
     stand.puppet("(len(eye.images) - 1) / (eye.images[-1][0] - eye.images[0][0])").parse().unwrap()
 }
@@ -95,7 +95,7 @@ fn the_first_subscriber_gets_a_picture_at_once() {
     stand.wait_for("level('camera_stream: CameraPub') == 0 and level('camera_stream: cloud') == 0");
     stand.puppet("eye = Eye('/view/image')");
     stand.wait_for("len(eye.images) >= 1 and eye.middle() == (255, 0, 0)");
-    // Another one does not wait for the 50 s of this rate, either.
+    // Nor does another one wait for the 50 s of this rate.
     let other = Puppet::start(&stand.master, &["__name:=other"]).unwrap();
     other.run("eye = Eye('/view/image')").unwrap();
     assert!(other.wait_for(PATIENCE, "eye.middle() == (255, 0, 0)"));
@@ -105,9 +105,9 @@ fn the_first_subscriber_gets_a_picture_at_once() {
 fn nothing_is_rendered_without_subscribers() {
     let stand = stand(&[CameraPub::default()]);
     stand.puppet("latch('/eye/camera_info', info(width=1280, height=800, f=900.0))");
-    // Squares of half the picture, each before the last one, which take time.
+    // A hundred squares of half the picture, each in front of the last one, take time to render.
     stand.puppet("latch('/cloud', cloud(0xff0000, points=[(0, 0, 4 - z / 50) for z in range(100)]))");
-    // A moving camera makes a new picture of every moment.
+    // With a moving camera every picture is different.
     stand.puppet("moving = lambda i: tf('map', 'moving', xyz=(i * 1e-4, 0, 0), stamp=rospy.Time.now())");
     stand.puppet("repeated = PublishRepeatedly(60, moving, '/tf')");
     stand.puppet("latch('/eye/camera_info', info(frame='moving', width=1280, height=800, f=900.0))");

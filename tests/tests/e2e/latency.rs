@@ -1,4 +1,4 @@
-//! The way of the data into the picture as `/diagnostics` tells it, against what is measured from outside.
+//! The latency figures on `/diagnostics`, compared with what a subscriber measures.
 
 use rcs_tests::puppet::Puppet;
 use rcs_tests::ros::RosMaster;
@@ -6,8 +6,8 @@ use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
 
 use crate::diagnostics::MONITOR;
 
-/// What the monitor's Python knows beside [`MONITOR`]: a camera's figures as (median, p95), and when the picture
-/// changed first after a cloud.
+/// Python helpers beside [`MONITOR`]: a camera's figures as (median, p95), and when the picture first changed after a
+/// cloud.
 const FIGURES: &str = "
 CAMERA, DISPLAY = 'camera_stream: CameraPub', 'camera_stream: cloud'
 def measured(): return int(values(CAMERA).get('frames measured', -1))
@@ -20,10 +20,10 @@ def seen_ms(sent): return (next(image[0] for image in eye.images if image[6] != 
 def ago(secs): return rospy.Time.now() - rospy.Duration(secs)
 ";
 
-/// Whether the three stages of the only picture make up the whole: they are told to a hundredth of a millisecond.
+/// Whether the three stages of the only picture add up to the total: they are reported to a hundredth of a millisecond.
 const ADDS_UP: &str = "abs(sum(figure(stage)[0] for stage in STAGES) - figure(TOTAL)[0]) < 0.03";
 
-/// A node whose camera sees an empty scene, and has nothing measured yet.
+/// A node whose camera sees an empty scene and has measured nothing yet.
 fn watched(stand: Stand, info: &str) -> Stand {
     stand.puppet("topic = '/diagnostics'");
     stand.puppet(MONITOR);
@@ -41,7 +41,7 @@ fn stand(info: &str) -> Stand {
     watched(Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap(), info)
 }
 
-/// A number that Python says.
+/// The value of a Python expression that is a number.
 fn number(stand: &Stand, python: &str) -> f64 {
     stand.puppet(python).parse().unwrap()
 }
@@ -51,7 +51,7 @@ fn the_stages_of_a_picture_add_up_to_no_more_than_the_latency_a_subscriber_sees(
     let stand = stand("info(width=1280, height=800, f=900.0)");
     stand.wait_for("measured() == 0");
     assert_eq!(stand.puppet("[told(name) for name in STAGES + [TOTAL, AGE]]"), "['-', '-', '-', '-', '-']");
-    // Squares of half the picture, each before the last one, so that drawing takes its time.
+    // A hundred squares of half the picture, each in front of the last one, take time to render.
     stand.puppet("squares = [(0, 0, 4 - z / 50) for z in range(100)]");
     stand.puppet("sent = time.time(); send('/cloud', cloud(0xff0000, points=squares, stamp=ago(2)))");
     stand.wait_for("eye.middle() == (255, 0, 0) and measured() == 1");
@@ -67,7 +67,7 @@ fn the_stages_of_a_picture_add_up_to_no_more_than_the_latency_a_subscriber_sees(
     // Stamped after `sent`, before it was received; the picture is stamped before it is published.
     let least_ms = 2000.0 + number(&stand, "figure(TOTAL)[0] - figure('drawn to published')[0]") - 0.1;
     assert!((least_ms..=2000.0 + seen_ms).contains(&age_ms), "seen after {seen_ms} ms: {told}");
-    // What is repeated is no new picture.
+    // A repeated picture is not measured again.
     let published = "int(values(CAMERA)['frames published'])";
     stand.wait_for(format!("{published} > 60"));
     assert_eq!(stand.puppet("measured(), told(AGE)"), format!("(1, '{age_ms:.2} / {age_ms:.2}')"));
@@ -113,7 +113,7 @@ fn figures_are_those_of_the_last_hundred_pictures_and_the_age_follows_the_stamps
     let (total_ms, age_ms) = (number(&stand, "figure(TOTAL)[0]"), number(&stand, "figure(AGE)[0]"));
     assert!(total_ms > 0.0 && (2000.0 + total_ms / 2.0..3000.0).contains(&age_ms), "{told}");
 
-    // Nothing new comes, and what the display shows grows older.
+    // No new message arrives, and the data shown grows older.
     let shown = "(age_now(), arrays[-1][1] * 1e3 - age_now())";
     let look = || -> Vec<f64> {
         let told = stand.puppet(shown);
@@ -131,7 +131,7 @@ fn figures_are_those_of_the_last_hundred_pictures_and_the_age_follows_the_stamps
     pause();
     let told = stand.puppet("told(AGE)");
     assert_eq!(stand.puppet("all(-5000 <= age < -4000 for age in figure(AGE))"), "True", "{told}");
-    // Data without a stamp are measured, and have no age: the last ages stay.
+    // Data with stamp zero is measured but has no age: the last ages stay.
     often("rospy.Time()");
     pause();
     assert_eq!(stand.puppet("measured(), told(AGE)"), format!("(100, '{told}')"));

@@ -1,4 +1,4 @@
-//! The node's life: waiting for a master, ending in order, and others that stall or come back.
+//! Starting and ending: waiting for a master, clean shutdown, and other nodes that stall or restart.
 
 use crate::diagnostics::MONITOR;
 use rcs_tests::programs::program;
@@ -25,7 +25,7 @@ fn stand_with(displays: &[&str]) -> Stand {
     stand
 }
 
-/// A node beside a master that is not there yet.
+/// A node whose master is not running yet.
 fn node(master: &RosMaster, config: &Path) -> Running {
     let mut command = master.environment(Command::new(program("camera_stream")));
     Running::start(command.arg("-d").arg(config).args(["--renderer", "cpu"])).unwrap()
@@ -116,7 +116,7 @@ fn a_publisher_that_was_killed_and_restarted_is_received_again() {
 #[test]
 fn a_stalled_subscriber_does_not_stop_anothers_pictures() {
     let stand = stand();
-    // Big pictures, so that no buffer takes many.
+    // Big pictures, so that few fit into a buffer.
     stand.puppet("latch('/eye/camera_info', info(width=1280, height=800))");
     let stalled = Puppet::start(&stand.master, &["__name:=stalled"]).unwrap();
     // It does not subscribe to the CameraInfo, whose small messages would hardly ever fill a buffer.

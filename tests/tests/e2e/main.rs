@@ -22,7 +22,7 @@ mod diagnostics;
 mod frame_rate;
 mod latency;
 mod life;
-mod live_is_offline;
+mod live_equals_offline;
 mod names;
 mod render;
 mod settings;

@@ -1,4 +1,4 @@
-//! ROS's names on the command line, and rviz's arguments.
+//! Remappings and private parameters on the command line, and rviz's arguments.
 
 use rcs_tests::programs::program;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
@@ -56,7 +56,7 @@ fn the_renderer_is_chosen_by_a_private_parameter() {
     assert_eq!(unknown.wait(PATIENCE).unwrap().code(), Some(1));
     says(&unknown, "voodoo");
     assert_eq!(unknown.errors().len(), 1, "{:?}", unknown.errors());
-    // The command line goes before the parameter.
+    // The command line overrides the parameter.
     let both = start("third", &["_renderer:=voodoo", "--renderer", "cpu"]);
     says(&both, "with cpu");
 }

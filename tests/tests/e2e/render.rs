@@ -1,4 +1,4 @@
-//! `camera_stream render`.
+//! `camera_stream render`: pictures and sequences of a bag, and the errors.
 
 use rcs_tests::programs::{case, program, repository};
 use rcs_tests::ros::RosMaster;
@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Runs `render` in a folder of its own.
+/// Runs `render` in a temporary folder.
 struct Render {
     folder: tempfile::TempDir,
 }
@@ -27,7 +27,7 @@ impl Render {
         command.env_remove("ROS_PACKAGE_PATH").current_dir(self.folder.path()).output().unwrap()
     }
 
-    /// Runs it to a good end, of which nothing is said.
+    /// Runs it successfully; it prints nothing.
     fn good(&self, arguments: &str) {
         let output = self.run(arguments);
         let said = String::from_utf8_lossy(&output.stderr);
@@ -35,7 +35,7 @@ impl Render {
         assert_eq!((&*said, &*output.stdout), ("", &b""[..]), "{arguments}: nothing is said on a pipe");
     }
 
-    /// Runs it to a bad end, and returns the one line that is said.
+    /// Runs it to a failure and returns the only line of its error output that is not a warning.
     fn bad(&self, arguments: &str) -> String {
         let output = self.run(arguments);
         let said = String::from_utf8(output.stderr).unwrap();
@@ -62,7 +62,8 @@ impl Render {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 
-    /// A config `scene.rviz` with one camera, and `scene.bag`: red from 100 s, green from 101 s, blue from 102 s to 103 s.
+    /// A config `scene.rviz` with one camera, and `scene.bag`: red from 100 s, green from 101 s, blue from 102 s to
+    /// 103 s.
     fn with_scene() -> Self {
         let render = Self::new();
         fs::write(render.path("scene.rviz"), config(&[CLOUD], &[CameraPub::default()])).unwrap();

@@ -40,7 +40,7 @@ fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() 
     let stand = stand(&config(&[&grouped], &[camera()]), &["--no-watch"]);
     let listed = stand.puppet("__import__('dynamic_reconfigure').find_reconfigure_services()");
     assert_eq!(listed, "['/camera_stream/CameraPub']");
-    stand.puppet("c = client(); told = []; c.set_config_callback(lambda config: told.append(config))");
+    stand.puppet("c = client(); updates = []; c.set_config_callback(lambda config: updates.append(config))");
 
     let names = "frame_rate background_red background_green background_blue image_encoding near_clip visibility \
                  show_My_sensors show_My_sensors_cloud";
@@ -59,15 +59,15 @@ fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() 
         "('background_blue', 0)"
     );
 
-    // The next picture has what was set; what is out of bounds is clamped, and told so.
+    // The next picture shows the new values; those out of bounds are clamped, and the answer has the clamped value.
     let answer =
         stand.puppet("c.update_configuration({'background_blue': 999, 'background_green': -1})['background_blue']");
     assert_eq!(answer, "255");
     stand.wait_for(format!("corner() == {BLUE} and eye.middle() == {RED}"));
     stand.wait_for(
-        "told[-1]['background_blue'] == 255 and rospy.get_param('/camera_stream/CameraPub/background_blue') == 255",
+        "updates[-1]['background_blue'] == 255 and rospy.get_param('/camera_stream/CameraPub/background_blue') == 255",
     );
-    // A group that is switched off hides what is in it.
+    // A disabled group hides its displays.
     stand.puppet("c.update_configuration({'show_My_sensors': False})");
     stand.wait_for(format!("eye.middle() == {BLUE}"));
     stand.puppet("c.update_configuration({'show_My_sensors': True, 'show_My_sensors_cloud': False})");
@@ -82,11 +82,7 @@ fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() 
     stand.wait_for("eye.last.encoding == 'bgr8' and eye.middle() == (0, 0, 255)");
     let late = Puppet::start(&stand.master, &["__name:=late"]).unwrap();
     late.run(CLIENT).unwrap();
-    assert_eq!(
-        late.run("client().get_configuration(30)['near_clip']").unwrap(),
-        "0.01",
-        "told to those who come later"
-    );
+    assert_eq!(late.run("client().get_configuration(30)['near_clip']").unwrap(), "0.01", "published to late clients");
     // 0: only when triggered.
     stand.puppet("c.update_configuration({'frame_rate': 0})");
     stand.wait_for("eye.quiet_secs() > 1");
@@ -97,7 +93,7 @@ fn a_reload_changes_what_differs_and_nothing_else() {
     let stand = stand(&config(&[CLOUD], &[camera()]), &["--no-watch"]);
     stand.puppet("before = connections('/cloud'), connections('/eye/camera_info'), eye_connections()");
     assert_eq!(stand.puppet(RELOAD), "(True, 'nothing changed')");
-    // Another display before it, and another background: the latched cloud is not sent again and yet there.
+    // Another display before it and another background: the latched cloud is not received again and still shown.
     let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Reference Frame: elsewhere}";
     stand.rewrite(&config(&[grid, CLOUD], &[blue()]));
     let answer = stand.puppet(RELOAD);
@@ -105,7 +101,7 @@ fn a_reload_changes_what_differs_and_nothing_else() {
     stand.wait_for(format!("corner() == {BLUE}"));
     stand.puppet("eye.forget()");
     stand.wait_for(format!("eye.middle() == {RED}"));
-    // A display with other settings shows the same cloud in them.
+    // A display with other settings shows the same cloud with these.
     let outside = "eye.pixel(12, 24)";
     assert_eq!(stand.puppet(outside), BLUE);
     stand.rewrite(&config(&[grid, &CLOUD.replace("Size (m): 1", "Size (m): 2")], &[blue()]));
@@ -116,7 +112,7 @@ fn a_reload_changes_what_differs_and_nothing_else() {
         "True"
     );
 
-    // Another topic, image topic and namespace: what was there before is gone, what is new is there.
+    // Another topic, image topic and namespace: the old ones are unregistered, the new ones registered.
     let moved = CameraPub { image: "/other/image", namespace: "lamp", ..blue() };
     stand.puppet("latch('/green', cloud(0x00ff00)); other = eye; eye = Eye('/other/image')");
     stand.rewrite(&config(&[&CLOUD.replace("/cloud", "/green")], &[moved]));
@@ -130,7 +126,7 @@ fn a_reload_changes_what_differs_and_nothing_else() {
     assert!(services.contains("/lamp/camera_trigger") && !services.contains("\n/camera_trigger"), "{services}");
     assert_eq!(stand.puppet("trigger('/lamp/camera_trigger')[0]"), "True");
 
-    // Another fixed frame, in which the cloud is placed anew.
+    // Another fixed frame: the cloud is transformed into it.
     let text = config(&[&CLOUD.replace("/cloud", "/green")], &[CameraPub { image: "/other/image", ..camera() }]);
     stand.rewrite(&text.replace("Fixed Frame: map", "Fixed Frame: world"));
     assert!(stand.puppet(RELOAD).starts_with("(True, "));
@@ -144,7 +140,7 @@ fn a_reconfigured_value_lasts_until_the_file_changes_it() {
     let stand = stand(&config(&[CLOUD], &[camera()]), &["--no-watch"]);
     stand.puppet("c = client(); c.update_configuration({'background_blue': 255, 'show_cloud': False})");
     stand.wait_for(format!("corner() == {BLUE} and eye.middle() == {BLUE}"));
-    // The file switches the cloud's box on (it was on before) and adds a display.
+    // In the file the cloud is still enabled, and a display is added.
     let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Reference Frame: elsewhere}";
     stand.rewrite(&config(&[CLOUD, grid], &[camera()]));
     assert!(stand.puppet(RELOAD).starts_with("(True, "));
@@ -155,13 +151,13 @@ fn a_reconfigured_value_lasts_until_the_file_changes_it() {
     );
     stand.puppet("eye.forget()");
     stand.wait_for(format!("eye.middle() == {BLUE}"));
-    // Other values in the file are taken over, and told.
+    // Values that changed in the file are taken over and published.
     let green = CameraPub { background: "0; 255; 0", ..camera() };
     stand.rewrite(&config(&[CLOUD, grid], std::slice::from_ref(&green)));
     assert!(stand.puppet(RELOAD).starts_with("(True, "));
     stand.wait_for("eye.middle() == (0, 255, 0) and c.get_configuration()['background_green'] == 255");
     assert_eq!(stand.puppet("c.get_configuration()['show_cloud']"), "False");
-    // A second camera comes with parameters of its own and goes with them.
+    // A second camera is added with parameters of its own, and removed with them.
     let second = CameraPub { name: "Second eye", image: "/second/image", namespace: "second", ..camera() };
     stand.rewrite(&config(&[CLOUD, grid], &[green.clone(), second]));
     assert!(stand.puppet(RELOAD).starts_with("(True, "));
@@ -196,7 +192,7 @@ fn saving_the_file_changes_the_picture() {
     stand.puppet("before = connections('/cloud'), eye_connections()");
     stand.rewrite(&config(&[CLOUD], &[blue()]));
     stand.wait_for(format!("corner() == {BLUE}"));
-    // Half of a file that somebody takes long to write is not taken.
+    // A file that is half written is not taken over.
     let green = config(&[CLOUD], &[CameraPub { background: "0; 255; 0", ..camera() }]);
     stand.rewrite(&green[..green.find("Background").unwrap()]);
     stand.wait_for_log("cannot be read, everything stays as it is").unwrap();
@@ -204,7 +200,7 @@ fn saving_the_file_changes_the_picture() {
     stand.wait_for(format!("corner() == {BLUE} and eye.middle() == {RED}"));
     stand.rewrite(&green);
     stand.wait_for("corner() == (0, 255, 0)");
-    // Many editors write another file and put it in the place of the old one.
+    // Many editors write another file and rename it to the old one.
     let beside = stand.config_file().with_extension("tmp");
     std::fs::write(&beside, config(&[CLOUD], &[camera()])).unwrap();
     std::fs::rename(&beside, stand.config_file()).unwrap();

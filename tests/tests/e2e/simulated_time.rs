@@ -1,4 +1,4 @@
-//! `/use_sim_time`: the node's time is that of a played bag, also when that is played again.
+//! `/use_sim_time`: the node's time is that of a played bag, also when the bag is played again.
 
 use rcs_tests::puppet::Puppet;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
@@ -36,10 +36,10 @@ fn a_bag_played_again_with_its_clock_starts_without_the_clouds_of_the_first_roun
         stand.wait_for("len(eye.colors) > 0 and eye.middle() == (0, 0, 255)");
         let ended = player.wait(PATIENCE);
         assert!(ended.is_some(), "{:?}", player.errors());
-        // What was repeated of the first round before the second began is not of it.
+        // Pictures of the first round that were repeated before the second began do not count.
         let of_round = if round == 1 { "eye.colors" } else { "eye.colors[eye.colors.index((0, 0, 0)):]" };
         assert_eq!(stand.puppet(of_round), "[(0, 0, 0), (255, 0, 0), (0, 0, 255)]", "round {round}");
-        // Stamps are the bag's time, wherever that stood.
+        // Stamps are in the bag's time.
         assert_eq!(stand.puppet("4999 < eye.images[-1][2] < 5010"), "True", "{}", stand.puppet("eye.images[-1]"));
         let jumps = || stand.log_lines(&["jumped back", "5003", "5000"]);
         assert!(wait_until(PATIENCE, || jumps() == round - 1), "round {round}");

@@ -1,10 +1,10 @@
-//! Frames: clouds wait for theirs, wrong ones are refused, and names are as ROS has had them.
+//! Frames: clouds wait for theirs, invalid transforms are refused, a leading slash is ignored.
 
 use rcs_tests::ros::wait_until;
 use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
 use std::time::Duration;
 
-/// A node whose camera sees black until there is something.
+/// A node whose camera sees an empty scene.
 fn stand(args: &[&str]) -> Stand {
     let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), args).unwrap();
     stand.puppet("latch('/tf_static', tf('map', 'eye'))");
@@ -14,7 +14,7 @@ fn stand(args: &[&str]) -> Stand {
     stand
 }
 
-/// The picture stays without a cloud for a while.
+/// Asserts that the next twenty pictures are empty.
 fn nothing_appears(stand: &Stand) {
     stand.puppet("eye.forget()");
     stand.wait_for("len(eye.images) > 20");
@@ -27,7 +27,7 @@ fn a_cloud_waits_for_its_frame() {
     stand.puppet("now = rospy.Time.now(); latch('/cloud', cloud(0xff0000, 'table', stamp=now))");
     nothing_appears(&stand);
     stand.puppet("send('/tf', tf('map', 'table', stamp=now - rospy.Duration(0.5)))");
-    // It is placed at its own stamp, which the frame has not reached.
+    // It is transformed at its own stamp, for which there is no transform yet.
     nothing_appears(&stand);
     stand.puppet("send('/tf', tf('map', 'table', stamp=now + rospy.Duration(0.5)))");
     stand.wait_for("eye.middle() == (255, 0, 0)");
@@ -43,7 +43,7 @@ fn a_cloud_is_placed_where_its_frame_was_at_its_stamp() {
     stand.puppet("latch('/cloud', cloud(0x00ff00, 'table', stamp=now + rospy.Duration(0.5)))");
     stand.wait_for("eye.middle() == (0, 255, 0)");
     assert_eq!(stand.puppet("eye.pixel(21, 24), eye.pixel(43, 24)"), "((0, 255, 0), (0, 255, 0))");
-    // A stamp of 0 is the latest there is: 1 m to the right, which is 25 pixels.
+    // Stamp zero means the latest transform: 1 m to the right, which is 25 pixels.
     stand.puppet("latch('/cloud', cloud(0x0000ff, 'table', points=((-0.5, 0, 2),)))");
     stand.wait_for("eye.pixel(44, 24) == (0, 0, 255)");
     assert_eq!(stand.puppet("eye.pixel(28, 24)"), "(0, 0, 0)");

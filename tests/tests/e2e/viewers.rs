@@ -1,4 +1,4 @@
-//! What others do with the picture: ROS's tools, and the projector's window.
+//! Subscribers of the picture: ROS's tools and the projector's window.
 
 use rcs_tests::programs::program;
 use rcs_tests::puppet::Puppet;
@@ -57,7 +57,7 @@ fn rosbag_records_the_picture_as_it_was_sent() {
     assert_eq!(stand.puppet(all), expected);
 }
 
-/// An X server with a window manager, and what its screen shows.
+/// An X server with a window manager, and the pixels of its screen.
 struct Screen {
     display: String,
     folder: tempfile::TempDir,
@@ -117,7 +117,7 @@ fn the_projectors_window_shows_the_picture_pixel_for_pixel_over_the_whole_screen
     for color in [[10, 20, 200], [255, 128, 0]] {
         assert!(picture.chunks_exact(3).filter(|pixel| *pixel == color).count() > 100, "{color:?} is in the picture");
     }
-    // A changed scene is on the wall at once.
+    // A changed scene is shown at once.
     stand.puppet("latch('/cloud', cloud(0xff00ff, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
     stand.wait_for("bytes([255, 0, 255]) * 9 in eye.last.data");
     assert!(wait_until(PATIENCE, is_shown), "{:?}", window.errors());

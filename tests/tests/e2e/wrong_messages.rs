@@ -1,4 +1,4 @@
-//! What is wrong with messages and configs is said, once, and ends nothing.
+//! Invalid messages and configs are logged once and do not end the node.
 
 use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// The bytes that `render` writes of a case, in the order of an encoding.
+/// Width, height and pixels that `render` draws of a case, with the channels in the order of an encoding.
 fn offline(case: &Path, folder: &Path, encoding: &str) -> (u32, u32, Vec<u8>) {
     let png = folder.join("offline.png");
     let mut command = Command::new(program("camera_stream"));
@@ -45,7 +45,7 @@ fn a_played_bag_gives_the_picture_that_render_draws_of_it() {
         let node = Running::start(node.args(["--renderer", "cpu", "-d"]).arg(case.join("scene.rviz"))).unwrap();
         let log = || node.errors().join("\n");
         assert!(wait_until(PATIENCE, || log().contains("drawing")), "{name}: {}", log());
-        // The bag says which of its topics are latched; it stays open at its end, as its messages do.
+        // The bag marks latched topics as such; with --keep-alive their publishers remain at its end.
         let mut player = master.command("rosbag");
         let player = Running::start(player.args(["play", "--keep-alive"]).arg(case.join("scene.bag"))).unwrap();
         puppet.run("eye = Eye('/proj_view/image')").unwrap();
