@@ -2,7 +2,7 @@
 
 pub mod big_robot;
 pub mod programs;
-pub mod puppet;
+pub mod python_node;
 pub mod ros;
+pub mod ros_fixture;
 pub mod scenes;
-pub mod stand;

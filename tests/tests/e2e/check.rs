@@ -1,7 +1,7 @@
 //! `camera_stream check`: its lines and exit codes.
 
 use rcs_tests::programs::{program, repository};
-use rcs_tests::stand::{config, CameraPub, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::path::Path;
 use std::process::{Command, Output};
 

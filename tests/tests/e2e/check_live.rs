@@ -1,9 +1,9 @@
 //! `camera_stream check --live`: its table and exit codes against a running ROS.
 
 use rcs_tests::programs::program;
-use rcs_tests::puppet::Puppet;
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
-use rcs_tests::stand::{config, CameraPub, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
@@ -41,9 +41,9 @@ fn has_row(table: &str, words: &[&str]) -> bool {
 #[test]
 fn the_table_names_what_is_missing_and_exits_with_1_or_with_0_if_nothing_is() {
     let master = RosMaster::start().unwrap();
-    let puppet = Puppet::start(&master, &[]).unwrap();
-    puppet.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
-    puppet
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    python
         .run("latch('/wrong', info()); latch('/lost', cloud(0xff0000, 'nowhere')); latch('/cloud', cloud(0xff0000))")
         .unwrap();
     let cloud =

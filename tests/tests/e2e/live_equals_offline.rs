@@ -1,7 +1,7 @@
 //! The node draws of a played bag what `camera_stream render` draws of the same bag without ROS.
 
 use rcs_tests::programs::{case, program};
-use rcs_tests::puppet::Puppet;
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use std::fs;
 use std::path::Path;
@@ -35,7 +35,7 @@ fn a_played_bag_gives_the_picture_that_render_draws_of_it() {
         ("cam_encoding_bgr8", "bgr8"),
         ("cam_encoding_mono8", "mono8"),
     ];
-    let puppet = Puppet::start(&master, &[]).unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
     for (name, encoding) in cases {
         let folder = tempfile::tempdir().unwrap();
         let case = case(name);
@@ -48,12 +48,12 @@ fn a_played_bag_gives_the_picture_that_render_draws_of_it() {
         // The bag marks latched topics as such; with --keep-alive their publishers remain at its end.
         let mut player = master.command("rosbag");
         let player = Running::start(player.args(["play", "--keep-alive"]).arg(case.join("scene.bag"))).unwrap();
-        puppet.run("eye = Eye('/proj_view/image')").unwrap();
+        python.run("viewer = Viewer('/proj_view/image')").unwrap();
 
         let live = folder.path().join("live");
         let mut last = Vec::new();
         let is_same = || {
-            let saved = puppet.run(format!("eye.save('{}')", live.display())).is_ok();
+            let saved = python.run(format!("viewer.save('{}')", live.display())).is_ok();
             last = if saved { fs::read(&live).unwrap() } else { Vec::new() };
             last == expected
         };
@@ -67,10 +67,11 @@ fn a_played_bag_gives_the_picture_that_render_draws_of_it() {
                 player.errors()
             );
         }
-        let layout = "eye.last.encoding, eye.last.width, eye.last.height, eye.last.step, eye.last.is_bigendian";
+        let layout =
+            "viewer.last.encoding, viewer.last.width, viewer.last.height, viewer.last.step, viewer.last.is_bigendian";
         let step = width * if encoding == "mono8" { 1 } else { 3 };
-        assert_eq!(puppet.run(layout).unwrap(), format!("('{encoding}', {width}, {height}, {step}, 0)"), "{name}");
-        assert_eq!(puppet.run("eye.last.header.frame_id").unwrap(), "proj_view");
-        puppet.run("eye.close()").unwrap();
+        assert_eq!(python.run(layout).unwrap(), format!("('{encoding}', {width}, {height}, {step}, 0)"), "{name}");
+        assert_eq!(python.run("viewer.last.header.frame_id").unwrap(), "proj_view");
+        python.run("viewer.close()").unwrap();
     }
 }

@@ -2,7 +2,7 @@
 
 use rcs_tests::programs::{case, program, repository};
 use rcs_tests::ros::RosMaster;
-use rcs_tests::stand::{config, CameraPub, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -49,9 +49,9 @@ impl Render {
         image::open(self.path(picture)).unwrap().to_rgb8().get_pixel(x, y).0
     }
 
-    /// Makes a bag with Python: `bag`, and what the puppet knows.
+    /// Makes a bag with Python: `bag`, and the helpers of `python_node.py`.
     fn bag(&self, name: &str, script: &str) {
-        let knowledge = include_str!("../../src/puppet.py").split("\nrospy.init_node").next().unwrap();
+        let knowledge = include_str!("../../src/python_node.py").split("\nrospy.init_node").next().unwrap();
         let path = self.path(name);
         let script = format!(
             "{knowledge}\nimport rosbag\nat = rospy.Time\nbag = rosbag.Bag('{}', 'w')\n{script}\nbag.close()\n",

@@ -1,7 +1,7 @@
 //! A rospy node that a test controls: it runs the Python code that the test sends, which publishes, subscribes and calls
 //! services.
 //!
-//! The helpers for that code (`cloud`, `info`, `tf`, `latch`, `Eye`...) are in `puppet.py`.
+//! The helpers for that code (`cloud`, `info`, `tf`, `latch`, `Viewer`...) are in `python_node.py`.
 
 use crate::ros::{wait_until, RosMaster};
 use std::fmt::Display;
@@ -10,16 +10,16 @@ use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-const SCRIPT: &str = include_str!("puppet.py");
+const SCRIPT: &str = include_str!("python_node.py");
 
 /// A rospy node. It ends when this is dropped.
 #[derive(Debug)]
-pub struct Puppet {
+pub struct PythonNode {
     child: Child,
     pipes: Mutex<(ChildStdin, BufReader<ChildStdout>)>,
 }
 
-impl Puppet {
+impl PythonNode {
     /// Starts the node; `args` are ROS's, such as `__name:=other`.
     pub fn start(master: &RosMaster, args: &[&str]) -> io::Result<Self> {
         let mut command = master.command("python3");
@@ -29,8 +29,8 @@ impl Puppet {
         let stdin = child.stdin.take().ok_or_else(missing)?;
         let mut stdout = BufReader::new(child.stdout.take().ok_or_else(missing)?);
         let ready = read_answer(&mut stdout);
-        let puppet = Self { child, pipes: Mutex::new((stdin, stdout)) };
-        ready.map(|_| puppet)
+        let python = Self { child, pipes: Mutex::new((stdin, stdout)) };
+        ready.map(|_| python)
     }
 
     /// Runs Python in the node. Returns what an expression gives, as text.
@@ -58,7 +58,7 @@ impl Puppet {
     }
 }
 
-impl Drop for Puppet {
+impl Drop for PythonNode {
     fn drop(&mut self) {
         // Both fail only when it has ended.
         let _ = self.child.kill();
@@ -70,7 +70,7 @@ fn read_answer(stdout: &mut BufReader<ChildStdout>) -> io::Result<String> {
     let mut head = String::new();
     stdout.read_line(&mut head)?;
     let Some((word, size)) = head.trim_end().split_once(' ') else {
-        return Err(io::Error::other(format!("the puppet has ended: {head}")));
+        return Err(io::Error::other(format!("the Python node has ended: {head}")));
     };
     let mut text = vec![0; size.parse().map_err(io::Error::other)?];
     stdout.read_exact(&mut text)?;

@@ -102,8 +102,8 @@ class PublishRepeatedly(threading.Thread):
         self.join()
 
 
-class Eye:
-    """Looks at an image topic and at the CameraInfo beside it."""
+class Viewer:
+    """Subscribes to an image topic and its CameraInfo, and keeps what it received."""
 
     def __init__(self, topic):
         self.images = []  # (arrival, seq, stamp, frame_id, width, height, checksum)
@@ -180,7 +180,7 @@ def serve():
             answer(b"error", traceback.format_exc())
 
 
-rospy.init_node("puppet", disable_signals=True)
+rospy.init_node("python_node", disable_signals=True)
 answer(b"ok", "")
 serve()
 rospy.signal_shutdown("the test is over")

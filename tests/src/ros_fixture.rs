@@ -1,7 +1,7 @@
-//! `camera_stream` as a node of a ROS of its own, with a puppet beside it.
+//! `camera_stream` as a node of a ROS of its own, with a Python node beside it.
 
 use crate::programs::program;
-use crate::puppet::Puppet;
+use crate::python_node::PythonNode;
 use crate::ros::{RosMaster, Running, PATIENCE};
 use std::fmt::Write as _;
 use std::fs;
@@ -64,43 +64,43 @@ pub fn config(displays: &[&str], cameras: &[CameraPub]) -> String {
 /// Name of the config's file.
 const CONFIG: &str = "scene.rviz";
 
-/// The node, a puppet and their master. When a test fails, the node's log is printed.
+/// The node, a Python node and their master. When a test fails, the node's log is printed.
 #[derive(Debug)]
-pub struct Stand {
+pub struct RosFixture {
     /// `camera_stream`.
     pub node: Running,
     /// A rospy node.
-    pub puppet: Puppet,
+    pub python: PythonNode,
     /// The master, on a port of its own.
     pub master: RosMaster,
     folder: PathBuf,
 }
 
-impl Stand {
-    /// Starts a master, a puppet and `camera_stream` with a config and more arguments, and waits until the node is ready.
+impl RosFixture {
+    /// Starts a master, a Python node and `camera_stream` with a config and more arguments, and waits until the node is ready.
     ///
     /// # Errors
     /// When one of them does not start.
     pub fn start(config: &str, args: &[&str]) -> io::Result<Self> {
         let master = RosMaster::start()?;
-        let puppet = Puppet::start(&master, &[])?;
-        let stand = Self::with(master, puppet, config, args)?;
-        stand.wait_for_log("drawing ")?;
-        Ok(stand)
+        let python = PythonNode::start(&master, &[])?;
+        let fixture = Self::with(master, python, config, args)?;
+        fixture.wait_for_log("drawing ")?;
+        Ok(fixture)
     }
 
-    /// Starts `camera_stream` beside a master, which may not run yet, and a puppet.
+    /// Starts `camera_stream` beside a master, which may not run yet, and a Python node.
     ///
     /// # Errors
     /// When it does not start.
-    pub fn with(master: RosMaster, puppet: Puppet, config: &str, args: &[&str]) -> io::Result<Self> {
-        let folder = std::env::temp_dir().join(format!("rcs_stand_{}", master.uri().replace(['/', ':'], "")));
+    pub fn with(master: RosMaster, python: PythonNode, config: &str, args: &[&str]) -> io::Result<Self> {
+        let folder = std::env::temp_dir().join(format!("rcs_fixture_{}", master.uri().replace(['/', ':'], "")));
         fs::create_dir_all(&folder)?;
         let file = folder.join(CONFIG);
         fs::write(&file, config)?;
         let mut command = master.environment(Command::new(program("camera_stream")));
         let node = Running::start(command.arg("-d").arg(&file).args(["--renderer", "cpu"]).args(args))?;
-        Ok(Self { node, puppet, master, folder })
+        Ok(Self { node, python, master, folder })
     }
 
     /// The config's file.
@@ -139,29 +139,30 @@ impl Stand {
         }
     }
 
-    /// Runs Python in the puppet.
+    /// Runs Python in the Python node.
     ///
     /// # Panics
     /// With the traceback, when it fails.
     #[expect(clippy::panic, reason = "a test cannot go on")]
-    pub fn puppet(&self, python: impl std::fmt::Display) -> String {
-        self.puppet.run(python).unwrap_or_else(|error| panic!("{error}"))
+    pub fn python(&self, python: impl std::fmt::Display) -> String {
+        self.python.run(python).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Waits until Python in the puppet is true.
+    /// Waits until a Python expression is true in the Python node.
     ///
     /// # Panics
-    /// When it does not become so, with `state` of the puppet.
+    /// When it does not become so, with what the viewer `viewer` has received.
     #[expect(clippy::panic, reason = "a test cannot go on")]
     pub fn wait_for(&self, python: impl std::fmt::Display) {
-        if !self.puppet.wait_for(PATIENCE, &python) {
-            let eye = "(eye.colors[-10:], eye.images[-3:], eye.infos[-3:]) if 'eye' in globals() else None";
-            panic!("not true after {PATIENCE:?}: {python}; the eye saw {:?}", self.puppet.run(eye));
+        if !self.python.wait_for(PATIENCE, &python) {
+            let received =
+                "(viewer.colors[-10:], viewer.images[-3:], viewer.infos[-3:]) if 'viewer' in globals() else None";
+            panic!("not true after {PATIENCE:?}: {python}; the viewer received {:?}", self.python.run(received));
         }
     }
 }
 
-impl Drop for Stand {
+impl Drop for RosFixture {
     fn drop(&mut self) {
         if std::thread::panicking() {
             eprintln!("--- the node's log:\n{}\n---", self.log());
