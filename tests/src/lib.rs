@@ -1,4 +1,4 @@
-//! What the tests of the whole share.
+//! What the tests and benchmarks of the whole project share.
 
 pub mod big_robot;
 pub mod programs;

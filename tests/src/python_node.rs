@@ -1,5 +1,5 @@
-//! A rospy node that a test controls: it runs the Python code that the test sends, which publishes, subscribes and calls
-//! services.
+//! A rospy node that a test controls: it runs the Python code that the test sends, which publishes, subscribes and
+//! calls services.
 //!
 //! The helpers for that code (`cloud`, `info`, `tf`, `latch`, `Viewer`...) are in `python_node.py`.
 

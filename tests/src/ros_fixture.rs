@@ -1,4 +1,4 @@
-//! `camera_stream` as a node of a ROS of its own, with a Python node beside it.
+//! What most end-to-end tests start: a master of their own, a Python node that the test controls, and `camera_stream`.
 
 use crate::programs::program;
 use crate::python_node::PythonNode;
@@ -64,12 +64,12 @@ pub fn config(displays: &[&str], cameras: &[CameraPub]) -> String {
 /// Name of the config's file.
 const CONFIG: &str = "scene.rviz";
 
-/// The node, a Python node and their master. When a test fails, the node's log is printed.
+/// `camera_stream`, a Python node and their master. When a test fails, the log of `camera_stream` is printed.
 #[derive(Debug)]
 pub struct RosFixture {
     /// `camera_stream`.
     pub node: Running,
-    /// A rospy node.
+    /// Publishes and subscribes for the test.
     pub python: PythonNode,
     /// The master, on a port of its own.
     pub master: RosMaster,
@@ -77,7 +77,8 @@ pub struct RosFixture {
 }
 
 impl RosFixture {
-    /// Starts a master, a Python node and `camera_stream` with a config and more arguments, and waits until the node is ready.
+    /// Starts a master, a Python node and `camera_stream` with a config and more arguments, and waits until
+    /// `camera_stream` is ready.
     ///
     /// # Errors
     /// When one of them does not start.

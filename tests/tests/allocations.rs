@@ -1,18 +1,18 @@
 //! In the steady state a frame allocates nothing that grows with the scene.
 //!
 //! Every allocation of the process is counted while frames take the same path as in the node, except for the
-//! connections to ROS: a message's bytes as rosrust hands them out, the message, its display, the scene, the CPU renderer, the
-//! picture, the picture's bytes on the wire. Each kind of scene is played small and large; a frame of the large one may
-//! not take more memory from the allocator than one of the small one, but for what a thread pool takes now and then.
+//! connections to ROS: a message's bytes as rosrust hands them over, the message, its display, the scene, the CPU
+//! renderer, the picture, the picture's bytes on the wire. Each kind of scene is played small and large; a frame of the
+//! large one may allocate no more than one of the small one, except for what a thread pool allocates now and then.
 //!
 //! What is left out, and why:
 //!
-//! - rosrust's own copies of a message (one for the socket, one for each subscription) and the bytes of a picture, which it
-//!   is given and drops: they are made in its code. The latter are as many as the picture's, whatever the scene.
+//! - rosrust's own copies of a message (one for the socket, one for each subscription) and the bytes of a picture that it
+//!   takes and frees: both are allocated in its code. The latter are as many as the picture's, whatever the scene.
 //! - The GPU renderer: the driver's allocations are not ours.
 //! - Loading meshes and textures, and laying out text: that happens once.
-//! - A scene that is put together anew because something in it changed is a list of its drawables, some hundred bytes
-//!   each; so is what a display makes of a message of many markers. Here such a list has one entry for each cloud, and for
+//! - A scene that is rebuilt because something in it changed is a list of its drawables, some hundred bytes each; so is
+//!   what a display makes of a message of many markers. Here such a list has one entry for each cloud, and for
 //!   translucent clouds one for each of the pieces that rviz cuts them into, ten thousand points or more.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 

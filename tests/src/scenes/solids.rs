@@ -1,6 +1,6 @@
 //! Triangles, lines, ribbons and labels, any number of them, spread over the picture of a camera that looks along z.
 //!
-//! Places are drawn from a sequence that fills the view evenly (multiples of two irrational numbers), 1 to 3 metres away.
+//! Positions follow a sequence that fills the view evenly (multiples of irrational numbers), 1 to 3 metres away.
 
 use std::sync::Arc;
 
