@@ -78,7 +78,15 @@ pub(crate) fn check_description(case: &Case) -> anyhow::Result<()> {
 fn read(file: &Path) -> anyhow::Result<Case> {
     let folder = file.parent().context("no folder")?;
     let name = folder.file_name().and_then(|name| name.to_str()).context("the folder's name is not UTF-8")?;
-    let mut fields = fields(&std::fs::read_to_string(file)?)?;
+    parse(name, folder, &std::fs::read_to_string(file)?)
+}
+
+/// The case that the text of a `case.yaml` describes.
+///
+/// # Errors
+/// When it is no map of plain values, a field is not known, or a tolerance is without its reason.
+pub(crate) fn parse(name: &str, folder: &Path, text: &str) -> anyhow::Result<Case> {
+    let mut fields = fields(text)?;
     let min_close = match (fields.remove("min_close"), fields.remove("why")) {
         (None, None) => DEFAULT_MIN_CLOSE,
         (None, Some(_)) => bail!("`why` without `min_close`"),

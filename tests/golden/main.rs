@@ -42,10 +42,13 @@ type Scores = Arc<Mutex<Vec<(String, f64, f64)>>>;
 fn main() -> anyhow::Result<()> {
     let arguments = Arguments::from_args();
     let cases = cases::all()?;
-    let mut trials = vec![Trial::test("cases::names_and_descriptions", {
-        let cases = cases.clone();
-        move || check_descriptions(&cases)
-    })];
+    let mut trials = vec![
+        Trial::test("cases::names_and_descriptions", {
+            let cases = cases.clone();
+            move || check_descriptions(&cases)
+        }),
+        Trial::test("cases::tolerances_need_a_reason_and_unknown_fields_are_errors", check_parsing),
+    ];
     let mut all_scores = Vec::new();
     for (name, choice) in [("cpu", RendererChoice::Cpu), ("gpu", RendererChoice::Gpu)] {
         match rcs_render::create(choice) {
@@ -85,6 +88,29 @@ fn check_descriptions(cases: &[Case]) -> Result<(), Failed> {
         Ok(())
     } else {
         Err(errors.join("\n").into())
+    }
+}
+
+/// Fails unless a tolerance is read with its reason, and refused without one or misspelt.
+fn check_parsing() -> Result<(), Failed> {
+    let parse = |text: &str| cases::parse("marker_text", Path::new("cases/marker_text"), text);
+    let is_error = |text: &str, word: &str| parse(text).is_err_and(|error| error.to_string().contains(word));
+    let min_close = |text: &str| parse(text).ok().map(|case| case.min_close);
+    let expectations = [
+        ("default", min_close("about: a\nparams: {}\n") == Some(cases::DEFAULT_MIN_CLOSE)),
+        ("given", min_close("about: a\nmin_close: 0.9\nwhy: glyphs\n") == Some(0.9)),
+        ("no reason", is_error("about: a\nmin_close: 0.9\n", "why")),
+        ("no tolerance", is_error("about: a\nwhy: glyphs\n", "min_close")),
+        ("not a share", is_error("about: a\nmin_close: 98\nwhy: percent\n", "98")),
+        ("misspelt", is_error("about: a\nmin_closs: 0.9\n", "min_closs")),
+        ("twice", is_error("about: a\nabout: b\n", "about")),
+        ("list", is_error("about: [a]\n", "line 1")),
+    ];
+    let wrong: Vec<&str> = expectations.iter().filter(|(_, holds)| !holds).map(|(what, _)| *what).collect();
+    if wrong.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("not as expected: {}", wrong.join(", ")).into())
     }
 }
 
