@@ -2,11 +2,11 @@
 //!
 //! - `decode/message/POINTS`: the bytes become a message, one copy.
 //! - `decode/points/POINTS`: a PointCloud2 display takes the message and makes positions and colours of it.
-//! - `decode/both/POINTS`: both, as often as a camera sends.
+//! - `decode/both/POINTS`: both, as for each message of a camera.
 //! - `decode/COLOURS/POINTS`: as `points`, with another colour transformer.
 //!
-//! One point in 64 has no place, as in a depth camera's clouds, and is left out.
-#![expect(clippy::unwrap_used, reason = "a benchmark that cannot decode has nothing to say")]
+//! One point in 64 is NaN, as in a depth camera's clouds, and is left out.
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot decode measures nothing")]
 
 mod common;
 
@@ -15,7 +15,7 @@ use std::sync::Arc;
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
 use rcs_messages::{AnyMessage, PointCloud2, RosMsg};
 use rcs_tests::scenes::clouds::{message, DEPTH_CAMERA_POINTS};
-use rcs_tests::scenes::played::Played;
+use rcs_tests::scenes::display_pipeline::DisplayPipeline;
 
 fn config(transformer: &str) -> String {
     format!(
@@ -33,14 +33,14 @@ fn decode(c: &mut Criterion) {
             b.iter(|| PointCloud2::decode_slice(&bytes).unwrap());
         });
         let cloud = AnyMessage::PointCloud2(Arc::new(cloud));
-        let mut played = Played::new(&config("RGB8"));
+        let mut pipeline = DisplayPipeline::new(&config("RGB8"));
         group.bench_function(BenchmarkId::new("points", count), |b| {
-            b.iter(|| played.show("/c", &cloud).drawables.len());
+            b.iter(|| pipeline.receive("/c", &cloud).drawables.len());
         });
         group.bench_function(BenchmarkId::new("both", count), |b| {
             b.iter(|| {
                 let cloud = PointCloud2::decode_slice(&bytes).unwrap();
-                played.show("/c", &AnyMessage::PointCloud2(Arc::new(cloud))).drawables.len()
+                pipeline.receive("/c", &AnyMessage::PointCloud2(Arc::new(cloud))).drawables.len()
             });
         });
     }
@@ -49,9 +49,9 @@ fn decode(c: &mut Criterion) {
     for (name, transformer) in
         [("flat", "FlatColor"), ("mono8", "MONO8"), ("axis", "AxisColor"), ("intensity", "Intensity, Channel Name: z")]
     {
-        let mut played = Played::new(&config(transformer));
+        let mut pipeline = DisplayPipeline::new(&config(transformer));
         let id = BenchmarkId::new(name, DEPTH_CAMERA_POINTS);
-        group.bench_function(id, |b| b.iter(|| played.show("/c", &cloud).drawables.len()));
+        group.bench_function(id, |b| b.iter(|| pipeline.receive("/c", &cloud).drawables.len()));
     }
     group.finish();
 }

@@ -1,6 +1,6 @@
 //! From drawn pixels to the wire: `encode/ENCODING/SIZE` writes a picture's rows in an encoding, from one row of pixels
 //! as the renderer does from its cache; `encode/message/SIZE` makes the bytes of an rgb8 Image message, one copy.
-#![expect(clippy::unwrap_used, reason = "a benchmark that cannot encode has nothing to say")]
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot encode measures nothing")]
 
 mod common;
 

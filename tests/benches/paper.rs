@@ -1,11 +1,13 @@
-//! The scenes that there are aims for, each a picture of 1280×800 pixels on two cores:
+//! The scenes with a target time, each a picture of 1280×800 pixels on two cores:
 //!
-//! - `paper/points_15px` and `paper/squares_15px`: the paper's projection, 1,200 points of 15 pixels. Aim: below 1 ms.
-//! - `paper/flat_squares_307200`: a depth camera's cloud as the end-to-end benchmark sends it, squares of 4 mm. Aim: 6 ms.
-//! - `paper/points_3px_307200`: the same cloud as spots of 3 pixels. Aim: 4 ms.
+//! - `paper/points_15px` and `paper/squares_15px`: the paper's projection, 1,200 points of 15 pixels. Target:
+//!   below 1 ms.
+//! - `paper/flat_squares_307200`: a depth camera's cloud as in the end-to-end benchmark, squares of 4 mm. Target:
+//!   6 ms.
+//! - `paper/points_3px_307200`: the same cloud as spots of 3 pixels. Target: 4 ms.
 //!
 //! `RCS_RENDERER=gpu` measures the GPU renderer.
-#![expect(clippy::unwrap_used, reason = "a benchmark that cannot draw has nothing to say")]
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot draw measures nothing")]
 
 mod common;
 
@@ -14,7 +16,7 @@ use std::time::Duration;
 use criterion::{criterion_group, criterion_main, Criterion};
 use rcs_scene::PointStyle;
 use rcs_tests::scenes::clouds::{drawable, in_rows, DEPTH_CAMERA_POINTS, SIDE_M};
-use rcs_tests::scenes::shot::{projector, renderer, Shot};
+use rcs_tests::scenes::rendering::{projector, renderer, Rendering};
 
 /// Points of the paper's scene.
 const FEW: usize = 1200;
@@ -30,8 +32,9 @@ fn paper(c: &mut Criterion) {
         ("flat_squares_307200", DEPTH_CAMERA_POINTS, PointStyle::FlatSquares { side_m: SIDE_M }),
         ("points_3px_307200", DEPTH_CAMERA_POINTS, PointStyle::Points { diameter_px: 3.0 }),
     ] {
-        let mut shot = Shot::new(vec![drawable(in_rows(count), style)], projector().unwrap(), renderer().unwrap());
-        group.bench_function(name, |b| b.iter(|| shot.draw().unwrap().data[0]));
+        let mut rendering =
+            Rendering::new(vec![drawable(in_rows(count), style)], projector().unwrap(), renderer().unwrap());
+        group.bench_function(name, |b| b.iter(|| rendering.draw().unwrap().data[0]));
     }
     group.finish();
 }

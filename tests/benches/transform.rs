@@ -1,10 +1,10 @@
-//! The frame tree: what it costs to find where something is.
+//! The frame tree: the cost of looking up transforms.
 //!
 //! - `transform/latest/FRAMES`: across a chain of so many moving frames, at the latest common time.
 //! - `transform/at_stamp/SAMPLES`: between two samples of one frame's history of so many.
 //! - `transform/insert/SAMPLES`: one more sample at the end of such a history, the oldest of which is forgotten.
 //! - `transform/place/MESSAGES`: so many messages go through the queue in which they wait for their frame.
-#![expect(clippy::unwrap_used, reason = "a benchmark whose frames are not connected has nothing to say")]
+#![expect(clippy::unwrap_used, reason = "a benchmark whose frames are not connected measures nothing")]
 
 mod common;
 

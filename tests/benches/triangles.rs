@@ -2,12 +2,12 @@
 //!
 //! The triangles share no corners; `big_robot` among the tests measures meshes that do. `RCS_RENDERER=gpu` measures the
 //! GPU renderer.
-#![expect(clippy::unwrap_used, reason = "a benchmark that cannot draw has nothing to say")]
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot draw measures nothing")]
 
 mod common;
 
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
-use rcs_tests::scenes::shot::{camera, renderer, Shot};
+use rcs_tests::scenes::rendering::{camera, renderer, Rendering};
 use rcs_tests::scenes::solids;
 
 const FOCAL_PX: f64 = 1000.0;
@@ -21,9 +21,9 @@ fn triangles(c: &mut Criterion) {
             group.throughput(Throughput::Elements(count as u64));
             let geometry = solids::triangles(count, leg_px, FOCAL_PX, [1.28, 0.8]);
             let camera = camera([1280, 800], FOCAL_PX).unwrap();
-            let mut shot = Shot::new(vec![solids::drawable(geometry)], camera, renderer().unwrap());
+            let mut rendering = Rendering::new(vec![solids::drawable(geometry)], camera, renderer().unwrap());
             let id = BenchmarkId::new(format!("{leg_px}px"), count);
-            group.bench_function(id, |b| b.iter(|| shot.draw().unwrap().data[0]));
+            group.bench_function(id, |b| b.iter(|| rendering.draw().unwrap().data[0]));
         }
     }
     group.finish();

@@ -1,13 +1,23 @@
-//! Which cases there are and how near each must be.
+//! The conformance cases: a folder each, with what is to be drawn and, in `case.yaml`, what it shows.
+//!
+//! `tests/conformance/README.md` describes the files and fields. A field that is not known is an error, so that a
+//! misspelt tolerance is not silently the default.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+use anyhow::{bail, ensure, Context as _};
+use saphyr_parser::{Event, Parser};
 
 /// A scene and the picture that rviz drew of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Case {
+    /// The folder's name, which begins with the subject.
     pub(crate) name: String,
     pub(crate) folder: PathBuf,
-    /// The lowest *close* score.
+    /// What the case shows.
+    pub(crate) about: String,
+    /// The lowest *close* score that passes, 0 to 1.
     pub(crate) min_close: f64,
     /// The camera to draw, where the config has several.
     pub(crate) camera: Option<String>,
@@ -15,14 +25,13 @@ pub(crate) struct Case {
     pub(crate) params: Vec<String>,
 }
 
-/// A picture may differ in this share of its content: single pixels of rasterisation that lie farther than one away.
-const MIN_CLOSE: f64 = 0.98;
+/// The lowest *close* score of a case whose `case.yaml` has no `min_close`: single pixels of rasterisation may lie
+/// farther than one away.
+pub(crate) const DEFAULT_MIN_CLOSE: f64 = 0.98;
 
-/// Text may: glyphs may be rasterised differently, but not stand elsewhere or in another size or colour.
-const MIN_CLOSE_TEXT: f64 = 0.90;
-
-/// The cases whose picture is text, besides those that say so in their names.
-const TEXT: [&str; 2] = ["tf_default", "interactive_marker"];
+/// The fields that describe how rviz's picture was recorded. They are not needed to draw it.
+const RECORDING: [&str; 10] =
+    ["at", "encoding", "frame_id", "height", "in_group", "note", "spoil_k", "stable", "unsubscribed_ok", "width"];
 
 /// The repository's root.
 pub(crate) fn repository() -> PathBuf {
@@ -30,44 +39,100 @@ pub(crate) fn repository() -> PathBuf {
     tests.parent().unwrap_or(tests).to_owned()
 }
 
-/// The folder with the cases, and with the package `conformance_assets`.
+/// The folder with the cases, and with the packages `conformance_assets` and `conformance_robots`.
 pub(crate) fn conformance() -> PathBuf {
     repository().join("tests/conformance")
 }
 
-/// All cases by name. Those that begin with `x_`, `y_` or `z_` were drawn by the same rviz for this project, to see more
-/// values than the others do.
-pub(crate) fn all() -> Vec<Case> {
-    let folders = std::fs::read_dir(conformance().join("cases")).into_iter().flatten().flatten();
-    let mut cases: Vec<Case> = folders
-        .filter_map(|entry| {
-            let name = entry.file_name().into_string().ok()?;
-            let is_text = name.contains("text") || TEXT.contains(&name.as_str());
-            let min_close = if is_text { MIN_CLOSE_TEXT } else { MIN_CLOSE };
-            Some(Case {
-                camera: camera(&entry.path()),
-                params: params(&entry.path()),
-                folder: entry.path(),
-                min_close,
-                name,
-            })
-        })
-        .collect();
+/// All cases by name.
+///
+/// # Errors
+/// When there are none, or a `case.yaml` cannot be read.
+pub(crate) fn all() -> anyhow::Result<Vec<Case>> {
+    let folder = conformance().join("cases");
+    let mut cases = Vec::new();
+    for entry in std::fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
+        let file = entry?.path().join("case.yaml");
+        cases.push(read(&file).with_context(|| file.display().to_string())?);
+    }
+    ensure!(!cases.is_empty(), "there are no cases below {}", folder.display());
     cases.sort_by(|a, b| a.name.cmp(&b.name));
-    assert!(!cases.is_empty(), "there are no cases below {}", conformance().display());
-    cases
+    Ok(cases)
 }
 
-/// The parameters that `case.yaml` names: the indented lines below `params:`.
-fn params(folder: &Path) -> Vec<String> {
-    let about = std::fs::read_to_string(folder.join("case.yaml")).unwrap_or_default();
-    let below = about.lines().skip_while(|line| *line != "params:").skip(1);
-    let entries = below.map_while(|line| line.strip_prefix("  ")?.split_once(": "));
-    entries.map(|(name, file)| format!("{name}={}", file.trim())).collect()
+/// Checks a case's name and description.
+///
+/// # Errors
+/// When the name is not in lower_snake_case or begins with a single letter, which would say nothing about the subject,
+/// or when `about` is empty.
+pub(crate) fn check_description(case: &Case) -> anyhow::Result<()> {
+    let parts: Vec<&str> = case.name.split('_').collect();
+    let is_word = |part: &&str| !part.is_empty() && part.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
+    ensure!(parts.iter().all(is_word), "{}: the name is not in lower_snake_case", case.name);
+    ensure!(parts[0].len() > 1, "{}: the name does not begin with its subject", case.name);
+    ensure!(case.name.len() <= 50, "{}: the name is longer than 50 characters", case.name);
+    ensure!(!case.about.trim().is_empty(), "{}: `about` is empty", case.name);
+    Ok(())
 }
 
-/// The camera that `case.yaml` names.
-fn camera(folder: &Path) -> Option<String> {
-    let about = std::fs::read_to_string(folder.join("case.yaml")).ok()?;
-    about.lines().find_map(|line| Some(line.strip_prefix("camera: ")?.trim().to_owned()))
+fn read(file: &Path) -> anyhow::Result<Case> {
+    let folder = file.parent().context("no folder")?;
+    let name = folder.file_name().and_then(|name| name.to_str()).context("the folder's name is not UTF-8")?;
+    parse(name, folder, &std::fs::read_to_string(file)?)
+}
+
+/// The case that the text of a `case.yaml` describes.
+///
+/// # Errors
+/// When it is no map of plain values, a field is not known, or a tolerance is without its reason.
+pub(crate) fn parse(name: &str, folder: &Path, text: &str) -> anyhow::Result<Case> {
+    let mut fields = fields(text)?;
+    let min_close = match (fields.remove("min_close"), fields.remove("why")) {
+        (None, None) => DEFAULT_MIN_CLOSE,
+        (None, Some(_)) => bail!("`why` without `min_close`"),
+        (Some(_), None) => bail!("`min_close` without `why`"),
+        (Some(min_close), Some(why)) => {
+            ensure!(!why.trim().is_empty(), "`why` is empty");
+            let min_close = min_close.parse().with_context(|| format!("min_close: {min_close}"))?;
+            ensure!((0.0..=1.0).contains(&min_close), "min_close: {min_close} is not within 0 and 1");
+            min_close
+        }
+    };
+    let (about, camera) = (fields.remove("about").unwrap_or_default(), fields.remove("camera"));
+    let mut params = Vec::new();
+    for (field, value) in fields {
+        if let Some(parameter) = field.strip_prefix("params/") {
+            params.push(format!("{parameter}={value}"));
+        } else {
+            ensure!(RECORDING.contains(&field.as_str()), "unknown field `{field}`");
+        }
+    }
+    Ok(Case { name: name.to_owned(), folder: folder.to_owned(), about, min_close, camera, params })
+}
+
+/// The values of a YAML map; those of a map within it are named `OUTER/INNER`.
+fn fields(text: &str) -> anyhow::Result<BTreeMap<String, String>> {
+    let mut fields = BTreeMap::new();
+    // The keys that lead to the next value, the innermost last.
+    let mut keys: Vec<String> = Vec::new();
+    let mut depth = 0;
+    for event in Parser::new_from_str(text) {
+        let (event, span) = event?;
+        match event {
+            Event::MappingStart(..) if depth == keys.len() => depth += 1,
+            Event::MappingEnd => {
+                depth -= 1;
+                keys.pop();
+            }
+            Event::Scalar(text, ..) if keys.len() < depth => keys.push(text.into_owned()),
+            Event::Scalar(text, ..) if depth > 0 => {
+                let name = keys.join("/");
+                ensure!(fields.insert(name.clone(), text.into_owned()).is_none(), "`{name}` is given twice");
+                keys.pop();
+            }
+            Event::Nothing | Event::StreamStart | Event::StreamEnd | Event::DocumentStart(_) | Event::DocumentEnd => {}
+            _ => bail!("line {}: only maps of plain values are expected", span.start.line()),
+        }
+    }
+    Ok(fields)
 }

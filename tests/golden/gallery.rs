@@ -1,6 +1,6 @@
 //! The gallery `docs/displays.md`: its pictures are what the CPU renderer draws, and each display has its section.
 //!
-//! A picture `images/displays/NAME.png` is that of the case NAME. `UPDATE_GALLERY=1` writes the pictures anew.
+//! A picture `images/displays/NAME.png` is that of the case NAME. `UPDATE_GALLERY=1` writes the pictures again.
 
 use std::path::PathBuf;
 
@@ -12,8 +12,8 @@ use crate::{load, render, score, SharedRenderer};
 /// Classes of other packages have a section of their own.
 const OTHER_PLUGINS: &str = "other plugins";
 
-/// A gallery's picture and the one drawn now agree at least so far. Both come from the same renderer, which calculates
-/// in floating point, so that another processor may round a pixel otherwise.
+/// The lowest *close* score that passes between a picture of the gallery and the one drawn now. Both are of the same
+/// renderer, but floating point may be rounded differently on another processor.
 const MIN_CLOSE: f64 = 0.999;
 
 fn page() -> String {

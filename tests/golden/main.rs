@@ -1,8 +1,20 @@
 //! Golden tests: what rviz drew, drawn again by both renderers.
 //!
 //! Each case is a folder with `scene.rviz`, `scene.bag` and the `expected.png` that rviz 1.14.19 with its CameraPub
-//! plugin published for them. A failing case leaves `expected | difference | actual` in `test_output/golden`.
-//! `GOLDEN_OUTPUT=DIR` keeps all rendered pictures there. The pictures of the gallery in `docs` are tested with them.
+//! plugin published for them; `tests/conformance/README.md` describes them. The pictures of the gallery in `docs` are
+//! tested with them.
+//!
+//! ```text
+//! cargo test --release -p rcs_tests --test golden                              all cases, both renderers, the gallery
+//! cargo test --release -p rcs_tests --test golden -- cpu::                     all cases on the CPU
+//! cargo test --release -p rcs_tests --test golden -- marker_text               all tests with this text in their names
+//! cargo test --release -p rcs_tests --test golden -- --exact gpu::pc2_points_1px      one case on the GPU
+//! cargo test --release -p rcs_tests --test golden -- --list                    their names
+//! GOLDEN_OUTPUT=DIR cargo test ...                                             keeps every rendered picture in DIR
+//! UPDATE_GALLERY=1 cargo test ... -- gallery::                                 writes the gallery's pictures again
+//! ```
+//!
+//! A failing case leaves `expected | difference | actual` in `test_output/golden/RENDERER/NAME_difference.png`.
 
 mod cases;
 mod gallery;
@@ -21,16 +33,22 @@ use rcs_resources::{MeshStore, PackageIndex};
 use cases::Case;
 use score::Rgb;
 
-/// The mean of all cases is at least this on each renderer.
+/// The lowest mean *close* score of all cases that passes, on each renderer.
 const MIN_MEAN_CLOSE: f64 = 0.995;
 
 type SharedRenderer = Arc<Mutex<Box<dyn Renderer>>>;
 type Scores = Arc<Mutex<Vec<(String, f64, f64)>>>;
 
-fn main() {
+fn main() -> anyhow::Result<()> {
     let arguments = Arguments::from_args();
-    let cases = cases::all();
-    let mut trials = Vec::new();
+    let cases = cases::all()?;
+    let mut trials = vec![
+        Trial::test("cases::names_and_descriptions", {
+            let cases = cases.clone();
+            move || check_descriptions(&cases)
+        }),
+        Trial::test("cases::tolerances_need_a_reason_and_unknown_fields_are_errors", check_parsing),
+    ];
     let mut all_scores = Vec::new();
     for (name, choice) in [("cpu", RendererChoice::Cpu), ("gpu", RendererChoice::Gpu)] {
         match rcs_render::create(choice) {
@@ -62,7 +80,42 @@ fn main() {
     std::process::exit(i32::from(failed));
 }
 
-/// Prints the mean; tells whether it is high enough. It counts only where all cases ran.
+/// Fails with the names of all cases whose name or description does not explain them.
+fn check_descriptions(cases: &[Case]) -> Result<(), Failed> {
+    let errors = cases.iter().filter_map(|case| cases::check_description(case).err());
+    let errors: Vec<String> = errors.map(|error| error.to_string()).collect();
+    if errors.is_empty() {
+        Ok(())
+    } else {
+        Err(errors.join("\n").into())
+    }
+}
+
+/// Fails unless a tolerance is read with its reason, and refused without one or misspelt.
+fn check_parsing() -> Result<(), Failed> {
+    let parse = |text: &str| cases::parse("marker_text", Path::new("cases/marker_text"), text);
+    let is_error = |text: &str, word: &str| parse(text).is_err_and(|error| error.to_string().contains(word));
+    let min_close = |text: &str| parse(text).ok().map(|case| case.min_close);
+    let expectations = [
+        ("default", min_close("about: a\nparams: {}\n") == Some(cases::DEFAULT_MIN_CLOSE)),
+        ("given", min_close("about: a\nmin_close: 0.9\nwhy: glyphs\n") == Some(0.9)),
+        ("no reason", is_error("about: a\nmin_close: 0.9\n", "why")),
+        ("no tolerance", is_error("about: a\nwhy: glyphs\n", "min_close")),
+        ("not a share", is_error("about: a\nmin_close: 98\nwhy: percent\n", "98")),
+        ("misspelt", is_error("about: a\nmin_closs: 0.9\n", "min_closs")),
+        ("twice", is_error("about: a\nabout: b\n", "about")),
+        ("list", is_error("about: [a]\n", "line 1")),
+    ];
+    let wrong: Vec<&str> = expectations.iter().filter(|(_, holds)| !holds).map(|(what, _)| *what).collect();
+    if wrong.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("not as expected: {}", wrong.join(", ")).into())
+    }
+}
+
+/// Prints the scores' means. Returns whether the mean *close* is high enough, which it is taken to be unless all cases
+/// ran.
 fn report(renderer: &str, scores: &[(String, f64, f64)], case_count: usize) -> bool {
     let mean = |of: fn(&(String, f64, f64)) -> f64| scores.iter().map(of).sum::<f64>() / scores.len().max(1) as f64;
     let (strict, close) = (mean(|score| score.1), mean(|score| score.2));

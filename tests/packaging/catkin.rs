@@ -8,7 +8,7 @@ use std::path::Path;
 
 use rcs_tests::programs::repository;
 
-use crate::{bash, said, succeed, target};
+use crate::{bash, printed_by, succeed, target};
 
 const PROGRAMS: [&str; 4] = ["camera_stream", "projector", "projector_window", "publish_cloud"];
 
@@ -63,7 +63,7 @@ fn catkin_build_installs_what_rosrun_finds() {
 }
 
 #[test]
-fn plain_cmake_installs_programs_and_all_that_users_name() {
+fn plain_cmake_installs_programs_launch_files_and_configs() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     succeed(&format!(
@@ -92,14 +92,14 @@ fn plain_cmake_installs_programs_and_all_that_users_name() {
 }
 
 #[test]
-fn catkin_sees_one_package_in_the_repository() {
+fn catkin_finds_one_package_in_the_repository() {
     let printed =
         succeed("python3 -c 'from catkin_pkg.packages import find_package_paths; print(find_package_paths(\".\"))'");
     assert_eq!(printed.trim(), "['ros_pkg']");
 }
 
-/// What cmake says when PATH and HOME have only these programs, in one line.
-fn cmake_says(tools: &[(&str, &str)]) -> String {
+/// The output of cmake, in one line, when PATH and HOME have only these programs.
+fn cmake_output(tools: &[(&str, &str)]) -> String {
     let folder = tempfile::tempdir().unwrap();
     for (name, script) in tools {
         let path = folder.path().join(name);
@@ -117,20 +117,21 @@ fn cmake_says(tools: &[(&str, &str)]) -> String {
         repository().join("ros_pkg").display()
     ));
     assert!(!output.status.success());
-    let words = said(&output);
+    let words = printed_by(&output);
     assert_eq!(words.matches("CMake Error").count(), 1, "{words}");
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[test]
 fn a_missing_rust_toolchain_is_one_clear_error() {
-    let words = cmake_says(&[]);
+    let words = cmake_output(&[]);
     assert!(words.contains("No Rust toolchain") && words.contains("https://sh.rustup.rs"), "{words}");
 }
 
 #[test]
 fn an_old_rust_toolchain_is_one_clear_error_with_both_versions() {
-    let words = cmake_says(&[("cargo", "echo cargo 1.63.0"), ("rustc", "echo 'rustc 1.63.0 (4b91a6ea7 2022-08-08)'")]);
+    let words =
+        cmake_output(&[("cargo", "echo cargo 1.63.0"), ("rustc", "echo 'rustc 1.63.0 (4b91a6ea7 2022-08-08)'")]);
     let manifest = fs::read_to_string(repository().join("Cargo.toml")).unwrap();
     let needed = manifest.split("rust-version = \"").nth(1).unwrap().split('"').next().unwrap();
     assert!(words.contains("too old") && words.contains("is 1.63.0;"), "{words}");
@@ -138,8 +139,8 @@ fn an_old_rust_toolchain_is_one_clear_error_with_both_versions() {
 }
 
 #[test]
-fn a_broken_rust_toolchain_says_why() {
+fn a_broken_rust_toolchain_is_reported_with_its_own_error() {
     let broken = "echo 'error: rustup could not choose a version of rustc to run' >&2; exit 1";
-    let words = cmake_says(&[("cargo", broken), ("rustc", broken)]);
+    let words = cmake_output(&[("cargo", broken), ("rustc", broken)]);
     assert!(words.contains("does not work: error: rustup could not choose"), "{words}");
 }

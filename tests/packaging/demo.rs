@@ -1,4 +1,4 @@
-//! The command `./demo`: it shows the sample scene, and leaves nothing behind however it ends.
+//! The command `./demo`: it shows the sample scene and leaves no process behind however it ends.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,13 +9,13 @@ use rcs_tests::programs::repository;
 use rcs_tests::ros::{wait_until, Running};
 
 use crate::files::pixels;
-use crate::{bash, bash_command, said, succeed};
+use crate::{bash, bash_command, printed_by, succeed};
 
 /// Processes that have this in their environment.
 fn processes_with(environment: &str) -> Vec<String> {
     let mut found = Vec::new();
     for entry in fs::read_dir("/proc").unwrap().filter_map(Result::ok) {
-        // A process may end while it is looked at, and others' are not ours to read.
+        // A process may end meanwhile, and those of other users cannot be read.
         let Ok(variables) = fs::read(entry.path().join("environ")) else { continue };
         if String::from_utf8_lossy(&variables).split('\0').any(|variable| variable == environment) {
             let command = fs::read(entry.path().join("cmdline")).unwrap_or_default();
@@ -30,7 +30,7 @@ fn master_of(printed: &str) -> String {
     format!("ROS_MASTER_URI={}", line.unwrap_or_else(|| panic!("no master: {printed}")))
 }
 
-/// Runs the demo to its end; the picture that it saved, and what it said.
+/// Runs the demo to its end. Returns the picture that it saved and what it printed.
 fn show(folder: &Path, arguments: &str) -> (PathBuf, String) {
     let file = folder.join("shown.png");
     let printed = succeed(&format!("./demo --seconds 1 --renderer cpu --output {} {arguments}", file.display()));
@@ -42,7 +42,7 @@ fn show(folder: &Path, arguments: &str) -> (PathBuf, String) {
 #[test]
 fn the_projector_shows_what_the_bag_shows_pixel_for_pixel() {
     let folder = tempfile::tempdir().unwrap();
-    // Twice: nothing of the first run is in the second one's way.
+    // Twice: the first run leaves nothing that hinders the second.
     for _ in 0..2 {
         let (shown, printed) = show(folder.path(), "");
         assert!(pixels(&shown) == pixels(&repository().join("docs/images/demo.png")), "{printed}");
@@ -95,12 +95,12 @@ fn ctrl_c_leaves_no_process_behind() {
 fn failure(script: &str) -> (Option<i32>, String) {
     let output: Output = bash(script);
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(!output.status.success(), "{}", said(&output));
+    assert!(!output.status.success(), "{}", printed_by(&output));
     (output.status.code(), errors.lines().last().unwrap_or_default().to_owned())
 }
 
 #[test]
-fn unusable_arguments_are_told() {
+fn unusable_arguments_are_reported() {
     for (arguments, word) in [
         ("--viewer mirror", "--viewer mirror: it is projector_window or image_view"),
         ("--renderer voodoo", "--renderer voodoo: it is auto, cpu or gpu"),
@@ -116,7 +116,7 @@ fn unusable_arguments_are_told() {
 
 #[test]
 fn a_part_that_fails_is_named_with_its_log() {
-    // A roscore that dies at once: it imports this in place of what it is made of.
+    // A roscore that dies at once: it imports this module instead of its own.
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("roslaunch.py"), "raise SystemExit('the disk is full')\n").unwrap();
     let (status, line) = failure(&format!("PYTHONPATH={} ./demo", folder.path().display()));

@@ -1,4 +1,4 @@
-//! The files that a user runs and copies are right: configs, projector files, the sample scene, the README.
+//! The files that a user runs and copies are valid: configs, projector files, the sample scene, the README.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use rcs_files::projector::ProjectorFile;
 use rcs_rviz_config::DisplaySettings;
 use rcs_tests::programs::{program, repository};
 
-use crate::{said, succeed};
+use crate::{printed_by, succeed};
 
 fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(repository().join(folder)).unwrap().map(|entry| entry.unwrap().path());
@@ -21,7 +21,7 @@ fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
 fn every_config_is_understood() {
     for config in [files("config", "rviz"), files("rviz", "rviz")].concat() {
         let output = Command::new(program("camera_stream")).arg("check").arg(&config).output().unwrap();
-        assert!(output.status.success(), "{}", said(&output));
+        assert!(output.status.success(), "{}", printed_by(&output));
     }
 }
 
@@ -44,7 +44,7 @@ fn the_old_packages_config_has_its_cameras_and_displays() {
 }
 
 #[test]
-fn every_projector_file_is_read_whole() {
+fn every_key_of_the_projector_files_is_read() {
     for file in files("config", "yaml") {
         let projector = ProjectorFile::read(&file).unwrap();
         assert_eq!(projector.ignored_keys, Vec::<String>::new(), "{}", file.display());
@@ -64,7 +64,7 @@ fn the_demos_cameras_are_those_of_the_old_package() {
 }
 
 #[test]
-fn a_fetchs_projector_hangs_on_its_torso() {
+fn the_fetch_projector_is_mounted_on_its_torso() {
     let projector = ProjectorFile::read(&repository().join("config/fetch_projector.yaml")).unwrap();
     let frames: Vec<_> = projector.frames.iter().map(|frame| (&*frame.parent, &*frame.child)).collect();
     assert_eq!(frames, [("torso_lift_link", "proj_link"), ("proj_link", "proj_view")]);
@@ -88,11 +88,11 @@ fn the_readmes_picture_is_what_the_demo_draws() {
     let folder = tempfile::tempdir().unwrap();
     let drawn = folder.path().join("demo.png");
     succeed(&format!("./demo --offline --renderer cpu --output {}", drawn.display()));
-    assert!(pixels(&drawn) == pixels(&repository().join("docs/images/demo.png")), "make it anew: ./demo --offline");
+    assert!(pixels(&drawn) == pixels(&repository().join("docs/images/demo.png")), "draw it again: ./demo --offline");
 }
 
 #[test]
-fn the_documents_links_lead_somewhere() {
+fn the_links_of_the_documents_lead_to_existing_files() {
     let mut links = 0;
     for document in ["README.md", "docs/architecture.md", "docs/differences.md"] {
         let path = repository().join(document);
@@ -105,7 +105,7 @@ fn the_documents_links_lead_somewhere() {
             }
         }
     }
-    assert!(links >= 4, "{links} links were looked at");
+    assert!(links >= 4, "only {links} links were found");
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn the_readme_names_every_option_that_it_explains() {
         ("projector_window", "### `projector_window`"),
         ("publish_cloud", "### `publish_cloud"),
     ] {
-        let help = said(&Command::new(program(node)).arg("--help").output().unwrap());
+        let help = printed_by(&Command::new(program(node)).arg("--help").output().unwrap());
         let body = text.split(section).nth(1).unwrap().split("\n### ").next().unwrap();
         for option in body.split('`').filter(|word| word.starts_with("--") && !word.contains(' ')) {
             assert!(help.contains(option), "{node} has no {option}:\n{help}");

@@ -1,9 +1,9 @@
-//! The launch files: which nodes they start, and that what they start shows its pictures.
+//! The launch files: which nodes they start, and that these publish pictures.
 
 use rcs_tests::programs::repository;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 
-use crate::{bash_command, said, succeed, target};
+use crate::{bash_command, printed_by, succeed, target};
 
 /// The nodes of a launch file with these arguments.
 fn nodes(launch: &str) -> Vec<String> {
@@ -42,8 +42,8 @@ fn each_part_of_the_projection_can_be_replaced() {
 fn an_unknown_viewer_is_refused() {
     let script = format!("{}\nroslaunch --nodes rviz_camera_stream projection.launch viewer:=mirror", from_source());
     let output = crate::bash(&script);
-    assert!(said(&output).contains("mirror"), "{}", said(&output));
-    assert!(!said(&output).contains("/camera_stream"), "{}", said(&output));
+    assert!(printed_by(&output).contains("mirror"), "{}", printed_by(&output));
+    assert!(!printed_by(&output).contains("/camera_stream"), "{}", printed_by(&output));
 }
 
 /// A devel space with the programs that are built already, and roslaunch in it; ended when it is dropped.
@@ -98,7 +98,7 @@ fn demo_shows_both_cameras() {
 }
 
 #[test]
-fn demo_without_a_display_says_why_rviz_does_not_open() {
+fn demo_without_a_display_reports_that_rviz_does_not_open() {
     let master = RosMaster::start().unwrap();
     let launched = Launched::start(&master, "demo.launch use_rviz:=true renderer:=cpu");
     assert!(launched.roslaunch.line_with("rviz's window does not open").is_some(), "{:?}", launched.roslaunch.lines());
@@ -106,7 +106,7 @@ fn demo_without_a_display_says_why_rviz_does_not_open() {
 }
 
 #[test]
-fn projection_publishes_where_it_is_told() {
+fn projection_publishes_on_the_topics_of_its_arguments() {
     let master = RosMaster::start().unwrap();
     let launched = Launched::start(
         &master,

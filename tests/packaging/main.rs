@@ -25,7 +25,7 @@ fn bash_command(script: &str) -> Command {
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
         .stdin(Stdio::null());
-    // What cargo tells the test is not for the cargo that the script calls.
+    // The variables that cargo sets for the test must not reach the cargo that the script calls.
     for (name, _) in std::env::vars_os() {
         if name.to_str().is_some_and(|name| name.starts_with("CARGO_") && name != "CARGO_HOME") {
             command.env_remove(name);
@@ -38,12 +38,12 @@ fn bash_command(script: &str) -> Command {
 /// Standard output of a script that must succeed.
 fn succeed(script: &str) -> String {
     let output = bash(script);
-    assert!(output.status.success(), "{script}\n{}", said(&output));
+    assert!(output.status.success(), "{script}\n{}", printed_by(&output));
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// All that a program said.
-fn said(output: &Output) -> String {
+/// All that a program printed, on both outputs.
+fn printed_by(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
 

@@ -33,7 +33,7 @@ fn bags_of_every_compression_are_read() {
 }
 
 #[test]
-fn ros_reads_a_bag_of_ours() {
+fn rosbag_reads_a_bag_that_we_wrote() {
     let master = RosMaster::reserve().unwrap();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("ours.bag");
@@ -50,8 +50,8 @@ fn ros_reads_a_bag_of_ours() {
     let script = "import sys, rosbag\n\
                   for topic, message, time in rosbag.Bag(sys.argv[1]).read_messages():\n\
                   \x20   print(topic, message._type, message.header.frame_id, message.point.y, time.secs)\n";
-    let said = master.output("python3", &["-c", script, path.to_str().unwrap()]).unwrap();
-    let lines: Vec<_> = said.lines().collect();
-    assert_eq!(lines.len(), 3, "{said}");
+    let printed = master.output("python3", &["-c", script, path.to_str().unwrap()]).unwrap();
+    let lines: Vec<_> = printed.lines().collect();
+    assert_eq!(lines.len(), 3, "{printed}");
     assert_eq!(lines[2], "/point geometry_msgs/PointStamped map 2.0 52");
 }

@@ -11,31 +11,31 @@ use rcs_tests::ros::RosMaster;
 fn checksums_are_those_of_rosmsg() {
     let master = RosMaster::reserve().unwrap();
     for kind in MessageKind::ALL {
-        let said = master.output("rosmsg", &["md5", kind.ros_type()]).unwrap();
-        assert_eq!(said.trim(), kind.md5sum(), "{}", kind.ros_type());
+        let printed = master.output("rosmsg", &["md5", kind.ros_type()]).unwrap();
+        assert_eq!(printed.trim(), kind.md5sum(), "{}", kind.ros_type());
     }
 }
 
 /// Recorders write the definition into bags, from which other tools make the type anew.
 #[test]
-fn definitions_make_the_same_types() {
+fn message_definitions_have_the_checksums_of_ros() {
     let script = "import sys, genpy.dynamic\n\
                   name = sys.argv[1]\n\
                   print(genpy.dynamic.generate_dynamic(name, sys.argv[2])[name]._md5sum)\n";
     let master = RosMaster::reserve().unwrap();
     for kind in MessageKind::ALL {
-        let said = master.output("python3", &["-c", script, kind.ros_type(), &kind.definition()]).unwrap();
-        assert_eq!(said.trim(), kind.md5sum(), "{}", kind.ros_type());
+        let printed = master.output("python3", &["-c", script, kind.ros_type(), &kind.definition()]).unwrap();
+        assert_eq!(printed.trim(), kind.md5sum(), "{}", kind.ros_type());
     }
 }
 
 /// These are written by hand, for the package need not be there when the programs are built.
 #[test]
-fn dynamic_reconfigure_is_that_of_ros() {
+fn dynamic_reconfigure_messages_are_those_of_ros() {
     let master = RosMaster::reserve().unwrap();
     let python = |script: &str, args: &[&str]| {
-        let said = master.output("python3", &[&["-c", script], args].concat()).unwrap();
-        said.trim().to_owned()
+        let printed = master.output("python3", &[&["-c", script], args].concat()).unwrap();
+        printed.trim().to_owned()
     };
     let script = "from dynamic_reconfigure.msg import *; from dynamic_reconfigure.srv import *\n\
                   print(Config._md5sum, ConfigDescription._md5sum, Reconfigure._md5sum)";

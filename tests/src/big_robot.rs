@@ -1,4 +1,4 @@
-//! A robot of full size, made when a test wants one: 25 links with detailed meshes, half of them COLLADA with shared
+//! A full-size robot, written when a test needs one: 25 links with detailed meshes, half of them COLLADA with shared
 //! vertices and smooth normals, half of them binary STL, about 250,000 triangles and 17 MB of files.
 
 use std::f64::consts::TAU;
@@ -9,11 +9,11 @@ use std::path::Path;
 /// A joint that turns a link about the z axis of its own frame.
 #[derive(Clone, Debug)]
 pub struct BigJoint {
-    /// The link that it hangs on.
+    /// The link that it is attached to.
     pub parent: String,
-    /// The link that it moves; the link's mesh stands around it.
+    /// The link that it moves, whose mesh surrounds the joint.
     pub child: String,
-    /// Where the child's frame is in the parent's, in metres.
+    /// Position of the child's frame in the parent's, in metres.
     pub origin_m: [f64; 3],
 }
 
@@ -111,7 +111,7 @@ impl Surface {
         })
     }
 
-    /// The direction away from the surface, by its neighbours.
+    /// The outward normal, from the neighbouring points.
     fn normal(&self, ring: usize, segment: usize) -> [f64; 3] {
         let around = |step: usize| self.point(ring, (segment + step) % self.segments);
         let along = [self.point((ring + 1).min(self.rings), segment), self.point(ring.saturating_sub(1), segment)];

@@ -1,8 +1,8 @@
-//! What the tests of the whole share.
+//! What the tests and benchmarks of the whole project share.
 
 pub mod big_robot;
 pub mod programs;
-pub mod puppet;
+pub mod python_node;
 pub mod ros;
+pub mod ros_fixture;
 pub mod scenes;
-pub mod stand;

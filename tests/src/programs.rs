@@ -1,4 +1,4 @@
-//! The project's programs as they were built, and what else of the repository tests need.
+//! Paths that tests need: the project's programs as built, the repository, the conformance cases.
 
 use std::path::{Path, PathBuf};
 

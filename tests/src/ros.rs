@@ -1,4 +1,4 @@
-//! Real ROS processes for tests: a master on a free port, programs that talk to it, and waiting for what they say.
+//! Real ROS processes for tests: a master on a free port, programs that connect to it, and waiting for what they print.
 //!
 //! Everything that is started here is ended when its value is dropped, and nothing else is.
 
@@ -18,7 +18,7 @@ pub fn is_ros_installed() -> bool {
     program("roscore").is_file()
 }
 
-/// Asks `condition` until it holds; false when it does not within `timeout`.
+/// Polls `condition` until it holds; false when it does not within `timeout`.
 pub fn wait_until(timeout: Duration, mut condition: impl FnMut() -> bool) -> bool {
     let started = Instant::now();
     loop {
@@ -61,7 +61,7 @@ impl RosMaster {
         Ok(master)
     }
 
-    /// Chooses a port without starting anything there: the master that is not there yet.
+    /// Chooses a port without starting a master there yet.
     pub fn reserve() -> io::Result<Self> {
         let port = free_port()?;
         let home = std::env::temp_dir().join(format!("rcs_ros_home_{}_{port}", std::process::id()));
@@ -78,12 +78,12 @@ impl RosMaster {
         if wait_until(PATIENCE, is_up) {
             Ok(())
         } else {
-            let said = self.core.as_ref().map(Running::errors).unwrap_or_default();
-            Err(io::Error::other(format!("roscore does not answer: {said:?}")))
+            let errors = self.core.as_ref().map(Running::errors).unwrap_or_default();
+            Err(io::Error::other(format!("roscore does not answer: {errors:?}")))
         }
     }
 
-    /// Ends the master and starts another on the same port, which knows nothing of the nodes.
+    /// Ends the master and starts another on the same port, with which no node is registered.
     pub fn restart(&mut self) -> io::Result<()> {
         self.stop();
         self.run()
@@ -94,12 +94,12 @@ impl RosMaster {
         format!("http://127.0.0.1:{}", self.port)
     }
 
-    /// A program of ROS that is to talk to this master.
+    /// A program of ROS that uses this master.
     pub fn command(&self, name: &str) -> Command {
         self.environment(Command::new(program(name)))
     }
 
-    /// Lets any program talk to this master.
+    /// Sets the environment of any program so that it uses this master.
     pub fn environment(&self, mut command: Command) -> Command {
         // Debian's ROS is for Debian's python.
         let path = format!("/usr/bin:{}", std::env::var("PATH").unwrap_or_default());

@@ -1,18 +1,18 @@
 //! In the steady state a frame allocates nothing that grows with the scene.
 //!
-//! Every allocation of the process is counted while frames go the way that they go in the node, the connections to ROS
-//! left out: a message's bytes as rosrust hands them out, the message, its display, the scene, the CPU renderer, the
-//! picture, the picture's bytes on the wire. Each kind of scene is played small and large; a frame of the large one may
-//! not take more memory from the allocator than one of the small one, but for what a thread pool takes now and then.
+//! Every allocation of the process is counted while frames take the same path as in the node, except for the
+//! connections to ROS: a message's bytes as rosrust hands them over, the message, its display, the scene, the CPU
+//! renderer, the picture, the picture's bytes on the wire. Each kind of scene is played small and large; a frame of the
+//! large one may allocate no more than one of the small one, except for what a thread pool allocates now and then.
 //!
 //! What is left out, and why:
 //!
-//! - rosrust's own copies of a message (one for the socket, one for each subscription) and the bytes of a picture, which it
-//!   is given and drops: they are made in its code. The latter are as many as the picture's, whatever the scene.
-//! - The GPU renderer: what a driver allocates is not ours.
+//! - rosrust's own copies of a message (one for the socket, one for each subscription) and the bytes of a picture that it
+//!   takes and frees: both are allocated in its code. The latter are as many as the picture's, whatever the scene.
+//! - The GPU renderer: the driver's allocations are not ours.
 //! - Loading meshes and textures, and laying out text: that happens once.
-//! - A scene that is put together anew because something in it changed is a list of its drawables, some hundred bytes
-//!   each; so is what a display makes of a message of many markers. Here such a list has one entry for each cloud, and for
+//! - A scene that is rebuilt because something in it changed is a list of its drawables, some hundred bytes each; so is
+//!   what a display makes of a message of many markers. Here such a list has one entry for each cloud, and for
 //!   translucent clouds one for each of the pieces that rviz cuts them into, ten thousand points or more.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -32,8 +32,8 @@ use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{Drawable, Picture};
 use rcs_tests::big_robot;
 use rcs_tests::scenes::clouds::{drawable, in_rows, message, STYLES};
-use rcs_tests::scenes::played::Played;
-use rcs_tests::scenes::shot::{camera, moving_camera, Shot};
+use rcs_tests::scenes::display_pipeline::DisplayPipeline;
+use rcs_tests::scenes::rendering::{camera, moving_camera, Rendering};
 use rcs_tests::scenes::solids;
 use rcs_transforms::Time;
 use stats_alloc::{Region, StatsAlloc, INSTRUMENTED_SYSTEM};
@@ -41,12 +41,12 @@ use stats_alloc::{Region, StatsAlloc, INSTRUMENTED_SYSTEM};
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// All threads are counted together, so tests do not run beside each other.
-static ALONE: Mutex<()> = Mutex::new(());
+/// The allocations of all threads are counted together, so only one test runs at a time.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// What a frame may allocate, however small its scene is: texts of statuses, tasks of a thread pool.
+/// Bytes that a frame may allocate, however small its scene is: texts of statuses, tasks of a thread pool.
 const MAX_FRAME_BYTES: usize = 16 << 10;
-/// What a large scene's frame may allocate more than a small one's: a thread pool's queue grows in blocks.
+/// Bytes that a frame of a large scene may allocate beyond those of a small one: a thread pool's queue grows in blocks.
 const MAX_GROWTH_BYTES: usize = 2 << 10;
 
 const SIZE_PX: [u32; 2] = [640, 400];
@@ -54,8 +54,8 @@ const FOCAL_PX: f64 = 950.0;
 const VIEW: [f64; 2] = [0.67, 0.42];
 const SMALL: usize = 10_000;
 const LARGE: usize = 300_000;
-/// Frames after which whatever is kept has been made (content and cameras repeat after eight), and those that are looked
-/// at then.
+/// Frames until everything that is kept has been allocated (content and cameras repeat after eight), and frames that
+/// are measured then.
 const WARM_UP: usize = 16;
 const FRAMES: usize = 9;
 
@@ -73,7 +73,7 @@ fn bytes_of_a_frame(mut frame: impl FnMut(usize)) -> usize {
     all[FRAMES / 2]
 }
 
-/// Fails where a frame's bytes grow with the scene, or are many in a small one.
+/// Fails if the bytes of a frame grow with the scene, or are too many in a small one.
 fn assert_steady(name: &str, of: impl Fn(usize) -> usize, [small, large]: [usize; 2]) {
     let [of_small, of_large] = [of(small), of(large)];
     println!("{name}: {of_small} bytes a frame for {small}, {of_large} for {large}");
@@ -81,20 +81,20 @@ fn assert_steady(name: &str, of: impl Fn(usize) -> usize, [small, large]: [usize
     assert!(of_large <= of_small + MAX_GROWTH_BYTES, "{name}: {of_small} bytes for {small}, {of_large} for {large}");
 }
 
-fn shot(drawables: Vec<Drawable>) -> Shot {
-    Shot::new(drawables, camera(SIZE_PX, FOCAL_PX).unwrap(), Box::new(CpuRenderer::with_threads(2)))
+fn rendering(drawables: Vec<Drawable>) -> Rendering {
+    Rendering::new(drawables, camera(SIZE_PX, FOCAL_PX).unwrap(), Box::new(CpuRenderer::with_threads(2)))
 }
 
-/// Draws a scene again and again; where it moves, each time by a camera that stands elsewhere.
+/// Draws a scene again and again, if `is_moving` each time from another place.
 fn bytes_of_drawing(drawables: Vec<Drawable>, is_moving: bool) -> usize {
-    let mut shot = shot(drawables);
+    let mut rendering = rendering(drawables);
     let bytes = bytes_of_a_frame(|frame| {
         if is_moving {
-            shot.camera = moving_camera(SIZE_PX, FOCAL_PX, frame).unwrap();
+            rendering.camera = moving_camera(SIZE_PX, FOCAL_PX, frame).unwrap();
         }
-        shot.draw().unwrap();
+        rendering.draw().unwrap();
     });
-    assert!(shot.covered() > 1e-4, "something is to be seen");
+    assert!(rendering.covered() > 1e-4, "the picture is not empty");
     bytes
 }
 
@@ -103,7 +103,7 @@ fn cloud_display(settings: &str) -> String {
     format!("  - {{Class: rviz/PointCloud2, Name: c, Enabled: true, Topic: /c, Size (m): 0.004, {settings}}}\n")
 }
 
-/// A message as it comes out of rosrust.
+/// A message as rosrust hands it over.
 fn received(frame: &[u8]) -> AnyMessage {
     let bytes = Serialized::<PointCloud2>::decode_slice(frame).unwrap().bytes;
     MessageKind::PointCloud2.decode_owned(bytes).unwrap()
@@ -115,8 +115,8 @@ fn cloud_frames(count: usize) -> Vec<Vec<u8>> {
 }
 
 #[test]
-fn an_unchanged_cloud_in_any_style() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+fn an_unchanged_cloud_in_any_style_allocates_nothing_per_point() {
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     for (name, style) in STYLES {
         for is_moving in [false, true] {
             let of = |count| bytes_of_drawing(vec![drawable(in_rows(count), style)], is_moving);
@@ -126,8 +126,8 @@ fn an_unchanged_cloud_in_any_style() {
 }
 
 #[test]
-fn unchanged_triangles_lines_and_labels_while_the_camera_moves() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+fn a_moving_camera_allocates_nothing_per_triangle_line_or_label() {
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let one = |geometry| bytes_of_drawing(vec![solids::drawable(geometry)], true);
     assert_steady("triangles", |count| one(solids::triangles(count, 4.0, FOCAL_PX, VIEW)), [SMALL, LARGE]);
     assert_steady("lines", |count| one(solids::lines(count, 10.0, FOCAL_PX, VIEW)), [SMALL, LARGE]);
@@ -137,8 +137,8 @@ fn unchanged_triangles_lines_and_labels_while_the_camera_moves() {
 }
 
 #[test]
-fn a_new_cloud_in_each_frame() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+fn a_new_cloud_in_each_frame_allocates_nothing_per_point() {
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     for settings in [
         "Style: Flat Squares, Color Transformer: RGB8",
         "Style: Points, Color Transformer: MONO8",
@@ -149,17 +149,17 @@ fn a_new_cloud_in_each_frame() {
     ] {
         let of = |count: usize| {
             let frames = cloud_frames(count);
-            let mut played = Played::new(&cloud_display(settings));
-            let mut shot = shot(Vec::new());
+            let mut pipeline = DisplayPipeline::new(&cloud_display(settings));
+            let mut rendering = rendering(Vec::new());
             let bytes = bytes_of_a_frame(|number| {
-                let scene = played.show("/c", &received(&frames[number % frames.len()]));
+                let scene = pipeline.receive("/c", &received(&frames[number % frames.len()]));
                 // As two cameras see it.
                 for place in [0, 1] {
-                    shot.camera = moving_camera(SIZE_PX, FOCAL_PX, place).unwrap();
-                    shot.draw_of(scene).unwrap();
+                    rendering.camera = moving_camera(SIZE_PX, FOCAL_PX, place).unwrap();
+                    rendering.draw_of(scene).unwrap();
                 }
             });
-            assert!(shot.covered() > 0.05);
+            assert!(rendering.covered() > 0.05);
             bytes
         };
         assert_steady(settings, of, [SMALL, LARGE]);
@@ -167,15 +167,15 @@ fn a_new_cloud_in_each_frame() {
 }
 
 #[test]
-fn a_new_translucent_cloud_allocates_a_list_of_its_pieces() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+fn a_new_translucent_cloud_allocates_only_a_list_of_its_pieces() {
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let frames = cloud_frames(LARGE);
-    let mut played = Played::new(&cloud_display("Style: Boxes, Color Transformer: RGB8, Alpha: 0.5"));
-    let mut shot = shot(Vec::new());
+    let mut pipeline = DisplayPipeline::new(&cloud_display("Style: Boxes, Color Transformer: RGB8, Alpha: 0.5"));
+    let mut rendering = rendering(Vec::new());
     let bytes = bytes_of_a_frame(|number| {
-        let scene = played.show("/c", &received(&frames[number % frames.len()]));
+        let scene = pipeline.receive("/c", &received(&frames[number % frames.len()]));
         assert!(scene.drawables.len() >= LARGE / 10_240);
-        shot.draw_of(scene).unwrap();
+        rendering.draw_of(scene).unwrap();
     });
     let pieces = LARGE.div_ceil(10_240);
     println!("{bytes} bytes a frame for {pieces} pieces");
@@ -183,8 +183,8 @@ fn a_new_translucent_cloud_allocates_a_list_of_its_pieces() {
 }
 
 #[test]
-fn markers_that_stay_as_they_are() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+fn unchanged_markers_allocate_nothing_per_marker() {
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let display = "  - {Class: rviz/MarkerArray, Name: m, Enabled: true, Marker Topic: /m}\n";
     let of = |count: usize| {
         let marker = |id: usize| {
@@ -197,14 +197,14 @@ fn markers_that_stay_as_they_are() {
             marker
         };
         let message = AnyMessage::MarkerArray(Arc::new(MarkerArray { markers: (0..count).map(marker).collect() }));
-        let mut played = Played::new(display);
-        played.show("/m", &message);
-        let mut shot = shot(Vec::new());
+        let mut pipeline = DisplayPipeline::new(display);
+        pipeline.receive("/m", &message);
+        let mut rendering = rendering(Vec::new());
         let bytes = bytes_of_a_frame(|_| {
-            let scene = played.wait();
-            shot.draw_of(scene).unwrap();
+            let scene = pipeline.advance();
+            rendering.draw_of(scene).unwrap();
         });
-        assert!(shot.covered() > 1e-4);
+        assert!(rendering.covered() > 1e-4);
         bytes
     };
     assert_steady("markers", of, [10, 2000]);
@@ -212,7 +212,7 @@ fn markers_that_stay_as_they_are() {
 
 /// 250,000 triangles in 25 links, seen from a frame that moves.
 #[test]
-fn a_robot_that_stands_still_while_the_camera_moves() {
+fn a_still_robot_before_a_moving_camera_allocates_nothing_per_triangle() {
     const CONFIG: &str = "
 Visualization Manager:
   Global Options: {Fixed Frame: base}
@@ -220,7 +220,7 @@ Visualization Manager:
   - {Class: rviz/RobotModel, Name: robot, Enabled: true, Robot Description: robot_description}
   - {Class: rviz_camera_stream/CameraPub, Name: eye, Enabled: true, Image Topic: /image, Camera Info Topic: /info}
 ";
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = tempfile::tempdir().unwrap();
     let joints = big_robot::write(folder.path()).unwrap();
     let description = std::fs::read_to_string(folder.path().join("big_robot/robot.urdf")).unwrap();
@@ -241,31 +241,31 @@ Visualization Manager:
     let links = joints.iter().map(|joint| placed(&joint.parent, &joint.child, joint.origin_m, [0.0, 0.0, 0.0, 1.0], 0));
     stage.take_transforms(&TFMessage { transforms: links.collect() }, true, "test");
     let camera = stage.cameras()[0].clone();
-    let mut shot = shot(Vec::new());
+    let mut rendering = rendering(Vec::new());
     let bytes = bytes_of_a_frame(|frame| {
         // Before the robot, at half its height, looking at it.
         let place = [1.8 + 0.01 * (frame % 8) as f64, 0.0, 0.6];
         let eye = placed("base", "eye", place, [-0.5, -0.5, 0.5, 0.5], frame);
         stage.take_transforms(&TFMessage { transforms: vec![eye] }, false, "test");
         if stage.update(Time::from_secs_nanos(100 + frame as u32, 0)) {
-            shot.scene = stage.scene();
+            rendering.scene = stage.scene();
         }
-        shot.camera = stage.camera(&camera, Projection::Rviz).unwrap();
-        shot.draw().unwrap();
+        rendering.camera = stage.camera(&camera, Projection::Rviz).unwrap();
+        rendering.draw().unwrap();
     });
-    assert!(shot.covered() > 0.05, "{}", shot.covered());
+    assert!(rendering.covered() > 0.05, "{}", rendering.covered());
     println!("robot: {bytes} bytes a frame");
     assert!(bytes <= MAX_FRAME_BYTES, "{bytes} bytes a frame");
 }
 
 #[test]
-fn a_picture_on_the_wire_is_its_bytes_once() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut shot = shot(vec![drawable(in_rows(SMALL), STYLES[0].1)]);
-    shot.draw().unwrap();
-    let Picture { width_px, height_px, encoding, .. } = shot.picture;
-    let step_bytes = shot.picture.step() as u32;
-    let pixels = Arc::new(std::mem::take(&mut shot.picture.data));
+fn an_encoded_picture_is_copied_only_once() {
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut rendering = rendering(vec![drawable(in_rows(SMALL), STYLES[0].1)]);
+    rendering.draw().unwrap();
+    let Picture { width_px, height_px, encoding, .. } = rendering.picture;
+    let step_bytes = rendering.picture.step() as u32;
+    let pixels = Arc::new(std::mem::take(&mut rendering.picture.data));
     let bytes = bytes_of_a_frame(|_| {
         let size_px = [width_px, height_px];
         let image = Image::new(Header::default(), size_px, encoding.name(), step_bytes, Arc::clone(&pixels));

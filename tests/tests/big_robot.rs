@@ -1,4 +1,4 @@
-//! A robot of full size on the CPU renderer: how long it takes to load, and a picture of it while its joints move.
+//! A full-size robot on the CPU renderer: how long it takes to load, and a picture of it while its joints move.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::Path;
@@ -28,7 +28,7 @@ Visualization Manager:
 /// From the joints' first message to the last, at 60 Hz.
 const FRAMES: u32 = 60;
 const MAX_LOAD_TIME: Duration = Duration::from_secs(2);
-/// Twice the 16.7 ms of 60 Hz, which two cores stay below: a busy machine is no fault of the renderer.
+/// Twice the 16.7 ms of 60 Hz, which two cores stay below: the machine may be busy.
 const MAX_FRAME_TIME: Duration = Duration::from_micros(33_333);
 
 struct Bench {
@@ -51,7 +51,7 @@ fn stamped(frame: u32, parent: &str, child: &str, xyz: [f64; 3], xyzw: [f64; 4])
 }
 
 impl Bench {
-    /// Loads the robot, and tells how long that took until its first picture.
+    /// Loads the robot. Returns how long that took, its first picture included, as well.
     fn load(folder: &Path, joints: Vec<BigJoint>) -> (Self, Duration) {
         let description = std::fs::read_to_string(folder.join("big_robot/robot.urdf")).unwrap();
         let config = rcs_rviz_config::parse(CONFIG, "big.rviz").unwrap();
@@ -71,7 +71,7 @@ impl Bench {
         (bench, took)
     }
 
-    /// Takes a message with all joints and draws what came of it.
+    /// Takes a message with all joints and draws the robot.
     fn draw(&mut self, frame: u32) {
         let turn = 0.5 * (f64::from(frame) * 0.1).sin();
         let (sin, cos) = (turn / 2.0).sin_cos();
@@ -104,7 +104,7 @@ impl Bench {
 }
 
 #[test]
-fn a_robot_of_full_size_loads_in_less_than_two_seconds_and_moves() {
+fn a_full_size_robot_loads_in_less_than_two_seconds_and_moves() {
     let folder = tempfile::tempdir().unwrap();
     let joints = big_robot::write(folder.path()).unwrap();
     assert_eq!(joints.len(), 24);

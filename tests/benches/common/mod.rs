@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use criterion::Criterion;
 
-/// Short measurements: a benchmark tells a tenth from nothing, not a hundredth.
+/// Short measurements: differences of a tenth can be seen, those of a hundredth cannot.
 pub(crate) fn quick() -> Criterion {
     Criterion::default()
         .sample_size(10)

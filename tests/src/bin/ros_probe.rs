@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         _ => return Err("usage: ros_probe listen|image ...".into()),
     }
     node.shutdown();
-    say("ended");
+    print_line("ended");
     Ok(())
 }
 
@@ -46,12 +46,19 @@ fn listen(node: &RosNode, topics: &[&str], is_ended: &dyn Fn() -> bool) -> Resul
     node.serve_trigger("probe_trigger")?;
     let subscriptions = topics.chunks_exact(3).map(|topic| subscribe(node, topic)).collect::<Result<Vec<_>, _>>()?;
     for subscription in &subscriptions {
-        say(&format!("subscribed {}", subscription.topic()));
+        print_line(&format!("subscribed {}", subscription.topic()));
     }
-    say(&format!("ready {} simulated {}", node.name(), node.is_simulated()));
+    print_line(&format!("ready {} simulated {}", node.name(), node.is_simulated()));
+    let mut publications = None;
     while !is_ended() && !node.is_asked_to_end() {
         for event in node.events().wait(Duration::from_millis(50)) {
             print_event(node, event);
+        }
+        // Each round of the watchdog that the master answers gives another list.
+        let latest = node.publications();
+        if latest.as_ref().map(Arc::as_ptr) != publications.as_ref().map(Arc::as_ptr) {
+            print_line("publications known");
+            publications = latest;
         }
     }
     Ok(())
@@ -69,7 +76,7 @@ fn print_event(node: &RosNode, event: NodeEvent) {
     match event {
         NodeEvent::Message { topic, message, publisher, .. } => {
             let header = header(&message).cloned().unwrap_or_default();
-            say(&format!(
+            print_line(&format!(
                 "message {topic} {} from {publisher} seq {} frame {} stamp {} bytes {}",
                 message.kind().ros_type(),
                 header.seq,
@@ -81,21 +88,23 @@ fn print_event(node: &RosNode, event: NodeEvent) {
         NodeEvent::Transforms { message, is_static, authority, .. } => {
             for transform in &message.transforms {
                 let (parent, child) = (&transform.header.frame_id, &transform.child_frame_id);
-                say(&format!("transform {parent} {child} static {is_static} from {authority}"));
+                print_line(&format!("transform {parent} {child} static {is_static} from {authority}"));
             }
         }
-        NodeEvent::TimeJumpedBack { from, to } => say(&format!("jump from {} to {}", from.sec, to.sec)),
+        NodeEvent::TimeJumpedBack { from, to } => print_line(&format!("jump from {} to {}", from.sec, to.sec)),
         NodeEvent::Trigger { service, reply } => {
-            say(&format!("trigger {service} at {}", node.now().sec));
-            reply.send(true, format!("heard by {}", node.name()));
+            print_line(&format!("trigger {service} at {}", node.now().sec));
+            reply.send(true, format!("received by {}", node.name()));
         }
-        NodeEvent::Parameter { name, text } => say(&format!("parameter {name} {}", text.as_deref().unwrap_or("-"))),
+        NodeEvent::Parameter { name, text } => {
+            print_line(&format!("parameter {name} {}", text.as_deref().unwrap_or("-")))
+        }
         NodeEvent::Reconfigure { server, request, reply } => {
-            say(&format!("reconfigure {server} {} values", request.bools.len()));
+            print_line(&format!("reconfigure {server} {} values", request.bools.len()));
             reply.answer(request);
         }
-        NodeEvent::PublisherLeft { topic } => say(&format!("left {topic}")),
-        NodeEvent::SubscriberConnected { topic } => say(&format!("connected {topic}")),
+        NodeEvent::PublisherLeft { topic } => print_line(&format!("left {topic}")),
+        NodeEvent::SubscriberConnected { topic } => print_line(&format!("connected {topic}")),
     }
 }
 
@@ -106,9 +115,9 @@ fn publish(
     rate: f64,
     is_ended: &dyn Fn() -> bool,
 ) -> Result<(), Box<dyn Error>> {
-    let mut publisher = ImagePublisher::new(topic, |name| say(&format!("subscriber {name}")))?;
+    let mut publisher = ImagePublisher::new(topic, |name| print_line(&format!("subscriber {name}")))?;
     let _own = node.subscribe(publisher.info_topic(), MessageKind::CameraInfo, 1)?;
-    say(&format!("ready {} image {} info {}", node.name(), publisher.topic(), publisher.info_topic()));
+    print_line(&format!("ready {} image {} info {}", node.name(), publisher.topic(), publisher.info_topic()));
     let [width, height] = size_px;
     let mut picture = Picture::default();
     picture.reset(width, height, Encoding::Rgb8);
@@ -130,15 +139,15 @@ fn publish(
         publisher.publish(&picture, &info, node.now())?;
         count += 1;
         let (subscribers, micros) = (publisher.subscriber_count(), started.elapsed().as_micros());
-        say(&format!("published {count} to {subscribers} in {micros} us"));
+        print_line(&format!("published {count} to {subscribers} in {micros} us"));
     }
     Ok(())
 }
 
-/// One line, at once.
-fn say(line: &str) {
+/// Prints a line and flushes it.
+fn print_line(line: &str) {
     let mut out = std::io::stdout().lock();
-    // Nobody reads any more when the test is over.
+    // The pipe is closed once the test is over.
     let _ = writeln!(out, "{line}").and_then(|()| out.flush());
 }
 

@@ -8,7 +8,7 @@ use rcs_scene::{Drawable, Geometry, PointBuffer, PointColors, PointStyle, Points
 /// Points of a depth camera's cloud.
 pub const DEPTH_CAMERA_POINTS: usize = 640 * 480;
 
-/// Side of a point in metres that covers about four pixels of a [`projector`](super::shot::projector).
+/// Side of a point in metres that covers about four pixels of a [`projector`](super::rendering::projector).
 pub const SIDE_M: f32 = 0.004;
 
 /// Bytes of a point in a [`message`]: x, y, z and rgb.
@@ -24,7 +24,8 @@ pub const STYLES: [(&str, PointStyle); 6] = [
     ("tiles", PointStyle::Tiles { size_m: [SIDE_M; 2], normal: [0.0, 0.0, -1.0], up: [0.0, -1.0, 0.0] }),
 ];
 
-/// So many points row by row, the last row not always full, 1.5 m away and 1.7 m wide, in the depth camera's optical frame.
+/// `count` points row by row, the last row not always full, 1.5 m away and 1.7 m wide, in the depth camera's optical
+/// frame.
 pub fn positions(count: usize) -> Vec<[f32; 3]> {
     let columns = ((count as f64 * 4.0 / 3.0).sqrt().round() as usize).max(1);
     let rows = count.div_ceil(columns);
@@ -49,7 +50,7 @@ pub fn in_rows(count: usize) -> PointBuffer {
     PointBuffer { positions, colors: PointColors::PerPoint(colors) }
 }
 
-/// The same points in an order that has nothing to do with where they are.
+/// The same points in an order that is independent of where they are.
 pub fn shuffled(count: usize) -> PointBuffer {
     let buffer = in_rows(count);
     let count = buffer.positions.len();
@@ -61,8 +62,8 @@ pub fn shuffled(count: usize) -> PointBuffer {
     }
 }
 
-/// The cloud as it is sent, in a frame. `number` tells clouds apart: their points have other colours, and one in 64 of
-/// them, another in each, has no place, as where a depth camera sees nothing.
+/// The cloud as a message, in a frame. Clouds of different `number` have points of different colors, and another one in
+/// 64 of them is NaN, as where a depth camera measures nothing.
 pub fn message(frame: &str, count: usize, number: usize) -> PointCloud2 {
     let mut positions = positions(count);
     for position in positions.iter_mut().skip(number % 64).step_by(64) {
@@ -84,7 +85,7 @@ pub fn message(frame: &str, count: usize, number: usize) -> PointCloud2 {
     cloud.with_data(data)
 }
 
-/// A cloud as a display makes it, five centimetres to the left of what looks at it.
+/// A cloud as a display makes it, five centimetres to the left of the camera.
 pub fn drawable(buffer: PointBuffer, style: PointStyle) -> Drawable {
     let points = Points { buffer: buffer.into(), style, alpha: 1.0, blended: false, auto_size: false };
     Drawable {

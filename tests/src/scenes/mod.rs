@@ -1,6 +1,6 @@
 //! Scenes by their size: what the benchmarks and the allocation test draw.
 
 pub mod clouds;
-pub mod played;
-pub mod shot;
+pub mod display_pipeline;
+pub mod rendering;
 pub mod solids;

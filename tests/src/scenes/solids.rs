@@ -1,6 +1,6 @@
 //! Triangles, lines, ribbons and labels, any number of them, spread over the picture of a camera that looks along z.
 //!
-//! Places are drawn from a sequence that fills the view evenly (multiples of two irrational numbers), 1 to 3 metres away.
+//! Positions follow a sequence that fills the view evenly (multiples of irrational numbers), 1 to 3 metres away.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use rcs_scene::{
     RibbonElement, Ribbons, Text, Vertex, VerticalAlignment,
 };
 
-/// Where the thing of this number stands, for a view that is so wide and high at a distance of a metre.
+/// Position of an object by its number, in a view of this width and height in metres at a distance of one metre.
 fn place(number: usize, [width, height]: [f64; 2]) -> Vector3<f64> {
     let share = |step: f64| (number as f64 * step).fract();
     let z = 1.0 + 2.0 * share(0.819_172_513_396_164_4);
@@ -18,12 +18,12 @@ fn place(number: usize, [width, height]: [f64; 2]) -> Vector3<f64> {
     Vector3::new(u * width * z, v * height * z, z)
 }
 
-/// What one of a geometry's things may look like.
+/// Color of an object by its number.
 fn color(number: usize) -> [u8; 4] {
     [(40 + number * 37 % 200) as u8, (40 + number * 91 % 200) as u8, (40 + number * 53 % 200) as u8, 255]
 }
 
-/// A geometry where its coordinates say.
+/// A geometry at its own coordinates.
 pub fn drawable(geometry: Geometry) -> Drawable {
     Drawable {
         display: 0,
@@ -34,8 +34,8 @@ pub fn drawable(geometry: Geometry) -> Drawable {
     }
 }
 
-/// Lit triangles that face the eye, whose legs are so long in pixels on a picture of this focal length; neighbours share
-/// no corners.
+/// Triangles that face the camera, with legs of `leg_px` pixels on a picture of this focal length; neighbours share no
+/// corners.
 pub fn triangles(count: usize, leg_px: f64, focal_px: f64, view: [f64; 2]) -> Geometry {
     let mut mesh = Mesh::default();
     for i in 0..count {
@@ -51,7 +51,7 @@ pub fn triangles(count: usize, leg_px: f64, focal_px: f64, view: [f64; 2]) -> Ge
     Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) }
 }
 
-/// Lines of a pixel, so long in pixels, in all directions.
+/// Lines one pixel wide and `length_px` long, in all directions.
 pub fn lines(count: usize, length_px: f64, focal_px: f64, view: [f64; 2]) -> Geometry {
     let mut lines = Lines {
         positions: Vec::with_capacity(2 * count),
@@ -69,7 +69,7 @@ pub fn lines(count: usize, length_px: f64, focal_px: f64, view: [f64; 2]) -> Geo
     Geometry::Lines(Arc::new(lines))
 }
 
-/// Ribbons of ten elements, so many in all.
+/// Ribbons of ten elements each, `elements` in all.
 pub fn ribbons(elements: usize, view: [f64; 2]) -> Geometry {
     let element = |i: usize| RibbonElement { position: place(i, view).map(|c| c as f32).into(), color: color(i) };
     let chains = (0..elements).step_by(10).map(|begin| (begin..elements.min(begin + 10)).map(element).collect());

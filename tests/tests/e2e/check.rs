@@ -1,7 +1,7 @@
-//! `camera_stream check`.
+//! `camera_stream check`: its lines and exit codes.
 
 use rcs_tests::programs::{program, repository};
-use rcs_tests::stand::{config, CameraPub, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -21,7 +21,7 @@ fn file(content: &str) -> (tempfile::TempDir, std::path::PathBuf) {
 }
 
 #[test]
-fn what_is_understood_is_listed_with_class_topic_and_line_and_gives_0() {
+fn a_valid_config_is_listed_with_class_topic_and_line_and_exits_with_0() {
     let disabled = "{Class: rviz/Axes, Name: off, Enabled: false}";
     let later = "{Class: rviz/InteractiveMarkers, Name: robot, Enabled: true}";
     let (_folder, path) = file(&config(&[CLOUD, disabled, later], &[CameraPub::default()]));
@@ -37,7 +37,7 @@ fn what_is_understood_is_listed_with_class_topic_and_line_and_gives_0() {
 }
 
 #[test]
-fn what_is_not_understood_is_named_with_its_line_and_gives_1() {
+fn unknown_keys_and_classes_are_named_with_their_line_and_exit_with_1() {
     let unknown_key = "{Class: rviz/Grid, Name: g, Enabled: true, Sparkle: 3}";
     let unknown_class = "{Class: fancy_plugins/Hologram, Name: h, Enabled: true}";
     let (_folder, path) = file(&config(&[CLOUD, unknown_key, unknown_class], &[CameraPub::default()]));
@@ -54,7 +54,7 @@ fn what_is_not_understood_is_named_with_its_line_and_gives_1() {
 }
 
 #[test]
-fn a_file_that_cannot_be_read_is_one_line_and_gives_2() {
+fn a_file_that_cannot_be_read_is_one_line_and_exits_with_2() {
     let (_folder, broken) = file("Visualization Manager:\n  Displays: [\n");
     let (_other, none) = file("just: this\n");
     for path in [broken.as_path(), none.as_path(), Path::new("/nowhere/scene.rviz"), &repository()] {

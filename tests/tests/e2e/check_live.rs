@@ -1,9 +1,9 @@
-//! `camera_stream check --live`.
+//! `camera_stream check --live`: its table and exit codes against a running ROS.
 
 use rcs_tests::programs::program;
-use rcs_tests::puppet::Puppet;
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
-use rcs_tests::stand::{config, CameraPub, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
@@ -24,7 +24,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Whether a row holds these words in this order.
+/// Whether a row contains these words in this order.
 fn has_row(table: &str, words: &[&str]) -> bool {
     table.lines().any(|line| {
         let mut rest = line;
@@ -39,11 +39,11 @@ fn has_row(table: &str, words: &[&str]) -> bool {
 }
 
 #[test]
-fn the_table_names_what_is_missing_and_gives_1_and_what_is_well_gives_0() {
+fn the_table_names_what_is_missing_and_exits_with_1_or_with_0_if_nothing_is() {
     let master = RosMaster::start().unwrap();
-    let puppet = Puppet::start(&master, &[]).unwrap();
-    puppet.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
-    puppet
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    python
         .run("latch('/wrong', info()); latch('/lost', cloud(0xff0000, 'nowhere')); latch('/cloud', cloud(0xff0000))")
         .unwrap();
     let cloud =
@@ -88,14 +88,14 @@ fn the_table_names_what_is_missing_and_gives_1_and_what_is_well_gives_0() {
     assert_eq!(check(&master, &path, &["_projection:=voodoo"]).status.code(), Some(2));
     let elsewhere = check(&master, &path, &["--listen", "1", "--fixed-frame", "elsewhere"]);
     assert!(has_row(&text(&elsewhere.stdout), &["Global Status", "Error", "Unknown frame elsewhere"]));
-    // Remappings are the node's.
+    // Topics are remapped as for the node.
     let output = check(&master, &path, &["--listen", "2", "/cloud:=/silent"]);
     assert_eq!(output.status.code(), Some(1), "{}{}", text(&output.stdout), text(&output.stderr));
     assert!(text(&output.stdout).contains("[/silent]"), "{}", text(&output.stdout));
 }
 
 #[test]
-fn without_a_master_or_a_config_it_gives_2_at_once_and_a_signal_ends_the_listening() {
+fn without_a_master_or_a_config_it_exits_with_2_at_once_and_a_signal_ends_the_listening() {
     let mut master = RosMaster::reserve().unwrap();
     let (_folder, path) = file(&config(&[CLOUD], &[CameraPub::default()]));
     let started = Instant::now();

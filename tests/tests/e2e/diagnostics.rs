@@ -1,10 +1,11 @@
-//! `/diagnostics`, as Python's diagnostic_msgs reads it, and the log beside it.
+//! `/diagnostics` as a Python subscriber receives it, and the log beside it.
 
-use rcs_tests::puppet::Puppet;
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
-use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
-/// Collects what comes on a topic: arrivals, stamps and the last status of each name as (level, message, hardware, values).
+/// Subscribes to a topic and keeps arrivals, stamps and the last status of each name as (level, message, hardware,
+/// values).
 pub(crate) const MONITOR: &str = "
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 arrays, known = [], {}
@@ -19,96 +20,97 @@ def message(name): return known[name][1] if name in known else None
 def values(name): return known[name][3] if name in known else {}
 ";
 
-fn monitored(displays: &[&str], args: &[&str], topic: &str) -> Stand {
-    let stand = Stand::start(&config(displays, &[CameraPub::default()]), args).unwrap();
-    stand.puppet(format!("topic = '{topic}'"));
-    stand.puppet(MONITOR);
-    stand
+fn monitored(displays: &[&str], args: &[&str], topic: &str) -> RosFixture {
+    let fixture = RosFixture::start(&config(displays, &[CameraPub::default()]), args).unwrap();
+    fixture.python(format!("topic = '{topic}'"));
+    fixture.python(MONITOR);
+    fixture
 }
 
 #[test]
-fn displays_and_cameras_tell_what_they_lack_and_that_they_are_well() {
+fn displays_and_cameras_report_what_is_missing_and_then_ok() {
     let disabled = "{Class: rviz/Grid, Name: hidden, Enabled: false}";
     let group =
         "{Class: rviz/Group, Name: paths, Enabled: true, Displays: [{Class: rviz/Path, Name: empty, Enabled: true, \
                  Topic: ''}]}";
-    let stand = monitored(&[CLOUD, disabled, group], &[], "/diagnostics");
-    stand.wait_for("message('camera_stream: cloud') == 'Topic: No messages received'");
+    let fixture = monitored(&[CLOUD, disabled, group], &[], "/diagnostics");
+    fixture.wait_for("message('camera_stream: cloud') == 'Topic: No messages received'");
     let names = "['camera_stream: Global Status', 'camera_stream: cloud', 'camera_stream: paths / empty', \
                  'camera_stream: CameraPub']";
-    assert_eq!(stand.puppet(format!("arrays[-1][2] == {names}")), "True", "{}", stand.puppet("arrays[-1]"));
+    assert_eq!(fixture.python(format!("arrays[-1][2] == {names}")), "True", "{}", fixture.python("arrays[-1]"));
     let levels =
         "[level('camera_stream: ' + name) for name in ('Global Status', 'cloud', 'paths / empty', 'CameraPub')]";
-    assert_eq!(stand.puppet(levels), "[1, 1, 2, 1]", "{}", stand.puppet("known"));
-    assert_eq!(stand.puppet("message('camera_stream: Global Status')"), "Fixed Frame: No TF data");
-    assert_eq!(stand.puppet("message('camera_stream: paths / empty')"), "Topic: Error subscribing: Empty topic name");
-    stand.wait_for("'/cloud' in values('camera_stream: cloud').get('Publisher', '')");
-    assert!(stand.puppet("values('camera_stream: CameraPub')['Camera Info']").contains("/eye/camera_info"));
+    assert_eq!(fixture.python(levels), "[1, 1, 2, 1]", "{}", fixture.python("known"));
+    assert_eq!(fixture.python("message('camera_stream: Global Status')"), "Fixed Frame: No TF data");
+    assert_eq!(fixture.python("message('camera_stream: paths / empty')"), "Topic: Error subscribing: Empty topic name");
+    fixture.wait_for("'/cloud' in values('camera_stream: cloud').get('Publisher', '')");
+    assert!(fixture.python("values('camera_stream: CameraPub')['Camera Info']").contains("/eye/camera_info"));
 
-    stand.puppet("latch('/tf_static', tf('map', 'eye'))");
-    stand.puppet("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); eye = Eye('/view/image')");
-    stand.wait_for("eye.middle() == (255, 0, 0)");
-    stand
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture
+        .python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    fixture
         .wait_for("[level('camera_stream: ' + name) for name in ('Global Status', 'cloud', 'CameraPub')] == [0, 0, 0]");
-    assert_eq!(stand.puppet("message('camera_stream: cloud')"), "OK");
-    assert_eq!(stand.puppet("values('camera_stream: cloud')['Topic']"), "1 messages received");
-    assert_eq!(stand.puppet("values('camera_stream: cloud')['class']"), "rviz/PointCloud2");
+    assert_eq!(fixture.python("message('camera_stream: cloud')"), "OK");
+    assert_eq!(fixture.python("values('camera_stream: cloud')['Topic']"), "1 messages received");
+    assert_eq!(fixture.python("values('camera_stream: cloud')['class']"), "rviz/PointCloud2");
     let camera = "[values('camera_stream: CameraPub')[key] for key in ('image topic', 'size', 'subscribers')]";
-    assert_eq!(stand.puppet(camera), "['/view/image', '64x48', '1']", "{}", stand.puppet("known"));
-    // What does not change is published again, and not drawn again.
+    assert_eq!(fixture.python(camera), "['/view/image', '64x48', '1']", "{}", fixture.python("known"));
+    // An unchanged picture is published again without being rendered again.
     let frames = |what: &str| format!("int(values('camera_stream: CameraPub')['frames {what}'])");
-    stand.wait_for(format!("{} > 20 and 1 <= {} <= 3", frames("published"), frames("drawn")));
-    assert!(stand.puppet("known['camera_stream: cloud'][2]").contains("rviz_camera_stream"));
+    fixture.wait_for(format!("{} > 20 and 1 <= {} <= 3", frames("published"), frames("drawn")));
+    assert!(fixture.python("known['camera_stream: cloud'][2]").contains("rviz_camera_stream"));
 
-    // The pace, from when the monitor is connected.
-    stand.puppet("del arrays[:]");
-    stand.wait_for("len(arrays) >= 4");
-    assert_eq!(stand.puppet("2.0 < arrays[3][0] - arrays[0][0] < 5.0"), "True", "{}", stand.puppet("arrays"));
-    assert_eq!(stand.puppet("abs(arrays[3][1] - arrays[3][0]) < 1.0"), "True", "{}", stand.puppet("arrays"));
+    // The rate, from when the monitor is connected.
+    fixture.python("del arrays[:]");
+    fixture.wait_for("len(arrays) >= 4");
+    assert_eq!(fixture.python("2.0 < arrays[3][0] - arrays[0][0] < 5.0"), "True", "{}", fixture.python("arrays"));
+    assert_eq!(fixture.python("abs(arrays[3][1] - arrays[3][0]) < 1.0"), "True", "{}", fixture.python("arrays"));
 }
 
 #[test]
-fn a_frame_that_goes_missing_and_comes_is_told_as_rviz_does_and_its_end_is_in_the_log() {
-    let stand = monitored(&[CLOUD], &[], "/diagnostics");
-    stand.puppet("latch('/tf_static', tf('map', 'eye')); latch('/cloud', cloud(0xff0000, 'lost'))");
-    stand.wait_for("message('camera_stream: cloud') == 'Transform: For frame [lost]: Frame [lost] does not exist'");
-    assert_eq!(stand.puppet("level('camera_stream: cloud')"), "1");
-    let said = || stand.log_lines(&["WARN", "display cloud: Transform", "[lost]"]);
-    assert!(wait_until(PATIENCE, || said() == 1), "{}", stand.log());
-    stand.puppet("latch('/tf_static', TFMessage(tf('map', 'eye').transforms + tf('map', 'lost').transforms))");
-    stand.wait_for("level('camera_stream: cloud') == 0");
-    let ended = || stand.log_lines(&["INFO", "display cloud: Transform: ok again"]);
-    assert!(wait_until(PATIENCE, || ended() == 1), "{}", stand.log());
-    assert_eq!(said(), 1, "{}", stand.log());
+fn a_missing_frame_is_reported_as_by_rviz_and_its_arrival_is_logged() {
+    let fixture = monitored(&[CLOUD], &[], "/diagnostics");
+    fixture.python("latch('/tf_static', tf('map', 'eye')); latch('/cloud', cloud(0xff0000, 'lost'))");
+    fixture.wait_for("message('camera_stream: cloud') == 'Transform: For frame [lost]: Frame [lost] does not exist'");
+    assert_eq!(fixture.python("level('camera_stream: cloud')"), "1");
+    let said = || fixture.log_lines(&["WARN", "display cloud: Transform", "[lost]"]);
+    assert!(wait_until(PATIENCE, || said() == 1), "{}", fixture.log());
+    fixture.python("latch('/tf_static', TFMessage(tf('map', 'eye').transforms + tf('map', 'lost').transforms))");
+    fixture.wait_for("level('camera_stream: cloud') == 0");
+    let ended = || fixture.log_lines(&["INFO", "display cloud: Transform: ok again"]);
+    assert!(wait_until(PATIENCE, || ended() == 1), "{}", fixture.log());
+    assert_eq!(said(), 1, "{}", fixture.log());
 }
 
 #[test]
-fn a_publisher_of_another_type_is_named_and_the_topic_can_be_remapped() {
-    let stand = monitored(&[CLOUD], &["/diagnostics:=/robot/health", "__name:=eyes"], "/robot/health");
-    stand.puppet("latch('/cloud', info())");
-    stand.wait_for("level('eyes: cloud') == 2");
-    let text = stand.puppet("message('eyes: cloud')");
-    for part in ["Publisher", "[/cloud]", "sensor_msgs/CameraInfo", "/puppet", "sensor_msgs/PointCloud2"] {
+fn a_publisher_of_another_type_is_named_and_the_diagnostics_topic_can_be_remapped() {
+    let fixture = monitored(&[CLOUD], &["/diagnostics:=/robot/health", "__name:=eyes"], "/robot/health");
+    fixture.python("latch('/cloud', info())");
+    fixture.wait_for("level('eyes: cloud') == 2");
+    let text = fixture.python("message('eyes: cloud')");
+    for part in ["Publisher", "[/cloud]", "sensor_msgs/CameraInfo", "/python_node", "sensor_msgs/PointCloud2"] {
         assert!(text.contains(part), "{text}");
     }
-    assert!(wait_until(PATIENCE, || stand.log_lines(&["display cloud: Publisher"]) == 1), "{}", stand.log());
+    assert!(wait_until(PATIENCE, || fixture.log_lines(&["display cloud: Publisher"]) == 1), "{}", fixture.log());
 }
 
 #[test]
-fn a_simulation_that_does_not_run_is_heard_of_once_a_second() {
+fn diagnostics_are_published_once_a_second_while_simulated_time_stands_still() {
     let master = RosMaster::start().unwrap();
     master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
-    let puppet = Puppet::start(&master, &[]).unwrap();
-    let stand = Stand::with(master, puppet, &config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    stand.wait_for_log("drawing ").unwrap();
-    stand.puppet("topic = '/diagnostics'");
-    stand.puppet(MONITOR);
-    stand.wait_for("len(arrays) >= 3");
-    assert_eq!(stand.puppet("arrays[-1][1]"), "0.0");
-    stand.wait_for("'/clock' in values('camera_stream: Global Status').get('Time', '')");
-    stand.puppet("from rosgraph_msgs.msg import Clock");
-    stand.puppet("latch('/clock', Clock(rospy.Time(77))); latch('/tf_static', tf('map', 'eye'))");
-    stand.wait_for("arrays[-1][1] == 77.0 and level('camera_stream: Global Status') == 0");
-    let before = stand.puppet("len(arrays)");
-    stand.wait_for(format!("len(arrays) >= {before} + 2 and arrays[-1][1] == 77.0"));
+    let python = PythonNode::start(&master, &[]).unwrap();
+    let fixture = RosFixture::with(master, python, &config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    fixture.wait_for_log("drawing ").unwrap();
+    fixture.python("topic = '/diagnostics'");
+    fixture.python(MONITOR);
+    fixture.wait_for("len(arrays) >= 3");
+    assert_eq!(fixture.python("arrays[-1][1]"), "0.0");
+    fixture.wait_for("'/clock' in values('camera_stream: Global Status').get('Time', '')");
+    fixture.python("from rosgraph_msgs.msg import Clock");
+    fixture.python("latch('/clock', Clock(rospy.Time(77))); latch('/tf_static', tf('map', 'eye'))");
+    fixture.wait_for("arrays[-1][1] == 77.0 and level('camera_stream: Global Status') == 0");
+    let before = fixture.python("len(arrays)");
+    fixture.wait_for(format!("len(arrays) >= {before} + 2 and arrays[-1][1] == 77.0"));
 }

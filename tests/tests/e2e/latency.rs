@@ -1,13 +1,13 @@
-//! The way of the data into the picture as `/diagnostics` tells it, against what is measured from outside.
+//! The latency figures on `/diagnostics`, compared with what a subscriber measures.
 
-use rcs_tests::puppet::Puppet;
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::RosMaster;
-use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
 use crate::diagnostics::MONITOR;
 
-/// What the monitor's Python knows beside [`MONITOR`]: a camera's figures as (median, p95), and when the picture
-/// changed first after a cloud.
+/// Python helpers beside [`MONITOR`]: a camera's figures as (median, p95), and when the picture first changed after a
+/// cloud.
 const FIGURES: &str = "
 CAMERA, DISPLAY = 'camera_stream: CameraPub', 'camera_stream: cloud'
 def measured(): return int(values(CAMERA).get('frames measured', -1))
@@ -16,110 +16,112 @@ def figure(name): return tuple(float(part) for part in told(name).split(' / '))
 def age_now(): return float(values(DISPLAY)['age of the data shown ms'])
 STAGES = ['received to decoded', 'decoded to drawn', 'drawn to published']
 TOTAL, AGE = 'received to published', 'age of the data shown'
-def seen_ms(sent): return (next(image[0] for image in eye.images if image[6] != before) - sent) * 1e3
+def seen_ms(sent): return (next(image[0] for image in viewer.images if image[6] != before) - sent) * 1e3
 def ago(secs): return rospy.Time.now() - rospy.Duration(secs)
 ";
 
-/// Whether the three stages of the only picture make up the whole: they are told to a hundredth of a millisecond.
+/// Whether the three stages of the only picture add up to the total: they are reported to a hundredth of a millisecond.
 const ADDS_UP: &str = "abs(sum(figure(stage)[0] for stage in STAGES) - figure(TOTAL)[0]) < 0.03";
 
-/// A node whose camera sees an empty scene, and has nothing measured yet.
-fn watched(stand: Stand, info: &str) -> Stand {
-    stand.puppet("topic = '/diagnostics'");
-    stand.puppet(MONITOR);
-    stand.puppet(FIGURES);
-    stand.puppet("latch('/tf_static', tf('map', 'eye'))");
-    stand.puppet(format!("latch('/eye/camera_info', {info})"));
-    stand.wait_for("level(CAMERA) == 0");
-    stand.puppet("eye = Eye('/view/image')");
-    stand.wait_for("eye.images and publisher('/cloud', PointCloud2, False).get_num_connections()");
-    stand.puppet("before = eye.images[-1][6]");
-    stand
+/// A node whose camera sees an empty scene and has measured nothing yet.
+fn watched(fixture: RosFixture, info: &str) -> RosFixture {
+    fixture.python("topic = '/diagnostics'");
+    fixture.python(MONITOR);
+    fixture.python(FIGURES);
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python(format!("latch('/eye/camera_info', {info})"));
+    fixture.wait_for("level(CAMERA) == 0");
+    fixture.python("viewer = Viewer('/view/image')");
+    fixture.wait_for("viewer.images and publisher('/cloud', PointCloud2, False).get_num_connections()");
+    fixture.python("before = viewer.images[-1][6]");
+    fixture
 }
 
-fn stand(info: &str) -> Stand {
-    watched(Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap(), info)
+fn fixture(info: &str) -> RosFixture {
+    watched(RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap(), info)
 }
 
-/// A number that Python says.
-fn number(stand: &Stand, python: &str) -> f64 {
-    stand.puppet(python).parse().unwrap()
+/// The value of a Python expression that is a number.
+fn number(fixture: &RosFixture, python: &str) -> f64 {
+    fixture.python(python).parse().unwrap()
 }
 
 #[test]
-fn the_stages_of_one_picture_make_up_the_whole_and_no_more_than_is_seen_from_outside() {
-    let stand = stand("info(width=1280, height=800, f=900.0)");
-    stand.wait_for("measured() == 0");
-    assert_eq!(stand.puppet("[told(name) for name in STAGES + [TOTAL, AGE]]"), "['-', '-', '-', '-', '-']");
-    // Squares of half the picture, each before the last one, so that drawing takes its time.
-    stand.puppet("squares = [(0, 0, 4 - z / 50) for z in range(100)]");
-    stand.puppet("sent = time.time(); send('/cloud', cloud(0xff0000, points=squares, stamp=ago(2)))");
-    stand.wait_for("eye.middle() == (255, 0, 0) and measured() == 1");
-    let told = stand.puppet("[(name, told(name)) for name in STAGES + [TOTAL, AGE]]");
-    assert_eq!(stand.puppet("all(figure(name)[0] == figure(name)[1] for name in STAGES + [TOTAL, AGE])"), "True");
-    assert_eq!(stand.puppet(ADDS_UP), "True", "{told}");
-    assert_eq!(stand.puppet("all(figure(stage)[0] >= 0 for stage in STAGES)"), "True", "{told}");
-    let (total_ms, seen_ms) = (number(&stand, "figure(TOTAL)[0]"), number(&stand, "seen_ms(sent)"));
+fn the_stages_of_a_picture_add_up_to_no_more_than_the_latency_a_subscriber_sees() {
+    let fixture = fixture("info(width=1280, height=800, f=900.0)");
+    fixture.wait_for("measured() == 0");
+    assert_eq!(fixture.python("[told(name) for name in STAGES + [TOTAL, AGE]]"), "['-', '-', '-', '-', '-']");
+    // A hundred squares of half the picture, each in front of the last one, take time to render.
+    fixture.python("squares = [(0, 0, 4 - z / 50) for z in range(100)]");
+    fixture.python("sent = time.time(); send('/cloud', cloud(0xff0000, points=squares, stamp=ago(2)))");
+    fixture.wait_for("viewer.middle() == (255, 0, 0) and measured() == 1");
+    let told = fixture.python("[(name, told(name)) for name in STAGES + [TOTAL, AGE]]");
+    assert_eq!(fixture.python("all(figure(name)[0] == figure(name)[1] for name in STAGES + [TOTAL, AGE])"), "True");
+    assert_eq!(fixture.python(ADDS_UP), "True", "{told}");
+    assert_eq!(fixture.python("all(figure(stage)[0] >= 0 for stage in STAGES)"), "True", "{told}");
+    let (total_ms, seen_ms) = (number(&fixture, "figure(TOTAL)[0]"), number(&fixture, "seen_ms(sent)"));
     assert!(0.0 < total_ms && total_ms <= seen_ms, "{total_ms} of {seen_ms} ms: {told}");
-    let drawing_ms = number(&stand, "figure('decoded to drawn')[0]");
+    let drawing_ms = number(&fixture, "figure('decoded to drawn')[0]");
     assert!(drawing_ms > 1.0, "a hundred big squares: {told}");
-    let age_ms = number(&stand, "figure(AGE)[0]");
+    let age_ms = number(&fixture, "figure(AGE)[0]");
     // Stamped after `sent`, before it was received; the picture is stamped before it is published.
-    let least_ms = 2000.0 + number(&stand, "figure(TOTAL)[0] - figure('drawn to published')[0]") - 0.1;
+    let least_ms = 2000.0 + number(&fixture, "figure(TOTAL)[0] - figure('drawn to published')[0]") - 0.1;
     assert!((least_ms..=2000.0 + seen_ms).contains(&age_ms), "seen after {seen_ms} ms: {told}");
-    // What is repeated is no new picture.
+    // A repeated picture is not measured again.
     let published = "int(values(CAMERA)['frames published'])";
-    stand.wait_for(format!("{published} > 60"));
-    assert_eq!(stand.puppet("measured(), told(AGE)"), format!("(1, '{age_ms:.2} / {age_ms:.2}')"));
+    fixture.wait_for(format!("{published} > 60"));
+    assert_eq!(fixture.python("measured(), told(AGE)"), format!("(1, '{age_ms:.2} / {age_ms:.2}')"));
 }
 
 #[test]
 fn waiting_for_a_frame_counts_from_when_the_message_was_received() {
-    let stand = stand("info()");
-    stand.puppet("sent = time.time(); send('/cloud', cloud(0x00ff00, 'late', stamp=rospy.Time.now()))");
-    stand.wait_for("values(DISPLAY).get('messages received') == '1'");
+    let fixture = fixture("info()");
+    fixture.python("sent = time.time(); send('/cloud', cloud(0x00ff00, 'late', stamp=rospy.Time.now()))");
+    fixture.wait_for("values(DISPLAY).get('messages received') == '1'");
+    // The time that is measured below; meanwhile nothing may be drawn.
     std::thread::sleep(std::time::Duration::from_secs(1));
-    assert_eq!(stand.puppet("measured(), values(DISPLAY)['age of the data shown ms']"), "(0, '-')");
-    stand.puppet("latch('/tf_static', TFMessage(tf('map', 'eye').transforms + tf('map', 'late').transforms))");
-    stand.wait_for("eye.middle() == (0, 255, 0) and measured() == 1");
-    let told = stand.puppet("[(name, told(name)) for name in STAGES + [TOTAL, AGE]]");
-    assert_eq!(stand.puppet(ADDS_UP), "True", "{told}");
-    let (total_ms, seen_ms) = (number(&stand, "figure(TOTAL)[0]"), number(&stand, "seen_ms(sent)"));
+    assert_eq!(fixture.python("measured(), values(DISPLAY)['age of the data shown ms']"), "(0, '-')");
+    fixture.python("latch('/tf_static', TFMessage(tf('map', 'eye').transforms + tf('map', 'late').transforms))");
+    fixture.wait_for("viewer.middle() == (0, 255, 0) and measured() == 1");
+    let told = fixture.python("[(name, told(name)) for name in STAGES + [TOTAL, AGE]]");
+    assert_eq!(fixture.python(ADDS_UP), "True", "{told}");
+    let (total_ms, seen_ms) = (number(&fixture, "figure(TOTAL)[0]"), number(&fixture, "seen_ms(sent)"));
     assert!(1000.0 < total_ms && total_ms <= seen_ms, "{total_ms} of {seen_ms} ms: {told}");
-    assert!(number(&stand, "figure('received to decoded')[0]") > 1000.0, "{told}");
-    assert!((1000.0..=seen_ms).contains(&number(&stand, "figure(AGE)[0]")), "seen after {seen_ms} ms: {told}");
+    assert!(number(&fixture, "figure('received to decoded')[0]") > 1000.0, "{told}");
+    assert!((1000.0..=seen_ms).contains(&number(&fixture, "figure(AGE)[0]")), "seen after {seen_ms} ms: {told}");
 }
 
 #[test]
-fn many_pictures_are_told_by_the_last_hundred_and_the_age_follows_the_stamps() {
-    let stand = stand("info()");
+fn figures_are_those_of_the_last_hundred_pictures_and_the_age_follows_the_stamps() {
+    let fixture = fixture("info()");
     let often = |stamp: &str| {
-        stand.puppet("before_count = len({image[6] for image in eye.images})");
-        stand.puppet(format!("stop = often(40, lambda i: cloud(0x10000 + i, stamp={stamp}), '/cloud')"));
-        stand.wait_for("len({image[6] for image in eye.images}) - before_count > 130");
+        fixture.python("before_count = len({image[6] for image in viewer.images})");
+        fixture
+            .python(format!("repeated = PublishRepeatedly(40, lambda i: cloud(0x10000 + i, stamp={stamp}), '/cloud')"));
+        fixture.wait_for("len({image[6] for image in viewer.images}) - before_count > 130");
     };
     let pause = || {
-        stand.puppet("stop.set(); arrived = len(arrays)");
-        stand.wait_for("len(arrays) > arrived + 2");
-        stand.puppet("eye.forget(); before = None");
+        fixture.python("repeated.stop(); arrived = len(arrays)");
+        fixture.wait_for("len(arrays) > arrived + 2");
+        fixture.python("viewer.forget(); before = None");
     };
     often("ago(2)");
     pause();
-    let told = stand.puppet("[(name, told(name)) for name in STAGES + [TOTAL, AGE]]");
-    assert_eq!(stand.puppet("measured()"), "100");
-    assert_eq!(stand.puppet("all(0 <= figure(name)[0] <= figure(name)[1] for name in STAGES + [TOTAL])"), "True");
-    let (total_ms, age_ms) = (number(&stand, "figure(TOTAL)[0]"), number(&stand, "figure(AGE)[0]"));
+    let told = fixture.python("[(name, told(name)) for name in STAGES + [TOTAL, AGE]]");
+    assert_eq!(fixture.python("measured()"), "100");
+    assert_eq!(fixture.python("all(0 <= figure(name)[0] <= figure(name)[1] for name in STAGES + [TOTAL])"), "True");
+    let (total_ms, age_ms) = (number(&fixture, "figure(TOTAL)[0]"), number(&fixture, "figure(AGE)[0]"));
     assert!(total_ms > 0.0 && (2000.0 + total_ms / 2.0..3000.0).contains(&age_ms), "{told}");
 
-    // Nothing new comes, and what the display shows grows older.
+    // No new message arrives, and the data shown grows older.
     let shown = "(age_now(), arrays[-1][1] * 1e3 - age_now())";
     let look = || -> Vec<f64> {
-        let told = stand.puppet(shown);
+        let told = fixture.python(shown);
         told.trim_matches(['(', ')']).split(", ").map(|part| part.parse().unwrap()).collect()
     };
     let before = look();
-    stand.puppet("arrived = len(arrays)");
-    stand.wait_for("len(arrays) > arrived + 2");
+    fixture.python("arrived = len(arrays)");
+    fixture.wait_for("len(arrays) > arrived + 2");
     let after = look();
     assert!(before[0] > 2000.0 && after[0] > before[0] + 1500.0, "{before:?} {after:?}");
     assert!((after[1] - before[1]).abs() < 100.0, "it is the same data's: {before:?} {after:?}");
@@ -127,36 +129,38 @@ fn many_pictures_are_told_by_the_last_hundred_and_the_age_follows_the_stamps() {
     // Stamps of a clock that is ahead.
     often("ago(-5)");
     pause();
-    let told = stand.puppet("told(AGE)");
-    assert_eq!(stand.puppet("all(-5000 <= age < -4000 for age in figure(AGE))"), "True", "{told}");
-    // Data without a stamp are measured, and have no age: the last ages stay.
+    let told = fixture.python("told(AGE)");
+    assert_eq!(fixture.python("all(-5000 <= age < -4000 for age in figure(AGE))"), "True", "{told}");
+    // Data with stamp zero is measured but has no age: the last ages stay.
     often("rospy.Time()");
     pause();
-    assert_eq!(stand.puppet("measured(), told(AGE)"), format!("(100, '{told}')"));
-    assert_eq!(stand.puppet("values(DISPLAY)['age of the data shown ms']"), "-");
+    assert_eq!(fixture.python("measured(), told(AGE)"), format!("(100, '{told}')"));
+    assert_eq!(fixture.python("values(DISPLAY)['age of the data shown ms']"), "-");
 }
 
 #[test]
-fn with_a_simulation_the_age_is_in_its_time_and_unknown_before_it_begins() {
+fn with_simulated_time_the_age_is_in_that_time_and_unknown_before_the_first_clock() {
     let master = RosMaster::start().unwrap();
     master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
-    let puppet = Puppet::start(&master, &[]).unwrap();
-    let stand = Stand::with(master, puppet, &config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    stand.wait_for_log("drawing ").unwrap();
-    stand.puppet("topic = '/diagnostics'");
-    stand.puppet(MONITOR);
-    stand.puppet(FIGURES);
-    stand.puppet("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info()); eye = Eye('/view/image')");
-    stand.wait_for("eye.images");
-    stand.puppet("send('/cloud', cloud(0xff0000, stamp=rospy.Time(70)))");
-    stand.wait_for("eye.middle() == (255, 0, 0) and measured() >= 1");
-    stand.wait_for("values(DISPLAY).get('messages received') == '1'");
-    assert_eq!(stand.puppet("told(AGE), values(DISPLAY)['age of the data shown ms']"), "('-', '-')");
-    stand.puppet("from rosgraph_msgs.msg import Clock");
-    stand.puppet("latch('/clock', Clock(rospy.Time(77)))");
-    stand.wait_for("arrays[-1][1] == 77.0");
-    stand.puppet("send('/cloud', cloud(0x0000ff, stamp=rospy.Time(75)))");
-    stand.wait_for("eye.middle() == (0, 0, 255) and told(AGE) == '2000.00 / 2000.00'");
-    stand.wait_for("age_now() == 2000");
-    assert_eq!(stand.puppet("0 < figure(TOTAL)[1] < 1000"), "True", "the stages are in the computer's time");
+    let python = PythonNode::start(&master, &[]).unwrap();
+    let fixture = RosFixture::with(master, python, &config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    fixture.wait_for_log("drawing ").unwrap();
+    fixture.python("topic = '/diagnostics'");
+    fixture.python(MONITOR);
+    fixture.python(FIGURES);
+    fixture.python(
+        "latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info()); viewer = Viewer('/view/image')",
+    );
+    fixture.wait_for("viewer.images");
+    fixture.python("send('/cloud', cloud(0xff0000, stamp=rospy.Time(70)))");
+    fixture.wait_for("viewer.middle() == (255, 0, 0) and measured() >= 1");
+    fixture.wait_for("values(DISPLAY).get('messages received') == '1'");
+    assert_eq!(fixture.python("told(AGE), values(DISPLAY)['age of the data shown ms']"), "('-', '-')");
+    fixture.python("from rosgraph_msgs.msg import Clock");
+    fixture.python("latch('/clock', Clock(rospy.Time(77)))");
+    fixture.wait_for("arrays[-1][1] == 77.0");
+    fixture.python("send('/cloud', cloud(0x0000ff, stamp=rospy.Time(75)))");
+    fixture.wait_for("viewer.middle() == (0, 0, 255) and told(AGE) == '2000.00 / 2000.00'");
+    fixture.wait_for("age_now() == 2000");
+    assert_eq!(fixture.python("0 < figure(TOTAL)[1] < 1000"), "True", "the stages are in the computer's time");
 }

@@ -1,4 +1,17 @@
-//! The programs as a user has them, against a real ROS: roscore, rosbag play, rostopic, rosservice, a projector's window.
+//! The programs as users run them, against a real ROS: roscore, rosbag, rostopic, rosservice, a projector's window.
+//!
+//! Each test starts a master on a free port, a Python node and `camera_stream` (see [`rcs_tests::ros_fixture`]). The
+//! programs have to be built first:
+//!
+//! ```text
+//! cargo build --release -p rcs_app --bins
+//! RUST_TEST_THREADS=1 cargo test --release -p rcs_tests --test e2e                      all tests
+//! cargo test --release -p rcs_tests --test e2e -- frame_rate::                          the tests of one file
+//! cargo test --release -p rcs_tests --test e2e -- --exact transforms::a_cloud_waits_for_its_frame   one test
+//! ```
+//!
+//! A failing test prints the node's log. Events are waited for with a deadline ([`rcs_tests::ros::PATIENCE`]); a test
+//! sleeps only where nothing may happen meanwhile, or where the time itself is measured.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -9,7 +22,7 @@ mod diagnostics;
 mod frame_rate;
 mod latency;
 mod life;
-mod live_is_offline;
+mod live_equals_offline;
 mod names;
 mod render;
 mod settings;

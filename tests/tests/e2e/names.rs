@@ -1,36 +1,39 @@
-//! ROS's names on the command line, and rviz's arguments.
+//! Remappings and private parameters on the command line, and rviz's arguments.
 
 use rcs_tests::programs::program;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::process::Command;
 
 #[test]
 fn topics_and_the_nodes_name_and_namespace_are_remapped() {
     let camera = CameraPub { image: "view/image", namespace: "lamp", ..CameraPub::default() };
     let args = ["/cloud:=/other", "__name:=projector_eye", "__ns:=/robot", "/eye/camera_info:=/lens/camera_info"];
-    let stand = Stand::start(&config(&[CLOUD], &[camera]), &args).unwrap();
-    stand.puppet("latch('/tf_static', tf('map', 'eye'))");
-    stand.puppet("latch('/lens/camera_info', info()); latch('/cloud', cloud(0x0000ff))");
-    stand.puppet("latch('/other', cloud(0xff0000)); eye = Eye('/robot/lamp/view/image')");
-    stand.wait_for("eye.middle() == (255, 0, 0)");
+    let fixture = RosFixture::start(&config(&[CLOUD], &[camera]), &args).unwrap();
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python("latch('/lens/camera_info', info()); latch('/cloud', cloud(0x0000ff))");
+    fixture.python("latch('/other', cloud(0xff0000)); viewer = Viewer('/robot/lamp/view/image')");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
     assert_eq!(
-        stand.puppet("trigger('/robot/lamp/camera_trigger')"),
+        fixture.python("trigger('/robot/lamp/camera_trigger')"),
         "(True, 'New image will be published on: /robot/lamp/view/image')"
     );
-    let nodes = stand.master.output("rosnode", &["list"]).unwrap();
+    let nodes = fixture.master.output("rosnode", &["list"]).unwrap();
     assert!(nodes.lines().any(|node| node == "/robot/projector_eye"), "{nodes}");
-    assert_eq!(stand.puppet("{i[6] for i in eye.infos}"), "{'/robot/projector_eye'}");
+    assert_eq!(fixture.python("{i[6] for i in viewer.infos}"), "{'/robot/projector_eye'}");
 }
 
 #[test]
-fn an_image_topic_is_remapped_and_answers_with_its_new_name() {
-    let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &["/view/image:=/wall/picture"]).unwrap();
-    stand.puppet("latch('/tf_static', tf('map', 'eye'))");
-    stand.puppet("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); eye = Eye('/wall/picture')");
-    stand.wait_for("eye.middle() == (255, 0, 0)");
+fn an_image_topic_is_remapped_and_the_trigger_answers_with_its_new_name() {
+    let fixture =
+        RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &["/view/image:=/wall/picture"]).unwrap();
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python(
+        "latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); viewer = Viewer('/wall/picture')",
+    );
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
     let answer = "(True, 'New image will be published on: /wall/picture')";
-    assert_eq!(stand.puppet("trigger('/camera_trigger')"), answer);
+    assert_eq!(fixture.python("trigger('/camera_trigger')"), answer);
 }
 
 #[test]
@@ -56,17 +59,17 @@ fn the_renderer_is_chosen_by_a_private_parameter() {
     assert_eq!(unknown.wait(PATIENCE).unwrap().code(), Some(1));
     says(&unknown, "voodoo");
     assert_eq!(unknown.errors().len(), 1, "{:?}", unknown.errors());
-    // The command line goes before the parameter.
+    // The command line overrides the parameter.
     let both = start("third", &["_renderer:=voodoo", "--renderer", "cpu"]);
     says(&both, "with cpu");
 }
 
 #[test]
-fn rvizs_arguments_of_a_launch_file_are_taken() {
+fn the_arguments_that_launch_files_give_rviz_are_accepted() {
     let args = ["--splash-screen", "", "--no-stereo", "-l", "__log:=/dev/null", "--fixed-frame", "world"];
-    let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &args).unwrap();
-    stand.puppet("latch('/tf_static', tf('world', 'eye'))");
-    stand.puppet("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000, 'world'))");
-    stand.puppet("eye = Eye('/view/image')");
-    stand.wait_for("eye.middle() == (255, 0, 0)");
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &args).unwrap();
+    fixture.python("latch('/tf_static', tf('world', 'eye'))");
+    fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000, 'world'))");
+    fixture.python("viewer = Viewer('/view/image')");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
 }

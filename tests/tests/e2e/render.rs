@@ -1,13 +1,13 @@
-//! `camera_stream render`.
+//! `camera_stream render`: pictures and sequences of a bag, and the errors.
 
 use rcs_tests::programs::{case, program, repository};
 use rcs_tests::ros::RosMaster;
-use rcs_tests::stand::{config, CameraPub, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Runs `render` in a folder of its own.
+/// Runs `render` in a temporary folder.
 struct Render {
     folder: tempfile::TempDir,
 }
@@ -27,7 +27,7 @@ impl Render {
         command.env_remove("ROS_PACKAGE_PATH").current_dir(self.folder.path()).output().unwrap()
     }
 
-    /// Runs it to a good end, of which nothing is said.
+    /// Runs it successfully; it prints nothing.
     fn good(&self, arguments: &str) {
         let output = self.run(arguments);
         let said = String::from_utf8_lossy(&output.stderr);
@@ -35,7 +35,7 @@ impl Render {
         assert_eq!((&*said, &*output.stdout), ("", &b""[..]), "{arguments}: nothing is said on a pipe");
     }
 
-    /// Runs it to a bad end, and returns the one line that is said.
+    /// Runs it to a failure and returns the only line of its error output that is not a warning.
     fn bad(&self, arguments: &str) -> String {
         let output = self.run(arguments);
         let said = String::from_utf8(output.stderr).unwrap();
@@ -49,9 +49,9 @@ impl Render {
         image::open(self.path(picture)).unwrap().to_rgb8().get_pixel(x, y).0
     }
 
-    /// Makes a bag with Python: `bag`, and what the puppet knows.
+    /// Makes a bag with Python: `bag`, and the helpers of `python_node.py`.
     fn bag(&self, name: &str, script: &str) {
-        let knowledge = include_str!("../../src/puppet.py").split("\nrospy.init_node").next().unwrap();
+        let knowledge = include_str!("../../src/python_node.py").split("\nrospy.init_node").next().unwrap();
         let path = self.path(name);
         let script = format!(
             "{knowledge}\nimport rosbag\nat = rospy.Time\nbag = rosbag.Bag('{}', 'w')\n{script}\nbag.close()\n",
@@ -62,7 +62,8 @@ impl Render {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 
-    /// A config `scene.rviz` with one camera, and `scene.bag`: red from 100 s, green from 101 s, blue from 102 s to 103 s.
+    /// A config `scene.rviz` with one camera, and `scene.bag`: red from 100 s, green from 101 s, blue from 102 s to
+    /// 103 s.
     fn with_scene() -> Self {
         let render = Self::new();
         fs::write(render.path("scene.rviz"), config(&[CLOUD], &[CameraPub::default()])).unwrap();
@@ -83,7 +84,7 @@ fn case_arguments(case: &Path) -> String {
 }
 
 #[test]
-fn the_last_moment_is_drawn_or_the_one_that_is_asked_for() {
+fn the_end_of_the_bag_is_drawn_or_the_time_given_by_at() {
     let render = Render::with_scene();
     let times = [("", [0, 0, 255]), ("--at 0", [255, 0, 0]), ("--at 1.5", [0, 255, 0]), ("--at 102", [0, 0, 255])];
     for (at, color) in times {
@@ -188,7 +189,7 @@ fn compressed_bags_are_read() {
 }
 
 #[test]
-fn packages_of_meshes_are_found_where_the_command_line_says() {
+fn packages_of_meshes_are_found_in_the_package_path_of_the_command_line() {
     let render = Render::new();
     let case = case("marker_mesh_stl");
     let assets = repository().join("tests/conformance/assets");

@@ -1,15 +1,15 @@
 //! Settings that change while the node runs: dynamic_reconfigure, the service `reload_config`, and the config's file.
 
-use rcs_tests::puppet::Puppet;
-use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
+use rcs_tests::python_node::PythonNode;
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::time::Duration;
 
 const CLIENT: &str = "from dynamic_reconfigure.client import Client\n\
      def client(name='CameraPub'): return Client('/camera_stream/' + name, timeout=30)\n\
      def described(c): return {p['name']: p for p in c.get_parameter_descriptions(30)}\n\
      def connections(topic): return sorted(c.id for c in publishers[topic].impl.connections)\n\
-     def eye_connections(): return [c.id for s in eye.subscribers for c in s.impl.connections]\n\
-     def corner(): return eye.pixel(1, 1)\n";
+     def viewer_connections(): return [c.id for s in viewer.subscribers for c in s.impl.connections]\n\
+     def corner(): return viewer.pixel(1, 1)\n";
 const BLACK: &str = "(0, 0, 0)";
 const BLUE: &str = "(0, 0, 255)";
 const RED: &str = "(255, 0, 0)";
@@ -24,193 +24,186 @@ fn blue() -> CameraPub {
 }
 
 /// A node whose picture has a red square in its middle.
-fn stand(config: &str, args: &[&str]) -> Stand {
-    let stand = Stand::start(config, args).unwrap();
-    stand.puppet("latch('/tf_static', tf('map', 'eye'))");
-    stand.puppet("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000))");
-    stand.puppet(CLIENT);
-    stand.puppet("eye = Eye('/view/image')");
-    stand.wait_for("eye.middle() == (255, 0, 0)");
-    stand
+fn fixture(config: &str, args: &[&str]) -> RosFixture {
+    let fixture = RosFixture::start(config, args).unwrap();
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000))");
+    fixture.python(CLIENT);
+    fixture.python("viewer = Viewer('/view/image')");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    fixture
 }
 
 #[test]
 fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() {
     let grouped = format!("{{Class: rviz/Group, Name: My sensors, Enabled: true, Displays: [{CLOUD}]}}");
-    let stand = stand(&config(&[&grouped], &[camera()]), &["--no-watch"]);
-    let listed = stand.puppet("__import__('dynamic_reconfigure').find_reconfigure_services()");
+    let fixture = fixture(&config(&[&grouped], &[camera()]), &["--no-watch"]);
+    let listed = fixture.python("__import__('dynamic_reconfigure').find_reconfigure_services()");
     assert_eq!(listed, "['/camera_stream/CameraPub']");
-    stand.puppet("c = client(); told = []; c.set_config_callback(lambda config: told.append(config))");
+    fixture.python("c = client(); updates = []; c.set_config_callback(lambda config: updates.append(config))");
 
     let names = "frame_rate background_red background_green background_blue image_encoding near_clip visibility \
                  show_My_sensors show_My_sensors_cloud";
-    assert_eq!(stand.puppet("' '.join(p['name'] for p in c.get_parameter_descriptions(30))"), names);
-    let bounds = |name: &str| stand.puppet(format!("[described(c)['{name}'][k] for k in ('type', 'min', 'max')]"));
+    assert_eq!(fixture.python("' '.join(p['name'] for p in c.get_parameter_descriptions(30))"), names);
+    let bounds = |name: &str| fixture.python(format!("[described(c)['{name}'][k] for k in ('type', 'min', 'max')]"));
     assert_eq!(bounds("near_clip"), "['double', 0.01, 100.0]");
     assert_eq!(bounds("background_red"), "['int', 0, 255]");
     let choices = "[e['value'] for e in eval(described(c)['image_encoding']['edit_method'])['enum']]";
-    assert_eq!(stand.puppet(choices), "['rgb8', 'rgba8', 'bgr8', 'bgra8', 'mono8', 'mono16']");
+    assert_eq!(fixture.python(choices), "['rgb8', 'rgba8', 'bgr8', 'bgra8', 'mono8', 'mono16']");
     let groups = "[(g, len(d['parameters'])) for g, d in c.get_group_descriptions()['groups'].items()]";
-    assert_eq!(stand.puppet(groups), "[('Visibility', 2)]");
+    assert_eq!(fixture.python(groups), "[('Visibility', 2)]");
     let values = "[c.get_configuration(30)[n] for n in ('frame_rate', 'image_encoding', 'near_clip', 'visibility')]";
-    assert_eq!(stand.puppet(values), "[-1.0, 'rgb8', 0.01, True]");
+    assert_eq!(fixture.python(values), "[-1.0, 'rgb8', 0.01, True]");
     assert_eq!(
-        stand.puppet("sorted(rospy.get_param('/camera_stream/CameraPub').items())[0]"),
+        fixture.python("sorted(rospy.get_param('/camera_stream/CameraPub').items())[0]"),
         "('background_blue', 0)"
     );
 
-    // The next picture has what was set; what is out of bounds is clamped, and told so.
+    // The next picture shows the new values; those out of bounds are clamped, and the answer has the clamped value.
     let answer =
-        stand.puppet("c.update_configuration({'background_blue': 999, 'background_green': -1})['background_blue']");
+        fixture.python("c.update_configuration({'background_blue': 999, 'background_green': -1})['background_blue']");
     assert_eq!(answer, "255");
-    stand.wait_for(format!("corner() == {BLUE} and eye.middle() == {RED}"));
-    stand.wait_for(
-        "told[-1]['background_blue'] == 255 and rospy.get_param('/camera_stream/CameraPub/background_blue') == 255",
+    fixture.wait_for(format!("corner() == {BLUE} and viewer.middle() == {RED}"));
+    fixture.wait_for(
+        "updates[-1]['background_blue'] == 255 and rospy.get_param('/camera_stream/CameraPub/background_blue') == 255",
     );
-    // A group that is switched off hides what is in it.
-    stand.puppet("c.update_configuration({'show_My_sensors': False})");
-    stand.wait_for(format!("eye.middle() == {BLUE}"));
-    stand.puppet("c.update_configuration({'show_My_sensors': True, 'show_My_sensors_cloud': False})");
-    stand.puppet("eye.forget()");
-    stand.wait_for(format!("eye.middle() == {BLUE}"));
-    stand.puppet("c.update_configuration({'show_My_sensors_cloud': True})");
-    stand.wait_for(format!("eye.middle() == {RED}"));
+    // A disabled group hides its displays.
+    fixture.python("c.update_configuration({'show_My_sensors': False})");
+    fixture.wait_for(format!("viewer.middle() == {BLUE}"));
+    fixture.python("c.update_configuration({'show_My_sensors': True, 'show_My_sensors_cloud': False})");
+    fixture.python("viewer.forget()");
+    fixture.wait_for(format!("viewer.middle() == {BLUE}"));
+    fixture.python("c.update_configuration({'show_My_sensors_cloud': True})");
+    fixture.wait_for(format!("viewer.middle() == {RED}"));
     // The cloud is 2 m away.
-    stand.puppet("c.update_configuration({'near_clip': 2.5})");
-    stand.wait_for(format!("eye.middle() == {BLUE}"));
-    stand.puppet("c.update_configuration({'near_clip': 0.0, 'image_encoding': 'bgr8'})");
-    stand.wait_for("eye.last.encoding == 'bgr8' and eye.middle() == (0, 0, 255)");
-    let late = Puppet::start(&stand.master, &["__name:=late"]).unwrap();
+    fixture.python("c.update_configuration({'near_clip': 2.5})");
+    fixture.wait_for(format!("viewer.middle() == {BLUE}"));
+    fixture.python("c.update_configuration({'near_clip': 0.0, 'image_encoding': 'bgr8'})");
+    fixture.wait_for("viewer.last.encoding == 'bgr8' and viewer.middle() == (0, 0, 255)");
+    let late = PythonNode::start(&fixture.master, &["__name:=late"]).unwrap();
     late.run(CLIENT).unwrap();
-    assert_eq!(
-        late.run("client().get_configuration(30)['near_clip']").unwrap(),
-        "0.01",
-        "told to those who come later"
-    );
+    assert_eq!(late.run("client().get_configuration(30)['near_clip']").unwrap(), "0.01", "published to late clients");
     // 0: only when triggered.
-    stand.puppet("c.update_configuration({'frame_rate': 0})");
-    std::thread::sleep(Duration::from_millis(500));
-    stand.puppet("eye.forget()");
-    std::thread::sleep(Duration::from_secs(1));
-    assert_eq!(stand.puppet("len(eye.images)"), "0");
+    fixture.python("c.update_configuration({'frame_rate': 0})");
+    fixture.wait_for("viewer.quiet_secs() > 1");
 }
 
 #[test]
 fn a_reload_changes_what_differs_and_nothing_else() {
-    let stand = stand(&config(&[CLOUD], &[camera()]), &["--no-watch"]);
-    stand.puppet("before = connections('/cloud'), connections('/eye/camera_info'), eye_connections()");
-    assert_eq!(stand.puppet(RELOAD), "(True, 'nothing changed')");
-    // Another display before it, and another background: the latched cloud is not sent again and yet there.
+    let fixture = fixture(&config(&[CLOUD], &[camera()]), &["--no-watch"]);
+    fixture.python("before = connections('/cloud'), connections('/eye/camera_info'), viewer_connections()");
+    assert_eq!(fixture.python(RELOAD), "(True, 'nothing changed')");
+    // Another display before it and another background: the latched cloud is not received again and still shown.
     let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Reference Frame: elsewhere}";
-    stand.rewrite(&config(&[grid, CLOUD], &[blue()]));
-    let answer = stand.puppet(RELOAD);
+    fixture.rewrite(&config(&[grid, CLOUD], &[blue()]));
+    let answer = fixture.python(RELOAD);
     assert!(answer.starts_with("(True, ") && answer.contains("1 displays kept, 1 added, 0 removed"), "{answer}");
-    stand.wait_for(format!("corner() == {BLUE}"));
-    stand.puppet("eye.forget()");
-    stand.wait_for(format!("eye.middle() == {RED}"));
-    // A display with other settings shows the same cloud in them.
-    let outside = "eye.pixel(12, 24)";
-    assert_eq!(stand.puppet(outside), BLUE);
-    stand.rewrite(&config(&[grid, &CLOUD.replace("Size (m): 1", "Size (m): 2")], &[blue()]));
-    assert!(stand.puppet(RELOAD).starts_with("(True, "));
-    stand.wait_for(format!("{outside} == {RED}"));
+    fixture.wait_for(format!("corner() == {BLUE}"));
+    fixture.python("viewer.forget()");
+    fixture.wait_for(format!("viewer.middle() == {RED}"));
+    // A display with other settings shows the same cloud with these.
+    let outside = "viewer.pixel(12, 24)";
+    assert_eq!(fixture.python(outside), BLUE);
+    fixture.rewrite(&config(&[grid, &CLOUD.replace("Size (m): 1", "Size (m): 2")], &[blue()]));
+    assert!(fixture.python(RELOAD).starts_with("(True, "));
+    fixture.wait_for(format!("{outside} == {RED}"));
     assert_eq!(
-        stand.puppet("before == (connections('/cloud'), connections('/eye/camera_info'), eye_connections())"),
+        fixture.python("before == (connections('/cloud'), connections('/eye/camera_info'), viewer_connections())"),
         "True"
     );
 
-    // Another topic, image topic and namespace: what was there before is gone, what is new is there.
+    // Another topic, image topic and namespace: the old ones are unregistered, the new ones registered.
     let moved = CameraPub { image: "/other/image", namespace: "lamp", ..blue() };
-    stand.puppet("latch('/green', cloud(0x00ff00)); other = eye; eye = Eye('/other/image')");
-    stand.rewrite(&config(&[&CLOUD.replace("/cloud", "/green")], &[moved]));
-    assert!(stand.puppet(RELOAD).starts_with("(True, "));
-    stand.wait_for("eye.middle() == (0, 255, 0)");
-    let subscribed = stand.master.output("rostopic", &["list", "-s"]).unwrap();
+    fixture.python("latch('/green', cloud(0x00ff00)); other = viewer; viewer = Viewer('/other/image')");
+    fixture.rewrite(&config(&[&CLOUD.replace("/cloud", "/green")], &[moved]));
+    assert!(fixture.python(RELOAD).starts_with("(True, "));
+    fixture.wait_for("viewer.middle() == (0, 255, 0)");
+    let subscribed = fixture.master.output("rostopic", &["list", "-s"]).unwrap();
     assert!(subscribed.contains("/green") && !subscribed.contains("/cloud"), "{subscribed}");
-    let published = stand.master.output("rostopic", &["list", "-p"]).unwrap();
+    let published = fixture.master.output("rostopic", &["list", "-p"]).unwrap();
     assert!(published.contains("/other/image") && !published.contains("/view/image"), "{published}");
-    let services = stand.master.output("rosservice", &["list"]).unwrap();
+    let services = fixture.master.output("rosservice", &["list"]).unwrap();
     assert!(services.contains("/lamp/camera_trigger") && !services.contains("\n/camera_trigger"), "{services}");
-    assert_eq!(stand.puppet("trigger('/lamp/camera_trigger')[0]"), "True");
+    assert_eq!(fixture.python("trigger('/lamp/camera_trigger')[0]"), "True");
 
-    // Another fixed frame, in which the cloud is placed anew.
+    // Another fixed frame: the cloud is transformed into it.
     let text = config(&[&CLOUD.replace("/cloud", "/green")], &[CameraPub { image: "/other/image", ..camera() }]);
-    stand.rewrite(&text.replace("Fixed Frame: map", "Fixed Frame: world"));
-    assert!(stand.puppet(RELOAD).starts_with("(True, "));
-    stand.wait_for("len(eye.images) > 0");
-    stand.puppet("latch('/tf_static', tf('world', 'map', xyz=(1, 2, 3)))");
-    stand.wait_for(format!("eye.middle() == (0, 255, 0) and corner() == {BLACK}"));
+    fixture.rewrite(&text.replace("Fixed Frame: map", "Fixed Frame: world"));
+    assert!(fixture.python(RELOAD).starts_with("(True, "));
+    fixture.wait_for("len(viewer.images) > 0");
+    fixture.python("latch('/tf_static', tf('world', 'map', xyz=(1, 2, 3)))");
+    fixture.wait_for(format!("viewer.middle() == (0, 255, 0) and corner() == {BLACK}"));
 }
 
 #[test]
-fn what_a_user_set_lasts_until_the_file_says_something_else() {
-    let stand = stand(&config(&[CLOUD], &[camera()]), &["--no-watch"]);
-    stand.puppet("c = client(); c.update_configuration({'background_blue': 255, 'show_cloud': False})");
-    stand.wait_for(format!("corner() == {BLUE} and eye.middle() == {BLUE}"));
-    // The file switches the cloud's box on (it was on before) and adds a display.
+fn a_reconfigured_value_lasts_until_the_file_changes_it() {
+    let fixture = fixture(&config(&[CLOUD], &[camera()]), &["--no-watch"]);
+    fixture.python("c = client(); c.update_configuration({'background_blue': 255, 'show_cloud': False})");
+    fixture.wait_for(format!("corner() == {BLUE} and viewer.middle() == {BLUE}"));
+    // In the file the cloud is still enabled, and a display is added.
     let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Reference Frame: elsewhere}";
-    stand.rewrite(&config(&[CLOUD, grid], &[camera()]));
-    assert!(stand.puppet(RELOAD).starts_with("(True, "));
-    stand.wait_for("'show_grid' in c.get_configuration()");
+    fixture.rewrite(&config(&[CLOUD, grid], &[camera()]));
+    assert!(fixture.python(RELOAD).starts_with("(True, "));
+    fixture.wait_for("'show_grid' in c.get_configuration()");
     assert_eq!(
-        stand.puppet("c.get_configuration()['background_blue'], c.get_configuration()['show_cloud']"),
+        fixture.python("c.get_configuration()['background_blue'], c.get_configuration()['show_cloud']"),
         "(255, False)"
     );
-    stand.puppet("eye.forget()");
-    stand.wait_for(format!("eye.middle() == {BLUE}"));
-    // Other values in the file are taken over, and told.
+    fixture.python("viewer.forget()");
+    fixture.wait_for(format!("viewer.middle() == {BLUE}"));
+    // Values that changed in the file are taken over and published.
     let green = CameraPub { background: "0; 255; 0", ..camera() };
-    stand.rewrite(&config(&[CLOUD, grid], std::slice::from_ref(&green)));
-    assert!(stand.puppet(RELOAD).starts_with("(True, "));
-    stand.wait_for("eye.middle() == (0, 255, 0) and c.get_configuration()['background_green'] == 255");
-    assert_eq!(stand.puppet("c.get_configuration()['show_cloud']"), "False");
-    // A second camera comes with parameters of its own and goes with them.
+    fixture.rewrite(&config(&[CLOUD, grid], std::slice::from_ref(&green)));
+    assert!(fixture.python(RELOAD).starts_with("(True, "));
+    fixture.wait_for("viewer.middle() == (0, 255, 0) and c.get_configuration()['background_green'] == 255");
+    assert_eq!(fixture.python("c.get_configuration()['show_cloud']"), "False");
+    // A second camera is added with parameters of its own, and removed with them.
     let second = CameraPub { name: "Second eye", image: "/second/image", namespace: "second", ..camera() };
-    stand.rewrite(&config(&[CLOUD, grid], &[green.clone(), second]));
-    assert!(stand.puppet(RELOAD).starts_with("(True, "));
-    assert_eq!(stand.puppet("client('Second_eye').get_configuration(30)['background_green']"), "0");
-    stand.rewrite(&config(&[CLOUD, grid], &[green]));
-    assert!(stand.puppet(RELOAD).starts_with("(True, "));
-    let listed = stand.puppet("__import__('dynamic_reconfigure').find_reconfigure_services()");
+    fixture.rewrite(&config(&[CLOUD, grid], &[green.clone(), second]));
+    assert!(fixture.python(RELOAD).starts_with("(True, "));
+    assert_eq!(fixture.python("client('Second_eye').get_configuration(30)['background_green']"), "0");
+    fixture.rewrite(&config(&[CLOUD, grid], &[green]));
+    assert!(fixture.python(RELOAD).starts_with("(True, "));
+    let listed = fixture.python("__import__('dynamic_reconfigure').find_reconfigure_services()");
     assert_eq!(listed, "['/camera_stream/CameraPub']");
 }
 
 #[test]
-fn a_file_that_cannot_be_read_leaves_everything_as_it_is() {
-    let stand = stand(&config(&[CLOUD], &[camera()]), &["_watch:=false"]);
-    stand.rewrite("Visualization Manager: {Displays: [\n");
-    let answer = stand.puppet(RELOAD);
+fn a_file_that_cannot_be_read_changes_nothing() {
+    let fixture = fixture(&config(&[CLOUD], &[camera()]), &["_watch:=false"]);
+    fixture.rewrite("Visualization Manager: {Displays: [\n");
+    let answer = fixture.python(RELOAD);
     assert!(answer.starts_with("(False, '") && answer.contains("scene.rviz:2:") && !answer.contains("\\n"), "{answer}");
-    stand.rewrite(&config(&[], &[CameraPub { image: "/no name/image", ..camera() }]));
-    let answer = stand.puppet(RELOAD);
+    fixture.rewrite(&config(&[], &[CameraPub { image: "/no name/image", ..camera() }]));
+    let answer = fixture.python(RELOAD);
     assert!(answer.starts_with("(False, ") && answer.contains("no name"), "{answer}");
-    stand.puppet("eye.forget()");
-    stand.wait_for(format!("eye.middle() == {RED}"));
-    // And nobody watches.
-    stand.rewrite(&config(&[CLOUD], &[blue()]));
+    fixture.python("viewer.forget()");
+    fixture.wait_for(format!("viewer.middle() == {RED}"));
+    // The file is not watched: nothing may happen for longer than a watched file takes to be read.
+    fixture.rewrite(&config(&[CLOUD], &[blue()]));
     std::thread::sleep(Duration::from_secs(2));
-    assert_eq!(stand.puppet("corner()"), BLACK);
-    assert_eq!(stand.log_lines(&["the config changed"]), 0, "{}", stand.log());
+    assert_eq!(fixture.python("corner()"), BLACK);
+    assert_eq!(fixture.log_lines(&["the config changed"]), 0, "{}", fixture.log());
 }
 
 #[test]
 fn saving_the_file_changes_the_picture() {
-    let stand = stand(&config(&[CLOUD], &[camera()]), &[]);
-    stand.puppet("before = connections('/cloud'), eye_connections()");
-    stand.rewrite(&config(&[CLOUD], &[blue()]));
-    stand.wait_for(format!("corner() == {BLUE}"));
-    // Half of a file that somebody takes long to write is not taken.
+    let fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
+    fixture.python("before = connections('/cloud'), viewer_connections()");
+    fixture.rewrite(&config(&[CLOUD], &[blue()]));
+    fixture.wait_for(format!("corner() == {BLUE}"));
+    // A file that is half written is not taken over.
     let green = config(&[CLOUD], &[CameraPub { background: "0; 255; 0", ..camera() }]);
-    stand.rewrite(&green[..green.find("Background").unwrap()]);
-    stand.wait_for_log("cannot be read, so the previous one is kept").unwrap();
-    stand.puppet("eye.forget()");
-    stand.wait_for(format!("corner() == {BLUE} and eye.middle() == {RED}"));
-    stand.rewrite(&green);
-    stand.wait_for("corner() == (0, 255, 0)");
-    // Many editors write another file and put it in the place of the old one.
-    let beside = stand.config_file().with_extension("tmp");
+    fixture.rewrite(&green[..green.find("Background").unwrap()]);
+    fixture.wait_for_log("cannot be read, so the previous one is kept").unwrap();
+    fixture.python("viewer.forget()");
+    fixture.wait_for(format!("corner() == {BLUE} and viewer.middle() == {RED}"));
+    fixture.rewrite(&green);
+    fixture.wait_for("corner() == (0, 255, 0)");
+    // Many editors write another file and rename it to the old one.
+    let beside = fixture.config_file().with_extension("tmp");
     std::fs::write(&beside, config(&[CLOUD], &[camera()])).unwrap();
-    std::fs::rename(&beside, stand.config_file()).unwrap();
-    stand.wait_for(format!("corner() == {BLACK} and eye.middle() == {RED}"));
-    assert_eq!(stand.puppet("before == (connections('/cloud'), eye_connections())"), "True");
+    std::fs::rename(&beside, fixture.config_file()).unwrap();
+    fixture.wait_for(format!("corner() == {BLACK} and viewer.middle() == {RED}"));
+    assert_eq!(fixture.python("before == (connections('/cloud'), viewer_connections())"), "True");
 }

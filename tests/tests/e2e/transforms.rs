@@ -1,105 +1,106 @@
-//! Frames: clouds wait for theirs, wrong ones are refused, and names are as ROS has had them.
+//! Frames: clouds wait for theirs, invalid transforms are refused, a leading slash is ignored.
 
 use rcs_tests::ros::wait_until;
-use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::time::Duration;
 
-/// A node whose camera sees black until there is something.
-fn stand(args: &[&str]) -> Stand {
-    let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), args).unwrap();
-    stand.puppet("latch('/tf_static', tf('map', 'eye'))");
-    stand.puppet("latch('/eye/camera_info', info())");
-    stand.puppet("eye = Eye('/view/image')");
-    stand.wait_for("eye.middle() == (0, 0, 0)");
-    stand
+/// A node whose camera sees an empty scene.
+fn fixture(args: &[&str]) -> RosFixture {
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), args).unwrap();
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python("viewer = Viewer('/view/image')");
+    fixture.wait_for("viewer.middle() == (0, 0, 0)");
+    fixture
 }
 
-/// The picture stays without a cloud for a while.
-fn nothing_appears(stand: &Stand) {
-    stand.puppet("eye.forget()");
-    stand.wait_for("len(eye.images) > 20");
-    assert_eq!(stand.puppet("eye.colors"), "[(0, 0, 0)]");
+/// Asserts that the next twenty pictures are empty.
+fn nothing_appears(fixture: &RosFixture) {
+    fixture.python("viewer.forget()");
+    fixture.wait_for("len(viewer.images) > 20");
+    assert_eq!(fixture.python("viewer.colors"), "[(0, 0, 0)]");
 }
 
 #[test]
 fn a_cloud_waits_for_its_frame() {
-    let stand = stand(&[]);
-    stand.puppet("now = rospy.Time.now(); latch('/cloud', cloud(0xff0000, 'table', stamp=now))");
-    nothing_appears(&stand);
-    stand.puppet("send('/tf', tf('map', 'table', stamp=now - rospy.Duration(0.5)))");
-    // It is placed at its own stamp, which the frame has not reached.
-    nothing_appears(&stand);
-    stand.puppet("send('/tf', tf('map', 'table', stamp=now + rospy.Duration(0.5)))");
-    stand.wait_for("eye.middle() == (255, 0, 0)");
+    let fixture = fixture(&[]);
+    fixture.python("now = rospy.Time.now(); latch('/cloud', cloud(0xff0000, 'table', stamp=now))");
+    nothing_appears(&fixture);
+    fixture.python("send('/tf', tf('map', 'table', stamp=now - rospy.Duration(0.5)))");
+    // It is transformed at its own stamp, for which there is no transform yet.
+    nothing_appears(&fixture);
+    fixture.python("send('/tf', tf('map', 'table', stamp=now + rospy.Duration(0.5)))");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
 }
 
 #[test]
 fn a_cloud_is_placed_where_its_frame_was_at_its_stamp() {
-    let stand = stand(&[]);
-    stand.puppet("now = rospy.Time.now()");
+    let fixture = fixture(&[]);
+    fixture.python("now = rospy.Time.now()");
     // The table moves by 2 m in a second: half way the cloud is in the middle.
-    stand.puppet("send('/tf', tf('map', 'table', xyz=(-1, 0, 0), stamp=now))");
-    stand.puppet("send('/tf', tf('map', 'table', xyz=(1, 0, 0), stamp=now + rospy.Duration(1)))");
-    stand.puppet("latch('/cloud', cloud(0x00ff00, 'table', stamp=now + rospy.Duration(0.5)))");
-    stand.wait_for("eye.middle() == (0, 255, 0)");
-    assert_eq!(stand.puppet("eye.pixel(21, 24), eye.pixel(43, 24)"), "((0, 255, 0), (0, 255, 0))");
-    // A stamp of 0 is the latest there is: 1 m to the right, which is 25 pixels.
-    stand.puppet("latch('/cloud', cloud(0x0000ff, 'table', points=((-0.5, 0, 2),)))");
-    stand.wait_for("eye.pixel(44, 24) == (0, 0, 255)");
-    assert_eq!(stand.puppet("eye.pixel(28, 24)"), "(0, 0, 0)");
+    fixture.python("send('/tf', tf('map', 'table', xyz=(-1, 0, 0), stamp=now))");
+    fixture.python("send('/tf', tf('map', 'table', xyz=(1, 0, 0), stamp=now + rospy.Duration(1)))");
+    fixture.python("latch('/cloud', cloud(0x00ff00, 'table', stamp=now + rospy.Duration(0.5)))");
+    fixture.wait_for("viewer.middle() == (0, 255, 0)");
+    assert_eq!(fixture.python("viewer.pixel(21, 24), viewer.pixel(43, 24)"), "((0, 255, 0), (0, 255, 0))");
+    // Stamp zero means the latest transform: 1 m to the right, which is 25 pixels.
+    fixture.python("latch('/cloud', cloud(0x0000ff, 'table', points=((-0.5, 0, 2),)))");
+    fixture.wait_for("viewer.pixel(44, 24) == (0, 0, 255)");
+    assert_eq!(fixture.python("viewer.pixel(28, 24)"), "(0, 0, 0)");
 }
 
 #[test]
-fn rotations_that_are_none_are_refused_with_their_publisher_and_frame() {
-    let stand = stand(&[]);
-    stand.puppet("nan = float('nan')");
+fn invalid_rotations_are_refused_and_logged_with_their_publisher_and_frame() {
+    let fixture = fixture(&[]);
+    fixture.python("nan = float('nan')");
     for (number, rotation) in ["(0, 0, 0, 0.9)", "(0, nan, 0, 1)", "(0, 0, 0, 0)"].into_iter().enumerate() {
         let frame = format!("table{number}");
-        stand.puppet(format!("send('/tf', tf('map', '{frame}', q={rotation}))"));
-        stand.wait_for_log(&frame).unwrap();
-        assert_eq!(stand.log_lines(&["WARN", "/puppet", &frame]), 1, "{}", stand.log());
-        stand.puppet(format!("latch('/cloud', cloud(0xff0000, '{frame}'))"));
-        nothing_appears(&stand);
-        stand.puppet(format!("send('/tf', tf('map', '{frame}', q={rotation}))"));
+        fixture.python(format!("send('/tf', tf('map', '{frame}', q={rotation}))"));
+        fixture.wait_for_log(&frame).unwrap();
+        assert_eq!(fixture.log_lines(&["WARN", "/python_node", &frame]), 1, "{}", fixture.log());
+        fixture.python(format!("latch('/cloud', cloud(0xff0000, '{frame}'))"));
+        nothing_appears(&fixture);
+        fixture.python(format!("send('/tf', tf('map', '{frame}', q={rotation}))"));
     }
-    stand.puppet("send('/tf', tf('map', 'table2'))");
-    stand.wait_for("eye.middle() == (255, 0, 0)");
-    assert_eq!(stand.log_lines(&["WARN", "/puppet"]), 3, "each is said once: {}", stand.log());
+    fixture.python("send('/tf', tf('map', 'table2'))");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    assert_eq!(fixture.log_lines(&["WARN", "/python_node"]), 3, "each is said once: {}", fixture.log());
 }
 
 #[test]
-fn a_leading_slash_of_a_frame_is_tolerated() {
-    let stand = stand(&[]);
-    stand.puppet("latch('/tf_static', tf('/map', '/hand'))");
-    stand.puppet("latch('/eye/camera_info', info(frame='/hand'))");
-    stand.puppet("latch('/cloud', cloud(0xff0000, '/map'))");
-    stand.wait_for("eye.middle() == (255, 0, 0) and eye.last.header.frame_id == '/hand'");
-    stand.puppet("latch('/cloud', cloud(0x00ff00, 'hand'))");
-    stand.wait_for("eye.middle() == (0, 255, 0)");
+fn a_leading_slash_of_a_frame_name_is_ignored() {
+    let fixture = fixture(&[]);
+    fixture.python("latch('/tf_static', tf('/map', '/hand'))");
+    fixture.python("latch('/eye/camera_info', info(frame='/hand'))");
+    fixture.python("latch('/cloud', cloud(0xff0000, '/map'))");
+    fixture.wait_for("viewer.middle() == (255, 0, 0) and viewer.last.header.frame_id == '/hand'");
+    fixture.python("latch('/cloud', cloud(0x00ff00, 'hand'))");
+    fixture.wait_for("viewer.middle() == (0, 255, 0)");
 }
 
 #[test]
 fn the_fixed_frame_can_be_chosen_on_the_command_line() {
     // There is no frame `map`, which the config names.
-    let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &["-f", "/world"]).unwrap();
-    stand.puppet("latch('/tf_static', tf('world', 'eye', xyz=(5, 0, 0)))");
-    stand.puppet("latch('/eye/camera_info', info())");
-    stand.puppet("latch('/cloud', cloud(0xff0000, 'world', points=((5, 0, 2),)))");
-    stand.puppet("eye = Eye('/view/image')");
-    stand.wait_for("eye.middle() == (255, 0, 0)");
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &["-f", "/world"]).unwrap();
+    fixture.python("latch('/tf_static', tf('world', 'eye', xyz=(5, 0, 0)))");
+    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python("latch('/cloud', cloud(0xff0000, 'world', points=((5, 0, 2),)))");
+    fixture.python("viewer = Viewer('/view/image')");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
 }
 
 #[test]
-fn a_camera_without_its_frame_says_which_and_starts_when_it_comes() {
-    let stand = Stand::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
-    stand.puppet("latch('/cloud', cloud(0xff0000))");
-    stand.puppet("latch('/eye/camera_info', info(frame='lens'))");
-    stand.puppet("eye = Eye('/view/image')");
-    let named = || stand.log_lines(&["WARN", "CameraPub", "lens", "map"]) == 1;
-    assert!(wait_until(Duration::from_secs(30), named), "{}", stand.log());
+fn a_camera_whose_frame_is_missing_logs_it_and_starts_when_it_arrives() {
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    fixture.python("latch('/cloud', cloud(0xff0000))");
+    fixture.python("latch('/eye/camera_info', info(frame='lens'))");
+    fixture.python("viewer = Viewer('/view/image')");
+    let named = || fixture.log_lines(&["WARN", "CameraPub", "lens", "map"]) == 1;
+    assert!(wait_until(Duration::from_secs(30), named), "{}", fixture.log());
+    // No picture may come while the frame is missing.
     std::thread::sleep(Duration::from_millis(500));
-    assert_eq!(stand.puppet("eye.images"), "[]");
-    stand.puppet("latch('/tf_static', tf('map', 'lens'))");
-    stand.wait_for("eye.middle() == (255, 0, 0)");
-    assert!(named(), "said once: {}", stand.log());
+    assert_eq!(fixture.python("viewer.images"), "[]");
+    fixture.python("latch('/tf_static', tf('map', 'lens'))");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    assert!(named(), "said once: {}", fixture.log());
 }

@@ -1,9 +1,9 @@
-//! What others do with the picture: ROS's tools, and the projector's window.
+//! Subscribers of the picture: ROS's tools and the projector's window.
 
 use rcs_tests::programs::program;
-use rcs_tests::puppet::Puppet;
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
-use rcs_tests::stand::{config, CameraPub, Stand, CLOUD};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -13,28 +13,28 @@ const WIDTH_PX: usize = 640;
 const HEIGHT_PX: usize = 360;
 
 /// A node with a picture of that size: a scene with something of every colour.
-fn stand() -> Stand {
+fn fixture() -> RosFixture {
     let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Color: 20; 200; 90, Plane: XY}";
     let camera = CameraPub { background: "10; 20; 200", ..CameraPub::default() };
-    let stand = Stand::start(&config(&[CLOUD, grid], &[camera]), &[]).unwrap();
-    stand.puppet("latch('/tf_static', tf('map', 'eye', q=(0.2, 0.1, 0, 0.95 ** 0.5)))");
-    stand.puppet(format!("latch('/eye/camera_info', info(width={WIDTH_PX}, height={HEIGHT_PX}, f=300))"));
-    stand.puppet("latch('/cloud', cloud(0xff8000, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
-    stand
+    let fixture = RosFixture::start(&config(&[CLOUD, grid], &[camera]), &[]).unwrap();
+    fixture.python("latch('/tf_static', tf('map', 'eye', q=(0.2, 0.1, 0, 0.95 ** 0.5)))");
+    fixture.python(format!("latch('/eye/camera_info', info(width={WIDTH_PX}, height={HEIGHT_PX}, f=300))"));
+    fixture.python("latch('/cloud', cloud(0xff8000, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
+    fixture
 }
 
 #[test]
 fn rostopic_sees_the_picture_its_rate_and_its_type() {
-    let stand = stand();
-    let said = stand.master.output("rostopic", &["type", "/view/image"]).unwrap();
+    let fixture = fixture();
+    let said = fixture.master.output("rostopic", &["type", "/view/image"]).unwrap();
     assert_eq!(said.trim(), "sensor_msgs/Image");
-    let said = stand.master.output("rostopic", &["echo", "-n1", "--noarr", "/view/image"]).unwrap();
+    let said = fixture.master.output("rostopic", &["echo", "-n1", "--noarr", "/view/image"]).unwrap();
     for line in ["frame_id: \"eye\"", "height: 360", "width: 640", "encoding: \"rgb8\"", "step: 1920"] {
         assert!(said.contains(line), "{line}: {said}");
     }
-    let said = stand.master.output("rostopic", &["echo", "-n1", "/view/camera_info"]).unwrap();
+    let said = fixture.master.output("rostopic", &["echo", "-n1", "/view/camera_info"]).unwrap();
     assert!(said.contains("frame_id: \"eye\"") && said.contains("distortion_model"), "{said}");
-    let hz = Running::start(stand.master.command("rostopic").args(["hz", "-w", "30", "/view/image"])).unwrap();
+    let hz = Running::start(fixture.master.command("rostopic").args(["hz", "-w", "30", "/view/image"])).unwrap();
     let average = || hz.lines().iter().rev().find_map(|line| line.split("average rate: ").nth(1)?.parse::<f64>().ok());
     let is_steady = || average().is_some_and(|rate| (20.0..36.0).contains(&rate));
     assert!(wait_until(PATIENCE, is_steady), "{:?} {:?}", hz.lines(), hz.errors());
@@ -42,22 +42,22 @@ fn rostopic_sees_the_picture_its_rate_and_its_type() {
 
 #[test]
 fn rosbag_records_the_picture_as_it_was_sent() {
-    let stand = stand();
+    let fixture = fixture();
     let folder = tempfile::tempdir().unwrap();
     let bag = folder.path().join("recorded.bag");
-    let mut command = stand.master.command("rosbag");
+    let mut command = fixture.master.command("rosbag");
     let mut recorder =
         Running::start(command.args(["record", "-l", "5", "-O"]).arg(&bag).args(["/view/image", "/view/camera_info"]))
             .unwrap();
     assert!(recorder.wait(PATIENCE).is_some(), "{:?} {:?}", recorder.lines(), recorder.errors());
-    stand.puppet("import rosbag");
-    stand.puppet(format!("messages = list(rosbag.Bag('{}').read_messages())", bag.display()));
+    fixture.python("import rosbag");
+    fixture.python(format!("messages = list(rosbag.Bag('{}').read_messages())", bag.display()));
     let all = "sorted({(m.topic, m.message.width, m.message.height, m.message.header.frame_id) for m in messages})";
     let expected = "[('/view/camera_info', 640, 360, 'eye'), ('/view/image', 640, 360, 'eye')]";
-    assert_eq!(stand.puppet(all), expected);
+    assert_eq!(fixture.python(all), expected);
 }
 
-/// An X server with a window manager, and what its screen shows.
+/// An X server with a window manager, and the pixels of its screen.
 struct Screen {
     display: String,
     folder: tempfile::TempDir,
@@ -96,30 +96,32 @@ fn window(master: &RosMaster, screen: &Screen, args: &[&str]) -> Running {
     Running::start(command.args(args)).unwrap()
 }
 
-fn saved(puppet: &Puppet, file: &Path) -> Vec<u8> {
-    puppet.run(format!("eye.save('{}')", file.display())).unwrap();
+fn saved(python: &PythonNode, file: &Path) -> Vec<u8> {
+    python.run(format!("viewer.save('{}')", file.display())).unwrap();
     fs::read(file).unwrap()
 }
 
 #[test]
 fn the_projectors_window_shows_the_picture_pixel_for_pixel_over_the_whole_screen() {
     let screen = Screen::start();
-    let stand = stand();
+    let fixture = fixture();
     let screenshot = screen.folder.path().join("screenshot.png");
     let mut window =
-        window(&stand.master, &screen, &["image:=/view/image", "--screenshot", screenshot.to_str().unwrap()]);
-    stand.puppet("eye = Eye('/view/image')");
-    stand.wait_for("eye.last is not None and len({i[6] for i in eye.images[-10:]}) == 1 and len(eye.images) > 20");
+        window(&fixture.master, &screen, &["image:=/view/image", "--screenshot", screenshot.to_str().unwrap()]);
+    fixture.python("viewer = Viewer('/view/image')");
+    fixture.wait_for(
+        "viewer.last is not None and len({i[6] for i in viewer.images[-10:]}) == 1 and len(viewer.images) > 20",
+    );
     let file = screen.folder.path().join("picture");
-    let is_shown = || saved(&stand.puppet, &file) == screen.pixels();
+    let is_shown = || saved(&fixture.python, &file) == screen.pixels();
     assert!(wait_until(PATIENCE, is_shown), "{:?}", window.errors());
-    let picture = saved(&stand.puppet, &file);
+    let picture = saved(&fixture.python, &file);
     for color in [[10, 20, 200], [255, 128, 0]] {
         assert!(picture.chunks_exact(3).filter(|pixel| *pixel == color).count() > 100, "{color:?} is in the picture");
     }
-    // A changed scene is on the wall at once.
-    stand.puppet("latch('/cloud', cloud(0xff00ff, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
-    stand.wait_for("bytes([255, 0, 255]) * 9 in eye.last.data");
+    // A changed scene is shown at once.
+    fixture.python("latch('/cloud', cloud(0xff00ff, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
+    fixture.wait_for("bytes([255, 0, 255]) * 9 in viewer.last.data");
     assert!(wait_until(PATIENCE, is_shown), "{:?}", window.errors());
     assert!(image::open(&screenshot).unwrap().to_rgb8().into_raw().len() == WIDTH_PX * HEIGHT_PX * 3);
     window.signal("TERM");

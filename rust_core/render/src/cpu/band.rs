@@ -238,6 +238,7 @@ pub(super) fn unorm8(value: f32) -> u8 {
 #[cfg(test)]
 mod tests {
     use fearless_simd::{dispatch, Level};
+    use proptest::prelude::*;
 
     use super::*;
 
@@ -250,22 +251,24 @@ mod tests {
         assert_eq!([r, g, b], [128, 100, 127]);
     }
 
-    #[test]
-    fn several_pixels_blend_as_one_does() {
-        fn blended<S: Simd>(simd: S, behind: [u32; LANES], colors: [u32; LANES]) -> [u32; LANES] {
-            blend_lanes(U::load_array(simd, behind), U::load_array(simd, colors)).to_array()
-        }
-        let mut state = 7_u32;
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            state ^ (state >> 16)
-        };
-        for _ in 0..10_000 {
-            let (behind, colors) = ([(); LANES].map(|()| next()), [(); LANES].map(|()| next()));
-            let lanes = dispatch!(Level::new(), simd => blended(simd, behind, colors));
-            for i in 0..LANES {
-                assert_eq!(lanes[i], blend(behind[i], colors[i].to_ne_bytes()), "{:x} {:x}", behind[i], colors[i]);
+    /// Any colours, with channels of 0 and 255 more often than others.
+    fn colors() -> impl Strategy<Value = [u32; LANES]> {
+        let channel = || prop_oneof![1 => Just(0_u8), 1 => Just(255_u8), 4 => any::<u8>()];
+        let color = [channel(), channel(), channel(), channel()].prop_map(pack);
+        proptest::array::uniform(color)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4000))]
+
+        #[test]
+        fn several_pixels_blend_as_one_does(behind in colors(), colors in colors()) {
+            fn blended<S: Simd>(simd: S, behind: [u32; LANES], colors: [u32; LANES]) -> [u32; LANES] {
+                blend_lanes(U::load_array(simd, behind), U::load_array(simd, colors)).to_array()
             }
+            let lanes = dispatch!(Level::new(), simd => blended(simd, behind, colors));
+            let singly: [u32; LANES] = std::array::from_fn(|i| blend(behind[i], colors[i].to_ne_bytes()));
+            prop_assert_eq!(lanes, singly);
         }
     }
 

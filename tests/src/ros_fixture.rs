@@ -1,0 +1,174 @@
+//! What most end-to-end tests start: a master of their own, a Python node that the test controls, and `camera_stream`.
+
+use crate::programs::program;
+use crate::python_node::PythonNode;
+use crate::ros::{RosMaster, Running, PATIENCE};
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A display of `/cloud`: the points are squares of 1 m in their own colour.
+pub const CLOUD: &str = "{Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /cloud, Style: Flat Squares, \
+     Size (m): 1, Color Transformer: RGB8, Position Transformer: XYZ, Queue Size: 10, Alpha: 1, Decay Time: 0}";
+
+/// A CameraPub display of a config.
+#[derive(Clone, Debug)]
+pub struct CameraPub {
+    /// Its name.
+    pub name: &'static str,
+    /// "Image Topic".
+    pub image: &'static str,
+    /// "Camera Info Topic".
+    pub info: &'static str,
+    /// "Display namespace".
+    pub namespace: &'static str,
+    /// "Frame Rate".
+    pub rate: &'static str,
+    /// "Background Color".
+    pub background: &'static str,
+}
+
+impl Default for CameraPub {
+    fn default() -> Self {
+        Self {
+            name: "CameraPub",
+            image: "/view/image",
+            info: "/eye/camera_info",
+            namespace: "",
+            rate: "-1",
+            background: "0; 0; 0",
+        }
+    }
+}
+
+/// The text of a `.rviz` file with these displays and cameras, and `map` as fixed frame.
+pub fn config(displays: &[&str], cameras: &[CameraPub]) -> String {
+    let mut text = "Visualization Manager:\n  Displays:\n".to_owned();
+    for display in displays {
+        text += &format!("  - {display}\n");
+    }
+    for camera in cameras {
+        let CameraPub { name, image, info, namespace, rate, background } = camera;
+        let _ = writeln!(
+            text,
+            "  - {{Class: rviz_camera_stream/CameraPub, Name: {name}, Enabled: true, Image Topic: '{image}', Camera Info \
+             Topic: '{info}', Display namespace: '{namespace}', Frame Rate: {rate}, Background Color: {background}, \
+             Image Encoding: rgb8, Near Clip Distance: 0.01, Queue Size: 2, Visibility: {{Value: true}}}}"
+        );
+    }
+    text + "  Enabled: true\n  Global Options: {Fixed Frame: map, Frame Rate: 30}\n"
+}
+
+/// Name of the config's file.
+const CONFIG: &str = "scene.rviz";
+
+/// `camera_stream`, a Python node and their master. When a test fails, the log of `camera_stream` is printed.
+#[derive(Debug)]
+pub struct RosFixture {
+    /// `camera_stream`.
+    pub node: Running,
+    /// Publishes and subscribes for the test.
+    pub python: PythonNode,
+    /// The master, on a port of its own.
+    pub master: RosMaster,
+    folder: PathBuf,
+}
+
+impl RosFixture {
+    /// Starts a master, a Python node and `camera_stream` with a config and more arguments, and waits until
+    /// `camera_stream` is ready.
+    ///
+    /// # Errors
+    /// When one of them does not start.
+    pub fn start(config: &str, args: &[&str]) -> io::Result<Self> {
+        let master = RosMaster::start()?;
+        let python = PythonNode::start(&master, &[])?;
+        let fixture = Self::with(master, python, config, args)?;
+        fixture.wait_for_log("drawing ")?;
+        Ok(fixture)
+    }
+
+    /// Starts `camera_stream` beside a master, which may not run yet, and a Python node.
+    ///
+    /// # Errors
+    /// When it does not start.
+    pub fn with(master: RosMaster, python: PythonNode, config: &str, args: &[&str]) -> io::Result<Self> {
+        let folder = std::env::temp_dir().join(format!("rcs_fixture_{}", master.uri().replace(['/', ':'], "")));
+        fs::create_dir_all(&folder)?;
+        let file = folder.join(CONFIG);
+        fs::write(&file, config)?;
+        let mut command = master.environment(Command::new(program("camera_stream")));
+        let node = Running::start(command.arg("-d").arg(&file).args(["--renderer", "cpu"]).args(args))?;
+        Ok(Self { node, python, master, folder })
+    }
+
+    /// The config's file.
+    pub fn config_file(&self) -> PathBuf {
+        self.folder.join(CONFIG)
+    }
+
+    /// Writes the config's file again, as rviz does: in place.
+    ///
+    /// # Panics
+    /// When it cannot be written.
+    #[expect(clippy::panic, reason = "a test cannot go on")]
+    pub fn rewrite(&self, config: &str) {
+        fs::write(self.config_file(), config).unwrap_or_else(|error| panic!("{error}"));
+    }
+
+    /// The node's log.
+    pub fn log(&self) -> String {
+        self.node.errors().join("\n")
+    }
+
+    /// Number of lines of the node's log that contain all of these words.
+    pub fn log_lines(&self, words: &[&str]) -> usize {
+        self.node.errors().iter().filter(|line| words.iter().all(|word| line.contains(word))).count()
+    }
+
+    /// Waits until the node's log has a line with this text.
+    ///
+    /// # Errors
+    /// With the log, when it does not come.
+    pub fn wait_for_log(&self, text: &str) -> io::Result<()> {
+        if crate::ros::wait_until(PATIENCE, || self.log_lines(&[text]) > 0) {
+            Ok(())
+        } else {
+            Err(io::Error::other(format!("the node does not log \"{text}\":\n{}", self.log())))
+        }
+    }
+
+    /// Runs Python in the Python node.
+    ///
+    /// # Panics
+    /// With the traceback, when it fails.
+    #[expect(clippy::panic, reason = "a test cannot go on")]
+    pub fn python(&self, python: impl std::fmt::Display) -> String {
+        self.python.run(python).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Waits until a Python expression is true in the Python node.
+    ///
+    /// # Panics
+    /// When it does not become so, with what the viewer `viewer` has received.
+    #[expect(clippy::panic, reason = "a test cannot go on")]
+    pub fn wait_for(&self, python: impl std::fmt::Display) {
+        if !self.python.wait_for(PATIENCE, &python) {
+            let received =
+                "(viewer.colors[-10:], viewer.images[-3:], viewer.infos[-3:]) if 'viewer' in globals() else None";
+            panic!("not true after {PATIENCE:?}: {python}; the viewer received {:?}", self.python.run(received));
+        }
+    }
+}
+
+impl Drop for RosFixture {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("--- the node's log:\n{}\n---", self.log());
+        }
+        // If this fails, a small folder of temporary files remains.
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
