@@ -18,7 +18,7 @@ const LAYERS: [(&str, &[&str]); 12] = [
     ("bag", &["rosrust", "wgpu", "winit"]),
     ("ros", &["rosbag", "wgpu", "winit"]),
     ("window", &["rosrust", "rosrust_msg", "rosbag", "wgpu"]),
-    ("app", &["wgpu", "winit", "rosbag"]),
+    ("app", &["rosrust", "wgpu", "winit", "rosbag"]),
 ];
 
 /// Lower crates that a crate must not use all the same: the renderers know no messages, the displays no renderers, and so on.
@@ -91,6 +91,37 @@ fn dependencies_point_downwards_only() {
             assert!(!dependencies.contains(&format!("rcs_{wrong}")), "{name} depends on rcs_{wrong}");
         }
     }
+}
+
+/// `unsafe` is for one module of `ros`, which denies it everywhere else.
+#[test]
+fn only_ros_may_contain_unsafe_code() {
+    for (name, folder) in crate_folders() {
+        let root = folder.join("src/lib.rs");
+        let text = fs::read_to_string(&root).unwrap_or_else(|error| panic!("{}: {error}", root.display()));
+        let wanted = if name == "ros" { "#![deny(unsafe_code)]" } else { "#![forbid(unsafe_code)]" };
+        assert!(text.contains(wanted), "{} has no {wanted}", root.display());
+    }
+}
+
+#[test]
+fn messages_use_no_connection_of_rosrust() {
+    let types = ["Duration", "Message", "RosMsg", "ServicePair", "Time"];
+    let sources = fs::read_dir(repository().join("rust_core/messages/src")).expect("the sources can be read");
+    let mut checked = 0;
+    for path in sources.map(|entry| entry.expect("its entries can be read").path()) {
+        let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        for used in text.split("rosrust::").skip(1) {
+            let list = used.strip_prefix('{').and_then(|list| list.split('}').next()).unwrap_or(used);
+            let names = if used.starts_with('{') { list.split(',').collect() } else { vec![list] };
+            for name in names {
+                let word: String = name.trim().chars().take_while(|letter| letter.is_alphanumeric()).collect();
+                assert!(types.contains(&&*word), "{} uses rosrust::{word}", path.display());
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 0, "no use of rosrust was found");
 }
 
 #[test]

@@ -26,6 +26,7 @@
 //! assert_eq!(map_from_base.translation.x, 2.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+#![forbid(unsafe_code)]
 
 mod history;
 mod lookup;
