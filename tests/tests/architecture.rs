@@ -138,7 +138,8 @@ fn every_folder_of_the_core_is_a_layer() {
 
 /// The rows of the table with these headings, cell by cell.
 fn table(heading: &str) -> Vec<Vec<String>> {
-    let page = fs::read_to_string(repository().join("docs/architecture.md")).expect("docs/architecture.md can be read");
+    let page = repository().join("docs/architecture.md");
+    let page = fs::read_to_string(&page).unwrap_or_else(|error| panic!("{}: {error}", page.display()));
     let mut lines = page.lines().skip_while(|line| *line != heading).skip(2);
     let mut rows = Vec::new();
     while let Some(row) = lines.next().and_then(|line| line.strip_prefix('|')?.strip_suffix('|')) {
