@@ -1,6 +1,6 @@
-"""The tables and the plot of a benchmark's figures, and the places in the pages where they stand.
+"""Writes a benchmark's figures as tables and a plot into the pages.
 
-Each section stands between `<!-- bench SECTION begin -->` and `<!-- bench SECTION end -->`; what is around it is written by
+The text between `<!-- bench SECTION begin -->` and `<!-- bench SECTION end -->` is replaced; the rest of a page is written by
 hand. A section that was not measured stays as it is.
 """
 
@@ -13,7 +13,7 @@ MARKERS = ('o', 's', '^')
 
 
 def machine():
-    """What it was measured on."""
+    """The machine, in words."""
     with open('/proc/cpuinfo') as cpuinfo:
         model = re.search(r'model name\s*: (.*)', cpuinfo.read())
     return '{} cores ({})'.format(os.cpu_count(), model.group(1) if model else 'of an unknown model')
@@ -22,7 +22,7 @@ def machine():
 def table(heads, row, rows):
     """A Markdown table; `row` formats the figures of one row."""
     lines = ['| ' + ' | '.join(heads) + ' |', '|---' * len(heads) + '|']
-    # What never came has no figure.
+    # There is no figure for pictures that never arrived.
     return '\n'.join(lines + ['| ' + ' | '.join(row).format(**figures).replace('nan', '–') + ' |' for figures in rows])
 
 
@@ -33,7 +33,7 @@ def paragraphs(*parts):
 def slow_note(rows, rate):
     if not any(row['mark'] for row in rows):
         return ''
-    return '† each cloud after the picture of the one before, because most were missed at {}.'.format(rate)
+    return '† Each cloud was sent after the picture of the previous one, because most were missed at {}.'.format(rate)
 
 
 def driver_note(rows):
@@ -56,15 +56,15 @@ def styles(given, result):
 
 
 def summary(given, result):
-    """The README's: the CPU renderer, and rviz where it was measured."""
+    """The README's table: the CPU renderer, and rviz if it was measured."""
     rows = [dict(row, shown=STYLES[row['style']]) for row in result['rows'] if row['name'] in ('camera_stream, cpu', 'rviz')]
     heads = ['program', '307,200 points as', 'pictures/s', 'latency ms', 'CPU ms per picture', 'peak MB']
     row = ['{name}', '{shown}', '{pictures_hz:.1f}', '{latency_ms:.0f}{mark}', '{cpu_ms:.0f}', '{peak_mb:.0f}']
     return paragraphs(
         table(heads, row, rows),
         'Measured by `./bench` on {}: a depth camera at {:g} clouds/s, pictures of 1280×800. Latency is the median from '
-        'publishing a cloud to the arrival of the picture that shows it; {:.0f} ms of it are the measuring script\'s '
-        'own.'.format(machine(), given.hz, result['floor']['latency_ms']),
+        'publishing a cloud to the arrival of the picture that shows it; the measuring script itself accounts for '
+        '{:.0f} ms of it.'.format(machine(), given.hz, result['floor']['latency_ms']),
         driver_note(rows),
         slow_note(rows, '{:g} clouds/s'.format(given.hz)))
 
@@ -74,12 +74,12 @@ def points(given, result):
     rows = [dict(row, floor_ms=floors[row['points']]['latency_ms'], script_hz=floors[row['points']]['full_hz'])
             for row in result['rows']]
     intro = '`./bench --only points` on {}: Flat Squares, 1280×800, {:g} s each.'.format(machine(), given.sweep_seconds)
-    heads = ['program', 'points', 'clouds/s', 'latency ms, median / p95', 'of it floor', 'CPU ms per cloud', 'peak MB',
-             'pictures/s at full speed', "the script's own limit"]
+    heads = ['program', 'points', 'clouds/s', 'latency ms, median / p95', 'floor ms', 'CPU ms per cloud', 'peak MB',
+             'pictures/s at full speed', "limit of the script"]
     row = ['{name}', '{points:,}', '{hz:.1f}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}',
            '{full_hz:.1f}', '{script_hz:.1f}']
     return paragraphs(intro, table(heads, row, rows), slow_note(rows, 'that rate'), driver_note(rows),
-                      '![Latency and CPU by the number of points](images/performance.svg)')
+                      '![Latency and CPU time over the number of points](images/performance.svg)')
 
 
 def sizes(given, result):
@@ -87,7 +87,7 @@ def sizes(given, result):
     intro = '`./bench --only sizes` on {}: Flat Squares, 307,200 points at 5 clouds/s, {:g} s each.'.format(
         machine(), given.sweep_seconds)
     row = ['{name}', '{size}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}']
-    heads = ['program', 'picture', 'latency ms, median / p95', 'of it floor', 'CPU ms per cloud', 'peak MB']
+    heads = ['program', 'picture', 'latency ms, median / p95', 'floor ms', 'CPU ms per cloud', 'peak MB']
     return paragraphs(intro, table(heads, row, rows), slow_note(rows, '5 clouds/s'), driver_note(rows))
 
 
@@ -96,7 +96,7 @@ def cameras(given, result):
         machine(), given.sweep_seconds)
     rows = result['rows']
     row = ['{name}', '{cameras}', LATENCY, '{floor_ms:.1f}', '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}']
-    heads = ['program', 'cameras', 'latency ms to the last picture, median / p95', 'of it floor', 'CPU ms per cloud',
+    heads = ['program', 'cameras', 'latency ms to the last picture, median / p95', 'floor ms', 'CPU ms per cloud',
              'peak MB']
     return paragraphs(intro, table(heads, row, rows), slow_note(rows, '5 clouds/s'), driver_note(rows))
 
@@ -105,26 +105,26 @@ def idle(given, result):
     intro = '`./bench --only idle` on {}: Flat Squares, 307,200 points, 1280×800, {:g} s each.'.format(
         machine(), given.seconds)
     row = ['{name}', '{still_percent:.2f}', '{moving_percent:.1f}', '{repeated_hz:.1f}', '{repeated_ms:.1f}']
-    heads = ['program', 'unwatched, nothing comes: % of a core', 'unwatched, {:g} clouds/s: % of a core'.format(given.hz),
-             'watched, nothing comes: pictures/s', 'CPU ms per picture']
+    heads = ['program', 'no subscriber, no clouds: % of a core', 'no subscriber, {:g} clouds/s: % of a core'.format(given.hz),
+             'subscriber, no clouds: pictures/s', 'CPU ms per picture']
     return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
 
 
 def starts(_, result):
     rows = []
     for row in result['rows']:
-        for what, key in (('first picture: a master, 307,200 latched points', 'firsts_ms'),
-                          ('`camera_stream render` of the sample scene, 1280×800 to PNG', 'renders_ms')):
+        for what, key in (('first picture received: running master, 307,200 latched points', 'firsts_ms'),
+                          ('`camera_stream render` done: sample scene, 1280×800 to PNG', 'renders_ms')):
             times_ms = row[key]
             rows.append({'name': row['name'], 'what': what, 'median': times_ms[len(times_ms) // 2], 'worst': times_ms[-1],
                          'count': len(times_ms)})
-    intro = '`./bench --only starts` on {}: from the start of the process, all in.'.format(machine())
+    intro = '`./bench --only starts` on {}: from process start, everything included.'.format(machine())
     row = ['{name}', '{what}', '{median:.0f}', '{worst:.0f}', '{count}']
     return paragraphs(intro, table(['program', 'until', 'median ms', 'worst ms', 'runs'], row, rows), driver_note(rows))
 
 
 def blocks(given, results):
-    """The text of each measured section, by the name in its markers."""
+    """The text of each measured section; keys are the names in the markers."""
     texts = {section: globals()[section](given, result) for section, result in results.items()}
     if 'styles' in results:
         texts['summary'] = summary(given, results['styles'])
@@ -132,7 +132,7 @@ def blocks(given, results):
 
 
 def plot(result, file):
-    """Latency and CPU time against the number of points, all axes logarithmic."""
+    """Latency and CPU time over the number of points, all axes logarithmic."""
     import matplotlib
     matplotlib.use('svg')
     matplotlib.rcParams['svg.hashsalt'] = 'rviz_camera_stream'
@@ -155,7 +155,7 @@ def plot(result, file):
 
 
 def write(root, given, results):
-    """Puts what was measured into the pages."""
+    """Writes the measured sections into the pages."""
     texts = blocks(given, results)
     for page in (os.path.join(root, 'docs', 'performance.md'), os.path.join(root, 'README.md')):
         with open(page, encoding='utf-8') as file:

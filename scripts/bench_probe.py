@@ -1,9 +1,9 @@
-"""What measures running cameras from outside: messages that are sent, pictures that come back, processes and their CPU time.
+"""Measures running cameras from outside: publishes clouds, receives pictures, reads the CPU time and memory of processes.
 
 A probe publishes TF, a CameraInfo and a cloud whose colour changes with every message. Latency is the time from the call that
-publishes a cloud to the arrival of the first picture with that colour in its middle (of several cameras: of the last one's),
-so that the probe's own share is in it; the floor is that share alone: the cloud goes to a subscriber that answers with a
-picture-sized message.
+publishes a cloud to the arrival of the first picture with that colour in its middle (with several cameras: of the last such
+picture). It includes the probe's own share, which is measured as the floor: the cloud goes to a subscriber that answers with a
+message of a picture's size.
 """
 
 import contextlib
@@ -31,7 +31,7 @@ from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
 SIZE_PX = (1280, 800)
 COLOURS = [0xff0000, 0x00ff00, 0x0000ff, 0xffff00, 0xff00ff, 0x00ffff]
 POINT_BYTES = 16
-# Latched, and what waits in it gives way to what is newer, as in a driver.
+# Latched, with a queue of one in which a newer cloud replaces an older one, as in a camera driver.
 NEWEST = '/bench/cloud'
 # Publishing waits until the last subscriber has taken the cloud.
 ONE_BY_ONE = '/bench/large_cloud'
@@ -39,12 +39,12 @@ INFO = '/bench/info'
 
 
 def picture_topic(number):
-    """Each in a namespace of its own, for its CameraInfo is beside it."""
+    """Each picture has its own namespace, because its CameraInfo is published next to it."""
     return '/bench/camera{}/image'.format(number)
 
 
 def transform(child, xyz):
-    """A frame that looks along the base's x axis."""
+    """An optical frame that looks along the base's x axis."""
     message = TransformStamped()
     message.header.frame_id, message.child_frame_id = 'base', child
     message.header.stamp = rospy.Time.now()
@@ -55,7 +55,7 @@ def transform(child, xyz):
 
 
 def camera_info(size_px):
-    """A projector of long focal length, so that a depth camera's view fills the picture, whatever the picture's size."""
+    """A projector whose focal length grows with the picture, so that the cloud fills the same part of any size."""
     width, height = size_px
     f, cx, cy = 1900.0 * (width * height / float(SIZE_PX[0] * SIZE_PX[1])) ** 0.5, width / 2.0, height / 2.0
     message = CameraInfo(width=width, height=height, distortion_model='plumb_bob', D=[0.0] * 5)
@@ -67,7 +67,7 @@ def camera_info(size_px):
 
 
 def surface(points):
-    """The points of a wavy surface, as a depth camera sees it."""
+    """The points of a wavy surface, as a depth camera sees them."""
     columns = max(1, int(round((points * 4 / 3.0) ** 0.5)))
     rows = max(1, points // columns)
     u, v = numpy.meshgrid((numpy.arange(columns) + 0.5) / columns - 0.5, (numpy.arange(rows) + 0.5) / rows - 0.5)
@@ -78,7 +78,7 @@ def surface(points):
 
 
 def describe(message, points):
-    """Makes a message one for so many points, which it does not hold yet."""
+    """Fills in all of a cloud message but its data."""
     message.height, message.width, message.is_dense = 1, points, True
     message.point_step, message.row_step = POINT_BYTES, POINT_BYTES * points
     message.header.frame_id = 'depth'
@@ -87,7 +87,7 @@ def describe(message, points):
 
 
 class PlainClouds:
-    """The surface in each colour, as messages that rospy serialises each time they are sent."""
+    """The surface in each colour, as messages that rospy serialises each time one is published."""
 
     def __init__(self, points):
         self.messages = {}
@@ -106,9 +106,9 @@ class PlainClouds:
 
 
 class SerializedCloud:
-    """The surface as the bytes that go over the wire, so that sending costs the script as little as can be.
+    """The surface as serialised bytes, so that publishing costs the script as little as possible.
 
-    Its middle is painted, the rest stays white: ten million points take some time to paint.
+    Only its middle changes colour: painting ten million points would take too long.
     """
 
     def __init__(self, points):
@@ -116,7 +116,7 @@ class SerializedCloud:
         data['rgb'] = 0xffffff
         message = io.BytesIO()
         describe(PointCloud2(), len(data)).serialize(message)
-        # Without points its end is their number of bytes, and is_dense.
+        # A message without points ends with the data's length and is_dense.
         front = message.getvalue()[:-5] + struct.pack('<I', data.nbytes)
         self.bytes = bytearray(struct.pack('<I', len(front) + data.nbytes + 1) + front + data.tobytes() + b'\1')
         sent = numpy.frombuffer(self.bytes, data.dtype, len(data), 4 + len(front))
@@ -127,16 +127,16 @@ class SerializedCloud:
 
     def send(self, publisher):
         stamp = rospy.Time.now()
-        # Behind the message's length and its sequence number.
+        # The stamp follows the message's length and the sequence number.
         struct.pack_into('<II', self.bytes, 8, stamp.secs, stamp.nsecs)
         for connection in list(publisher.impl.connections):
-            # One whose subscriber ended goes by itself.
+            # rospy removes the connection of a subscriber that ended.
             with contextlib.suppress(rospy.exceptions.TransportException, OSError):
                 connection.write_data(self.bytes)
 
 
 class Drain(threading.Thread):
-    """Takes a topic's messages off the wire, without a look into them, and calls for each."""
+    """Receives a topic's messages without decoding them and calls back for each one."""
 
     def __init__(self, topic, take):
         super().__init__(daemon=True)
@@ -158,7 +158,7 @@ class Drain(threading.Thread):
             self.take_message(None)
 
     def read(self, into, count):
-        """Whether so many bytes came; what does not fit is written over."""
+        """Receives count bytes; more than fit overwrite each other. False if the connection closed."""
         while count > 0:
             received = self.socket.recv_into(into, min(count, len(into)))
             if received == 0:
@@ -173,7 +173,7 @@ class Drain(threading.Thread):
 
 
 def colour_of(message):
-    """The cloud's colour in a picture's middle, lit or not; None when it is not there."""
+    """The cloud's colour, shaded or not, in a picture's middle; None if the cloud is not there."""
     rows = numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.step)
     y, x = message.height // 2, message.width // 2
     middle = rows[y - 12:y + 13, 3 * (x - 12):3 * (x + 13)].reshape(-1, 3)
@@ -186,17 +186,17 @@ def colour_of(message):
 
 
 class Usage:
-    """CPU and memory of a process."""
+    """CPU time and memory of a process."""
 
     def __init__(self, pid):
         self.pid = pid
 
     def cpu_s(self):
-        """Of all its threads, also of those that have ended, as clock_getcpuclockid names that clock."""
+        """CPU time of all its threads, ended ones included, from the clock that clock_getcpuclockid names."""
         return time.clock_gettime((~self.pid << 3) | 2)
 
     def percent(self, seconds):
-        """Of one core, for so long from now."""
+        """CPU load in percent of one core, measured over the next seconds."""
         cpu_s, begin = self.cpu_s(), time.monotonic()
         time.sleep(seconds)
         return 100 * (self.cpu_s() - cpu_s) / (time.monotonic() - begin)
@@ -207,7 +207,7 @@ class Usage:
 
 
 class Probe:
-    """What publishes clouds and waits for their pictures."""
+    """Publishes clouds and waits for their pictures."""
 
     def __init__(self):
         rospy.init_node('bench', disable_signals=True)
@@ -215,7 +215,7 @@ class Probe:
         self.frames.sendTransform([transform('projector', (0, 0, 1)), transform('depth', (0, 0.05, 1))])
         self.info = rospy.Publisher(INFO, CameraInfo, queue_size=1, latch=True)
         with warnings.catch_warnings():
-            # No queue is what makes publishing wait.
+            # rospy warns about queue_size=None, but it is what makes publishing block.
             warnings.simplefilter('ignore')
             self.clouds = {
                 NEWEST: rospy.Publisher(NEWEST, PointCloud2, queue_size=1, latch=True),
@@ -224,23 +224,23 @@ class Probe:
         self.use(NEWEST, None, SIZE_PX)
         self.changed = threading.Condition()
         self.subscribers = []
-        # The floor's pictures are empty, and answer a cloud by being there.
+        # The floor's pictures are empty: any picture counts as the answer to the oldest cloud.
         self.is_floor = False
         self.forget()
 
     def use(self, topic, cloud, size_px):
-        """Publishes this cloud on this topic from now on, and a CameraInfo of this size."""
+        """From now on publishes this cloud on this topic, and a CameraInfo of this size."""
         self.publisher, self.cloud = self.clouds[topic], cloud
         self.info.publish(camera_info(size_px))
 
     def forget(self):
         with self.changed:
-            # Those that were sent and not seen yet: colours and times.
+            # In flight: colours and times of clouds that are published but not yet in a picture.
             self.arrivals, self.latencies_s, self.in_flight = [], [], []
             self.new_at, self.shown = [], {}
 
     def listen(self, topics):
-        """Takes the pictures of these topics from now on."""
+        """Subscribes to these topics instead of the previous ones."""
         for subscriber in self.subscribers:
             subscriber.unregister()
         self.forget()
@@ -269,7 +269,7 @@ class Probe:
             self.changed.notify_all()
 
     def send(self, number, keep=0):
-        """Publishes the cloud in the colour of this number. Returns how many before, but the last `keep`, were never seen."""
+        """Publishes the cloud in this number's colour. Gives up on all but the last `keep` in flight; returns how many."""
         colour = COLOURS[number % len(COLOURS)]
         self.cloud.paint(colour)
         with self.changed:
@@ -280,7 +280,7 @@ class Probe:
         return missed
 
     def wait_for_picture(self, timeout_s):
-        """Whether one came. A topic that latches nothing sends its cloud when somebody connects."""
+        """Whether a picture arrived. On a topic that is not latched, a cloud is published once a subscriber connects."""
         until = time.monotonic() + timeout_s
         if self.publisher is self.clouds[ONE_BY_ONE]:
             while self.publisher.get_num_connections() == 0:
@@ -291,19 +291,19 @@ class Probe:
         with self.changed:
             return self.changed.wait_for(lambda: self.arrivals, until - time.monotonic())
 
-    def part(self):
-        """Waits until nobody listens to the clouds."""
+    def wait_for_disconnection(self):
+        """Waits until nobody subscribes to the clouds."""
         until = time.monotonic() + 10
         is_direct = self.publisher is self.clouds[ONE_BY_ONE]
         while is_direct and self.publisher.get_num_connections() > 0 and time.monotonic() < until:
-            # rospy notices it when it sends.
+            # rospy notices a closed connection only when it publishes.
             self.cloud.send(self.publisher)
             time.sleep(0.05)
 
     def send_some(self, hz, seconds, window=2):
-        """Publishes clouds at a rate; returns how many, and how many were never seen.
+        """Publishes clouds at a rate; returns how many, and how many of them no picture showed.
 
-        None: as fast as they are seen, with at most `window` on their way (2: the next one comes while one is drawn).
+        hz None: as fast as pictures arrive, with at most `window` clouds in flight (2: one waits while another is drawn).
         """
         sent, missed, begin = 0, 0, time.monotonic()
         while time.monotonic() < begin + seconds:
@@ -317,7 +317,7 @@ class Probe:
         return sent, missed
 
     def measure(self, hz, seconds, usage=None, window=2):
-        """Publishes clouds as `send_some` does; the figures by name."""
+        """Publishes clouds as `send_some` does; returns the figures by name."""
         for number in (-2, -1):
             self.send(number)
             time.sleep(0.5)
@@ -344,9 +344,9 @@ class Probe:
         return figures
 
     def floor(self, topic, cloud, hz, seconds, size_px=SIZE_PX, cameras=1):
-        """The probe's own share: clouds go to a subscriber that answers each with empty pictures.
+        """The probe's own share of the latency: a subscriber answers each cloud with empty pictures.
 
-        Plain clouds go to one of rospy's; of serialised ones, which may be large, not even a copy is made.
+        For plain clouds it is rospy's; serialised ones, which may be large, are received without even a copy.
         """
         width, height = size_px
         topics = [picture_topic(number) for number in range(cameras)]
@@ -370,12 +370,12 @@ class Probe:
         self.listen([])
         for one in [relay] + answers:
             one.unregister()
-        self.part()
+        self.wait_for_disconnection()
         return figures
 
 
 class Program:
-    """A program with its own process group, ended with the block."""
+    """A program in its own process group, which ends with the block."""
 
     def __init__(self, command, log):
         self.command, self.log = command, log

@@ -1,9 +1,11 @@
-//! Dependencies between the project's crates point downwards only.
+//! The rooms of `docs/architecture.md`: dependencies between the crates point downwards only, no crate uses what is not its task,
+//! and the page's tables of folders and dependencies are what the manifests say.
 
-use std::collections::BTreeSet;
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
 
-/// The crates from the bottom up, each with the outside crates that would give it a task that is not its own.
+/// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
 const LAYERS: [(&str, &[&str]); 12] = [
     ("scene", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("transforms", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
@@ -16,61 +18,212 @@ const LAYERS: [(&str, &[&str]); 12] = [
     ("bag", &["rosrust", "wgpu", "winit"]),
     ("ros", &["rosbag", "wgpu", "winit"]),
     ("window", &["rosrust", "rosrust_msg", "rosbag", "wgpu"]),
-    ("app", &["wgpu", "winit", "rosbag"]),
+    ("app", &["rosrust", "wgpu", "winit", "rosbag"]),
 ];
 
-/// What may not be used although it is lower: the renderers know no messages, the displays no renderers, and so on.
-const APART: [(&str, &[&str]); 6] = [
-    ("rviz_config", &["scene", "transforms", "messages"]),
+/// Lower crates that a crate must not use all the same: the renderers know no messages, the displays no renderers, and so on.
+/// What is allowed across: an image encoding or a picture of `scene`, which settings, topics and windows share.
+const APART: [(&str, &[&str]); 8] = [
+    ("rviz_config", &["transforms", "messages"]),
+    ("resources", &["transforms", "messages", "rviz_config"]),
+    ("displays", &["bag", "files", "render", "ros", "window"]),
     ("render", &["transforms", "messages", "rviz_config", "resources", "displays"]),
     ("files", &["transforms", "rviz_config", "resources", "displays", "render"]),
     ("bag", &["scene", "transforms", "rviz_config", "resources", "displays", "render", "files"]),
-    ("ros", &["scene", "transforms", "rviz_config", "resources", "displays", "render", "files", "bag"]),
+    ("ros", &["transforms", "rviz_config", "resources", "displays", "render", "files", "bag"]),
     ("window", &["messages", "transforms", "rviz_config", "resources", "displays", "render", "bag", "ros"]),
 ];
 
-/// The names of a crate's dependencies, its tests' not among them.
-fn dependencies(name: &str) -> BTreeSet<String> {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let manifest = tests.join("../rust_core").join(name).join("Cargo.toml");
-    let text = std::fs::read_to_string(&manifest).unwrap_or_else(|error| panic!("{}: {error}", manifest.display()));
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The folders of all crates, by the names that the tables give them.
+fn crate_folders() -> BTreeMap<String, PathBuf> {
+    let core = LAYERS.iter().map(|(name, _)| ((*name).to_owned(), repository().join("rust_core").join(name)));
+    let tests = ["tests", "tests/support"].map(|name| (name.to_owned(), repository().join(name)));
+    core.chain(tests).collect()
+}
+
+/// What a manifest depends on.
+#[derive(Default)]
+struct Dependencies {
+    of_crate: BTreeSet<String>,
+    /// Those of its tests, benchmarks and examples.
+    of_tests: BTreeSet<String>,
+}
+
+fn dependencies(folder: &Path) -> Dependencies {
+    let manifest = folder.join("Cargo.toml");
+    let text = fs::read_to_string(&manifest).unwrap_or_else(|error| panic!("{}: {error}", manifest.display()));
     let mut section = "";
-    let mut found = BTreeSet::new();
-    for line in text.lines() {
+    let mut found = Dependencies::default();
+    for line in text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#')) {
         if line.starts_with('[') {
             section = line;
-        } else if section.ends_with("dependencies]") && !section.contains("dev-") {
-            found.extend(line.split(['.', ' ', '=']).next().filter(|name| !name.is_empty()).map(str::to_owned));
+        } else if let Some(kind) = section.strip_suffix("dependencies]") {
+            let names = if kind.ends_with("dev-") { &mut found.of_tests } else { &mut found.of_crate };
+            names.extend(line.split(['.', ' ', '=']).next().map(str::to_owned));
         }
     }
+    assert!(!found.of_crate.is_empty(), "{} has no dependencies: is it read?", manifest.display());
     found
+}
+
+/// The name in the tables of a crate of this repository; none for one from crates.io.
+fn own_name(dependency: &str) -> Option<String> {
+    let name = dependency.strip_prefix("rcs_")?;
+    Some(if name == "test_support" { "tests/support".to_owned() } else { name.to_owned() })
 }
 
 #[test]
 fn dependencies_point_downwards_only() {
     for (level, (name, foreign)) in LAYERS.iter().enumerate() {
-        let dependencies = dependencies(name);
-        assert!(!dependencies.is_empty(), "{name} has no dependencies: is its manifest read?");
-        let above: Vec<String> = LAYERS[level..].iter().map(|(above, _)| format!("rcs_{above}")).collect();
-        for wrong in above.iter().map(String::as_str).chain(foreign.iter().copied()) {
-            assert!(!dependencies.contains(wrong), "{name} depends on {wrong}");
+        let dependencies = dependencies(&crate_folders()[*name]).of_crate;
+        let above = LAYERS[level..].iter().map(|(above, _)| format!("rcs_{above}"));
+        for wrong in above.chain(foreign.iter().map(|name| (*name).to_owned())) {
+            assert!(!dependencies.contains(&wrong), "{name} depends on {wrong}");
         }
     }
     for (name, apart) in APART {
-        let dependencies = dependencies(name);
+        let dependencies = dependencies(&crate_folders()[name]).of_crate;
         for wrong in apart {
             assert!(!dependencies.contains(&format!("rcs_{wrong}")), "{name} depends on rcs_{wrong}");
         }
     }
 }
 
+/// `unsafe` is for one module of `ros`, which denies it everywhere else.
+#[test]
+fn only_ros_may_contain_unsafe_code() {
+    for (name, folder) in crate_folders() {
+        let root = folder.join("src/lib.rs");
+        let text = fs::read_to_string(&root).unwrap_or_else(|error| panic!("{}: {error}", root.display()));
+        let wanted = if name == "ros" { "#![deny(unsafe_code)]" } else { "#![forbid(unsafe_code)]" };
+        assert!(text.contains(wanted), "{} has no {wanted}", root.display());
+    }
+}
+
+#[test]
+fn messages_use_no_connection_of_rosrust() {
+    let types = ["Duration", "Message", "RosMsg", "ServicePair", "Time"];
+    let sources = fs::read_dir(repository().join("rust_core/messages/src")).expect("the sources can be read");
+    let mut checked = 0;
+    for path in sources.map(|entry| entry.expect("its entries can be read").path()) {
+        let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        for used in text.split("rosrust::").skip(1) {
+            let list = used.strip_prefix('{').and_then(|list| list.split('}').next()).unwrap_or(used);
+            let names = if used.starts_with('{') { list.split(',').collect() } else { vec![list] };
+            for name in names {
+                let word: String = name.trim().chars().take_while(|letter| letter.is_alphanumeric()).collect();
+                assert!(types.contains(&&*word), "{} uses rosrust::{word}", path.display());
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 0, "no use of rosrust was found");
+}
+
 #[test]
 fn every_folder_of_the_core_is_a_layer() {
-    let core = Path::new(env!("CARGO_MANIFEST_DIR")).join("../rust_core");
-    let folders: BTreeSet<String> = std::fs::read_dir(&core)
+    let folders: BTreeSet<String> = fs::read_dir(repository().join("rust_core"))
         .expect("rust_core is there")
         .filter_map(|entry| entry.ok().filter(|entry| entry.path().is_dir())?.file_name().into_string().ok())
         .collect();
     let layers: BTreeSet<String> = LAYERS.iter().map(|(name, _)| (*name).to_owned()).collect();
     assert_eq!(folders, layers);
+}
+
+// --- the tables of docs/architecture.md ------------------------------------------------------------------------------
+
+/// The rows of the table with these headings, cell by cell.
+fn table(heading: &str) -> Vec<Vec<String>> {
+    let page = repository().join("docs/architecture.md");
+    let page = fs::read_to_string(&page).unwrap_or_else(|error| panic!("{}: {error}", page.display()));
+    let mut lines = page.lines().skip_while(|line| *line != heading).skip(2);
+    let mut rows = Vec::new();
+    while let Some(row) = lines.next().and_then(|line| line.strip_prefix('|')?.strip_suffix('|')) {
+        rows.push(row.split('|').map(|cell| cell.trim().to_owned()).collect());
+    }
+    assert!(!rows.is_empty(), "docs/architecture.md has no table {heading}");
+    rows
+}
+
+fn words(cell: &str) -> BTreeSet<String> {
+    cell.split(',').map(|word| word.trim().to_owned()).filter(|word| !word.is_empty()).collect()
+}
+
+/// Names separated by commas, in the order of the layers.
+fn listed(names: &BTreeSet<String>) -> String {
+    let level = |name: &String| LAYERS.iter().position(|(layer, _)| layer == name).unwrap_or(LAYERS.len());
+    let mut sorted: Vec<_> = names.iter().cloned().collect();
+    sorted.sort_by_key(level);
+    sorted.join(", ")
+}
+
+#[test]
+fn the_table_of_folders_has_the_dependencies_between_crates() {
+    let rows = table("| folder | contents | uses | does not know |");
+    for (name, folder) in crate_folders() {
+        let place = if name.starts_with("tests") { format!("`{name}`") } else { format!("`rust_core/{name}`") };
+        let row = rows.iter().find(|row| row[0] == place).unwrap_or_else(|| panic!("there is no row {place}"));
+        let dependencies = dependencies(&folder);
+        let own = |names: &BTreeSet<String>| names.iter().filter_map(|name| own_name(name)).collect::<BTreeSet<_>>();
+        let (used, used_by_tests) = (own(&dependencies.of_crate), own(&dependencies.of_tests));
+        let (cell, tests_cell) = row[2].split_once("; its tests:").unwrap_or((&row[2], ""));
+        assert!(
+            words(cell) == used && words(tests_cell) == used_by_tests,
+            "docs/architecture.md, row {place}: it uses \"{}\", its tests \"{}\"",
+            listed(&used),
+            listed(&used_by_tests),
+        );
+    }
+}
+
+#[test]
+fn every_direct_dependency_is_justified() {
+    let mut used: BTreeMap<String, (BTreeSet<String>, BTreeSet<String>)> = BTreeMap::new();
+    for (name, folder) in crate_folders() {
+        let dependencies = dependencies(&folder);
+        for dependency in dependencies.of_crate.into_iter().filter(|name| own_name(name).is_none()) {
+            used.entry(dependency).or_default().0.insert(name.clone());
+        }
+        for dependency in dependencies.of_tests.into_iter().filter(|name| own_name(name).is_none()) {
+            used.entry(dependency).or_default().1.insert(name.clone());
+        }
+    }
+    let mut wrong = Vec::new();
+    let mut justified = BTreeSet::new();
+    for row in table("| dependency | used by | used by the tests of | for |") {
+        let name = row[0].trim_matches('`').to_owned();
+        assert!(!row[3].is_empty(), "{name} has no reason");
+        match used.get(&name) {
+            None => wrong.push(format!("{name}: no crate depends on it")),
+            Some((crates, tests)) if words(&row[1]) != *crates || words(&row[2]) != *tests => {
+                wrong.push(format!("| `{name}` | {} | {} | …", listed(crates), listed(tests)));
+            }
+            Some(_) => {}
+        }
+        assert!(justified.insert(name), "{} stands there twice", row[0]);
+    }
+    for (name, (crates, tests)) in used.iter().filter(|(name, _)| !justified.contains(*name)) {
+        wrong.push(format!("| `{name}` | {} | {} | (missing)", listed(crates), listed(tests)));
+    }
+    assert!(wrong.is_empty(), "docs/architecture.md, table of dependencies:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_workspace_lists_no_dependency_that_nobody_uses() {
+    let text = fs::read_to_string(repository().join("Cargo.toml")).expect("Cargo.toml can be read");
+    let section = text.split("[workspace.dependencies]").nth(1).expect("Cargo.toml has workspace.dependencies");
+    let section = section.split("\n[").next().unwrap_or_default();
+    let used: BTreeSet<String> = crate_folders()
+        .values()
+        .map(|folder| dependencies(folder))
+        .flat_map(|found| found.of_crate.into_iter().chain(found.of_tests))
+        .collect();
+    for line in section.lines().filter(|line| !line.starts_with('#') && line.contains('=')) {
+        let name = line.split([' ', '=']).next().unwrap_or_default();
+        assert!(used.contains(name), "Cargo.toml lists {name}, which no crate uses");
+    }
 }

@@ -15,6 +15,7 @@
 //!
 //! Defaults, ranges and conversions are those of rviz 1.14.19: a missing key leaves the display's default, a number
 //! out of range is clamped, text that is no number counts as 0, an unknown choice is the first of the list.
+#![forbid(unsafe_code)]
 
 mod config;
 mod displays;

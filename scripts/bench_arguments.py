@@ -1,0 +1,68 @@
+"""The arguments of `./bench`. Needs only Python's standard library, so that `./bench` can check them before it installs
+anything: run as a program, it exits with status 2 and a line on standard error when they are unusable.
+"""
+
+import argparse
+
+SECTIONS = ['styles', 'points', 'sizes', 'cameras', 'idle', 'starts']
+RENDERERS = ['cpu', 'gpu']
+DEPTH_CAMERA_POINTS = 640 * 480
+
+
+def one_of(known):
+    """A parser for a comma-separated list of known words."""
+    def parse(text):
+        words = text.split(',')
+        unknown = [word for word in words if word not in known]
+        if unknown:
+            raise argparse.ArgumentTypeError('there is no {}; there are {}'.format(', '.join(unknown), ', '.join(known)))
+        return words
+    return parse
+
+
+def positive(text):
+    """A positive, finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < float('inf'):
+        raise argparse.ArgumentTypeError('{} is not a positive number'.format(text))
+    return value
+
+
+def sizes(text):
+    """A comma-separated list of cloud sizes."""
+    try:
+        counts = [int(part) for part in text.split(',')]
+    except ValueError:
+        counts = [0]
+    if min(counts) < 1:
+        raise argparse.ArgumentTypeError('{} is not a list of positive whole numbers'.format(text))
+    return counts
+
+
+def parse(description=None):
+    """What was given, with all defaults filled in."""
+    parser = argparse.ArgumentParser(
+        prog='bench', description=description, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
+    parser.add_argument('--programs', required=True, help='the folder that camera_stream is in')
+    parser.add_argument('--only', type=one_of(SECTIONS), default=SECTIONS, metavar='SECTION,…')
+    parser.add_argument('--quick', action='store_true', help='two seconds per row, implies --dry')
+    parser.add_argument('--seconds', type=positive, default=10.0)
+    parser.add_argument('--hz', type=positive, default=30.0)
+    parser.add_argument('--renderers', type=one_of(RENDERERS), default=RENDERERS)
+    parser.add_argument('--points', type=sizes, metavar='N,N,…',
+                        default=[10000, 100000, DEPTH_CAMERA_POINTS, 1000000, 3000000, 10000000])
+    parser.add_argument('--dry', action='store_true', help='print the tables and leave the pages as they are')
+    given = parser.parse_args()
+    given.starts = 10
+    if given.quick:
+        given.dry, given.seconds, given.starts = True, 2.0, 3
+    # For sections with many rows, in which no cloud is missed.
+    given.sweep_seconds = given.seconds / 2
+    return given
+
+
+if __name__ == '__main__':
+    parse()

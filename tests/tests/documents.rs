@@ -1,0 +1,69 @@
+//! The links of the repository's pages lead somewhere: to a file or folder, and to a heading where they name one.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The pages at the root and in the folders that have some.
+fn pages() -> Vec<PathBuf> {
+    let folders = ["", "docs", "tests/conformance"].map(|folder| repository().join(folder));
+    let entries = folders.iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten();
+    let paths = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+    paths.filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect()
+}
+
+/// A page's lines outside of code blocks.
+fn prose(page: &Path) -> String {
+    let text = fs::read_to_string(page).unwrap_or_else(|error| panic!("{}: {error}", page.display()));
+    let outside = text.split("\n```").step_by(2);
+    outside.flat_map(str::lines).filter(|line| !line.starts_with("    ")).flat_map(|line| [line, "\n"]).collect()
+}
+
+/// What Markdown links to: `[text](TARGET)` and `[text]: TARGET`.
+fn targets(prose: &str) -> Vec<String> {
+    let inline = prose.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let below = prose.lines().filter_map(|line| line.strip_prefix('[')?.split_once("]: ").map(|(_, target)| target));
+    inline.chain(below).map(str::to_owned).collect()
+}
+
+/// The anchor that GitHub gives a heading.
+fn anchor(heading: &str) -> String {
+    let kept = heading.trim().chars().filter(|letter| letter.is_alphanumeric() || " -_".contains(*letter));
+    kept.flat_map(char::to_lowercase).map(|letter| if letter == ' ' { '-' } else { letter }).collect()
+}
+
+fn anchors(page: &Path) -> Vec<String> {
+    let headings = prose(page);
+    headings.lines().filter(|line| line.starts_with('#')).map(|line| anchor(line.trim_start_matches('#'))).collect()
+}
+
+#[test]
+fn links_lead_to_files_and_headings() {
+    let mut wrong = Vec::new();
+    let mut checked = 0;
+    for page in pages() {
+        for target in targets(&prose(&page)).iter().filter(|target| !target.contains("://")) {
+            let (file, heading) = target.split_once('#').unwrap_or((target, ""));
+            let linked = match file {
+                "" => page.clone(),
+                _ => page.parent().expect("a page is in a folder").join(file),
+            };
+            let is_there = linked.exists() && (heading.is_empty() || anchors(&linked).iter().any(|has| has == heading));
+            if !is_there {
+                wrong.push(format!("{}: {target}", page.display()));
+            }
+            checked += 1;
+        }
+    }
+    assert!(wrong.is_empty(), "links that lead nowhere:\n{}", wrong.join("\n"));
+    assert!(checked > 40, "only {checked} links were found");
+}
+
+#[test]
+fn headings_have_the_anchors_that_links_use() {
+    assert_eq!(anchor(" How late is the picture?"), "how-late-is-the-picture");
+    assert_eq!(anchor("`camera_stream -d FILE.rviz`"), "camera_stream--d-filerviz");
+}
