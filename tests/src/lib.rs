@@ -1,6 +1,5 @@
 //! What the tests and benchmarks of the whole project share.
 #![forbid(unsafe_code)]
-#![forbid(unsafe_code)]
 
 pub mod big_robot;
 pub mod programs;
