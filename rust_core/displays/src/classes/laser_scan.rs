@@ -102,6 +102,8 @@ mod tests {
     use rcs_scene::{Geometry, PointBuffer};
     use rcs_transforms::{RawTransform, TransformTree};
 
+    use rcs_messages::AnyMessage;
+
     use super::*;
     use crate::framework::display::Display;
     use crate::parts::cloud::CloudDisplay;
