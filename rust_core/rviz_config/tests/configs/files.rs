@@ -191,7 +191,6 @@ Window Geometry:
 fn a_file_as_rviz_saves_it_is_understood() {
     let config = parse(PROJECTOR, "projector.rviz").unwrap();
     assert_eq!(messages(&config), [""; 0]);
-    assert_eq!(messages(&config), [""; 0]);
     assert_eq!(config.source, "projector.rviz");
     assert_eq!(config.global.fixed_frame, "base_link", "without its slash");
     assert_eq!(config.global.background_color, [48, 48, 90]);
