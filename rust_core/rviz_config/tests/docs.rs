@@ -32,14 +32,14 @@ fn section<'a>(page: &'a str, heading: &str) -> Option<&'a str> {
     Some(rest.split("\n## ").next().unwrap_or_default())
 }
 
-/// A cell as plain text: without backticks, and `–` or `""` for nothing. What is in parentheses behind it is a remark.
+/// The value in a cell: what is in backticks, or all up to a remark in parentheses; `–` and `""` are empty.
 fn plain(cell: &str) -> String {
-    let cell = cell.trim().replace('`', "");
-    let cell = cell.split_once(" (").map_or(cell.as_str(), |(value, _)| value).trim();
-    if cell == "–" || cell == "\"\"" {
-        return String::new();
-    }
-    cell.to_owned()
+    let cell = cell.trim();
+    let value = match cell.strip_prefix('`') {
+        Some(quoted) => quoted.split('`').next(),
+        None => cell.split(" (").next(),
+    };
+    value.filter(|value| !["–", "\"\""].contains(value)).unwrap_or_default().trim().to_owned()
 }
 
 /// The properties and defaults of the tables in a text whose head has the columns "property" and "default". A row may list

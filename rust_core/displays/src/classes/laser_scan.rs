@@ -98,13 +98,13 @@ fn project(scan: &LaserScan, fixed_from_first: &Isometry3<f64>, fixed_from_last:
 mod tests {
     use nalgebra::UnitQuaternion;
     use rcs_resources::{MeshStore, PackageIndex};
-    use rcs_rviz_config::{AxisColorSettings, CloudSettings, ColorTransformer};
+    use rcs_rviz_config::{AxisColorSettings, ColorTransformer};
     use rcs_scene::{Geometry, PointBuffer};
     use rcs_transforms::{RawTransform, TransformTree};
 
+    use rcs_messages::AnyMessage;
+
     use super::*;
-    use crate::framework::display::Display;
-    use crate::parts::cloud::CloudDisplay;
     use crate::{Level, Statuses};
 
     /// A display of scans, and a scanner that drives in `map` and turns.

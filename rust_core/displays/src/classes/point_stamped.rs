@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix4, Translation3, Vector3};
 use rcs_messages::geometry_msgs::PointStamped;
-use rcs_messages::{point_xyz, AnyMessage, MessageKind};
+use rcs_messages::point_xyz;
 use rcs_rviz_config::PointStampedSettings;
 use rcs_scene::{DisplayId, Drawable, Material, Rgba};
 

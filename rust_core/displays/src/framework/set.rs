@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use nalgebra::Vector3;
-use rcs_messages::{AnyMessage, MessageKind};
+use rcs_messages::AnyMessage;
 use rcs_rviz_config::{
     CameraPubSettings, Config, DisplayConfig, DisplaySettings, PlacedDisplay, ViewConfig, Visibility,
 };
@@ -353,7 +353,7 @@ mod tests {
     use super::*;
     use rcs_messages::nav_msgs::Path;
     use rcs_messages::sensor_msgs::PointField;
-    use rcs_messages::PointCloud2;
+    use rcs_messages::{MessageKind, PointCloud2};
     use rcs_resources::{MeshStore, PackageIndex};
     use rcs_transforms::{RawTransform, TransformTree};
 
