@@ -94,7 +94,7 @@ impl<T: Field> Field for Vec<T> {
     }
 }
 
-/// Structs whose fields are on the wire in the order in which they stand here.
+/// Structs whose fields are serialised in the order in which they are declared here.
 macro_rules! fields_in_order {
     ($($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
         $(

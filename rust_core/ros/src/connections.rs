@@ -1,6 +1,6 @@
 //! The process's TCP connections, as the system has them.
 //!
-//! rosrust does not report which of its connections still stand, and waits without limit for other nodes' answers. Where
+//! rosrust does not report which of its connections are still open, and waits without limit for other nodes' answers. Where
 //! the system has no `/proc`, no connection is found and nothing is repaired.
 
 use crate::foreign_sockets::{open_sockets, ForeignSocket};
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn a_connection_is_seen_while_it_stands() {
+    fn a_connection_is_listed_while_it_is_open() {
         let (stream, accepted) = connected();
         let found = connection_of(&stream).unwrap();
         assert_eq!(found.peer, accepted.local_addr().unwrap());

@@ -91,7 +91,7 @@ impl<T> Reply<T> {
 
     /// Answers the caller.
     pub fn answer(self, answer: T) {
-        // The caller may have given up; then there is nobody to tell.
+        // Fails if the caller has given up.
         let _ = self.0.try_send(answer);
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! rosrust hands out none of its sockets, so they are found in `/proc/self/fd`. Between finding a descriptor there and
 //! using it, its owner may close it, and the number may come to mean something else. So a descriptor that is not ours is
-//! only ever duplicated. The duplicate is ours and stays what it is; it counts only if it is the socket that was found,
-//! which the socket's inode number tells: the kernel gives no two sockets of one time the same. Options and connections
-//! belong to the socket and not to a descriptor, so what is done to the duplicate is done to the owner's socket.
+//! only ever duplicated. The duplicate is ours and stays what it is, and it is used only if it is the socket that was
+//! found: its inode number is compared, which no two open sockets share. Options and connections belong to the socket and
+//! not to a descriptor, so what is done to the duplicate is done to the owner's socket.
 //!
 //! Duplicating by number is what Rust's I/O safety rules out in safe code. It is done here, in one place, and nowhere
 //! else in the workspace. (`pidfd_getfd` would do the same without `unsafe`, but needs Linux 5.6, and containers forbid
@@ -87,7 +87,7 @@ mod tests {
         let mut reused = socket();
         let expected = found(&reused);
         assert!(expected.duplicate().is_some());
-        // The number stays, what it stands for changes: as if its owner had closed it and the next had been given it.
+        // The number now means another socket, as if its owner had closed the first and the system had reused the number.
         rustix::io::dup2(socket(), &mut reused).unwrap();
         assert_eq!(reused.as_raw_fd(), expected.descriptor);
         assert!(expected.duplicate().is_none());

@@ -1,4 +1,4 @@
-//! All that speaks ROS 1, through rosrust: no other crate knows that.
+//! All that speaks ROS 1, through rosrust: no other crate uses its connections.
 //!
 //! ```text
 //!   publishers ──► rosrust's threads (decode) ──► EventQueue ──► the one thread that owns the scene ──► publishers

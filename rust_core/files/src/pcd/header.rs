@@ -147,7 +147,7 @@ impl fmt::Display for HeaderError {
 /// The most bytes that a `sensor_msgs/PointCloud2` can hold: its data's length is a `uint32`.
 const MOST_BYTES: u64 = u32::MAX as u64;
 
-/// The entries as they stand in the file, each with its line.
+/// The entries of the file, each with its line.
 #[derive(Default)]
 struct Entries<'a> {
     names: Option<(usize, Vec<&'a str>)>,

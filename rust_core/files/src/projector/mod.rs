@@ -169,7 +169,7 @@ impl ProjectorFile {
     }
 }
 
-/// The file as it stands. Keys of both forms side by side, so that each error has its line.
+/// The file's keys, those of both forms side by side, so that each error has its line.
 #[derive(Deserialize)]
 struct RawFile {
     header: Option<RawHeader>,

@@ -1,8 +1,8 @@
 //! Writing a projector's file, in the project's own form: a CameraInfo's keys, `frame_id`, `camera_info_topic`, and
 //! `frames` with quaternions.
 //!
-//! Numbers are written with as many digits as tell them from any other `f64`, and in a form that YAML 1.1 reads as
-//! numbers, too (Python's reader takes `1e-7` for a text). Texts are quoted.
+//! Numbers have as many digits as it takes to read the same `f64` back, in a form that YAML 1.1 readers take for numbers,
+//! too (to PyYAML, `1e-7` is a string). Strings are quoted.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -61,7 +61,7 @@ impl ProjectorFile {
         }
         match distortion::check(&info.distortion_model, &info.D) {
             Err(problem @ DistortionProblem::Coefficients { .. }) => return Err((problem.key(), problem.to_string())),
-            // A model of somebody else's is theirs to judge.
+            // How many coefficients another model has is not known here.
             Err(DistortionProblem::UnknownModel(_)) | Ok(()) => {}
         }
         check_focal_lengths(&info.P)?;
