@@ -37,6 +37,11 @@ impl Cli {
         let of_check = matches!(&self.command, Some(Command::Check(args)) if args.node.log_level_debug);
         self.node.log_level_debug || of_check
     }
+
+    /// Whether pictures are drawn, perhaps with a GPU.
+    pub fn may_use_gpu(&self) -> bool {
+        !matches!(self.command, Some(Command::Check(_))) && self.renderer != Some(RendererChoice::Cpu)
+    }
 }
 
 /// The arguments of the node: those of rviz.

@@ -21,6 +21,7 @@ use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
 use crate::camera_stream::offline::Target;
 use crate::camera_stream::stage::Stage;
 use crate::logging;
+use crate::restart::restart;
 use crate::small_node::own_arguments;
 use anyhow::{anyhow, Result};
 use clap::Parser;
@@ -41,6 +42,9 @@ pub fn main() -> ExitCode {
         }
     };
     logging::start(cli.is_debug());
+    if cli.may_use_gpu() {
+        quiet_graphics_libraries();
+    }
     let result = match &cli.command {
         Some(Command::Check(args)) if args.live => match rcs_rviz_config::load(&args.file()) {
             Ok(config) => return check_live(&cli, args, &config),
@@ -68,6 +72,17 @@ pub fn main() -> ExitCode {
         eprintln!("camera_stream: {}", logging::one_line(&error));
         ExitCode::FAILURE
     })
+}
+
+/// Without a session there is no XDG_RUNTIME_DIR, and then libwayland prints errors when a GL driver is probed, although
+/// no window is opened. Where the variable names an existing folder, it finds no socket there and prints nothing.
+fn quiet_graphics_libraries() {
+    const RUNTIME_FOLDER: &str = "XDG_RUNTIME_DIR";
+    if std::env::var_os(RUNTIME_FOLDER).is_none() {
+        let folder = std::env::temp_dir();
+        let error = restart(std::env::args_os().skip(1), &[(RUNTIME_FOLDER, folder.as_os_str())]);
+        log::debug!("cannot restart with {RUNTIME_FOLDER}: {error}");
+    }
 }
 
 fn invalid(error: &dyn std::fmt::Display) -> ExitCode {

@@ -168,7 +168,7 @@ pub(crate) fn camera(stage: &Stage, view: &CameraView, projection: Projection) -
         path: path_text(&view.path),
         class: "rviz_camera_stream/CameraPub".to_owned(),
         topic: settings.image_topic.clone(),
-        subscriptions: vec![(settings.camera_info_topic.clone(), MessageEntryKind::CameraInfo)],
+        subscriptions: vec![(settings.camera_info_topic.clone(), MessageKind::CameraInfo)],
         has_received: info.is_some(),
         statuses: Cow::Owned(statuses),
         values,

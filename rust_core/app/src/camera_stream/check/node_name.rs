@@ -5,8 +5,8 @@
 
 use std::ffi::OsString;
 use std::io;
-use std::os::unix::process::CommandExt;
-use std::process::Command;
+
+use crate::restart::restart;
 
 /// ROS's special argument for the name.
 const NAME_ARGUMENT: &str = "__name:=";
@@ -33,7 +33,7 @@ impl NodeName {
         let arguments: Vec<OsString> = std::env::args_os().collect();
         match renamed(&arguments, &suffix) {
             // Returns only if it fails. The process keeps its id, so it finds the name in place.
-            Some(arguments) => Err(Command::new(std::env::current_exe()?).args(arguments.iter().skip(1)).exec()),
+            Some(arguments) => Err(restart(arguments.into_iter().skip(1), &[])),
             None => Ok(Self::from_arguments(&arguments, &suffix)),
         }
     }
