@@ -89,9 +89,10 @@ pub(crate) fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
     (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0)
 }
 
-/// How far two RGBA pictures of one size agree where either differs from the background: the share of those pixels
-/// whose channels differ by at most `levels`, the match being allowed `reach` pixels away, in both directions.
-pub(crate) fn close(a: &Picture, b: &Picture, background: [u8; 3], levels: u8, reach: i64) -> f64 {
+/// How far two RGBA pictures of one size agree where either differs from the background: the number of those pixels, and
+/// of those among them whose channels differ by more than `levels`, a match being allowed `reach` pixels away, in both
+/// directions.
+pub(crate) fn differing(a: &Picture, b: &Picture, background: [u8; 3], levels: u8, reach: i64) -> (u32, u32) {
     assert_eq!((a.width_px, a.height_px), (b.width_px, b.height_px));
     let matches = |from: &Picture, to: &Picture, x: u32, y: u32| {
         let color = pixel(from, x, y);
@@ -101,19 +102,15 @@ pub(crate) fn close(a: &Picture, b: &Picture, background: [u8; 3], levels: u8, r
             difference(color, pixel(to, near_x, near_y)) <= levels
         })
     };
-    let (mut content, mut agreeing) = (0_u32, 0_u32);
+    let (mut content, mut differing) = (0_u32, 0_u32);
     for y in 0..a.height_px {
         for x in 0..a.width_px {
             if [a, b].iter().all(|picture| difference(pixel(picture, x, y), background) <= 2) {
                 continue;
             }
             content += 1;
-            agreeing += u32::from(matches(a, b, x, y) && matches(b, a, x, y));
+            differing += u32::from(!matches(a, b, x, y) || !matches(b, a, x, y));
         }
     }
-    if content == 0 {
-        1.0
-    } else {
-        f64::from(agreeing) / f64::from(content)
-    }
+    (content, differing)
 }
