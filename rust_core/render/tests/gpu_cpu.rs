@@ -1,17 +1,17 @@
 //! The GPU renderer draws the CPU renderer's picture.
 //!
-//! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further.
+//! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further away,
+//! and a few pixels may differ altogether. Each run draws other scenes; a failure prints the smallest scene that shows it.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use common::{camera, close, draw_on, square_mesh};
+use common::{agreement, camera, draw_on, square_mesh, Agreement};
 use nalgebra::{Isometry3, Matrix4, Point3, UnitQuaternion, Vector3};
 use proptest::collection::vec;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use rcs_render::{CpuRenderer, GpuRenderer};
 use rcs_scene::{
     Blending, Camera, CellSheet, Cells, CullMode, DirectionalLight, Drawable, Filtering, Geometry, HorizontalAlignment,
@@ -25,8 +25,9 @@ const BACKGROUND: [u8; 3] = [30, 60, 90];
 const LEVELS: u8 = 16;
 const REACH_PX: i64 = 1;
 
-/// The share of pixels with content that agree at least.
-const CLOSE_ENOUGH: f64 = 0.995;
+/// The share of pixels with content that may disagree, and how many may beyond that, for pictures with little content.
+const MAX_DISAGREEING: f64 = 0.005;
+const FEW_PX: f64 = 3.0;
 
 fn gpu() -> &'static Mutex<GpuRenderer> {
     static GPU: OnceLock<Mutex<GpuRenderer>> = OnceLock::new();
@@ -175,13 +176,7 @@ fn placed(geometry: impl Strategy<Value = Geometry>, max_turn_rad: f64) -> impl 
 }
 
 proptest! {
-    // Always the same scenes: pictures of a few pixels may differ by one of them.
-    #![proptest_config(ProptestConfig {
-        cases: 400,
-        rng_seed: RngSeed::Fixed(1),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn both_draw_the_same_picture(
@@ -244,7 +239,8 @@ fn both_agree(drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [f32;
     let mut gpu = gpu().lock().unwrap_or_else(PoisonError::into_inner);
     let from_gpu = draw_on(&mut *gpu, &scene, &camera, BACKGROUND).unwrap();
     let from_cpu = draw_on(&mut CpuRenderer::new(), &scene, &camera, BACKGROUND).unwrap();
-    let score = close(&from_gpu, &from_cpu, BACKGROUND, LEVELS, REACH_PX);
-    prop_assert!(score >= CLOSE_ENOUGH, "only {score} of the pixels agree");
+    let Agreement { content, agreeing } = agreement(&from_gpu, &from_cpu, BACKGROUND, LEVELS, REACH_PX);
+    let allowed = f64::from(content) * MAX_DISAGREEING + FEW_PX;
+    prop_assert!(f64::from(content - agreeing) <= allowed, "only {agreeing} of {content} pixels agree");
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! What the renderers' tests share: scenes of a few lines, pixels, and how close two pictures are.
+//! Shared by the renderers' tests: scenes of a few lines, pixels, and how close two pictures are.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
@@ -11,7 +11,7 @@ use rcs_scene::{
     PointColors, PointStyle, Points, RenderGroup, Scene, Vertex,
 };
 
-/// A camera at the fixed frame's origin that looks along z with x to the right and y down, its principal point in the
+/// A camera at the fixed frame's origin, facing along z with x to the right and y down, its principal point in the
 /// middle.
 pub(crate) fn camera(width_px: u32, height_px: u32, focal_px: f64) -> Camera {
     let (cx, cy) = (f64::from(width_px) / 2.0, f64::from(height_px) / 2.0);
@@ -89,9 +89,17 @@ pub(crate) fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
     (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0)
 }
 
-/// How far two RGBA pictures of one size agree where either differs from the background: the share of those pixels
-/// whose channels differ by at most `levels`, the match being allowed `reach` pixels away, in both directions.
-pub(crate) fn close(a: &Picture, b: &Picture, background: [u8; 3], levels: u8, reach: i64) -> f64 {
+/// How far two pictures agree.
+pub(crate) struct Agreement {
+    /// Pixels where either picture differs from the background.
+    pub(crate) content: u32,
+    /// Those of them that agree.
+    pub(crate) agreeing: u32,
+}
+
+/// How far two RGBA pictures of one size agree: a pixel does when its channels differ by at most `levels`, the match being
+/// allowed `reach` pixels away, in both directions.
+pub(crate) fn agreement(a: &Picture, b: &Picture, background: [u8; 3], levels: u8, reach: i64) -> Agreement {
     assert_eq!((a.width_px, a.height_px), (b.width_px, b.height_px));
     let matches = |from: &Picture, to: &Picture, x: u32, y: u32| {
         let color = pixel(from, x, y);
@@ -111,9 +119,5 @@ pub(crate) fn close(a: &Picture, b: &Picture, background: [u8; 3], levels: u8, r
             agreeing += u32::from(matches(a, b, x, y) && matches(b, a, x, y));
         }
     }
-    if content == 0 {
-        1.0
-    } else {
-        f64::from(agreeing) / f64::from(content)
-    }
+    Agreement { content, agreeing }
 }
