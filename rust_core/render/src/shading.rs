@@ -101,8 +101,8 @@ mod builtin {
 /// Constants and formulas in Rust, and `wgsl()` with the same in WGSL.
 macro_rules! shading {
     (
-        $($(#[$const_doc:meta])* const $const:ident = $value:expr;)*
-        $($(#[$fn_doc:meta])* fn $fn:ident($($arg:ident),*) { $($body:tt)* })*
+        constants { $($(#[$const_doc:meta])* const $const:ident = $value:expr;)* }
+        formulas { $($(#[$fn_doc:meta])* fn $fn:ident($($arg:ident),*) { $($body:tt)* })* }
     ) => {
         $($(#[$const_doc])* pub(crate) const $const: f32 = $value;)*
 
@@ -132,72 +132,79 @@ macro_rules! shading {
 }
 
 shading! {
-    /// What is not more opaque than this is not drawn, boxes excepted: rviz rejects fragments whose alpha, in 255ths,
-    /// is not at least 1.
-    const MAX_REJECTED_ALPHA = 0.5 / 255.0;
+    constants {
+        /// Fragments that are not more opaque than this are not drawn, boxes excepted: rviz rejects alphas that round
+        /// to less than a 255th.
+        const MAX_REJECTED_ALPHA = 0.5 / 255.0;
 
-    /// A point or disc fills its square's inscribed circle: the square of that one's radius.
-    const DISC_RADIUS_SQUARED = 0.25;
+        /// A point or disc fills its square's inscribed circle: the square of that one's radius.
+        const DISC_RADIUS_SQUARED = 0.25;
 
-    /// How much brightness a disc (`Style: Spheres`) would lose at a whole side from its middle; at its rim it has lost
-    /// a fifth.
-    const DISC_FALLOFF = 0.8;
+        /// How much brightness a disc (`Style: Spheres`) would lose at a whole side from its middle; at its rim it has
+        /// lost a fifth.
+        const DISC_FALLOFF = 0.8;
 
-    /// A square's edge is there in full from this place on …
-    const EDGE_FROM = 0.48;
+        /// A square's edge is there in full from this place on …
+        const EDGE_FROM = 0.48;
 
-    /// … and begins this much nearer to the middle.
-    const EDGE_SOFTNESS = 0.03;
+        /// … and begins this much nearer to the middle.
+        const EDGE_SOFTNESS = 0.03;
 
-    /// The edge of a square or tile is lighter or darker than its inside by this.
-    const EDGE_CONTRAST = 0.2;
+        /// The edge of a square or tile is lighter or darker than its inside by this.
+        const EDGE_CONTRAST = 0.2;
 
-    /// A colour is dark, and has a lighter edge, where red, green and blue as a vector are shorter than this.
-    const DARK_LENGTH = 0.5;
+        /// A colour is dark, and has a lighter edge, where red, green and blue as a vector are shorter than this.
+        const DARK_LENGTH = 0.5;
 
-    /// The edge of a box's side is this bright.
-    const BOX_EDGE_BRIGHTNESS = 0.5;
+        /// The edge of a box's side is this bright …
+        const BOX_EDGE_BRIGHTNESS = 0.5;
 
-    /// Whether a place on a square is in its inside along one axis: 1 inside, 0 on the edge, smooth between.
-    fn inside_along(from_middle) {
-        let t = clamp((EDGE_FROM - abs(from_middle)) * (1.0 / EDGE_SOFTNESS), 0.0, 1.0);
-        return t * t * (3.0 - t * 2.0);
+        /// … and its inside brighter by this.
+        const BOX_INSIDE_ADDS = 1.0 - BOX_EDGE_BRIGHTNESS;
     }
 
-    /// As [`inside_along`] for both axes.
-    fn inside(u, v) {
-        return inside_along(u) * inside_along(v);
-    }
+    formulas {
+        /// Whether a place on a square is in its inside along one axis: 1 inside, 0 on the edge, smooth between.
+        fn inside_along(from_middle) {
+            let t = clamp((EDGE_FROM - abs(from_middle)) * (1.0 / EDGE_SOFTNESS), 0.0, 1.0);
+            return t * t * (3.0 - t * 2.0);
+        }
 
-    /// By how much the edge of a square of this colour (0 to 1) differs from its inside.
-    fn edge_contrast(r, g, b) {
-        return sign(DARK_LENGTH - sqrt(r * r + g * g + b * b)) * EDGE_CONTRAST;
-    }
+        /// As [`inside_along`] for both axes.
+        fn inside(u, v) {
+            return inside_along(u) * inside_along(v);
+        }
 
-    /// A channel of a square or tile, given its own value, the [`edge_contrast`] and [`inside`].
-    fn with_edge(channel, contrast, is_inside) {
-        return channel + (1.0 - is_inside) * contrast;
-    }
+        /// By how much the edge of a square of this colour (0 to 1) differs from its inside.
+        fn edge_contrast(r, g, b) {
+            return sign(DARK_LENGTH - sqrt(r * r + g * g + b * b)) * EDGE_CONTRAST;
+        }
 
-    /// The brightness of a box's side at a place, given [`inside`].
-    fn box_brightness(is_inside) {
-        return BOX_EDGE_BRIGHTNESS + is_inside * (1.0 - BOX_EDGE_BRIGHTNESS);
-    }
+        /// A channel of a square or tile, given its own value, the [`edge_contrast`] and [`inside`].
+        fn with_edge(channel, contrast, is_inside) {
+            return channel + (1.0 - is_inside) * contrast;
+        }
 
-    /// The brightness of a disc (`Style: Spheres`), given the squared distance from its middle.
-    fn disc_brightness(distance_squared) {
-        return 1.0 - distance_squared * DISC_FALLOFF;
-    }
+        /// The brightness of a box's side at a place, given [`inside`].
+        fn box_brightness(is_inside) {
+            return BOX_EDGE_BRIGHTNESS + is_inside * BOX_INSIDE_ADDS;
+        }
 
-    /// How much light falls on a surface, given the scalar product of its normal and the unit vector to the light, and
-    /// the normal's length. None on the side turned away.
-    fn light_on_surface(normal_dot_light, normal_length) {
-        return max(normal_dot_light / normal_length, 0.0);
-    }
+        /// The brightness of a disc (`Style: Spheres`), given the squared distance from its middle.
+        fn disc_brightness(distance_squared) {
+            return 1.0 - distance_squared * DISC_FALLOFF;
+        }
 
-    /// A channel of a lit surface. rviz's light is white and diffuse: there is no ambient and no specular part.
-    fn lit_channel(emissive, diffuse, light) {
-        return clamp(emissive + diffuse * light, 0.0, 1.0);
+        /// How much light falls on a surface, given the scalar product of its normal and the unit vector to the light,
+        /// and the normal's length. None on the side turned away.
+        fn light_on_surface(normal_dot_light, normal_length) {
+            return max(normal_dot_light / normal_length, 0.0);
+        }
+
+        /// A channel of a lit surface. rviz's light is white and diffuse: there is no ambient and no specular part.
+        fn lit_channel(emissive, diffuse, light) {
+            return clamp(emissive + diffuse * light, 0.0, 1.0);
+        }
     }
 }
 
