@@ -1,9 +1,9 @@
-//! How many pictures of a cloud the GPU renderer draws in a second, and which of its steps takes longest.
+//! Measures how many pictures of a cloud the GPU renderer draws in a second, and how long each step takes.
 //!
 //! `cargo run --release -p rcs_render --example gpu_throughput [-- POINTS [PICTURES]]` draws 3,000,000 points at 1280 by
 //! 800, with one and with two pictures in flight: a cloud that stays, under a camera that moves, and a new cloud for each
-//! picture. The empty scene beside them is what the way back costs alone, so that what a cloud's `wait` has more than
-//! that is the GPU's drawing. With two in flight, waiting is only what the other picture's steps do not cover.
+//! picture. The empty scene beside them gives the cost of reading back alone: the rest of a cloud's `wait` is the GPU's
+//! drawing. With two in flight, `wait` is only what the other picture's steps do not cover.
 
 use std::error::Error;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use rcs_scene::{
 const SIZE_PX: [u32; 2] = [1280, 800];
 const FOCAL_PX: f64 = 1100.0;
 
-/// What is drawn again and again.
+/// The scene that is drawn repeatedly.
 #[derive(Clone, Copy, PartialEq)]
 enum Content {
     Nothing,
@@ -72,7 +72,7 @@ fn draw(
     let visible = DisplayMask::all();
     let mut drawing = Duration::ZERO;
     for i in 0..pictures + in_flight - 1 {
-        // What is to be drawn is made beside the watch.
+        // The scene is made outside of the timing.
         let wanted = if i < pictures { Some(next(i)?) } else { None };
         let start = Instant::now();
         if let Some((scene, camera)) = &wanted {
@@ -152,7 +152,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Nothing is done twice.
+/// Asserts that nothing is uploaded or built twice.
 fn check(content: Content, pictures: usize, before: &GpuStats, after: &GpuStats) {
     let uploads = after.uploads - before.uploads;
     if after.pipelines != before.pipelines || after.targets != before.targets {

@@ -1,5 +1,5 @@
-//! Ogre's culling of whole clouds: a cloud is left out when the box around its points' centres is off the picture,
-//! however far its squares would reach in.
+//! Ogre's culling of whole clouds: a cloud is culled when the box around its points' centres is off the picture,
+//! however far its squares would reach into it.
 //!
 //! The box lies along the fixed frame's axes, around the corners of the box along the object's own. Other primitives
 //! have boxes that hold all that they draw, so that culling does not show.
@@ -15,7 +15,7 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// Around the positions that lie somewhere; `None` when there are none.
+    /// Around the finite positions; `None` when there are none.
     pub(crate) fn around(positions: &[[f32; 3]]) -> Option<Self> {
         let mut finite = positions.iter().filter(|position| position.iter().all(|c| c.is_finite()));
         let first = *finite.next()?;
@@ -26,7 +26,7 @@ impl Bounds {
         Some(Self { low: Point3::from(low).cast(), high: Point3::from(high).cast() })
     }
 
-    /// Around positions that all lie somewhere; `None` where one does not, and when there are none. Faster than
+    /// Around positions that are all finite; `None` where one is not, and when there are none. Faster than
     /// [`Bounds::around`]: four points at a time, without a branch.
     pub(crate) fn around_finite(positions: &[[f32; 3]]) -> Option<Self> {
         let (fours, rest) = positions.as_chunks::<4>();
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_box_is_left_out_when_it_lies_beyond_one_side_of_the_view() {
+    fn a_box_beyond_one_side_of_the_view_is_culled() {
         let bounds = Bounds::around(&[[-1.0, 0.0, 0.0], [f32::NAN; 3], [1.0, 0.0, 0.0]]).unwrap();
         // At 10 m the view reaches 10 m to each side.
         let p = [50.0, 0.0, 50.0, 0.0, 0.0, 50.0, 50.0, 0.0, 0.0, 0.0, 1.0, 0.0];
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn the_faster_way_finds_the_same_box_and_what_lies_nowhere() {
+    fn the_faster_way_finds_the_same_box_and_nonfinite_positions() {
         let position = |i: usize| [(i * 7 % 11) as f32 - 5.0, (i * 5 % 13) as f32, -((i * 3 % 17) as f32)];
         for count in 0..40 {
             let mut positions: Vec<_> = (0..count).map(position).collect();

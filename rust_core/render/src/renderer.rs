@@ -1,4 +1,4 @@
-//! What every renderer does, and the choice between them.
+//! The interface of the renderers, and the choice between them.
 
 use std::str::FromStr;
 
@@ -7,12 +7,12 @@ use thiserror::Error;
 
 use crate::{CpuRenderer, GpuRenderer};
 
-/// One look at a scene.
+/// A scene as a camera sees it: the input of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
-    /// What is there.
+    /// What is drawn.
     pub scene: &'a Scene,
-    /// From where it is looked at; also the picture's size.
+    /// The camera that sees it; it also gives the picture's size.
     pub camera: &'a Camera,
     /// Which displays the camera shows.
     pub visible: &'a DisplayMask,
@@ -28,15 +28,15 @@ pub enum RenderError {
     /// There is no GPU adapter that wgpu can use.
     #[error("no GPU adapter can be used: {reason}")]
     NoAdapter {
-        /// What wgpu says.
+        /// wgpu's message.
         reason: String,
     },
-    /// The GPU gave up while drawing.
+    /// The GPU failed while drawing.
     #[error("GPU {adapter}: {reason}")]
     Gpu {
         /// The adapter's name.
         adapter: String,
-        /// What wgpu says.
+        /// wgpu's message.
         reason: String,
     },
     /// The picture is larger than this renderer can draw.
@@ -56,9 +56,29 @@ pub enum RenderError {
 /// Draws pictures of scenes. It may keep what it derived from a geometry for as long as that geometry's `Arc` lives.
 ///
 /// A picture is made in two steps, so that a GPU draws while its caller goes on: [`Renderer::submit`] begins one, and
-/// [`Renderer::finish`] hands out the one that was begun first. Between the two it is *in flight*.
+/// [`Renderer::finish`] returns the one that was begun first. Between the two it is *in flight*.
+///
+/// ```
+/// use nalgebra::Isometry3;
+/// use rcs_render::{CpuRenderer, Renderer, View};
+/// use rcs_scene::{Camera, DisplayMask, Encoding, Intrinsics, Picture, Scene};
+///
+/// let p = [50.0, 0.0, 4.0, 0.0, 0.0, 50.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+/// let camera = Camera::new(Intrinsics::from_p(8, 6, &p)?, &Isometry3::identity(), 0.01);
+/// let (scene, visible) = (Scene::default(), DisplayMask::all());
+/// let view =
+///     View { scene: &scene, camera: &camera, visible: &visible, background: [1, 2, 3], encoding: Encoding::Rgb8 };
+///
+/// let mut renderer = CpuRenderer::new();
+/// renderer.submit(&view)?;
+/// let mut picture = Picture::default();
+/// assert!(renderer.finish(&mut picture)?);
+/// assert_eq!(picture.data, [1, 2, 3].repeat(8 * 6));
+/// assert!(!renderer.finish(&mut picture)?, "none is in flight any more");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Renderer: Send {
-    /// What it is, for the log: `cpu (2 threads)`, `gpu (Intel(R) HD Graphics, Vulkan)`.
+    /// A name for the log: `cpu (2 threads)`, `gpu (Intel(R) HD Graphics, Vulkan)`.
     fn describe(&self) -> String;
 
     /// How many pictures may be in flight with a gain. Where that is one, a picture that is begun before another is
@@ -71,7 +91,7 @@ pub trait Renderer: Send {
     ///
     /// # Errors
     /// See [`RenderError`]. A picture that is too large leaves the others in flight; with [`RenderError::Gpu`] they are
-    /// gone, too.
+    /// dropped, too.
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError>;
 
     /// Waits for the picture that is in flight longest and writes it to `picture`, which takes its view's size and
@@ -94,7 +114,7 @@ pub trait Renderer: Send {
     }
 }
 
-/// Which renderer a user asked for.
+/// The renderer that a user asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum RendererChoice {
     /// A hardware GPU where there is one, else the CPU.
@@ -120,6 +140,15 @@ impl FromStr for RendererChoice {
 }
 
 /// Makes the chosen renderer.
+///
+/// ```
+/// use rcs_render::{create, RendererChoice};
+///
+/// let choice: RendererChoice = "cpu".parse()?;
+/// let renderer = create(choice)?;
+/// assert!(renderer.describe().starts_with("cpu ("));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`RenderError::NoAdapter`] when the GPU is asked for and there is none that works.

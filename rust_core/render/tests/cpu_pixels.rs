@@ -67,7 +67,7 @@ fn a_flat_square_covers_its_side_in_pixels() {
 }
 
 #[test]
-fn a_cloud_is_left_out_when_all_its_places_are_off_one_side() {
+fn a_cloud_is_culled_when_all_its_points_are_off_one_side() {
     let large = PointStyle::FlatSquares { side_m: 0.4 };
     let off = [[0.6, 0.0, 1.0], [0.55, 0.3, 1.0]];
     assert_eq!(pixels(&scene(vec![cloud(large, &off, RED)])).lit(), 0);
@@ -105,7 +105,7 @@ fn a_sphere_is_a_shaded_disc() {
 }
 
 #[test]
-fn a_box_shows_the_side_that_looks_at_the_eye() {
+fn a_box_shows_the_side_that_faces_the_eye() {
     let style = PointStyle::Boxes { size_m: [0.2, 0.1, 0.02] };
     let picture = pixels(&scene(vec![cloud(style, &[[0.0, 0.0, 1.01]], RED)]));
     // That is the −z side, half as bright.
@@ -132,7 +132,7 @@ fn auto_size_multiplies_by_the_points_z() {
 }
 
 #[test]
-fn faint_points_are_left_out_and_translucent_ones_blend() {
+fn faint_points_are_dropped_and_translucent_ones_blend() {
     let with = |alpha: f32, color: [u8; 4]| {
         let Geometry::Points(mut points) = cloud(FLAT, &[[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]], color) else {
             unreachable!()

@@ -1,4 +1,4 @@
-//! What holds for every scene on the CPU renderer, whatever numbers are in it.
+//! Properties of every picture of the CPU renderer, whatever numbers are in the scene.
 #![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
 mod cpu_common;
@@ -14,7 +14,7 @@ use rcs_scene::{
     RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text, Texture, Vertex, VerticalAlignment, Wrapping,
 };
 
-/// Mostly numbers of a scene in front of the camera, and every now and then the worst there are.
+/// Mostly numbers of a scene in front of the camera, and now and then extreme or non-finite ones.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
         8 => -3.0f32..3.0,

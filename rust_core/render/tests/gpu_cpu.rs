@@ -1,6 +1,7 @@
 //! The GPU renderer draws the CPU renderer's picture.
 //!
-//! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further.
+//! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further away,
+//! and a few pixels may differ altogether. Each run draws other scenes; a failure prints the smallest scene that shows it.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;

@@ -1,4 +1,4 @@
-//! Pictures in flight, and that nothing is done twice: uploads, pipelines and targets are counted.
+//! Pictures in flight; uploads, pipelines and targets are counted, so that nothing is done twice.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;
@@ -27,14 +27,14 @@ fn gpu() -> GpuRenderer {
 }
 
 /// A picture to be drawn.
-struct Wish {
+struct Request {
     scene: Scene,
     camera: Camera,
     encoding: Encoding,
 }
 
-impl Wish {
-    /// A square whose colour and place are told by the number.
+impl Request {
+    /// A square whose colour and place identify it.
     fn new(number: u8, size_px: [u32; 2], encoding: Encoding) -> Self {
         let color = [40 * number, 255 - 40 * number, 90, 255];
         let cloud = points(PointStyle::FlatSquares { side_m: 0.4 }, color, &[[0.0; 3]]);
@@ -59,13 +59,13 @@ impl Wish {
     }
 }
 
-fn wishes() -> [Wish; 5] {
+fn requests() -> [Request; 5] {
     [
-        Wish::new(1, [64, 48], Encoding::Rgb8),
-        Wish::new(2, [64, 48], Encoding::Bgra8),
-        Wish::new(3, [37, 91], Encoding::Mono16),
-        Wish::new(4, [64, 48], Encoding::Rgb8),
-        Wish::new(5, [130, 7], Encoding::Bgr8),
+        Request::new(1, [64, 48], Encoding::Rgb8),
+        Request::new(2, [64, 48], Encoding::Bgra8),
+        Request::new(3, [37, 91], Encoding::Mono16),
+        Request::new(4, [64, 48], Encoding::Rgb8),
+        Request::new(5, [130, 7], Encoding::Bgr8),
     ]
 }
 
@@ -86,19 +86,19 @@ fn pictures_in_flight_come_out_in_order_and_as_they_are_drawn_alone() {
     let renderers: [Box<dyn Renderer>; 2] = [Box::new(gpu()), Box::new(CpuRenderer::new())];
     for mut renderer in renderers {
         let renderer = renderer.as_mut();
-        let alone: Vec<Picture> = wishes().iter().map(|wish| wish.rendered(renderer)).collect();
+        let alone: Vec<Picture> = requests().iter().map(|request| request.rendered(renderer)).collect();
         for at_once in 1..=5 {
-            for (wishes, alone) in wishes().chunks(at_once).zip(alone.chunks(at_once)) {
-                wishes.iter().for_each(|wish| wish.submit(renderer).unwrap());
+            for (requests, alone) in requests().chunks(at_once).zip(alone.chunks(at_once)) {
+                requests.iter().for_each(|request| request.submit(renderer).unwrap());
                 alone.iter().for_each(|alone| assert_eq!(finished(renderer), *alone));
                 assert!(is_empty(renderer));
             }
         }
         // One begins whenever one ends.
-        let wishes = wishes();
-        wishes[0].submit(renderer).unwrap();
-        for (wish, alone) in wishes[1..].iter().zip(&alone) {
-            wish.submit(renderer).unwrap();
+        let requests = requests();
+        requests[0].submit(renderer).unwrap();
+        for (request, alone) in requests[1..].iter().zip(&alone) {
+            request.submit(renderer).unwrap();
             assert_eq!(finished(renderer), *alone);
         }
         assert_eq!(finished(renderer), alone[4]);
@@ -110,7 +110,7 @@ fn a_picture_drawn_at_once_drops_those_in_flight() {
     let renderers: [Box<dyn Renderer>; 2] = [Box::new(gpu()), Box::new(CpuRenderer::new())];
     for mut renderer in renderers {
         let renderer = renderer.as_mut();
-        let [first, second, third, ..] = wishes();
+        let [first, second, third, ..] = requests();
         let alone = third.rendered(renderer);
         first.submit(renderer).unwrap();
         second.submit(renderer).unwrap();
@@ -120,13 +120,13 @@ fn a_picture_drawn_at_once_drops_those_in_flight() {
 }
 
 #[test]
-fn a_picture_that_is_refused_leaves_those_in_flight() {
+fn a_refused_picture_leaves_those_in_flight() {
     let mut renderer = gpu();
-    let [first, second, ..] = wishes();
-    let alone = [&first, &second].map(|wish| wish.rendered(&mut renderer));
+    let [first, second, ..] = requests();
+    let alone = [&first, &second].map(|request| request.rendered(&mut renderer));
     first.submit(&mut renderer).unwrap();
     // Where the adapter draws pictures as large as they may be, none is refused.
-    let refused = Wish::new(1, [16384, 1], Encoding::Rgb8).submit(&mut renderer);
+    let refused = Request::new(1, [16384, 1], Encoding::Rgb8).submit(&mut renderer);
     second.submit(&mut renderer).unwrap();
     assert_eq!(finished(&mut renderer), alone[0]);
     match refused {
@@ -139,12 +139,12 @@ fn a_picture_that_is_refused_leaves_those_in_flight() {
 #[test]
 fn a_renderer_may_be_dropped_with_pictures_in_flight() {
     let mut renderer = gpu();
-    wishes().iter().for_each(|wish| wish.submit(&mut renderer).unwrap());
+    requests().iter().for_each(|request| request.submit(&mut renderer).unwrap());
     drop(renderer);
     let mut renderer = gpu();
-    wishes()[0].submit(&mut renderer).unwrap();
+    requests()[0].submit(&mut renderer).unwrap();
     finished(&mut renderer);
-    wishes()[1].submit(&mut renderer).unwrap();
+    requests()[1].submit(&mut renderer).unwrap();
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn a_cloud_is_uploaded_once_for_all_cameras_pictures_and_styles() {
             for camera in &cameras {
                 let points = Points { buffer: Arc::clone(buffer), style, alpha: 1.0, blended: false, auto_size: false };
                 let scene = scene([at(0.0, 0.0, 0.0, Geometry::Points(points))]);
-                Wish { scene, camera: camera.clone(), encoding: Encoding::Rgb8 }.submit(&mut renderer).unwrap();
+                Request { scene, camera: camera.clone(), encoding: Encoding::Rgb8 }.submit(&mut renderer).unwrap();
             }
             cameras.iter().for_each(|_| drop(finished(&mut renderer)));
         }
@@ -187,9 +187,9 @@ fn a_cloud_whose_points_lie_in_many_shares_is_drawn_whole() {
     let mut drawable = at(0.0, 0.0, 0.0, Geometry::Points(cloud));
     drawable.fixed_from_object[(0, 3)] = -f64::from(width) / 2.0;
     drawable.fixed_from_object[(1, 3)] = -f64::from(height) / 2.0;
-    let wish = Wish { scene: scene([drawable]), camera: camera(width, height, 1.0), encoding: Encoding::Rgba8 };
+    let request = Request { scene: scene([drawable]), camera: camera(width, height, 1.0), encoding: Encoding::Rgba8 };
     let expected: Vec<u8> = colors[..70_000].iter().chain([[255; 4]; 10_000].iter()).flatten().copied().collect();
-    assert!(wish.rendered(&mut renderer).data == expected);
+    assert!(request.rendered(&mut renderer).data == expected);
 }
 
 /// One of everything, in every state that displays give it.
@@ -236,13 +236,13 @@ fn no_pipeline_is_built_after_the_device_was_opened() {
     let mut renderer = gpu();
     let opened = renderer.stats();
     assert!(opened.pipelines > 0);
-    let wish = Wish { scene: scene(one_of_everything()), camera: camera(60, 40, 40.0), encoding: Encoding::Rgb8 };
-    wish.rendered(&mut renderer);
+    let request = Request { scene: scene(one_of_everything()), camera: camera(60, 40, 40.0), encoding: Encoding::Rgb8 };
+    request.rendered(&mut renderer);
     let first = renderer.stats();
     assert_eq!(first.pipelines, opened.pipelines);
     assert!(first.uploads > opened.uploads);
     for _ in 0..5 {
-        wish.rendered(&mut renderer);
+        request.rendered(&mut renderer);
     }
     let last = renderer.stats();
     assert_eq!((last.pipelines, last.uploads, last.targets), (first.pipelines, first.uploads, 1));
@@ -250,11 +250,11 @@ fn no_pipeline_is_built_after_the_device_was_opened() {
 }
 
 #[test]
-fn targets_are_made_where_sizes_change_and_let_go_when_they_are_not_wanted() {
+fn targets_are_made_for_new_sizes_and_dropped_when_unused() {
     let mut renderer = gpu();
-    let [small, _, tall, ..] = wishes();
-    let mut targets_after = |wish: &Wish| {
-        wish.rendered(&mut renderer);
+    let [small, _, tall, ..] = requests();
+    let mut targets_after = |request: &Request| {
+        request.rendered(&mut renderer);
         renderer.stats().targets
     };
     assert_eq!([&small, &tall, &small, &tall].map(&mut targets_after), [1, 2, 2, 2]);

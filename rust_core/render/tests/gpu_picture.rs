@@ -1,4 +1,4 @@
-//! What the GPU renderer draws, pixel by pixel, on whatever adapter there is (Mesa's software Vulkan will do).
+//! Pixels of the GPU renderer's pictures, on any adapter (Mesa's software Vulkan will do).
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;
@@ -93,7 +93,7 @@ fn a_point_whose_centre_is_off_the_picture_is_not_drawn() {
 }
 
 #[test]
-fn a_cloud_whose_centres_are_all_off_the_picture_is_left_out_whole() {
+fn a_cloud_whose_centres_are_all_off_the_picture_is_culled() {
     let style = PointStyle::FlatSquares { side_m: 1.0 };
     let camera = camera(40, 40, 40.0);
     let seen = |positions: &[[f32; 3]]| {
@@ -115,7 +115,7 @@ fn a_picture_of_several_bands_comes_back_whole() {
 }
 
 #[test]
-fn a_square_is_as_large_as_the_camera_says() {
+fn a_square_has_the_size_that_the_camera_gives_it() {
     let picture = drawn(&scene([flat(2.0, RED)]), &camera(40, 40, 40.0));
     let expected: Vec<_> = (10..30).flat_map(|y| (10..30).map(move |x| (x, y))).collect();
     assert_eq!(lit_pixels(&picture), expected);
@@ -148,7 +148,7 @@ fn an_eye_inside_of_a_box_does_not_see_it() {
 }
 
 #[test]
-fn tiles_lie_as_their_normal_and_up_say() {
+fn tiles_are_oriented_by_their_normal_and_up() {
     let style = PointStyle::Tiles { size_m: [1.0, 0.5], normal: [0.0, 0.0, -1.0], up: [0.0, -1.0, 0.0] };
     let cloud = Geometry::Points(points(style, RED, &[[0.0; 3]]));
     let picture = drawn(&scene([at(0.0, 0.0, 2.0, cloud)]), &camera(40, 40, 40.0));
@@ -157,7 +157,7 @@ fn tiles_lie_as_their_normal_and_up_say() {
 }
 
 #[test]
-fn sizes_grow_with_z_where_asked() {
+fn auto_size_multiplies_by_the_points_z() {
     let mut cloud = points(PointStyle::FlatSquares { side_m: 0.25 }, RED, &[[0.0, 0.0, 2.0]]);
     let side = |cloud: &Points| {
         let scene = scene([at(0.0, 0.0, 0.0, Geometry::Points(cloud.clone()))]);
@@ -244,7 +244,7 @@ fn a_line_through_the_near_plane_is_cut_there() {
 }
 
 #[test]
-fn a_strip_joins_what_a_list_leaves_apart() {
+fn a_strip_joins_the_vertices_that_a_list_leaves_apart() {
     let corners = [[-0.4, 0.0, 1.0], [-0.1, 0.0, 1.0], [0.1, 0.0, 1.0], [0.4, 0.0, 1.0]];
     let camera = camera(40, 40, 40.0);
     let [list, strip] = [LineTopology::List, LineTopology::Strip]
@@ -266,7 +266,7 @@ fn a_ribbon_turns_its_width_to_the_eye() {
 }
 
 #[test]
-fn a_lit_surface_is_as_bright_as_it_faces_the_light_and_black_without() {
+fn a_lit_surface_is_as_bright_as_the_cosine_to_the_light_and_black_without_light() {
     let color = Rgba::new(0.8, 0.4, 0.2, 1.0);
     let mut scene = scene([at(0.0, 0.0, 2.0, colored_square(Rgba::WHITE, Material::lit(color)))]);
     let camera = camera(20, 20, 20.0);
@@ -293,7 +293,7 @@ fn a_scaled_object_is_lit_as_one_that_is_not() {
 }
 
 #[test]
-fn vertex_colours_replace_the_diffuse_colour_where_the_material_says_so() {
+fn vertex_colours_replace_the_diffuse_colour_where_the_material_uses_them() {
     let lit = Material { vertex_colors: true, ..Material::lit(Rgba::WHITE) };
     for material in [lit, Material::unlit(false)] {
         let square = colored_square(Rgba::new(0.4, 0.6, 0.8, 1.0), material);
@@ -367,7 +367,7 @@ fn text_faces_the_camera_and_hides_nothing() {
 }
 
 #[test]
-fn text_on_top_is_seen_through_what_hides_other_text() {
+fn text_on_top_is_drawn_over_nearer_surfaces() {
     let text = || Text::new("HH", 0.5, Rgba::WHITE, (HorizontalAlignment::Center, VerticalAlignment::Center));
     let camera = camera(40, 40, 40.0);
     let inked = |text: Text| {
@@ -488,7 +488,7 @@ fn hardware_only_never_takes_a_software_driver() {
 }
 
 #[test]
-fn vertices_that_lie_nowhere_and_corners_that_do_not_exist_take_their_triangles_with_them() {
+fn triangles_with_nonfinite_vertices_or_missing_corners_are_dropped() {
     let mut mesh = square_mesh();
     mesh.vertices.push(Vertex::new([f32::NAN, 0.0, 0.0], [0.0; 3]));
     mesh.indices.extend([0, 1, 4, 0, 1, 99, 2, 3]);

@@ -1,4 +1,4 @@
-//! Any scene is drawn without a panic and without a complaint of the GPU.
+//! Any scene is drawn without a panic and without an error of the GPU.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;
@@ -161,7 +161,7 @@ proptest! {
 }
 
 #[test]
-fn a_camera_that_stands_nowhere_draws_without_complaint() {
+fn a_camera_at_a_nonfinite_pose_draws_without_an_error() {
     let whole = camera(20, 20, 20.0);
     let nowhere = Camera::new(*whole.intrinsics(), &Isometry3::translation(f64::NAN, 0.0, 0.0), 0.01);
     let mesh = common::square_mesh();

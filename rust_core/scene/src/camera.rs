@@ -12,13 +12,13 @@ pub const FAR_CLIP_M: f64 = 100.0;
 /// The longest side of a picture, in pixels.
 pub const MAX_SIDE_PX: u32 = 16384;
 
-/// What is wrong with a CameraInfo; the field is named, the caller names the topic.
+/// The error in a CameraInfo; the field is named, the caller names the topic.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CameraError {
     /// A field is NaN or infinite.
     #[error("{field} is {value}, not a finite number")]
     NotFinite {
-        /// `P[2]`, say.
+        /// For example `P[2]`.
         field: String,
         /// NaN or an infinity.
         value: f64,
@@ -127,6 +127,23 @@ pub fn require_finite(field: &str, values: &[f64]) -> Result<(), CameraError> {
 }
 
 /// A camera at a pose.
+///
+/// ```
+/// use nalgebra::{Isometry3, Point3};
+/// use rcs_scene::{Camera, Intrinsics};
+///
+/// // P of a CameraInfo of 640×480 pixels; its frame_id is an optical frame in the fixed frame's origin.
+/// let p = [500.0, 0.0, 320.0, 0.0, 0.0, 500.0, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+/// let camera = Camera::new(Intrinsics::from_p(640, 480, &p)?, &Isometry3::identity(), 0.01);
+///
+/// // The optical frame's z points forward, the view frame's z backward.
+/// let in_view = camera.fixed_from_view().inverse() * Point3::new(0.1, 0.2, 2.0);
+/// assert!((in_view - Point3::new(0.1, -0.2, -2.0)).norm() < 1e-12);
+/// let clip = camera.clip_from_view() * in_view.to_homogeneous();
+/// let column_px = (clip.x / clip.w + 1.0) / 2.0 * 640.0;
+/// assert!((column_px - (320.0 + 500.0 * 0.1 / 2.0)).abs() < 1e-9);
+/// # Ok::<(), rcs_scene::CameraError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     intrinsics: Intrinsics,
@@ -162,7 +179,7 @@ impl Camera {
         }
     }
 
-    /// What it was made from.
+    /// Its intrinsics.
     pub fn intrinsics(&self) -> &Intrinsics {
         &self.intrinsics
     }
@@ -243,7 +260,7 @@ mod tests {
     const P: [f64; 12] = [1900.0, 0.0, 640.0, 0.0, 0.0, 1900.0, 750.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
     #[test]
-    fn a_point_lands_where_p_says() {
+    fn a_point_is_projected_by_p() {
         let intrinsics = Intrinsics::from_p(1280, 800, &P).unwrap();
         let camera = Camera::new(intrinsics, &Isometry3::identity(), 0.01);
         let (u, v) = pixel(&camera, Point3::new(0.1, -0.2, 2.0));
@@ -252,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn rviz_draws_square_pixels_whatever_p_says() {
+    fn rviz_draws_square_pixels_whatever_p_holds() {
         let mut p = P;
         p[0] = 1000.0;
         let intrinsics = Intrinsics::from_p(1280, 800, &p).unwrap();

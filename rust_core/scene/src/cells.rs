@@ -11,7 +11,7 @@ use crate::Blending;
 /// Cells on a side of a tile; the tiles of the last column and row may be smaller.
 pub const TILE_SIDE: u32 = 1024;
 
-/// The value of cells that nobody has set; in an occupancy grid, that of an unknown cell.
+/// The value of cells that were never set; in an occupancy grid, that of an unknown cell.
 pub const UNSET_CELL: u8 = 255;
 
 /// The values of a rectangle of cells.
@@ -44,8 +44,8 @@ fn full_blank_tile() -> Arc<Vec<u8>> {
 }
 
 impl Cells {
-    /// Cells with these values, row by row; those that `values` is too short for are unset, and what it has too many is
-    /// ignored. Takes memory for what `values` holds, and a little for each [`TILE_SIDE`]² cells beyond.
+    /// Cells with these values, row by row; cells past the end of `values` are unset, and surplus values are
+    /// ignored. Takes memory for `values`, and a little for each [`TILE_SIDE`]² cells beyond.
     pub fn new(width: u32, height: u32, values: &[u8]) -> Self {
         let mut tiles = Vec::with_capacity(width.div_ceil(TILE_SIDE) as usize * height.div_ceil(TILE_SIDE) as usize);
         for y in (0..height).step_by(TILE_SIDE as usize) {
@@ -93,8 +93,8 @@ impl Cells {
         tile.and_then(|tile| tile.get(place as usize)).copied().unwrap_or(UNSET_CELL)
     }
 
-    /// Replaces a rectangle of `width` cells a row from the cell (x, y) on by `values`, row by row; what lies outside is
-    /// left out. Only the tiles that are touched are copied where somebody else holds them too.
+    /// Replaces a rectangle of `width` cells a row from the cell (x, y) on by `values`, row by row; cells outside
+    /// are ignored. Only the tiles that are touched are copied where they are shared.
     pub fn write(&mut self, [x, y]: [u32; 2], width: u32, values: &[u8]) {
         let columns = self.width.div_ceil(TILE_SIDE);
         for (row, values) in values.chunks_exact(width.max(1) as usize).enumerate() {
@@ -139,14 +139,14 @@ pub struct CellSheet {
     pub palette: Arc<[[u8; 4]; 256]>,
     /// Opacity of 0 to 1, multiplied with each colour's own.
     pub alpha: f32,
-    /// How it meets what is behind.
+    /// How it blends with the pixels behind it.
     pub blending: Blending,
-    /// Whether it hides what is drawn after it and farther away.
+    /// Whether it hides what is drawn later and farther away.
     pub depth_write: bool,
 }
 
 impl CellSheet {
-    /// It lies this many smallest depth steps farther away than it is, so that what is in the same plane is seen.
+    /// It lies this many smallest depth steps farther away than it is, so that drawables in the same plane are seen.
     pub const DEPTH_STEPS_BACK: f32 = 16.0;
 
     /// The corners of the two triangles that it is drawn with.

@@ -9,7 +9,7 @@ pub struct Rgba {
     pub g: f32,
     /// Blue, 0 to 1.
     pub b: f32,
-    /// Opacity: 0 is invisible, 1 hides what is behind.
+    /// Opacity: 0 is invisible, 1 is opaque.
     pub a: f32,
 }
 

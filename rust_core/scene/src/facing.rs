@@ -1,8 +1,8 @@
-//! Things that turn to the camera as one: an interactive marker's controls that face the view.
+//! Groups that turn to the camera as one: an interactive marker's controls that face the view.
 //!
-//! Unlike [`Text`](crate::Text), which is flat and turns by itself, such a group may hold anything, and what is in it
-//! keeps its place in the group. Reproduces rviz's `VIEW_FACING` controls, which turn anew for each camera that is about
-//! to draw them: one axis of the group goes into the direction in which the camera looks, another upwards on its picture.
+//! Unlike [`Text`](crate::Text), which is flat and turns by itself, such a group may hold anything, and its parts
+//! keep their places in the group. Reproduces rviz's `VIEW_FACING` controls, which turn anew for each camera that is about
+//! to draw them: one axis of the group goes into the camera's viewing direction, another upwards on its picture.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub struct Facing {
     pub forward: Vector3<f64>,
     /// The direction, in the group's frame and upright to `forward`, that comes to point up on the picture.
     pub up: Vector3<f64>,
-    /// What is in the group.
+    /// The group's parts.
     pub parts: Vec<FacingPart>,
 }
 
@@ -32,7 +32,7 @@ pub struct FacingPart {
     pub group_from_part: Matrix4<f64>,
     /// As [`Drawable::sort_point`], in the fixed frame; `None` for the part's origin, wherever that turns.
     pub sort_point: Option<Point3<f64>>,
-    /// What is drawn. A group within a group is not.
+    /// What is drawn. A group within a group is not drawn.
     pub geometry: Geometry,
 }
 
@@ -69,7 +69,7 @@ fn shortest_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> UnitQuaternion<f64> 
 }
 
 impl Scene {
-    /// The scene as a camera finds it: each [`Geometry::Facing`] is replaced by what is in it, turned to the camera.
+    /// The scene as a camera sees it: each [`Geometry::Facing`] is replaced by its parts, turned to the camera.
     /// Renderers draw this.
     pub fn seen_from(&self, camera: &Camera) -> Cow<'_, Self> {
         if !self.drawables.iter().any(|drawable| matches!(drawable.geometry, Geometry::Facing(_))) {
@@ -145,9 +145,9 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_that_looks_backwards_sees_a_half_turn_about_the_vertical() {
+    fn a_camera_facing_backwards_sees_a_half_turn_about_the_vertical() {
         let facing = Facing { forward: Vector3::x(), up: Vector3::z(), parts: Vec::new() };
-        // Looks along −x with z up.
+        // Facing along −x with z up.
         let columns = [-Vector3::x(), Vector3::y(), -Vector3::z()];
         let optical = nalgebra::Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&[
             columns[1], columns[2], columns[0],

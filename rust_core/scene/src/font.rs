@@ -5,8 +5,8 @@
 //! are made here from the same typeface, for the code points 0 to 999 that rviz asks for. Around the glyphs the texture
 //! is black and transparent, so that interpolation darkens their outlines a little, as in rviz.
 //!
-//! The releases of that typeface differ a little in their hints. So that text looks as in the rviz of the same machine,
-//! its font file is taken where there is one; a release that is built in serves everywhere else.
+//! The releases of that typeface differ a little in their hints. So that text is the same as in the rviz of the same
+//! machine, rviz's font file is used where there is one, and a built-in release elsewhere.
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};

@@ -1,9 +1,9 @@
-//! What is drawn and from where, as plain data.
+//! Scenes, cameras and pictures, as plain data.
 //!
-//! A [`Scene`] is a list of [`Drawable`]s in the fixed frame and the light that falls on them; a [`Camera`] looks at it.
+//! A [`Scene`] is a list of [`Drawable`]s in the fixed frame and the light that falls on them; a [`Camera`] sees it.
 //! Nothing here knows of messages, of topics or of a drawing backend: the displays fill a scene, a renderer reads it.
 //! Geometry is shared by [`std::sync::Arc`], so that a scene is cheap to rebuild for every picture and a renderer can
-//! keep what it derived from a geometry (a GPU buffer, say) for as long as that geometry lives.
+//! keep what it derived from a geometry (such as a GPU buffer) for as long as that geometry lives.
 //!
 //! Conventions: metres and radians; colours are not gamma-corrected (rviz blends and lights the stored values);
 //! `f32` for geometry in an object's own frame, `f64` for where the object stands. The view frame is OpenGL's: x to

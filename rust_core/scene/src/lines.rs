@@ -20,7 +20,7 @@ pub struct Lines {
     pub colors: Vec<[u8; 4]>,
     /// How the vertices are joined.
     pub topology: LineTopology,
-    /// How the lines meet what is behind them.
+    /// How the lines blend with the pixels behind them.
     pub blending: Blending,
 }
 

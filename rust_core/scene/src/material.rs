@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use crate::Rgba;
 
-/// How a fragment meets what is drawn already.
+/// How a fragment is combined with the pixel behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Blending {
-    /// It replaces it (Ogre's `SBT_REPLACE`), whatever its alpha.
+    /// The fragment replaces the pixel (Ogre's `SBT_REPLACE`), whatever its alpha.
     #[default]
     Replace,
     /// `colour · alpha + behind · (1 − alpha)` (`SBT_TRANSPARENT_ALPHA`).
@@ -89,9 +89,9 @@ pub struct Material {
     pub vertex_colors: bool,
     /// Multiplied with the colour, alpha included (fixed-function modulate).
     pub texture: Option<Arc<Texture>>,
-    /// How it meets what is behind.
+    /// How it blends with the pixels behind it.
     pub blending: Blending,
-    /// Whether it hides what is drawn after it and farther away.
+    /// Whether it hides what is drawn later and farther away.
     pub depth_write: bool,
     /// Whether nearer things that are drawn already hide it.
     pub depth_test: bool,

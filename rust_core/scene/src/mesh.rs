@@ -10,7 +10,7 @@ pub struct Vertex {
     pub normal: [f32; 3],
     /// Texture coordinates, v down.
     pub uv: [f32; 2],
-    /// Red first; used where the material says so.
+    /// Red first; used with [`Material::vertex_colors`](crate::Material::vertex_colors).
     pub color: [u8; 4],
 }
 

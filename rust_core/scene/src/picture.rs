@@ -53,7 +53,7 @@ impl Encoding {
     }
 
     /// Writes one row of RGBA pixels in this encoding. `row` holds [`Self::bytes_per_pixel`] bytes for each pixel;
-    /// what is past the shorter of the two is left alone.
+    /// bytes and pixels past the end of the shorter one are left alone.
     pub fn write_row(self, pixels: &[[u8; 4]], row: &mut [u8]) {
         // Compiled for each of the processor's instruction sets, of which some shuffle bytes much faster than others.
         dispatch!(Level::new(), simd => self.write_row_with(simd, pixels, row));
@@ -98,13 +98,25 @@ fn write_triples<S: Simd>(simd: S, pixels: &[[u8; 4]], row: &mut [u8], channels:
 }
 
 /// A picture whose bytes are laid out as in a `sensor_msgs/Image`: rows from the top, no padding, little endian.
+///
+/// ```
+/// use rcs_scene::{Encoding, Picture};
+///
+/// let mut picture = Picture::default();
+/// picture.reset(4, 3, Encoding::Bgr8);
+/// assert_eq!((picture.step(), picture.data.len()), (12, 36));
+///
+/// let step = picture.step();
+/// picture.encoding.write_row(&[[255, 0, 0, 255]; 4], &mut picture.data[..step]);
+/// assert_eq!(picture.data[..3], [0, 0, 255]);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Picture {
     /// Pixels in a row.
     pub width_px: u32,
     /// Rows.
     pub height_px: u32,
-    /// What the bytes mean.
+    /// The meaning of the bytes.
     pub encoding: Encoding,
     /// `height · step` bytes.
     pub data: Vec<u8>,

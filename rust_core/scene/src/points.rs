@@ -5,7 +5,8 @@
 
 use std::sync::Arc;
 
-/// The largest point that Mesa and Intel's drivers draw, in pixels; rviz's larger ones come out at this size.
+/// The largest point of `Style: Points` that Mesa and Intel's drivers draw, in pixels; rviz's larger ones come out at this
+/// size.
 pub const MAX_POINT_SIZE_PX: f32 = 255.0;
 
 /// How one point is drawn.
@@ -13,7 +14,7 @@ pub const MAX_POINT_SIZE_PX: f32 = 255.0;
 pub enum PointStyle {
     /// A round spot of a fixed size on the picture, `Style: Points`. It has the depth of its centre.
     Points {
-        /// Diameter in pixels.
+        /// Diameter in pixels; drawn as at least 1 and at most [`MAX_POINT_SIZE_PX`], as OpenGL does.
         diameter_px: f32,
     },
     /// A square facing the eye with a contrasting edge, `Style: Squares`. It stands upright to the y axis of the
@@ -94,6 +95,26 @@ pub struct PointBuffer {
 }
 
 /// A cloud with the way it is drawn.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use rcs_scene::{Geometry, PointBuffer, PointColors, PointStyle, Points};
+///
+/// let positions = vec![[0.0, 0.0, 1.0], [0.1, 0.0, 1.0]];
+/// let colors = PointColors::PerPoint(vec![[255, 0, 0, 255], [0, 0, 255, 255]]);
+/// let cloud = Points {
+///     buffer: Arc::new(PointBuffer { positions, colors }),
+///     style: PointStyle::FlatSquares { side_m: 0.01 },
+///     alpha: 1.0,
+///     blended: false,
+///     auto_size: false,
+/// };
+/// // Another style shares the points.
+/// let as_spheres = Points { style: PointStyle::Spheres { size_m: [0.01; 2] }, ..cloud.clone() };
+/// assert!(Arc::ptr_eq(&cloud.buffer, &as_spheres.buffer));
+/// assert!(!Geometry::Points(cloud).is_translucent());
+/// ```
 #[derive(Clone, Debug)]
 pub struct Points {
     /// What is drawn.

@@ -25,7 +25,7 @@ pub struct Ribbons {
     pub chains: Vec<Vec<RibbonElement>>,
     /// Width in metres.
     pub width_m: f32,
-    /// How they meet what is behind them.
+    /// How they blend with the pixels behind them.
     pub blending: Blending,
 }
 

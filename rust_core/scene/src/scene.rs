@@ -10,6 +10,14 @@ use crate::{Blending, CellSheet, Facing, Lines, Material, Mesh, Points, Ribbons,
 pub type DisplayId = u32;
 
 /// Which displays a camera shows (its "Visibility" property).
+///
+/// ```
+/// use rcs_scene::DisplayMask;
+///
+/// let mut visible = DisplayMask::all();
+/// visible.set(3, false);
+/// assert!(visible.shows(0) && !visible.shows(3));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct DisplayMask {
     hidden: Vec<bool>,
@@ -36,7 +44,7 @@ impl DisplayMask {
     }
 }
 
-/// What is drawn first: groups are drawn one after another, whatever the depth of what is in them.
+/// The order of drawing: groups are drawn one after another, whatever the depths in them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum RenderGroup {
     /// Before everything else (a Map's "Draw Behind").
@@ -61,14 +69,14 @@ pub enum Geometry {
     Mesh {
         /// The triangles.
         mesh: Arc<Mesh>,
-        /// How they look.
+        /// How they are coloured.
         material: Arc<Material>,
     },
     /// Text that turns to the eye.
     Text(Arc<Text>),
     /// Cells coloured by a palette.
     Cells(CellSheet),
-    /// Things that turn to the camera together; [`Scene::seen_from`] puts them in its place.
+    /// Drawables that turn to the camera together; [`Scene::seen_from`] replaces the group by them.
     Facing(Arc<Facing>),
 }
 
@@ -114,6 +122,27 @@ pub struct DirectionalLight {
 }
 
 /// What is drawn and the light on it. Drawables of equal depth are drawn in this order, the later one wins.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use nalgebra::{Matrix4, Point3, Vector3};
+/// use rcs_scene::{Drawable, Geometry, Material, Mesh, RenderGroup, Rgba, Scene, Vertex};
+///
+/// let corner = |x, y| Vertex::new([x, y, 0.0], [0.0, 0.0, 1.0]);
+/// let mesh = Mesh { vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)], indices: vec![0, 1, 2] };
+/// let place = Vector3::new(0.0, 0.0, 2.0);
+/// let triangle = Drawable {
+///     display: 0,
+///     fixed_from_object: Matrix4::new_translation(&place),
+///     sort_point: Point3::from(place),
+///     group: RenderGroup::Main,
+///     geometry: Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(Material::lit(Rgba::WHITE)) },
+/// };
+/// assert!(!triangle.geometry.is_translucent());
+/// let scene = Scene { drawables: vec![triangle], light: None };
+/// # assert_eq!(scene.drawables.len(), 1);
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// In the order of the displays, and within one in the order in which it made them.

@@ -1,4 +1,4 @@
-//! The pixels of one band of rows: colour and depth, and how a fragment meets them.
+//! The pixels of one band of rows: colour and depth, and how fragments are tested and blended.
 //!
 //! A worker draws one band after another into the same two buffers, which stay in its core's cache; a finished band
 //! goes to the picture at once, so that no frame buffer of the whole picture exists. Colours are 8-bit and every
@@ -12,12 +12,12 @@ use fearless_simd::Simd;
 use super::lanes::{F, LANES, M, U};
 use super::screen::{Screen, FARTHEST};
 
-/// How fragments meet the pixels that are there.
+/// How fragments are combined with the pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Mode {
     /// `colour · alpha + behind · (1 − alpha)`, else the colour replaces.
     pub blend: bool,
-    /// What is nearer hides the fragment.
+    /// A nearer pixel hides the fragment.
     pub depth_test: bool,
     /// The fragment's depth is kept.
     pub depth_write: bool,
@@ -90,8 +90,8 @@ impl Band<'_> {
         begin.max(self.first_row)..end.min(self.end_row)
     }
 
-    /// Colours and depths from `begin` to before `end` of a picture row, which has to be one of the band's; what is
-    /// outside of the picture is left out, and the first pixel's x comes back.
+    /// Colours and depths from `begin` to before `end` of a picture row, which must be one of the band's; pixels
+    /// outside of the picture are left out, and the first pixel's x is returned.
     #[inline]
     pub(super) fn span(&mut self, row: i32, begin: i32, end: i32) -> (i32, &mut [u32], &mut [f32]) {
         let begin = begin.clamp(0, self.width);
@@ -101,7 +101,7 @@ impl Band<'_> {
         (begin, &mut self.color[range.clone()], &mut self.depth[range])
     }
 
-    /// [`LANES`] pixels from `begin` on of each row of a range. All have to be the band's.
+    /// [`LANES`] pixels from `begin` on of each row of a range. All must be the band's.
     #[inline(always)]
     pub(super) fn for_windows(&mut self, rows: Range<i32>, begin: i32, mut work: impl FnMut(Window<'_>)) {
         let Some(down) = (rows.end - rows.start).checked_sub(1).filter(|down| *down >= 0) else { return };
@@ -125,7 +125,7 @@ impl Band<'_> {
     }
 }
 
-/// Some pixels side by side.
+/// [`LANES`] pixels side by side.
 #[derive(Debug)]
 pub(super) struct Window<'a> {
     colors: &'a mut [u32; LANES],
@@ -133,8 +133,8 @@ pub(super) struct Window<'a> {
 }
 
 impl Window<'_> {
-    /// Fragments side by side, of which those count whose mask is set, meet the pixels. Only where some of them are seen,
-    /// `shade` is asked which of these there really are, and for their colours.
+    /// Tests and blends fragments side by side, those whose mask is set. `shade` is called only
+    /// where some of them are seen; it returns which of these are really covered, and their colours.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(self, mask: M<S>, depths: F<S>, mode: Mode, shade: impl FnOnce(M<S>) -> (M<S>, U<S>)) {
         let simd = depths.token();
@@ -149,7 +149,7 @@ impl Window<'_> {
             return;
         }
         let behind = F::load_array_ref(simd, self.depths);
-        // What is no number is not before anything.
+        // NaN is in front of nothing.
         let wins = if mode.depth_test { mask & depths.simd_le(behind) } else { mask };
         if !wins.any_true() {
             return;
@@ -170,10 +170,10 @@ pub(super) fn pack(color: [u8; 4]) -> u32 {
     u32::from_ne_bytes(color)
 }
 
-/// A fragment meets a pixel.
+/// Tests a fragment against a pixel and writes or blends it.
 #[inline]
 pub(super) fn meet(pixel: &mut u32, pixel_depth: &mut f32, depth: f32, color: [u8; 4], mode: Mode) {
-    // What is no number is not drawn.
+    // NaN is not drawn.
     if mode.depth_test && (depth > *pixel_depth || depth.is_nan()) {
         return;
     }

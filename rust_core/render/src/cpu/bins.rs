@@ -1,6 +1,6 @@
-//! Things sorted into the bands that they touch.
+//! Points, triangles or lines ("things") sorted into the bands that they touch.
 //!
-//! Only the things' numbers are kept, in their order; what touches two bands is there twice. All memory is used again
+//! Only the things' indices are kept, in their order; one that touches two bands is there twice. All memory is reused
 //! for the next picture.
 
 use super::screen::Screen;

@@ -19,7 +19,7 @@ pub(super) struct ClipVertex {
 }
 
 impl ClipVertex {
-    /// Whether all coordinates are numbers that can be computed with.
+    /// Whether all coordinates are finite.
     pub(super) fn is_finite(&self) -> bool {
         self.position.iter().all(|c| c.is_finite())
     }
@@ -60,7 +60,7 @@ fn outcode(position: [f32; 4], guard: f32) -> u32 {
 pub(super) struct Outside {
     /// One bit for each side.
     pub view: u32,
-    /// One bit for each side; a place that is no number is outside of none and of something more.
+    /// One bit for each side; a non-finite position is outside of none, and has one bit more.
     pub guard: u32,
 }
 
@@ -68,18 +68,18 @@ impl Outside {
     /// Of clip coordinates.
     #[inline]
     pub(super) fn new(position: [f32; 4]) -> Self {
-        const NO_NUMBER: u32 = 1 << 8;
+        const NOT_FINITE: u32 = 1 << 8;
         let [x, y, z, w] = position;
         let place = f32x4::new([x, y, z, 0.0]);
         let beyond = |size: f32x4| {
             (size + place).simd_lt(f32x4::ZERO).to_bitmask() | (size - place).simd_lt(f32x4::ZERO).to_bitmask() << 4
         };
-        // Infinite, or no number.
+        // Infinite or NaN.
         if (f32x4::new(position) * f32x4::ZERO).simd_ne(f32x4::ZERO).any() {
-            return Self { view: 0, guard: NO_NUMBER };
+            return Self { view: 0, guard: NOT_FINITE };
         }
         let view = beyond(f32x4::splat(w));
-        // What is outside of the wide view is outside of the narrow one.
+        // Outside of the wide view is outside of the narrow one, too.
         let guard = if view == 0 { 0 } else { beyond(f32x4::new([GUARD * w, GUARD * w, w, w])) };
         Self { view, guard }
     }
@@ -93,7 +93,7 @@ pub(super) struct Polygon {
 }
 
 impl Polygon {
-    /// The part of a triangle inside of the view; `None` where nothing is left, or where a coordinate is no number.
+    /// The part of a triangle inside of the view; `None` where nothing is left, or where a coordinate is not finite.
     #[inline]
     pub(super) fn clip(triangle: [&ClipVertex; 3]) -> Option<Self> {
         if triangle.iter().any(|v| !v.is_finite()) {
@@ -143,7 +143,7 @@ impl Polygon {
     }
 }
 
-/// The part of a line inside of the view; `None` where nothing is left, or where a coordinate is no number.
+/// The part of a line inside of the view; `None` where nothing is left, or where a coordinate is not finite.
 pub(super) fn clip_line(mut a: ClipVertex, mut b: ClipVertex) -> Option<(ClipVertex, ClipVertex)> {
     if !a.is_finite() || !b.is_finite() {
         return None;
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_inside_stays_as_it_is() {
+    fn inside_triangles_are_unchanged() {
         let triangle = [at(0.0, 0.0, 0.0, 1.0), at(0.5, 0.0, 0.0, 1.0), at(0.0, 3.5, 0.0, 1.0)];
         let polygon = Polygon::clip([&triangle[0], &triangle[1], &triangle[2]]).unwrap();
         assert_eq!(polygon.vertices(), triangle);
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_outside_or_no_number_is_dropped() {
+    fn outside_or_nonfinite_primitives_are_dropped() {
         let outside = [at(2.0, 0.0, 0.0, 1.0), at(3.0, 0.0, 0.0, 1.0), at(2.0, 9.0, 0.0, 1.0)];
         assert!(Polygon::clip([&outside[0], &outside[1], &outside[2]]).is_none());
         let broken = [at(f32::NAN, 0.0, 0.0, 1.0), at(0.0, 0.0, 0.0, 1.0), at(0.0, 1.0, 0.0, 1.0)];

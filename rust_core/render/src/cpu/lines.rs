@@ -24,7 +24,7 @@ pub(super) struct Line {
     end: End,
 }
 
-/// What is interpolated between the ends.
+/// The values that are interpolated between the ends.
 #[derive(Clone, Copy, Debug)]
 struct End {
     /// Window coordinate along, from the first pixel's centre.

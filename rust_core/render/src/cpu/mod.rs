@@ -2,30 +2,27 @@
 //!
 //! A picture is made in two steps, each spread over the cores:
 //!
-//! 1. The scene is cut into jobs (see [`plan`]). A job projects points, or transforms, lights and clips triangles and
-//!    lines, drops what is not to be seen, and sorts the rest into the picture's *bands*, a few dozen rows each.
+//! 1. The scene is cut into jobs (see [`frame_plan`]). A job projects points, or transforms, lights and clips triangles and
+//!    lines, drops what is out of view, and sorts the rest into the picture's *bands*, a few dozen rows each.
 //! 2. Each band is drawn: whatever the jobs have sorted into it, job after job, so in the scene's order. A band's
 //!    colours and depths fit into a core's cache, belong to one thread, and are encoded into the picture when the band
 //!    is done. There is no frame buffer of the whole picture, and no two threads write to the same pixel, so that the
 //!    picture does not depend on the number of threads.
 //!
 //! What is drawn is what OpenGL draws with rviz's shaders on Mesa's software rasteriser: one file for each primitive
-//! ([`round_points`], [`faces`], [`quads`], [`triangles`], [`lines`]) says how.
+//! or folder for each kind of primitive
+//! ([`points`], [`triangles`], [`lines`]) describes how.
 //!
 //! All memory that grows with the scene is kept for the next picture.
 
 mod band;
 mod bins;
 mod clip;
-mod faces;
+mod frame_plan;
 mod lanes;
 mod lighting;
 mod lines;
-mod plan;
 mod points;
-mod quad_paint;
-mod quads;
-mod round_points;
 mod screen;
 mod solids;
 mod surface;
@@ -40,8 +37,8 @@ use rcs_scene::{Picture, MAX_SIDE_PX};
 
 use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
-use self::plan::{Job, Plan, PlanMemory, Textures};
-use self::points::Scratch;
+use self::frame_plan::{FramePlan, FramePlanMemory, Job, Textures};
+use self::points::PointScratch;
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
 use crate::{RenderError, Renderer, View};
@@ -52,24 +49,24 @@ pub struct CpuRenderer {
     workers: Vec<Worker>,
     outcomes: Vec<Outcome>,
     textures: Textures,
-    /// The instructions to use; `None`: the best that there are.
-    level: Option<Level>,
-    memory: PlanMemory,
-    /// Drawn and not yet handed out, the oldest first.
+    /// The instruction set to use; `None`: the best that there is.
+    simd_level: Option<Level>,
+    memory: FramePlanMemory,
+    /// Drawn and not yet returned, the oldest first.
     finished: VecDeque<Picture>,
     /// Memory for the next picture.
-    spare: Picture,
+    unused_picture: Picture,
 }
 
-/// What a thread keeps.
+/// The memory that a thread keeps.
 #[derive(Debug, Default)]
 struct Worker {
     band: BandBuffers,
-    scratch: Scratch,
+    scratch: PointScratch,
     vertices: VertexCache,
 }
 
-/// What a job has made; only what its kind of job makes is filled.
+/// The result of a job; only the part that belongs to its kind is filled.
 #[derive(Debug, Default)]
 struct Outcome {
     points: Bins,
@@ -99,18 +96,18 @@ impl Renderer for CpuRenderer {
 
     /// Draws at once: all cores are busy with one picture.
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
-        let mut picture = std::mem::take(&mut self.spare);
+        let mut picture = std::mem::take(&mut self.unused_picture);
         let drawn = self.draw(view, &mut picture);
         match drawn {
             Ok(()) => self.finished.push_back(picture),
-            Err(_) => self.spare = picture,
+            Err(_) => self.unused_picture = picture,
         }
         drawn
     }
 
     fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
         let Some(drawn) = self.finished.pop_front() else { return Ok(false) };
-        self.spare = std::mem::replace(picture, drawn);
+        self.unused_picture = std::mem::replace(picture, drawn);
         Ok(true)
     }
 
@@ -137,9 +134,9 @@ impl CpuRenderer {
         let scene = view.scene.seen_from(view.camera);
         let view = &View { scene: &scene, ..*view };
         let mut screen = Screen::new(width_px, height_px);
-        screen.level = self.level.unwrap_or(screen.level);
+        screen.simd_level = self.simd_level.unwrap_or(screen.simd_level);
         self.textures.forget_dead();
-        let mut plan = Plan::new(view, &mut self.textures, &mut self.memory);
+        let mut plan = FramePlan::new(view, &mut self.textures, &mut self.memory);
         let jobs = plan.jobs.len();
         if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
             self.outcomes.resize_with(jobs, Outcome::default);
@@ -193,7 +190,7 @@ fn in_parallel<W: Send, T: Send>(
 }
 
 impl Outcome {
-    fn prepare(&mut self, job: &Job, plan: &Plan<'_>, screen: &Screen, worker: &mut Worker) {
+    fn prepare(&mut self, job: &Job, plan: &FramePlan<'_>, screen: &Screen, worker: &mut Worker) {
         match job {
             Job::Points(index, range) => {
                 let Some(cloud) = plan.clouds.get(*index) else { return };
@@ -204,8 +201,8 @@ impl Outcome {
                 self.primitives.clear(screen);
                 for piece in plan.pieces.get(pieces.clone()).unwrap_or(&[]) {
                     if let Some(solid) = plan.solids.get(piece.solid) {
-                        let parts = piece.parts.clone();
-                        self.primitives.add(solid, piece.solid as u32, parts, screen, &mut worker.vertices);
+                        let range = piece.range.clone();
+                        self.primitives.add(solid, piece.solid as u32, range, screen, &mut worker.vertices);
                     }
                 }
             }
@@ -215,10 +212,10 @@ impl Outcome {
     fn draw(
         &self,
         job: &Job,
-        plan: &Plan<'_>,
+        plan: &FramePlan<'_>,
         screen: &Screen,
         index: usize,
-        scratch: &mut Scratch,
+        scratch: &mut PointScratch,
         band: &mut Band<'_>,
     ) {
         match job {

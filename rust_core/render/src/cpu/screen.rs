@@ -11,6 +11,8 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 use rcs_scene::{Camera, DirectionalLight};
 use wide::{f32x4, i32x4};
 
+use crate::shading::{normalizes_normals, to_light, view_from_normal};
+
 /// Snapped places to a pixel.
 pub(super) const SUBPIXELS: i32 = 256;
 
@@ -29,8 +31,8 @@ pub(super) struct Screen {
     pub height_px: u32,
     /// A band has `1 << band_shift` rows.
     pub band_shift: u32,
-    /// The instructions that are used.
-    pub level: Level,
+    /// The instruction set that loops over points and pixels use.
+    pub simd_level: Level,
     half_width: f32,
     half_height: f32,
 }
@@ -44,7 +46,7 @@ impl Screen {
             width_px,
             height_px,
             band_shift: rows.ilog2(),
-            level: Level::new(),
+            simd_level: Level::new(),
             half_width: width_px as f32 * 0.5,
             half_height: height_px as f32 * 0.5,
         }
@@ -99,7 +101,7 @@ pub(super) fn snap_lanes(window: f32x4) -> i32x4 {
     let limit = f32x4::splat((1 << 24) as f32);
     let scaled = (window - f32x4::splat(0.5)) * f32x4::splat(SUBPIXELS as f32);
     let half = f32x4::splat(0.5) | (scaled & f32x4::splat(-0.0));
-    // A half away from zero before the fraction is cut off. What is no number ends at a limit.
+    // A half away from zero before the fraction is cut off. NaN ends at a limit.
     (scaled + half).fast_min(limit).fast_max(-limit).fast_trunc_int()
 }
 
@@ -109,35 +111,32 @@ pub(super) fn first_pixel(snapped: i32) -> i32 {
     (snapped + SUBPIXELS - 1) >> SUBPIXELS.ilog2()
 }
 
-/// Where an object stands to the camera.
+/// How an object's positions and normals come to the picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
+pub(super) struct ObjectTransform {
     /// Rows of the matrix from the object's frame to clip coordinates.
     pub clip_from_object: [[f32; 4]; 4],
-    /// The direction to the light, in the object's frame of normals: a normal n has the cosine
-    /// `(normal_matrix · n) · light` after normalising.
+    /// From the object's normals to the view frame; see [`view_from_normal`].
     pub view_from_normal: Matrix3<f32>,
+    /// Normals are brought to unit length; see [`normalizes_normals`].
+    pub normalizes: bool,
     /// Unit vector to the light in the view frame, if there is light.
     pub to_light: Option<Vector3<f32>>,
 }
 
-impl Placement {
+impl ObjectTransform {
     /// From an object's matrix to the view frame, in `f64` so that far-away frames keep their precision.
     pub(super) fn new(camera: &Camera, view_from_object: &Matrix4<f64>, light: Option<&DirectionalLight>) -> Self {
         let clip: Matrix4<f32> = (camera.clip_from_view() * view_from_object).cast();
-        let clip_from_object = [0, 1, 2, 3].map(|r| [0, 1, 2, 3].map(|c| clip[(r, c)]));
-        let linear: Matrix3<f64> = view_from_object.fixed_view::<3, 3>(0, 0).into_owned();
-        // A flattened object has no inverse; OpenGL (Mesa) then leaves its normals as they are.
-        let view_from_normal =
-            linear.try_inverse().map_or_else(Matrix3::identity, |inverse| inverse.transpose()).cast();
-        let to_light = light.and_then(|light| {
-            let direction = camera.fixed_from_view().rotation.inverse() * -light.direction;
-            direction.try_normalize(0.0).map(|unit| unit.cast())
-        });
-        Self { clip_from_object, view_from_normal, to_light }
+        Self {
+            clip_from_object: [0, 1, 2, 3].map(|r| [0, 1, 2, 3].map(|c| clip[(r, c)])),
+            view_from_normal: view_from_normal(view_from_object),
+            normalizes: normalizes_normals(&view_from_object.fixed_view::<3, 3>(0, 0).into_owned()),
+            to_light: to_light(camera, light),
+        }
     }
 
-    /// Clip coordinates of a place in the object's frame.
+    /// Clip coordinates of a position in the object's frame.
     #[inline]
     pub(super) fn clip(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
         self.clip_from_object.map(|r| r[0] * x + r[1] * y + r[2] * z + r[3])

@@ -1,5 +1,4 @@
-//! Meshes, lines, ribbons, text, before they are pixels: everything that is made of triangles and
-//! lines.
+//! Meshes, lines, ribbons and text up to their pixels: everything that is made of triangles and lines.
 //!
 //! Their primitives are transformed, lit, clipped and made ready in the order in which they are to be drawn; then they
 //! are sorted into the bands of the picture by reference.
@@ -13,22 +12,22 @@ use super::bins::Bins;
 use super::clip::{ClipVertex, Outside};
 use super::lighting::vertex_color;
 use super::lines::{self, Line};
-use super::screen::{Placement, Screen};
+use super::screen::{ObjectTransform, Screen};
 use super::surface::Surface;
-use super::triangles::{self, Corner, Spot};
+use super::triangles::{self, Corner, ScreenPosition};
 
 /// Something made of triangles or lines.
 #[derive(Debug)]
 pub(super) struct Solid<'a> {
-    /// Where it stands.
-    pub placement: Placement,
-    /// What it looks like.
+    /// Where it is.
+    pub transform: ObjectTransform,
+    /// How it is painted.
     pub surface: Surface,
-    /// What it is.
+    /// Its triangles or lines.
     pub shape: Shape<'a>,
 }
 
-/// What a [`Solid`] is.
+/// The triangles or lines of a [`Solid`].
 #[derive(Debug)]
 pub(super) enum Shape<'a> {
     /// Triangles with a material.
@@ -38,8 +37,8 @@ pub(super) enum Shape<'a> {
 }
 
 impl Shape<'_> {
-    /// Of how many triangles or lines it consists.
-    pub(super) fn parts(&self) -> usize {
+    /// The number of its triangles or lines.
+    pub(super) fn primitive_count(&self) -> usize {
         match self {
             Self::Mesh(mesh, _) => mesh.indices.len() / 3,
             Self::Lines(lines) => lines.segments().size_hint().0,
@@ -50,26 +49,26 @@ impl Shape<'_> {
 /// A vertex that was transformed; triangles share it.
 #[derive(Clone, Copy, Debug)]
 struct ReadyCorner {
-    /// Without its colour until `is_lit`.
+    /// It has no colour until `is_lit`.
     corner: Corner,
     is_lit: bool,
 }
 
 impl ReadyCorner {
-    /// Gives it its colour, for which there is no need before a triangle is seen.
+    /// Gives it its colour, which is not needed before a triangle is seen.
     #[inline]
     fn light(&mut self, source: &Source<'_>, key: u32) {
         if !self.is_lit {
             if let Some(vertex) = source.mesh.vertices.get(key as usize) {
-                self.corner.color = vertex_color(source.material, source.placement, vertex);
+                self.corner.color = vertex_color(source.material, source.transform, vertex);
             }
             self.is_lit = true;
         }
     }
 }
 
-/// A triangle that is ready to be drawn. What is spread over it is computed where it meets pixels: to keep that for each
-/// would take ten times the memory, and time with it.
+/// A triangle that is ready to be drawn. The values interpolated over it are computed where it covers pixels: to keep
+/// them for each would take ten times the memory, and time with it.
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
     /// Indices of its corners.
@@ -78,11 +77,11 @@ struct Triangle {
     solid: u32,
 }
 
-/// Where triangles come from.
+/// The mesh that triangles come from.
 struct Source<'a> {
     mesh: &'a Mesh,
     material: &'a Material,
-    placement: &'a Placement,
+    transform: &'a ObjectTransform,
     surface: &'a Surface,
     /// Of the solid.
     index: u32,
@@ -108,12 +107,12 @@ impl Primitives {
         self.bins.reset(screen);
     }
 
-    /// Makes parts of a solid ready. Solids are told apart by their index.
+    /// Makes a range of a solid's primitives ready. `index` identifies the solid.
     pub(super) fn add(
         &mut self,
         solid: &Solid<'_>,
         index: u32,
-        parts: std::ops::Range<usize>,
+        range: std::ops::Range<usize>,
         screen: &Screen,
         cache: &mut VertexCache,
     ) {
@@ -121,17 +120,17 @@ impl Primitives {
             Shape::Mesh(mesh, material) => {
                 cache.clear();
                 let source =
-                    Source { mesh, material, placement: &solid.placement, surface: &solid.surface, index, screen };
-                let corners = mesh.indices.get(parts.start * 3..parts.end * 3).unwrap_or(&[]);
+                    Source { mesh, material, transform: &solid.transform, surface: &solid.surface, index, screen };
+                let corners = mesh.indices.get(range.start * 3..range.end * 3).unwrap_or(&[]);
                 for corners in corners.chunks_exact(3) {
                     self.add_triangle(&source, corners, cache);
                 }
             }
             Shape::Lines(lines) => {
-                for (a, b) in lines.segments().skip(parts.start).take(parts.len()) {
+                for (a, b) in lines.segments().skip(range.start).take(range.len()) {
                     let vertex = |i: usize| {
                         Some(ClipVertex {
-                            position: solid.placement.clip(*lines.positions.get(i)?),
+                            position: solid.transform.clip(*lines.positions.get(i)?),
                             color: lines.color(i).map(|c| f32::from(c) / 255.0),
                             uv: [0.0; 2],
                         })
@@ -158,24 +157,24 @@ impl Primitives {
             return;
         }
         let indices = [a, b, c];
-        let spots = indices.map(|index| &self.corners[index as usize].corner.spot);
-        if !triangles::may_be_seen(spots, source.surface, source.screen) {
+        let positions = indices.map(|index| &self.corners[index as usize].corner.position);
+        if !triangles::may_be_seen(positions, source.surface, source.screen) {
             return;
         }
-        let rows = triangles::rows(spots);
+        let rows = triangles::rows(positions);
         for (&index, &key) in indices.iter().zip(corners) {
             self.corners[index as usize].light(source, key);
         }
         self.push_triangle(indices, rows, source);
     }
 
-    /// Makes ready what is to be drawn of a triangle that reaches far out of the picture.
+    /// Clips a triangle that reaches far out of the picture, and makes ready the parts that are to be drawn.
     fn add_cut(&mut self, source: &Source<'_>, keys: &[u32]) {
         let vertex = |key: u32| {
             let vertex = source.mesh.vertices.get(key as usize)?;
             Some(ClipVertex {
-                position: source.placement.clip(vertex.position),
-                color: vertex_color(source.material, source.placement, vertex),
+                position: source.transform.clip(vertex.position),
+                color: vertex_color(source.material, source.transform, vertex),
                 uv: vertex.uv,
             })
         };
@@ -184,19 +183,19 @@ impl Primitives {
         triangles::cut([&a, &b, &c], source.surface, source.screen, |corners| {
             let first = self.corners.len() as u32;
             self.corners.extend(corners.map(|corner| ReadyCorner { corner, is_lit: true }));
-            let rows = triangles::rows(corners.each_ref().map(|corner| &corner.spot));
+            let rows = triangles::rows(corners.each_ref().map(|corner| &corner.position));
             self.push_triangle([first, first + 1, first + 2], rows, source);
         });
     }
 
     fn push_triangle(&mut self, corners: [u32; 3], rows: (i32, i32), source: &Source<'_>) {
-        stage(&mut self.bins, self.triangles.len() as u32 * 2, rows, source.screen);
+        bin_rows(&mut self.bins, self.triangles.len() as u32 * 2, rows, source.screen);
         self.triangles.push(Triangle { corners, solid: source.index });
     }
 
     fn add_line(&mut self, a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) {
         if let Some(line) = lines::set_up(a, b, mode, screen) {
-            stage(&mut self.bins, self.lines.len() as u32 * 2 + 1, line.rows(), screen);
+            bin_rows(&mut self.bins, self.lines.len() as u32 * 2 + 1, line.rows(), screen);
             self.lines.push(line);
         }
     }
@@ -219,7 +218,7 @@ impl Primitives {
     }
 }
 
-fn stage(bins: &mut Bins, number: u32, (begin, end): (i32, i32), screen: &Screen) {
+fn bin_rows(bins: &mut Bins, number: u32, (begin, end): (i32, i32), screen: &Screen) {
     let row = |row: i32| row.clamp(0, screen.height_px as i32) as u32;
     bins.add(number, row(begin), row(end));
 }
@@ -259,9 +258,10 @@ impl VertexCache {
         let entry = &mut self.entries[key as usize % Self::SIZE];
         if entry.key != Some(key) {
             let vertex = source.mesh.vertices.get(key as usize)?;
-            let position = source.placement.clip(vertex.position);
+            let position = source.transform.clip(vertex.position);
             *entry = CachedVertex { key: Some(key), index: corners.len() as u32, outside: Outside::new(position) };
-            let corner = Corner { spot: Spot::new(position, source.screen), color: [0.0; 4], uv: vertex.uv };
+            let corner =
+                Corner { position: ScreenPosition::new(position, source.screen), color: [0.0; 4], uv: vertex.uv };
             corners.push(ReadyCorner { corner, is_lit: false });
         }
         Some((entry.index, entry.outside))

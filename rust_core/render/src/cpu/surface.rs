@@ -1,4 +1,4 @@
-//! What a triangle looks like: how its fragments get their colour and meet the pixels.
+//! The surface of a triangle: how its fragments get their colour and meet the pixels.
 
 use std::sync::Arc;
 
@@ -6,8 +6,9 @@ use rcs_scene::{CellSheet, CullMode, Material};
 
 use super::band::{unorm8, Mode};
 use super::texture::MipTexture;
+use crate::shading::{box_brightness, disc_brightness, edge_contrast, inside, with_edge, DISC_RADIUS_SQUARED};
 
-/// What a fragment's colour is made of.
+/// How a fragment gets its colour.
 #[derive(Clone, Debug)]
 pub(super) enum Paint {
     /// The interpolated vertex colour.
@@ -18,8 +19,8 @@ pub(super) enum Paint {
     Cells(CellSheet),
     /// One colour with a contrasting edge. The texture coordinates reach from −0.5 to 0.5.
     Edged,
-    /// One colour with an edge of half its brightness.
-    DarkEdged,
+    /// One colour with a darker edge: a box's side.
+    BoxSide,
     /// The disc of diameter 1 around the texture coordinates' origin, darker to its rim.
     Disc,
 }
@@ -90,8 +91,8 @@ impl Surface {
         Self { cull, ..self }
     }
 
-    /// A fragment's colour; `None` where there is none. `footprint` is asked for the change of the texture coordinates
-    /// to the next pixel along the row and along the column where that matters.
+    /// A fragment's colour; `None` where there is none. Where it matters, `footprint` gives the
+    /// change of the texture coordinates to the next pixel along the row and along the column.
     #[inline]
     pub(super) fn fragment(
         &self,
@@ -107,20 +108,31 @@ impl Surface {
             }
             Paint::Cells(sheet) => cell_color(sheet, uv),
             Paint::Edged => {
-                let added = contrast(color) * (1.0 - edge_shade(uv));
-                [0, 1, 2, 3].map(|i| unorm8(if i < 3 { color[i] + added } else { color[i] }))
+                let ([r, g, b, _], [u, v]) = (color, uv);
+                let (contrast, inside) = (edge_contrast(r, g, b), inside(u, v));
+                with_rgb(color, |channel| with_edge(channel, contrast, inside))
             }
-            Paint::DarkEdged => {
-                let brightness = 0.5 + 0.5 * edge_shade(uv);
-                [0, 1, 2, 3].map(|i| unorm8(if i < 3 { color[i] * brightness } else { color[i] }))
+            Paint::BoxSide => {
+                let brightness = box_brightness(inside(uv[0], uv[1]));
+                with_rgb(color, |channel| channel * brightness)
             }
             Paint::Disc => {
-                let brightness = disc_shade(uv)?;
-                [0, 1, 2, 3].map(|i| unorm8(if i < 3 { color[i] * brightness } else { color[i] }))
+                let distance_squared = uv[0] * uv[0] + uv[1] * uv[1];
+                if distance_squared >= DISC_RADIUS_SQUARED {
+                    return None;
+                }
+                let brightness = disc_brightness(distance_squared);
+                with_rgb(color, |channel| channel * brightness)
             }
         };
         Some(bytes)
     }
+}
+
+/// A colour with its red, green and blue changed, as bytes.
+#[inline]
+fn with_rgb([r, g, b, a]: [f32; 4], change: impl Fn(f32) -> f32) -> [u8; 4] {
+    [change(r), change(g), change(b), a].map(unorm8)
 }
 
 /// The colour of the cell at a place. The cells repeat outside of 0 to 1, which shows where an edge runs through a pixel.
@@ -137,39 +149,6 @@ fn cell_color(sheet: &CellSheet, [u, v]: [f32; 2]) -> [u8; 4] {
     [r, g, b, unorm8(f32::from(a) / 255.0 * sheet.alpha)]
 }
 
-/// How much brighter a square's edge is. A dark colour has an edge lighter by a fifth, a light one a darker edge. Dark
-/// is what, as a vector of red, green and blue, is shorter than a half.
-#[inline]
-pub(super) fn contrast([r, g, b, _]: [f32; 4]) -> f32 {
-    let length = (r * r + g * g + b * b).sqrt();
-    if length < 0.5 {
-        0.2
-    } else if length > 0.5 {
-        -0.2
-    } else {
-        0.0
-    }
-}
-
-/// How much a place belongs to the inside of a square: along each axis 1 up to 0.45 from the middle, 0 from 0.48 on,
-/// smooth between.
-#[inline]
-pub(super) fn edge_shade(uv: [f32; 2]) -> f32 {
-    let [u, v] = uv.map(|from_middle| {
-        let t = ((0.48 - from_middle.abs()) * (1.0 / 0.03)).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
-    });
-    u * v
-}
-
-/// The brightness of a sphere at a place from its middle; none outside. It falls off to four fifths at the rim, with
-/// the square of the distance.
-#[inline]
-fn disc_shade([u, v]: [f32; 2]) -> Option<f32> {
-    let height = (0.25 - (u * u + v * v)) * 4.0;
-    (height > 0.0).then_some(0.8 + 0.2 * height)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -184,13 +163,12 @@ mod tests {
         assert_eq!(fragment(Paint::Edged, [10, 20, 30, 99], [0.0, 0.4]), Some([10, 20, 30, 99]));
         assert_eq!(fragment(Paint::Edged, [10, 20, 30, 99], [0.0, -0.49]), Some([61, 71, 81, 99]));
         assert_eq!(fragment(Paint::Edged, [200, 20, 250, 255], [0.49, 0.0]), Some([149, 0, 199, 255]));
-        assert!((edge_shade([0.465, 0.0]) - 0.5).abs() < 1e-4);
     }
 
     #[test]
     fn the_edge_of_a_box_is_half_as_bright() {
-        assert_eq!(fragment(Paint::DarkEdged, [200, 100, 0, 7], [0.2, -0.1]), Some([200, 100, 0, 7]));
-        assert_eq!(fragment(Paint::DarkEdged, [200, 100, 0, 7], [0.2, -0.485]), Some([100, 50, 0, 7]));
+        assert_eq!(fragment(Paint::BoxSide, [200, 100, 0, 7], [0.2, -0.1]), Some([200, 100, 0, 7]));
+        assert_eq!(fragment(Paint::BoxSide, [200, 100, 0, 7], [0.2, -0.485]), Some([100, 50, 0, 7]));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Reading textures.
+//! Sampling textures.
 //!
 //! Mipmaps are made by averaging two by two texels and rounding, down to one texel. The level of a fragment is the one
 //! whose texels are nearest in size to a pixel, by the larger of the distances that the place in the texture moves
@@ -22,9 +22,9 @@ struct Texels {
     rgba: Vec<[u8; 4]>,
 }
 
-/// One size of the texture. Where it has fewer texels than its size says, they are white.
+/// One size of the texture. Missing texels are white.
 #[derive(Clone, Copy)]
-struct Level<'a> {
+struct MipLevel<'a> {
     width: i32,
     height: i32,
     rgba: &'a [[u8; 4]],
@@ -42,8 +42,8 @@ impl MipTexture {
         mips
     }
 
-    /// The texture's colour, each channel 0 to 1. `footprint` is asked for the change of the texture coordinates to
-    /// the next pixel along the row and along the column where that matters.
+    /// The texture's colour, each channel 0 to 1. Where it matters, `footprint` gives the change of the texture
+    /// coordinates to the next pixel along the row and along the column.
     #[inline]
     pub(super) fn sample(&self, [u, v]: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> [f32; 4] {
         let level = self.level(if self.smaller.is_empty() { 0 } else { self.level_for(footprint()) });
@@ -62,12 +62,12 @@ impl MipTexture {
         })
     }
 
-    fn level(&self, index: usize) -> Level<'_> {
+    fn level(&self, index: usize) -> MipLevel<'_> {
         match index.checked_sub(1).and_then(|i| self.smaller.get(i)) {
-            Some(texels) => Level { width: texels.width, height: texels.height, rgba: &texels.rgba },
+            Some(texels) => MipLevel { width: texels.width, height: texels.height, rgba: &texels.rgba },
             None => {
                 let side = |length: u32| length.clamp(1, i32::MAX as u32) as i32;
-                Level { width: side(self.full.width), height: side(self.full.height), rgba: &self.full.rgba }
+                MipLevel { width: side(self.full.width), height: side(self.full.height), rgba: &self.full.rgba }
             }
         }
     }
@@ -80,7 +80,7 @@ impl MipTexture {
     }
 }
 
-impl Level<'_> {
+impl MipLevel<'_> {
     fn halved(&self) -> Option<Texels> {
         if self.width == 1 && self.height == 1 {
             return None;
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn far_away_a_smaller_copy_is_read() {
+    fn far_away_a_smaller_copy_is_sampled() {
         let texture = gradient(Filtering::BilinearMipmap, Wrapping::Repeat);
         assert!((red(&texture, 0.7, 0.7, 1.0) - 120.0).abs() < 1e-3);
         assert!((red(&texture, 0.25, 0.25, 0.5) - 40.0).abs() < 1e-3);

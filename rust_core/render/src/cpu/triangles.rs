@@ -29,17 +29,17 @@ impl Plane {
     }
 }
 
-/// Where a vertex is on the picture.
+/// A vertex's position on the picture.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Spot {
+pub(super) struct ScreenPosition {
     x: i32,
     y: i32,
     depth: f32,
     inverse_w: f32,
 }
 
-impl Spot {
-    /// The place of clip coordinates in front of the near plane.
+impl ScreenPosition {
+    /// The position of clip coordinates in front of the near plane.
     #[inline]
     pub(super) fn new(position: [f32; 4], screen: &Screen) -> Self {
         let inverse_w = 1.0 / position[3];
@@ -53,7 +53,7 @@ impl Spot {
 
 /// Twice the area in snapped places. Window y points down, so what runs counter-clockwise to the eye has a negative one.
 #[inline]
-fn doubled_area([a, b, c]: [&Spot; 3]) -> i64 {
+fn doubled_area([a, b, c]: [&ScreenPosition; 3]) -> i64 {
     i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
 }
 
@@ -70,7 +70,7 @@ fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
 /// Whether a triangle that needs no cutting may touch the centre of a pixel of the picture with a side that is drawn. Of a
 /// detailed mesh most do not, and are spared the light on their corners.
 #[inline]
-pub(super) fn may_be_seen([a, b, c]: [&Spot; 3], surface: &Surface, screen: &Screen) -> bool {
+pub(super) fn may_be_seen([a, b, c]: [&ScreenPosition; 3], surface: &Surface, screen: &Screen) -> bool {
     let touches = |a: i32, b: i32, c: i32, end: u32| {
         let (first, after) = between(a, b, c);
         first.max(0) < after.min(end as i32)
@@ -80,11 +80,11 @@ pub(super) fn may_be_seen([a, b, c]: [&Spot; 3], surface: &Surface, screen: &Scr
         && !is_hidden(doubled_area([a, b, c]), surface.cull)
 }
 
-/// A vertex on the picture, with what is spread over the triangles around it.
+/// A vertex on the picture, with the values that are interpolated over its triangles.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Corner {
-    /// Where it is.
-    pub spot: Spot,
+    /// Its position.
+    pub position: ScreenPosition,
     /// Red, green, blue, alpha, each 0 to 1.
     pub color: [f32; 4],
     /// Texture coordinates.
@@ -93,13 +93,13 @@ pub(super) struct Corner {
 
 impl Corner {
     fn new(vertex: &ClipVertex, screen: &Screen) -> Self {
-        Self { spot: Spot::new(vertex.position, screen), color: vertex.color, uv: vertex.uv }
+        Self { position: ScreenPosition::new(vertex.position, screen), color: vertex.color, uv: vertex.uv }
     }
 }
 
 /// The first row of a triangle and the row after its last; may lie outside of the picture.
 #[inline]
-pub(super) fn rows([a, b, c]: [&Spot; 3]) -> (i32, i32) {
+pub(super) fn rows([a, b, c]: [&ScreenPosition; 3]) -> (i32, i32) {
     between(a.y, b.y, c.y)
 }
 
@@ -109,14 +109,14 @@ fn between(a: i32, b: i32, c: i32) -> (i32, i32) {
     (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1))
 }
 
-/// Clips a triangle and hands out what is to be drawn of it.
+/// Clips a triangle and passes on the parts that are to be drawn.
 pub(super) fn cut(triangle: [&ClipVertex; 3], surface: &Surface, screen: &Screen, mut out: impl FnMut(&[Corner; 3])) {
     let Some(polygon) = Polygon::clip(triangle) else { return };
     let Some((first, rest)) = polygon.vertices().split_first() else { return };
     let first = Corner::new(first, screen);
     for pair in rest.windows(2) {
         let corners = [first, Corner::new(&pair[0], screen), Corner::new(&pair[1], screen)];
-        if may_be_seen(corners.each_ref().map(|corner| &corner.spot), surface, screen) {
+        if may_be_seen(corners.each_ref().map(|corner| &corner.position), surface, screen) {
             out(&corners);
         }
     }
@@ -124,7 +124,7 @@ pub(super) fn cut(triangle: [&ClipVertex; 3], surface: &Surface, screen: &Screen
 
 /// Draws the rows of a band. Culling is done by then.
 pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mut Band<'_>) {
-    let mut area = doubled_area([&a.spot, &b.spot, &c.spot]);
+    let mut area = doubled_area([&a.position, &b.position, &c.position]);
     if area == 0 {
         return;
     }
@@ -132,9 +132,9 @@ pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mu
         std::mem::swap(&mut b, &mut c);
         area = -area;
     }
-    let spots = [&a.spot, &b.spot, &c.spot];
-    let (left, right) = between(a.spot.x, b.spot.x, c.spot.x);
-    let (begin, end) = rows(spots);
+    let positions = [&a.position, &b.position, &c.position];
+    let (left, right) = between(a.position.x, b.position.x, c.position.x);
+    let (begin, end) = rows(positions);
     // Many a triangle of a detailed mesh lies between the pixels' centres.
     let mut planes = None;
     let mut draw_row = |y, (first, after), band: &mut Band<'_>| {
@@ -145,13 +145,13 @@ pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mu
         }
     };
     if right - left <= SmallEdges::MAX_WIDTH_PX && end - begin <= SmallEdges::MAX_HEIGHT_PX {
-        let edges = SmallEdges::around(spots, left, begin);
+        let edges = SmallEdges::around(positions, left, begin);
         for y in band.rows(begin, end) {
             let (first, after) = edges.row(y - begin, right - left);
             draw_row(y, (left + first, left + after), band);
         }
     } else {
-        let edges = Edge::around(spots);
+        let edges = Edge::around(positions);
         for y in band.rows(begin, end) {
             let (mut first, mut after) = (left, right);
             for edge in &edges {
@@ -162,7 +162,7 @@ pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mu
     }
 }
 
-/// What is spread over a triangle.
+/// The values that are interpolated over a triangle.
 #[derive(Clone, Copy, Debug)]
 struct Planes {
     /// All corners have one colour, which `color` holds undivided.
@@ -178,7 +178,7 @@ impl Planes {
     /// Of corners whose inside is on the right of each edge as the picture shows it.
     fn new(corners: [&Corner; 3], doubled_area: i64, surface: &Surface) -> Self {
         let [(a, color_a, uv_a), (b, color_b, uv_b), (c, color_c, uv_c)] =
-            corners.map(|corner| (&corner.spot, &corner.color, &corner.uv));
+            corners.map(|corner| (&corner.position, &corner.color, &corner.uv));
         let scale = SUBPIXELS as f32;
         let [dx1, dy1, dx2, dy2] = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(|d| d as f32 / scale);
         let per_area = (scale as f64 * scale as f64 / doubled_area as f64) as f32;
@@ -212,7 +212,7 @@ impl Planes {
         let row = y as f32;
         let fragments = colors.iter_mut().zip(depths).zip(first..);
         if matches!(surface.paint, Paint::Color) {
-            // What most of a scene is.
+            // Most of a scene is painted so.
             let flat = self.flat.then(|| self.color.map(|plane| unorm8(plane.at)));
             for ((pixel, depth), x) in fragments {
                 let column = x as f32;
@@ -269,7 +269,7 @@ impl SmallEdges {
     const MAX_HEIGHT_PX: i32 = 64;
 
     #[inline]
-    fn around([a, b, c]: [&Spot; 3], left: i32, top: i32) -> Self {
+    fn around([a, b, c]: [&ScreenPosition; 3], left: i32, top: i32) -> Self {
         let (x, y) = (i32x4::splat(left * SUBPIXELS), i32x4::splat(top * SUBPIXELS));
         let (from_x, from_y) = (i32x4::new([a.x, b.x, c.x, a.x]) - x, i32x4::new([a.y, b.y, c.y, a.y]) - y);
         let along_x = i32x4::new([b.x, c.x, a.x, a.x]) - x - from_x;
@@ -308,7 +308,7 @@ struct Edge {
 }
 
 impl Edge {
-    fn around([a, b, c]: [&Spot; 3]) -> [Self; 3] {
+    fn around([a, b, c]: [&ScreenPosition; 3]) -> [Self; 3] {
         [(a, b), (b, c), (c, a)].map(|(from, to)| Self::new([from.x, from.y], [to.x, to.y]))
     }
 

@@ -1,7 +1,7 @@
 //! Cells: a rectangle with a byte a cell in an array texture, coloured by a palette in the shader.
 //!
-//! A tile of the cells is a part of a layer. Where the cells of a display change, the ones before them are gone by then;
-//! their texture is taken over, and only those tiles are brought to the GPU that are not the same as before.
+//! A tile of the cells is a part of a layer. Where the cells of a display change, the old ones have been dropped by then;
+//! their texture is reused, and only the tiles that changed are uploaded.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
@@ -59,9 +59,9 @@ fn fixed_state(blended: bool, depth_write: bool) -> FixedState {
 struct Uploaded {
     /// Keeps the address from being used again.
     cells: Weak<Cells>,
-    /// The cells were gone when the last picture began.
+    /// The cells were dropped when the last picture began.
     was_dead: bool,
-    /// What the texture holds.
+    /// The tiles in the texture.
     tiles: Vec<Weak<Vec<u8>>>,
     texture: wgpu::Texture,
     layers: Layers,
@@ -133,7 +133,7 @@ impl Uploaded {
         Some(Self { cells: Arc::downgrade(cells), was_dead: false, tiles: Vec::new(), texture, layers })
     }
 
-    /// Brings the tiles to the GPU that are not there yet.
+    /// Uploads the tiles that are not on the GPU yet.
     fn fill(&mut self, device: &Device, cells: &Arc<Cells>) {
         let mut before = std::mem::take(&mut self.tiles).into_iter();
         for tile in cells.tiles() {
@@ -162,7 +162,7 @@ impl Uploaded {
 impl CellPipelines {
     pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
         let content_layout = content_layout(device);
-        let program = Program::new(device, "cells", wgpu::include_wgsl!("cells.wgsl"), &[uniforms, &content_layout]);
+        let program = Program::new(device, "cells", include_str!("cells.wgsl"), &[uniforms, &content_layout]);
         let states = [(false, false), (false, true), (true, false), (true, true)];
         let states = states.map(|(blended, depth_write)| fixed_state(blended, depth_write));
         let corners = bytemuck::cast_slice(&CellSheet::TRIANGLES);
@@ -175,7 +175,7 @@ impl CellPipelines {
         }
     }
 
-    /// Lets go what was left over when this was last asked; what died since then may be of use for what comes.
+    /// Drops the textures whose cells were gone at the last call; those gone since then may be reused.
     pub(super) fn forget_dead(&mut self) {
         self.palettes.forget_dead();
         self.values.retain(|_, uploaded| {

@@ -1,7 +1,7 @@
-//! An adapter, opened: which one is taken, and how its complaints become errors.
+//! An opened adapter: which one is chosen, and how its errors are reported.
 //!
-//! wgpu panics where it finds an error that nobody catches. Here every error is noted, and [`Device::check`] hands the
-//! first one out once a picture's work is done.
+//! wgpu panics where it finds an error that nobody catches. Here every error is recorded, and [`Device::check`] returns
+//! the first one once a picture's work is done.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -21,12 +21,12 @@ pub(super) struct Device {
     stats: Mutex<GpuStats>,
 }
 
-/// The first thing that went wrong since somebody asked.
+/// The first error since the last [`Device::check`].
 #[derive(Clone, Debug, Default)]
 struct Faults(Arc<Mutex<Option<String>>>);
 
 impl Faults {
-    fn note(&self, reason: String) {
+    fn record(&self, reason: String) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
     }
 
@@ -36,8 +36,8 @@ impl Faults {
 }
 
 impl Device {
-    /// Opens the best adapter that works: hardware before software, a card before what sits in the processor, Vulkan
-    /// before GL. GL is not even looked at where Vulkan has hardware.
+    /// Opens the best adapter that works: hardware before software, discrete before integrated, Vulkan before GL. GL
+    /// is not tried where Vulkan has hardware.
     pub(super) fn open(hardware_only: bool) -> Result<Self, RenderError> {
         let allowed = Backends::from_env().unwrap_or(Backends::all());
         let wanted = std::env::var("WGPU_ADAPTER_NAME").unwrap_or_default().to_lowercase();
@@ -76,10 +76,10 @@ impl Device {
             .map_err(|error| RenderError::Gpu { adapter: name.clone(), reason: error.to_string() })?;
         let faults = Faults::default();
         let (errors, losses) = (faults.clone(), faults.clone());
-        wgpu.on_uncaptured_error(Arc::new(move |error: wgpu::Error| errors.note(error.to_string())));
+        wgpu.on_uncaptured_error(Arc::new(move |error: wgpu::Error| errors.record(error.to_string())));
         wgpu.set_device_lost_callback(move |reason, message| {
             if reason != wgpu::DeviceLostReason::Destroyed {
-                losses.note(format!("the device was lost: {message}"));
+                losses.record(format!("the device was lost: {message}"));
             }
         });
         Ok(Self { wgpu, queue, limits, name, faults, stats: Mutex::default() })
@@ -95,7 +95,7 @@ impl Device {
         &self.queue
     }
 
-    /// What it was asked to support.
+    /// The limits that it was opened with.
     pub(super) fn limits(&self) -> &wgpu::Limits {
         &self.limits
     }
@@ -115,17 +115,17 @@ impl Device {
         self.faults.take().map_or(Ok(()), |reason| Err(self.error(reason)))
     }
 
-    /// What was done with it.
+    /// Counts and times of the work done on it.
     pub(super) fn stats(&self) -> GpuStats {
         *self.stats.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Notes what is done with it.
+    /// Counts work done on it.
     pub(super) fn count(&self, note: impl FnOnce(&mut GpuStats)) {
         note(&mut self.stats.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
-    /// Notes that a geometry or an image is brought to the GPU.
+    /// Counts an upload of a geometry or an image.
     pub(super) fn count_upload(&self, bytes: usize) {
         self.count(|stats| {
             stats.uploads += 1;
@@ -152,7 +152,7 @@ impl Device {
             usage: usage | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        // Without memory to write to, there is a fault to be handed out.
+        // Without memory to write to, there is an error to be reported.
         let size = wgpu::BufferSize::new(bytes as u64);
         if let Some(mut memory) = size.and_then(|size| self.queue.write_buffer_with(&buffer, 0, size)) {
             self.count_upload(bytes);
@@ -185,7 +185,7 @@ fn open_first(adapters: Vec<Adapter>, failure: &mut Option<RenderError>) -> Opti
     })
 }
 
-/// Whether it is no software driver. GL does not tell what it runs on, and wgpu then knows llvmpipe and its like by
+/// Whether it is no software driver. GL does not report what it runs on; wgpu then recognises llvmpipe and its like by
 /// their names.
 fn is_hardware(adapter: &Adapter) -> bool {
     let info = adapter.get_info();

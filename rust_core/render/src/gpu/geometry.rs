@@ -1,4 +1,4 @@
-//! What was made on the GPU from a geometry of the scene, kept for as long as that geometry lives.
+//! GPU resources made from a geometry of the scene, kept for as long as that geometry lives.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -7,10 +7,10 @@ use std::sync::{Arc, Weak};
 /// No buffer is larger than this; larger geometries are split.
 pub(super) const MAX_CHUNK_BYTES: usize = 32 << 20;
 
-/// Values made from what an `Arc` holds.
+/// Values made from the contents of an `Arc`.
 ///
-/// The key is the `Arc`'s address. A [`Weak`] beside the value keeps that address from being used again, so one address
-/// always means one geometry.
+/// The key is the `Arc`'s address. A [`Weak`] beside the value keeps that address from being reused, so one address always
+/// means one geometry.
 pub(super) struct Derived<K, V> {
     entries: HashMap<usize, (Weak<K>, V)>,
 }
@@ -47,7 +47,7 @@ pub(super) struct Instances {
     pub(super) count: u32,
 }
 
-/// Whether all coordinates are numbers.
+/// Whether all coordinates are finite.
 pub(super) fn is_finite(position: &[f32; 3]) -> bool {
     position.iter().all(|c| c.is_finite())
 }

@@ -61,7 +61,7 @@ struct Chain {
 
 impl LinePipelines {
     pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
-        let program = Program::new(device, "lines", wgpu::include_wgsl!("lines.wgsl"), &[uniforms]);
+        let program = Program::new(device, "lines", include_str!("lines.wgsl"), &[uniforms]);
         Self {
             pipelines: PipelineSet::new(device, &program, STAGES, [false, true].map(FixedState::plain)),
             lines: Derived::new(),

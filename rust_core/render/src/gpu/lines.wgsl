@@ -54,7 +54,7 @@ fn is_drawn(past: vec2f, slope: f32, is_start: bool) -> bool {
     return !is_in_diamond && past.x >= 0.0 && (past.y > 0.0 || reaches_diamond);
 }
 
-// Moves an end along the line to a side of its pixel where the centre that it covers is not what the rule says. Along
+// Moves an end along the line to a side of its pixel where the centre that it covers contradicts the rule. Along
 // comes first, then across.
 fn end_in_pixels(at: vec2f, delta: vec2f, is_start: bool) -> vec2f {
     let direction = select(vec2f(1.0), vec2f(-1.0), delta < vec2f(0.0));

@@ -1,7 +1,7 @@
 //! The GPU renderer: the same picture as the CPU's, drawn with wgpu.
 //!
 //! ```text
-//! device     an adapter (Vulkan before GL, hardware before software) and what it complains of
+//! device     an adapter (Vulkan before GL, hardware before software) and its errors
 //! points     ┐ one file for each kind of primitive, with a shader of the same name: an immutable set of pipelines,
 //! lines      │ made when the device is opened, and the draw data of one drawable in one picture
 //! triangles  │
@@ -12,16 +12,16 @@
 //! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
 //! target     the picture on the GPU; one for each picture in flight
 //! readback   its way back
-//! stats      how often what was done, and how long it took
+//! stats      how often and how long things were done
 //! ```
 //!
 //! A picture goes in two halves. The first uploads what is new, and hands the GPU the commands that draw the picture and
-//! copy it to memory; from then on it is in flight, and the CPU is free, for the next picture's first half, say. The
-//! second half waits for that one submission and encodes what came back. What it takes to draw is there before the
-//! first picture: pipelines are built with the device, and buffers and textures are used again.
+//! copy it to memory; from then on it is in flight, and the CPU is free, for example for the next picture's first half. The
+//! second half waits for that one submission and encodes what came back. Nothing is set up during the first
+//! picture: pipelines are built with the device, and buffers and textures are used again.
 //!
 //! It stays within WebGL 2's limits (no storage buffers, no compute), so that GL 3.3-class graphics do. Depth is
-//! OpenGL's, moved from −1…1 to wgpu's 0…1. A device that is lost or out of memory is given up with an error, and the
+//! OpenGL's, moved from −1…1 to wgpu's 0…1. A device that is lost or out of memory is closed with an error, and the
 //! next picture opens it anew.
 
 mod cells;
@@ -52,6 +52,7 @@ pub use self::stats::GpuStats;
 use self::target::{Target, Targets};
 use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
+use crate::shading::to_light;
 use crate::{RenderError, Renderer, View};
 
 /// Draws with wgpu.
@@ -77,7 +78,7 @@ struct Gpu {
     in_flight: VecDeque<InFlight>,
 }
 
-/// A picture that was submitted and not yet handed out.
+/// A picture that was submitted and not yet returned.
 #[derive(Debug)]
 struct InFlight {
     target: Target,
@@ -96,7 +97,7 @@ enum Draw {
     Cells(CellsDraw),
 }
 
-/// What all drawables of a picture have in common.
+/// The part common to all drawables of a picture.
 struct Viewpoint<'a> {
     camera: &'a Camera,
     /// From the view frame to wgpu's clip coordinates: depth 0 to w.
@@ -116,12 +117,12 @@ impl GpuRenderer {
         Ok(Self { hardware_only, name: gpu.device.name().to_owned(), gpu: Some(gpu) })
     }
 
-    /// What was done since the device was opened; nothing where it was lost and is not open again.
+    /// Counts and times since the device was opened; zeros while it is lost and not open again.
     pub fn stats(&self) -> GpuStats {
         self.gpu.as_ref().map(|gpu| gpu.device.stats()).unwrap_or_default()
     }
 
-    /// Does something on the device, which is given up where that fails.
+    /// Does something on the device, which is closed where that fails.
     fn on<T>(&mut self, mut gpu: Gpu, work: impl FnOnce(&mut Gpu) -> Result<T, RenderError>) -> Result<T, RenderError> {
         let result = work(&mut gpu);
         if !matches!(result, Err(RenderError::Gpu { .. })) {
@@ -221,7 +222,7 @@ impl Gpu {
         Ok(true)
     }
 
-    /// Uploads what is new, forgets what is gone, and lists what there is to draw.
+    /// Uploads new geometries, drops dead ones, and lists the draws.
     fn prepare(&mut self, view: &View<'_>) -> Vec<Draw> {
         self.points.forget_dead();
         self.lines.forget_dead();
@@ -232,10 +233,7 @@ impl Gpu {
         let viewpoint = Viewpoint {
             camera,
             clip_from_view: depth_from_zero() * camera.clip_from_view(),
-            to_light: view.scene.light.map(|light| {
-                let to_light = camera.fixed_from_view().inverse_transform_vector(&-light.direction);
-                to_light.cast::<f32>().into()
-            }),
+            to_light: to_light(camera, view.scene.light.as_ref()).map(Into::into),
         };
         let mut order = std::mem::take(&mut self.order);
         order.sort(view.scene, view.visible, &camera.eye());
@@ -246,25 +244,27 @@ impl Gpu {
 
     fn prepare_one(&mut self, viewpoint: &Viewpoint<'_>, drawable: &Drawable) -> Option<Draw> {
         let (device, uniforms) = (&self.device, &mut self.uniforms);
-        let placement = &drawable.fixed_from_object;
+        let fixed_from_object = &drawable.fixed_from_object;
         match &drawable.geometry {
             Geometry::Points(points) => {
-                self.points.prepare(device, uniforms, viewpoint, placement, points).map(Draw::Points)
+                self.points.prepare(device, uniforms, viewpoint, fixed_from_object, points).map(Draw::Points)
             }
             Geometry::Lines(lines) => {
-                self.lines.prepare(device, uniforms, viewpoint, placement, lines).map(Draw::Lines)
+                self.lines.prepare(device, uniforms, viewpoint, fixed_from_object, lines).map(Draw::Lines)
             }
-            Geometry::Ribbons(ribbons) => {
-                self.triangles.prepare_ribbons(device, uniforms, viewpoint, placement, ribbons).map(Draw::Triangles)
-            }
-            Geometry::Mesh { mesh, material } => {
-                self.triangles.prepare_mesh(device, uniforms, viewpoint, placement, mesh, material).map(Draw::Triangles)
-            }
+            Geometry::Ribbons(ribbons) => self
+                .triangles
+                .prepare_ribbons(device, uniforms, viewpoint, fixed_from_object, ribbons)
+                .map(Draw::Triangles),
+            Geometry::Mesh { mesh, material } => self
+                .triangles
+                .prepare_mesh(device, uniforms, viewpoint, fixed_from_object, mesh, material)
+                .map(Draw::Triangles),
             Geometry::Text(text) => {
-                self.triangles.prepare_text(device, uniforms, viewpoint, placement, text).map(Draw::Triangles)
+                self.triangles.prepare_text(device, uniforms, viewpoint, fixed_from_object, text).map(Draw::Triangles)
             }
             Geometry::Cells(sheet) => {
-                self.cells.prepare(device, uniforms, viewpoint, placement, sheet).map(Draw::Cells)
+                self.cells.prepare(device, uniforms, viewpoint, fixed_from_object, sheet).map(Draw::Cells)
             }
             Geometry::Facing(_) => None,
         }
@@ -309,7 +309,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_device_that_is_lost_is_told_once_and_the_next_picture_is_drawn() {
+    fn a_lost_device_is_reported_once_and_the_next_picture_is_drawn() {
         let p = [10.0, 0.0, 4.0, 0.0, 0.0, 10.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let camera = Camera::new(Intrinsics::from_p(8, 6, &p).unwrap(), &Isometry3::identity(), 0.01);
         let (scene, visible) = (Scene::default(), DisplayMask::all());
@@ -333,7 +333,7 @@ mod tests {
             }
         };
         assert!(is_lost(&error), "{error:?} after {finished}");
-        assert!(!renderer.finish(&mut picture).unwrap(), "told once");
+        assert!(!renderer.finish(&mut picture).unwrap(), "reported once");
 
         renderer.render(&view, &mut picture).unwrap();
         assert_eq!(picture.data, [3, 2, 1].repeat(48));
@@ -341,7 +341,7 @@ mod tests {
         renderer.submit(&view).unwrap();
         lose(&renderer);
         assert!(is_lost(&renderer.submit(&view)));
-        assert!(!renderer.finish(&mut picture).unwrap(), "told once");
+        assert!(!renderer.finish(&mut picture).unwrap(), "reported once");
         renderer.submit(&view).unwrap();
         assert!(renderer.finish(&mut picture).unwrap());
         assert_eq!(picture.data, [3, 2, 1].repeat(48));

@@ -1,9 +1,10 @@
-//! Pipelines: what those of all kinds of primitives have in common, and the fixed state in which they differ.
+//! Pipelines: the parts common to all kinds of primitives, and the fixed state in which they differ.
 
 use std::collections::HashMap;
 
 use super::device::Device;
 use super::target::{COLOR_FORMAT, DEPTH_FORMAT};
+use crate::shading::with_shading;
 
 /// A shader and what it is bound to.
 #[derive(Clone, Debug)]
@@ -13,7 +14,7 @@ pub(super) struct Program {
     layout: wgpu::PipelineLayout,
 }
 
-/// Which functions of a shader are used, and what the first one is fed with.
+/// Which functions of a shader are used, and the vertices that the first one takes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stages {
     /// The vertex shader's name.
@@ -26,7 +27,7 @@ pub(super) struct Stages {
     pub(super) topology: wgpu::PrimitiveTopology,
 }
 
-/// How fragments meet what is drawn already, and which triangles are left out.
+/// How fragments are combined with the pixels, and which triangles are culled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct FixedState {
     pub(super) blended: bool,
@@ -35,7 +36,7 @@ pub(super) struct FixedState {
     pub(super) bias: DepthBias,
 }
 
-/// What the depth of what is drawn already does.
+/// How the depth buffer is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum DepthUse {
     TestAndWrite,
@@ -63,20 +64,18 @@ pub(super) struct PipelineSet {
 }
 
 impl Program {
-    /// A shader whose functions are bound to groups of these layouts.
-    pub(super) fn new(
-        device: &Device,
-        label: &'static str,
-        shader: wgpu::ShaderModuleDescriptor<'_>,
-        groups: &[&wgpu::BindGroupLayout],
-    ) -> Self {
+    /// A shader, with the constants and formulas of [`shading`](crate::shading) before it, whose functions are bound to
+    /// groups of these layouts.
+    pub(super) fn new(device: &Device, label: &'static str, wgsl: &str, groups: &[&wgpu::BindGroupLayout]) -> Self {
         let groups: Vec<_> = groups.iter().copied().map(Some).collect();
         let layout = device.wgpu().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(label),
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        Self { label, shader: device.wgpu().create_shader_module(shader), layout }
+        let source = wgpu::ShaderSource::Wgsl(with_shading(wgsl).into());
+        let shader = device.wgpu().create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source });
+        Self { label, shader, layout }
     }
 }
 

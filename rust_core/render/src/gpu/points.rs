@@ -6,8 +6,8 @@
 //! a pipeline for each style, opaque and blended.
 //!
 //! Reproduces the shaders that rviz takes without geometry shaders, as it does on Mesa: squares turn to the eye around
-//! the cloud's y axis, they are not parallel to the picture plane. Storage buffers, from which a vertex could fetch its
-//! point, are not to be had in GL 3.3.
+//! the cloud's y axis, they are not parallel to the picture plane. GL 3.3 has no storage buffers, from
+//! which a vertex could fetch its point.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Vector3};
@@ -20,6 +20,7 @@ use super::pipeline::{FixedState, PipelineSet, Program, Stages};
 use super::uniforms::{Slot, Uniforms};
 use super::Viewpoint;
 use crate::bounds::Bounds;
+use crate::shading::drawn_point_size_px;
 
 /// The pipelines of all styles, and the clouds that are on the GPU.
 #[derive(Debug)]
@@ -79,10 +80,6 @@ struct Cloud {
     padding: [f32; 2],
 }
 
-/// OpenGL draws no smaller point than a pixel, and Mesa's software rasteriser no larger one than this.
-const SMALLEST_SPRITE_PX: f32 = 1.0;
-const LARGEST_SPRITE_PX: f32 = 255.0;
-
 /// Vertex shader, vertices of an instance and fragment shader of each style, in the order of [`style_index`].
 const STYLES: [(&str, u32, &str); 6] = [
     ("vertex_sprite", 3, "fragment_sprite"),
@@ -119,7 +116,7 @@ fn style_index(style: &PointStyle) -> usize {
 
 impl PointPipelines {
     pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
-        let program = Program::new(device, "points", wgpu::include_wgsl!("points.wgsl"), &[uniforms]);
+        let program = Program::new(device, "points", include_str!("points.wgsl"), &[uniforms]);
         let style = |(vertex, vertices, fragment)| {
             let is_strip = vertices <= 4;
             let stages = Stages {
@@ -191,7 +188,7 @@ fn constants(viewpoint: &Viewpoint<'_>, fixed_from_object: &Matrix4<f64>, points
     let mut right = Vector3::zeros();
     let mut up_direction = Vector3::zeros();
     let size = match points.style {
-        PointStyle::Points { diameter_px } => [diameter_px.clamp(SMALLEST_SPRITE_PX, LARGEST_SPRITE_PX), 0.0, 0.0],
+        PointStyle::Points { diameter_px } => [drawn_point_size_px(diameter_px), 0.0, 0.0],
         PointStyle::Squares { size_m: [width, height] } | PointStyle::Spheres { size_m: [width, height] } => {
             [width, height, 0.0]
         }
@@ -222,7 +219,7 @@ impl UploadedCloud {
         Self::whole(device, cloud).or_else(|| Self::whole(device, &finite(cloud))).unwrap_or_default()
     }
 
-    /// `None` where a point lies nowhere.
+    /// `None` where a point is not finite.
     fn whole(device: &Device, cloud: &PointBuffer) -> Option<Self> {
         let mut uploaded = Self::default();
         for (i, positions) in cloud.positions.chunks(MAX_CHUNK_BYTES / POINT_BYTES).enumerate() {
@@ -235,8 +232,8 @@ impl UploadedCloud {
 }
 
 impl Chunk {
-    /// Brings points to the GPU, the first of which has the colour `first`. All cores write straight into the memory that
-    /// the GPU fetches, and look at the positions meanwhile: `None` where one lies nowhere.
+    /// Uploads points, the first of which has the colour `first`. All cores write straight into the memory that the GPU
+    /// fetches, and check the positions meanwhile: `None` where one is not finite.
     fn new(device: &Device, positions: &[[f32; 3]], colors: &PointColors, first: usize) -> Option<(Self, Bounds)> {
         let mut bounds = None;
         let bytes = positions.len() * POINT_BYTES;
@@ -267,8 +264,8 @@ impl Chunk {
     }
 }
 
-/// Writes positions and their colours, white where there are none. Returns the box around them, `None` where one lies
-/// nowhere.
+/// Writes positions and their colours, white where there are none. Returns the box around them, `None` where one is
+/// not finite.
 fn write_share(
     positions: &[[f32; 3]],
     colors: &PointColors,
@@ -291,7 +288,7 @@ fn write_share(
     Bounds::around_finite(positions)
 }
 
-/// The points that lie somewhere.
+/// The points whose positions are finite.
 fn finite(cloud: &PointBuffer) -> PointBuffer {
     let points = cloud.positions.iter().enumerate().filter(|(_, position)| is_finite(position));
     let (positions, colors) = points.map(|(i, &position)| (position, cloud.colors.get(i))).unzip();

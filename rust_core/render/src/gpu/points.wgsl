@@ -1,4 +1,4 @@
-// A cloud's points, each an instance. See points.rs.
+// A cloud's points, each an instance. See points.rs; constants and formulas of shading come from shading.rs.
 
 struct Cloud {
     clip_from_object: mat4x4f,
@@ -44,8 +44,8 @@ fn scale(position: vec3f) -> f32 {
 // A triangle around a circle of diameter 1.
 const AROUND_DISC = array(vec2f(0.0, 1.0), vec2f(-0.866025404, -0.5), vec2f(0.866025404, -0.5));
 
-// A triangle of pixels with the depth of its centre. A point is gone when its centre is off the picture. The circle in
-// the triangle is a pixel too large, so that it is the fragment shader that decides what is drawn.
+// A triangle of pixels with the depth of its centre. A point is dropped when its centre is off the picture. The circle in
+// the triangle is a pixel too large, so that the fragment shader decides which pixels are drawn.
 @vertex
 fn vertex_sprite(@builtin(vertex_index) index: u32, point: Point) -> Sprite {
     let clip = cloud.clip_from_object * vec4f(point.position, 1.0);
@@ -119,15 +119,15 @@ fn vertex_box(@builtin(vertex_index) index: u32, point: Point) -> Splat {
     if !is_seen {
         place = NOWHERE;
     }
-    var front = vec3f(0.6, 0.4, 0.9);
-    var back = vec3f(0.6, 1.0, 0.5);
-    let shade = select(back[axis], front[axis], towards * half_size[axis] > 0.0);
+    var along = BOX_SIDES_ALONG;
+    var against = BOX_SIDES_AGAINST;
+    let shade = select(against[axis], along[axis], towards * half_size[axis] > 0.0);
     return Splat(place, vec4f(point.color.rgb * shade, point.color.a), at);
 }
 
-// Alpha is rejected where its 8 bits are 0.
+// A fragment that is too faint is rejected.
 fn drawn(color: vec3f, alpha: f32) -> vec4f {
-    if alpha < 0.5 / 255.0 {
+    if alpha <= MAX_REJECTED_ALPHA {
         discard;
     }
     return vec4f(color, alpha);
@@ -136,7 +136,7 @@ fn drawn(color: vec3f, alpha: f32) -> vec4f {
 @fragment
 fn fragment_sprite(sprite: Sprite) -> @location(0) vec4f {
     let from_center = (sprite.place.xy - sprite.center_px) / cloud.size.x;
-    if dot(from_center, from_center) >= 0.25 {
+    if dot(from_center, from_center) >= DISC_RADIUS_SQUARED {
         discard;
     }
     return drawn(sprite.color.rgb, sprite.color.a * cloud.alpha);
@@ -147,31 +147,33 @@ fn fragment_flat(splat: Splat) -> @location(0) vec4f {
     return drawn(splat.color.rgb, splat.color.a * cloud.alpha);
 }
 
-// Four fifths as bright at its edge as at its centre.
+// A disc, darker to its rim.
 @fragment
 fn fragment_sphere(splat: Splat) -> @location(0) vec4f {
-    let height = (0.25 - dot(splat.from_center, splat.from_center)) * 4.0;
-    let color = mix(splat.color.rgb * 0.8, splat.color.rgb, height);
-    return drawn(color, splat.color.a * cloud.alpha * ceil(height));
-}
-
-// 0 at the edge of a square, 1 inside.
-fn inner(from_center: vec2f) -> f32 {
-    let inside = smoothstep(vec2f(0.0), vec2f(0.03), vec2f(0.48) - abs(from_center));
-    return inside.x * inside.y;
+    let distance_squared = dot(splat.from_center, splat.from_center);
+    if distance_squared >= DISC_RADIUS_SQUARED {
+        discard;
+    }
+    return drawn(splat.color.rgb * disc_brightness(distance_squared), splat.color.a * cloud.alpha);
 }
 
 // With an edge that is lighter on dark colours and darker on light ones.
 @fragment
 fn fragment_square(splat: Splat) -> @location(0) vec4f {
-    let contrast = sign(0.5 - length(splat.color.rgb)) * 0.2;
-    let color = splat.color.rgb + contrast * (1.0 - inner(splat.from_center));
+    let rgb = splat.color.rgb;
+    let contrast = edge_contrast(rgb.r, rgb.g, rgb.b);
+    let is_inside = inside(splat.from_center.x, splat.from_center.y);
+    let color = vec3f(
+        with_edge(rgb.r, contrast, is_inside),
+        with_edge(rgb.g, contrast, is_inside),
+        with_edge(rgb.b, contrast, is_inside),
+    );
     return drawn(color, splat.color.a * cloud.alpha);
 }
 
-// With an edge half as bright; boxes draw what is transparent, too.
+// With a darker edge; boxes draw transparent fragments, too.
 @fragment
 fn fragment_box(splat: Splat) -> @location(0) vec4f {
-    let color = splat.color.rgb * mix(0.5, 1.0, inner(splat.from_center));
+    let color = splat.color.rgb * box_brightness(inside(splat.from_center.x, splat.from_center.y));
     return vec4f(color, splat.color.a * cloud.alpha);
 }

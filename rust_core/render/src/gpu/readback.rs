@@ -1,7 +1,7 @@
-//! A picture's way back: from the GPU's texture through memory that both can reach into a message's bytes.
+//! Reading a picture back: from the GPU's texture through mapped memory into a message's bytes.
 //!
-//! The copy on the GPU is part of the picture's commands. Its memory is asked for when these are submitted and comes
-//! with their end, so that nothing has to be waited for but this one submission. The rows there are 256-byte-aligned
+//! The copy on the GPU is part of the picture's commands. Its memory is mapped when these are submitted and is
+//! ready with their end, so that this one submission is all that has to be waited for. The rows there are 256-byte-aligned
 //! RGBA; all cores encode them, each byte read once.
 //!
 //! The memory is cut into bands of rows, since a picture of 16384×16384 is larger than a buffer may be; the usual sizes
@@ -19,7 +19,7 @@ use crate::RenderError;
 const PIXEL_BYTES: u32 = 4;
 const MAX_BAND_BYTES: u32 = 64 << 20;
 
-/// A core gets no less than this many bytes, for a smaller share is copied before another core has woken up.
+/// The fewest bytes for a core: a smaller share is copied before another core has woken up.
 const MIN_SHARE_BYTES: usize = 128 << 10;
 
 /// The memory for one picture.
@@ -37,7 +37,7 @@ struct Band {
     rows: u32,
 }
 
-/// A picture that is on its way.
+/// A picture that is being read back.
 #[derive(Debug)]
 pub(super) struct Arrival {
     submission: wgpu::SubmissionIndex,
@@ -84,13 +84,13 @@ impl Readback {
         }
     }
 
-    /// Asks for the memory, once the commands with the copy are submitted.
+    /// Maps the memory, once the commands with the copy are submitted.
     pub(super) fn map(&self, submission: wgpu::SubmissionIndex) -> Arrival {
         let (sender, mapped) = channel();
         for band in &self.bands {
             let sender = sender.clone();
             band.buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-                // Nobody listens any more when the picture was dropped on its way.
+                // The receiver is gone when the picture was dropped in flight.
                 let _ = sender.send(result);
             });
         }

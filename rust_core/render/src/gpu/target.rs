@@ -1,7 +1,7 @@
 //! The picture on the GPU.
 //!
-//! The colour is plain 8 bits (rviz knows no gamma), the depth is OpenGL's usual 24 bits. Every picture in flight has a
-//! target of its own; one that is finished serves the next picture of its size.
+//! The colour is plain 8 bits (rviz does not correct gamma), the depth is OpenGL's usual 24 bits. Every picture in flight has a
+//! target of its own; a finished picture's target is reused for the next of its size.
 
 use super::device::Device;
 use super::readback::Readback;
@@ -12,10 +12,10 @@ pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8U
 /// The depth format of all pipelines.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
 
-/// A target that so many pictures did not want goes.
+/// A target that was not used for so many pictures is dropped.
 const KEPT_FOR_PICTURES: u64 = 64;
 
-/// What one picture is drawn on and comes back through.
+/// The textures that one picture is drawn on, and the buffers that it is read back through.
 #[derive(Debug)]
 pub(super) struct Target {
     size_px: [u32; 2],
@@ -25,7 +25,7 @@ pub(super) struct Target {
     readback: Readback,
 }
 
-/// The targets that no picture is using.
+/// The targets that are not in use.
 #[derive(Debug, Default)]
 pub(super) struct Targets {
     /// With the number of the picture that last used it.
@@ -83,7 +83,7 @@ impl Target {
         self.size_px
     }
 
-    /// The way back.
+    /// The buffers that the picture is read back through.
     pub(super) fn readback(&self) -> &Readback {
         &self.readback
     }
@@ -113,7 +113,7 @@ impl Target {
         })
     }
 
-    /// Records the drawn picture's copy to where it is read.
+    /// Records the copy of the drawn picture into the readback buffers.
     pub(super) fn record_copy(&self, encoder: &mut wgpu::CommandEncoder) {
         self.readback.record(encoder, &self.color);
     }

@@ -5,7 +5,7 @@ use rcs_scene::{Filtering, Texture, Wrapping};
 use super::device::Device;
 
 /// A level of an image.
-struct Level {
+struct MipLevel {
     width: u32,
     height: u32,
     rgba: Vec<[u8; 4]>,
@@ -93,16 +93,16 @@ pub(super) fn layout(device: &Device) -> wgpu::BindGroupLayout {
     })
 }
 
-fn extent(level: &Level) -> wgpu::Extent3d {
+fn extent(level: &MipLevel) -> wgpu::Extent3d {
     wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 }
 }
 
 /// The image, halved until it fits, and its mipmaps where it is read with them. Texels that are missing are white.
-fn levels(texture: &Texture, max_side: u32) -> Vec<Level> {
+fn levels(texture: &Texture, max_side: u32) -> Vec<MipLevel> {
     let (width, height) = (texture.width.max(1), texture.height.max(1));
     let mut rgba = texture.rgba.clone();
     rgba.resize(width as usize * height as usize, [255; 4]);
-    let mut level = Level { width, height, rgba };
+    let mut level = MipLevel { width, height, rgba };
     while level.width.max(level.height) > max_side.max(1) {
         level = half(&level);
     }
@@ -118,7 +118,7 @@ fn levels(texture: &Texture, max_side: u32) -> Vec<Level> {
 
 /// The next mipmap level: each texel is read bilinearly at its centre, which is the mean of four where the side is
 /// even.
-fn half(level: &Level) -> Level {
+fn half(level: &MipLevel) -> MipLevel {
     let (width, height) = ((level.width / 2).max(1), (level.height / 2).max(1));
     let columns = taps(level.width, width);
     let rgba = taps(level.height, height)
@@ -137,7 +137,7 @@ fn half(level: &Level) -> Level {
             })
         })
         .collect();
-    Level { width, height, rgba }
+    MipLevel { width, height, rgba }
 }
 
 /// For each texel of a side of `to` texels: the two texels of the `from` that it lies between, and how far it is from

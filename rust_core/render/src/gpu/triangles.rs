@@ -1,8 +1,8 @@
 //! Triangles: meshes, wide lines and text, with rviz's fixed-function materials.
 //!
 //! A mesh is indexed vertices on the GPU, made once. Wide lines are turned to the eye on the CPU and uploaded again
-//! when the eye has moved. What a material changes in the fixed state (blending, depth, culling, bias) is a pipeline of
-//! its own; the rest is uniforms. Surfaces without a texture have a white one.
+//! when the eye has moved. Each fixed state that materials ask for (blending, depth, culling, bias) is a pipeline of its
+//! own; the rest is uniforms. Surfaces without a texture have a white one.
 
 use std::sync::Arc;
 
@@ -16,6 +16,7 @@ use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Sta
 use super::texture;
 use super::uniforms::{Slot, Uniforms};
 use super::{columns, Viewpoint};
+use crate::shading::{normalizes_normals, view_from_normal};
 
 /// The pipelines, and the meshes, texts and textures that are on the GPU.
 #[derive(Debug)]
@@ -45,7 +46,7 @@ struct Triangles {
     index_count: u32,
 }
 
-/// Wide lines as they look from one place.
+/// Wide lines as they are seen from one place.
 #[derive(Debug)]
 struct TurnedRibbons {
     eye: Point3<f32>,
@@ -90,14 +91,10 @@ const LIT: u32 = 1;
 const VERTEX_COLORS: u32 = 2;
 const NORMALIZE: u32 = 4;
 
-/// OpenGL normalises normals where Ogre finds that the object is scaled: a squared length off 1 by more than this.
-const SCALE_TOLERANCE: f64 = 1e-4;
-
 impl TrianglePipelines {
     pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
         let image_layout = texture::layout(device);
-        let program =
-            Program::new(device, "triangles", wgpu::include_wgsl!("triangles.wgsl"), &[uniforms, &image_layout]);
+        let program = Program::new(device, "triangles", include_str!("triangles.wgsl"), &[uniforms, &image_layout]);
         let white = Texture {
             width: 1,
             height: 1,
@@ -219,7 +216,7 @@ impl TrianglesDraw {
     }
 }
 
-/// What of a material is part of a pipeline.
+/// The part of a material that belongs to a pipeline.
 fn fixed_state(material: &Material, mirrored: bool) -> FixedState {
     let cull = match (material.cull, mirrored) {
         (CullMode::None, _) => None,
@@ -240,10 +237,11 @@ fn fixed_state(material: &Material, mirrored: bool) -> FixedState {
 /// The states of all materials that displays have: opaque, translucent and painted over, of surfaces with one side, with
 /// both, and mirrored; and texts. Others get their pipeline when they are first seen.
 fn usual_states() -> impl Iterator<Item = FixedState> {
-    let looks = [(false, DepthUse::TestAndWrite), (true, DepthUse::Test), (true, DepthUse::TestAndWrite)];
+    let depth_uses = [(false, DepthUse::TestAndWrite), (true, DepthUse::Test), (true, DepthUse::TestAndWrite)];
     let sides = [Some(wgpu::Face::Back), Some(wgpu::Face::Front), None];
     let state = |blended, depth, cull| FixedState { blended, depth, cull, bias: DepthBias::default() };
-    let surfaces = sides.into_iter().flat_map(move |cull| looks.map(|(blended, depth)| state(blended, depth, cull)));
+    let surfaces =
+        sides.into_iter().flat_map(move |cull| depth_uses.map(|(blended, depth)| state(blended, depth, cull)));
     let text = FixedState { bias: DepthBias { steps: -1, slopes: -1 }, ..FixedState::plain(true) };
     let text_on_top = state(true, DepthUse::Ignore, None);
     surfaces.chain([text, text_on_top])
@@ -256,18 +254,16 @@ fn surface(
     fixed_from_object: &Matrix3<f64>,
     material: &Material,
 ) -> Surface {
-    let linear = view_from_object.fixed_view::<3, 3>(0, 0).into_owned().cast::<f64>();
-    // A flattened object has no inverse; OpenGL (Mesa) then leaves its normals as they are.
-    let view_from_normal = linear.try_inverse().map_or_else(Matrix3::identity, |inverse| inverse.transpose());
-    let scaled = fixed_from_object.column_iter().any(|c| (c.norm_squared() - 1.0).abs() > SCALE_TOLERANCE);
+    let view_from_normal = view_from_normal(&view_from_object.cast());
     let mut flags = 0;
-    for (flag, set) in [(VERTEX_COLORS, material.vertex_colors), (NORMALIZE, scaled)] {
+    let normalizes = normalizes_normals(fixed_from_object);
+    for (flag, set) in [(VERTEX_COLORS, material.vertex_colors), (NORMALIZE, normalizes)] {
         flags |= if set { flag } else { 0 };
     }
     let mut surface = Surface {
         clip_from_object,
         view_from_normal: [0, 1, 2].map(|i| {
-            let [x, y, z] = [0, 1, 2].map(|row| view_from_normal[(row, i)] as f32);
+            let [x, y, z] = [0, 1, 2].map(|row| view_from_normal[(row, i)]);
             [x, y, z, 0.0]
         }),
         to_light: viewpoint.to_light.unwrap_or_default(),
@@ -284,7 +280,7 @@ fn surface(
     surface
 }
 
-/// The drawable triangles of a mesh: those whose corners exist and lie somewhere.
+/// The drawable triangles of a mesh: those whose corners exist and are finite.
 fn upload(device: &Device, mesh: &Mesh) -> Vec<Triangles> {
     let vertex = |vertex: &Vertex| GpuVertex {
         position: vertex.position,

@@ -1,4 +1,5 @@
-// Triangles: meshes, wide lines and text. Light is computed for each vertex. See triangles.rs.
+// Triangles: meshes, wide lines and text. Light is computed for each vertex. See triangles.rs; constants and formulas of
+// shading come from shading.rs.
 
 struct Surface {
     clip_from_object: mat4x4f,
@@ -36,18 +37,19 @@ fn is(flag: u32) -> bool {
 
 // The fixed-function light of one directional source.
 fn lit(vertex: Vertex) -> vec4f {
-    var normal = surface.view_from_normal * vertex.normal;
-    let length_squared = dot(normal, normal);
-    if is(NORMALIZE) && length_squared > 0.0 {
-        normal *= inverseSqrt(length_squared);
+    let normal = surface.view_from_normal * vertex.normal;
+    let normal_length = select(1.0, length(normal), is(NORMALIZE));
+    var light = 0.0;
+    if normal_length > 0.0 {
+        light = light_on_surface(dot(normal, surface.to_light), normal_length);
     }
     let diffuse = select(surface.diffuse, vertex.color, is(VERTEX_COLORS));
-    let towards_light = dot(normal, surface.to_light);
-    var color = surface.emissive;
-    if towards_light > 0.0 {
-        color += diffuse.rgb * towards_light;
-    }
-    return clamp(vec4f(color, diffuse.a), vec4f(0.0), vec4f(1.0));
+    return vec4f(
+        lit_channel(surface.emissive.r, diffuse.r, light),
+        lit_channel(surface.emissive.g, diffuse.g, light),
+        lit_channel(surface.emissive.b, diffuse.b, light),
+        clamp(diffuse.a, 0.0, 1.0),
+    );
 }
 
 @vertex

@@ -9,7 +9,7 @@ use super::device::Device;
 /// Bytes of a slot; the alignment that WebGL 2 asks for.
 const SLOT_BYTES: usize = 256;
 
-/// Where a drawable's constants are.
+/// The place of a drawable's constants.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slot(u32);
 
@@ -20,7 +20,7 @@ impl Slot {
     }
 }
 
-/// The buffer and what it will hold in this picture.
+/// The buffer, and its content in this picture.
 #[derive(Debug)]
 pub(super) struct Uniforms {
     layout: wgpu::BindGroupLayout,
@@ -60,7 +60,7 @@ impl Uniforms {
         self.content.clear();
     }
 
-    /// Takes a drawable's constants, at most a slot's bytes; `None` when there are too many drawables.
+    /// Adds a drawable's constants, at most a slot's bytes; `None` when there are too many drawables.
     pub(super) fn push<T: Pod + Zeroable>(&mut self, constants: &T) -> Option<Slot> {
         const { assert!(size_of::<T>() <= SLOT_BYTES) };
         let offset = self.content.len();
@@ -72,7 +72,7 @@ impl Uniforms {
         Some(Slot(u32::try_from(offset).ok()?))
     }
 
-    /// Brings them to the GPU.
+    /// Uploads them.
     pub(super) fn upload(&mut self, device: &Device) -> &wgpu::BindGroup {
         if self.content.len() as u64 > self.buffer.size() {
             let bytes = self.content.len().next_power_of_two().min(self.max_bytes);

@@ -1,4 +1,4 @@
-//! What the renderers' tests share: scenes of a few lines, pixels, and how close two pictures are.
+//! Shared by the renderers' tests: scenes of a few lines, pixels, and how close two pictures are.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
@@ -11,7 +11,7 @@ use rcs_scene::{
     PointColors, PointStyle, Points, RenderGroup, Scene, Vertex,
 };
 
-/// A camera at the fixed frame's origin that looks along z with x to the right and y down, its principal point in the
+/// A camera at the fixed frame's origin, facing along z with x to the right and y down, its principal point in the
 /// middle.
 pub(crate) fn camera(width_px: u32, height_px: u32, focal_px: f64) -> Camera {
     let (cx, cy) = (f64::from(width_px) / 2.0, f64::from(height_px) / 2.0);

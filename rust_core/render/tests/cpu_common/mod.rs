@@ -18,7 +18,7 @@ pub fn camera(width_px: u32, height_px: u32) -> Camera {
     Camera::new(Intrinsics::from_p(width_px, height_px, &p).unwrap(), &Isometry3::identity(), 0.01)
 }
 
-/// Something in the fixed frame's origin.
+/// A drawable in the fixed frame's origin.
 pub fn drawable(geometry: Geometry) -> Drawable {
     Drawable {
         display: 0,
@@ -35,7 +35,7 @@ pub fn cloud(style: PointStyle, positions: &[[f32; 3]], color: [u8; 4]) -> Geome
     Geometry::Points(Points { buffer: Arc::new(buffer), style, alpha: 1.0, blended: false, auto_size: false })
 }
 
-/// A square in front of the camera that looks at it; its texture's upper left corner is the picture's.
+/// A square in front of the camera and turned to it; its texture's upper left corner is the picture's.
 pub fn quad(half_m: f32, distance_m: f32, material: Material, color: [u8; 4]) -> Geometry {
     let corner = |x: f32, y: f32| Vertex {
         position: [x * half_m, y * half_m, distance_m],
@@ -63,24 +63,24 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Those of an `rgb8` picture.
+    /// The pixels of an `rgb8` picture.
     pub fn of(picture: &Picture) -> Self {
         let rgb = picture.data.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
         Self { width: picture.width_px as usize, rgb }
     }
 
-    /// One of them.
+    /// One pixel.
     pub fn at(&self, x: usize, y: usize) -> [u8; 3] {
         self.rgb[y * self.width + x]
     }
 
-    /// How many are not black.
+    /// The number of pixels that are not black.
     pub fn lit(&self) -> usize {
         self.rgb.iter().filter(|&&pixel| pixel != [0, 0, 0]).count()
     }
 }
 
-/// What the [`camera`] of 100 by 100 pixels sees.
+/// A scene as the [`camera`] of 100 by 100 pixels sees it.
 pub fn pixels(scene: &Scene) -> Grid {
     Grid::of(&render(scene, &camera(100, 100), &DisplayMask::all(), Encoding::Rgb8, 2))
 }

@@ -1,15 +1,15 @@
-//! Clouds drawn as faces: `Style: Squares`, `Flat Squares`, `Spheres` and `Boxes`, and tiles.
+//! Placing one point's face: `Style: Squares`, `Flat Squares`, `Spheres` and `Boxes`, and tiles.
 //!
-//! Squares and discs look at the eye (not at the picture plane) and stand upright to the y axis of the cloud's own
-//! frame: with `at` the direction to the eye, their sides run along `right = y × at` and `up = at × right`. So they
-//! are seen from their front, turned as the cloud's frame is, and their depth changes over the face; where the eye
-//! looks along that y axis there is no such direction and nothing is drawn. A tile is a rectangle of a fixed
+//! Squares and discs face the eye (they are not parallel to the picture plane) and stand upright to the y axis of the
+//! cloud's own frame: with `at` the direction to the eye, their sides run along `right = y × at` and `up = at × right`.
+//! So they are seen from their front, turned as the cloud's frame is, and their depth changes over the face; where the
+//! line of sight runs along that y axis there is no such direction and nothing is drawn. A tile is a rectangle of a fixed
 //! orientation, seen from both sides. A box has its edges along the axes of the cloud's frame.
 //!
 //! ```text
 //!         up
 //!   2 ────┼──── 3        a face's corners, in units of its half sides;
-//!   │     │     │        its place (u, v) is measured from its middle in whole
+//!   │     │     │        a place (u, v) on it is measured from its middle in whole
 //!   ┼──── · ────┼ right  sides, so that it reaches from −0.5 to 0.5
 //!   │     │     │
 //!   0 ────┼──── 1
@@ -18,19 +18,12 @@
 use nalgebra::Point3;
 use rcs_scene::{CullMode, PointStyle, Points};
 
-use super::band::{unorm8, Mode};
-use super::clip::ClipVertex;
-use super::screen::Placement;
-use super::surface::{DepthBias, Paint, Surface};
-
-/// Brightness of the sides of a box that look along +x, +y, +z and along −x, −y, −z.
-pub(super) const BRIGHTNESS: [[f32; 3]; 2] = [[0.6, 0.4, 0.9], [0.6, 1.0, 0.5]];
-
-/// Whether something of this opacity is drawn at all; all styles but boxes leave out what is nearer to 0 than to a 255th.
-#[inline]
-pub(super) fn is_visible(alpha: f32) -> bool {
-    unorm8(alpha) > 0
-}
+use super::is_visible;
+use crate::cpu::band::Mode;
+use crate::cpu::clip::ClipVertex;
+use crate::cpu::screen::ObjectTransform;
+use crate::cpu::surface::{DepthBias, Paint, Surface};
+use crate::shading::{Number, BOX_SIDES_AGAINST, BOX_SIDES_ALONG};
 
 /// The faces of a cloud.
 #[derive(Clone, Copy, Debug)]
@@ -51,12 +44,12 @@ impl<'a> Faces<'a> {
         self.eye
     }
 
-    /// What the faces look like.
+    /// The surface that all faces have.
     pub(super) fn surface(&self) -> Surface {
         let (paint, cull) = match self.points.style {
             PointStyle::Squares { .. } => (Paint::Edged, CullMode::Back),
             PointStyle::Spheres { .. } => (Paint::Disc, CullMode::Back),
-            PointStyle::Boxes { .. } => (Paint::DarkEdged, CullMode::Back),
+            PointStyle::Boxes { .. } => (Paint::BoxSide, CullMode::Back),
             PointStyle::Tiles { .. } => (Paint::Edged, CullMode::None),
             PointStyle::FlatSquares { .. } | PointStyle::Points { .. } => (Paint::Color, CullMode::Back),
         };
@@ -69,7 +62,7 @@ impl<'a> Faces<'a> {
         Some([cross(up, normal).map(|c| c * size_m[0] * 0.5), up.map(|c| c * size_m[1] * 0.5)])
     }
 
-    /// No face reaches farther than this from its point, in the cloud's frame and for a size factor of 1.
+    /// The farthest that a face reaches from its point, in the cloud's frame and for a size factor of 1.
     pub(super) fn reach_m(&self) -> f32 {
         let length = |v: &[f32]| v.iter().fold(0.0, |sum: f32, c| sum.hypot(*c));
         match self.points.style {
@@ -83,15 +76,15 @@ impl<'a> Faces<'a> {
     }
 
     /// Makes the triangles of one point.
-    pub(super) fn triangles(&self, placement: &Placement, index: usize, mut out: impl FnMut([&ClipVertex; 3])) {
+    pub(super) fn triangles(&self, transform: &ObjectTransform, index: usize, mut out: impl FnMut([&ClipVertex; 3])) {
         let Some(&position) = self.points.buffer.positions.get(index) else { return };
         let [r, g, b, a] = self.points.buffer.colors.get(index).map(|c| f32::from(c) / 255.0);
         let alpha = a * self.points.alpha;
         let color = |brightness: f32| [r * brightness, g * brightness, b * brightness, alpha.clamp(0.0, 1.0)];
         let factor = if self.points.auto_size { position[2] } else { 1.0 };
-        let center = placement.clip(position);
+        let center = transform.clip(position);
         let along = |[x, y, z]: [f32; 3], length: f32| {
-            placement.clip_from_object.map(|row| (row[0] * x + row[1] * y + row[2] * z) * length)
+            transform.clip_from_object.map(|row| (row[0] * x + row[1] * y + row[2] * z) * length)
         };
         let mut face = |middle: [f32; 4], right: [f32; 4], up: [f32; 4], color: [f32; 4]| {
             let corner = |u: f32, v: f32| ClipVertex {
@@ -108,8 +101,9 @@ impl<'a> Faces<'a> {
                 if is_visible(alpha) =>
             {
                 let half = size_m(self.points.style).map(|length| length * factor * 0.5);
-                let (right, up) = upright(self.eye, position);
-                face(center, along(right, half[0]), along(up, half[1]), color(1.0));
+                let towards_eye = [0, 1, 2].map(|i| self.eye[i] - position[i]);
+                let ([right_x, right_z], up) = upright(towards_eye, half);
+                face(center, along([right_x, 0.0, right_z], 1.0), along(up, 1.0), color(1.0));
             }
             PointStyle::Tiles { size_m, normal, up } if is_visible(alpha) => {
                 let right = cross(up, normal);
@@ -121,8 +115,8 @@ impl<'a> Faces<'a> {
                 for axis in [2, 0, 1] {
                     let (normal, u, v) = (axes[axis], axes[(axis + 1) % 3], axes[(axis + 2) % 3]);
                     let middle = |sign: f32| [0, 1, 2, 3].map(|i| center[i] + sign * normal[i]);
-                    face(middle(1.0), u, v, color(BRIGHTNESS[0][axis]));
-                    face(middle(-1.0), v, u, color(BRIGHTNESS[1][axis]));
+                    face(middle(1.0), u, v, color(BOX_SIDES_ALONG[axis]));
+                    face(middle(-1.0), v, u, color(BOX_SIDES_AGAINST[axis]));
                 }
             }
             _ => {}
@@ -130,7 +124,7 @@ impl<'a> Faces<'a> {
     }
 }
 
-/// Width and height of what looks at the eye.
+/// Width and height of faces that face the eye.
 #[inline]
 pub(super) fn size_m(style: PointStyle) -> [f32; 2] {
     match style {
@@ -144,13 +138,15 @@ pub(super) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Unit vectors to the right and up of a face at `position` that looks at `eye`. Not a number where there are none.
+/// Half sides to the right (its x and z; its y is 0) and up of a face that faces the eye, given the vector to the eye and
+/// the half sides' lengths. NaN where the eye is straight above or below.
 #[inline(always)]
-pub(super) fn upright(eye: [f32; 3], position: [f32; 3]) -> ([f32; 3], [f32; 3]) {
-    let [x, y, z] = [0, 1, 2].map(|i| eye[i] - position[i]);
+pub(super) fn upright<T: Number>([x, y, z]: [T; 3], [half_width, half_height]: [T; 2]) -> ([T; 2], [T; 3]) {
     let level = x * x + z * z;
-    let (right, up) = (1.0 / level.sqrt(), 1.0 / (level * (level + y * y)).sqrt());
-    ([z * right, 0.0, -x * right], [-x * y * up, level * up, -y * z * up])
+    let right = half_width / level.root();
+    let up = half_height / (level * (level + y * y)).root();
+    let (minus_x, minus_y) = (x * -1.0, y * -1.0);
+    ([z * right, minus_x * right], [minus_x * y * up, level * up, minus_y * z * up])
 }
 
 #[cfg(test)]
@@ -159,18 +155,18 @@ mod tests {
     use nalgebra::Vector3;
 
     #[test]
-    fn faces_look_at_the_eye_and_stand_upright() {
-        let (eye, position) = ([1.0, 5.0, -2.0], [3.0, -1.0, 4.0]);
-        let (right, up) = upright(eye, position);
-        let at = (Vector3::from(eye) - Vector3::from(position)).normalize();
-        let (right, up) = (Vector3::from(right), Vector3::from(up));
+    fn faces_turn_to_the_eye_and_stand_upright() {
+        let towards_eye = [-2.0_f32, 6.0, -6.0];
+        let ([right_x, right_z], up) = upright(towards_eye, [1.0, 1.0]);
+        let at = Vector3::from(towards_eye).normalize();
+        let (right, up) = (Vector3::new(right_x, 0.0, right_z), Vector3::from(up));
         assert!((right.cross(&up) - at).norm() < 1e-6);
-        assert!((right.norm() - 1.0).abs() < 1e-6 && right.y == 0.0 && up.y > 0.0);
+        assert!((right.norm() - 1.0).abs() < 1e-6 && up.y > 0.0);
     }
 
     #[test]
-    fn there_is_no_face_above_the_eye() {
-        let (right, up) = upright([1.0, 5.0, 2.0], [1.0, 1.0, 2.0]);
+    fn there_is_no_face_straight_below_the_eye() {
+        let (right, up) = upright([0.0_f32, 4.0, 0.0], [1.0, 1.0]);
         assert!(right.iter().chain(&up).any(|c| c.is_nan()));
     }
 }

@@ -1,9 +1,9 @@
-//! What is to be done for a picture: the scene's drawables in their order, cut into jobs of about equal size.
+//! The work for one picture: the scene's drawables in their order, cut into jobs of about equal size.
 //!
 //! A job turns a chunk of a cloud, or several meshes and lines together, into things that are sorted into the
 //! picture's bands. Jobs are independent of each other; drawn in their order they give the picture.
 //!
-//! A plan refers to its scene, so it does not outlive the picture; its memory does ([`PlanMemory`]).
+//! A plan borrows from its scene, so it does not outlive the picture; its memory does ([`FramePlanMemory`]).
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -14,7 +14,7 @@ use rcs_scene::{Blending, CellSheet, CullMode, DrawOrder, Drawable, Geometry, Ma
 
 use super::band::Mode;
 use super::points::Cloud;
-use super::screen::Placement;
+use super::screen::ObjectTransform;
 use super::solids::{Shape, Solid};
 use super::surface::{DepthBias, Paint, Surface};
 use super::texture::MipTexture;
@@ -39,7 +39,7 @@ impl Textures {
         self.by_address.entry(address).or_insert_with(make).1.clone()
     }
 
-    /// Forgets those that nobody but this cache holds any more.
+    /// Drops those that only this cache still holds.
     pub(super) fn forget_dead(&mut self) {
         self.by_address.retain(|_, (texture, _)| texture.strong_count() > 1);
     }
@@ -64,23 +64,23 @@ pub(super) enum Job {
     Pieces(Range<usize>),
 }
 
-/// Parts of the solid with this index.
+/// Some primitives of the solid with this index.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     /// Index of the solid.
     pub solid: usize,
-    /// Which of its parts.
-    pub parts: Range<usize>,
+    /// Which of its triangles or lines.
+    pub range: Range<usize>,
 }
 
 /// All jobs of a picture.
 #[derive(Debug, Default)]
-pub(super) struct Plan<'a> {
+pub(super) struct FramePlan<'a> {
     /// The clouds.
     pub clouds: Vec<Cloud<'a>>,
     /// Everything else.
     pub solids: Vec<Solid<'a>>,
-    /// What the jobs on solids work on.
+    /// The pieces of solids that the jobs draw.
     pub pieces: Vec<Piece>,
     /// In the order of drawing.
     pub jobs: Vec<Job>,
@@ -88,14 +88,14 @@ pub(super) struct Plan<'a> {
     open_triangles: usize,
     open_piece: usize,
     /// For wide lines that turn to the camera.
-    spare_meshes: Vec<Mesh>,
+    reusable_meshes: Vec<Mesh>,
 }
 
 /// The memory of a picture's plan, for the next one.
 #[derive(Debug, Default)]
-pub(super) struct PlanMemory {
+pub(super) struct FramePlanMemory {
     order: DrawOrder,
-    plan: Plan<'static>,
+    plan: FramePlan<'static>,
 }
 
 /// The memory of a vector for elements of the same type with another lifetime: the library collects in place here.
@@ -103,24 +103,24 @@ fn emptied<T, U>(vector: Vec<T>) -> Vec<U> {
     vector.into_iter().filter_map(|_| None).collect()
 }
 
-impl PlanMemory {
+impl FramePlanMemory {
     /// Takes the memory of a plan that is not needed any more.
-    pub(super) fn keep(&mut self, mut plan: Plan<'_>) {
-        // Those that this picture did not need are gone.
-        plan.spare_meshes.clear();
-        plan.spare_meshes.extend(plan.solids.iter_mut().filter_map(|solid| match &mut solid.shape {
+    pub(super) fn keep(&mut self, mut plan: FramePlan<'_>) {
+        // Those that this picture did not use are dropped.
+        plan.reusable_meshes.clear();
+        plan.reusable_meshes.extend(plan.solids.iter_mut().filter_map(|solid| match &mut solid.shape {
             Shape::Mesh(Cow::Owned(mesh), _) => Some(std::mem::take(mesh)),
             _ => None,
         }));
         // The next picture's are taken from the end.
-        plan.spare_meshes.reverse();
+        plan.reusable_meshes.reverse();
         self.plan = plan.emptied();
     }
 }
 
-impl<'a> Plan<'a> {
+impl<'a> FramePlan<'a> {
     /// Plans a picture.
-    pub(super) fn new(view: &View<'a>, textures: &mut Textures, memory: &mut PlanMemory) -> Self {
+    pub(super) fn new(view: &View<'a>, textures: &mut Textures, memory: &mut FramePlanMemory) -> Self {
         let mut plan: Self = std::mem::take(&mut memory.plan);
         memory.order.sort(view.scene, view.visible, &view.camera.eye());
         for drawable in memory.order.of(view.scene) {
@@ -130,14 +130,14 @@ impl<'a> Plan<'a> {
         plan
     }
 
-    /// A plan of nothing in the same memory, and with the same spare meshes.
-    fn emptied(self) -> Plan<'static> {
-        let Self { clouds, solids, mut pieces, mut jobs, mut cloud_jobs, spare_meshes, .. } = self;
+    /// A plan of nothing in the same memory, and with the same reusable meshes.
+    fn emptied(self) -> FramePlan<'static> {
+        let Self { clouds, solids, mut pieces, mut jobs, mut cloud_jobs, reusable_meshes, .. } = self;
         pieces.clear();
         jobs.clear();
         cloud_jobs.clear();
         let (clouds, solids) = (emptied(clouds), emptied(solids));
-        Plan { clouds, solids, pieces, jobs, cloud_jobs, open_triangles: 0, open_piece: 0, spare_meshes }
+        FramePlan { clouds, solids, pieces, jobs, cloud_jobs, open_triangles: 0, open_piece: 0, reusable_meshes }
     }
 
     fn add(&mut self, view: &View<'a>, textures: &mut Textures, drawable: &'a Drawable) {
@@ -146,13 +146,13 @@ impl<'a> Plan<'a> {
             Geometry::Text(_) => camera.view_from_facing(&drawable.fixed_from_object).cast(),
             _ => camera.fixed_from_view().inverse().to_homogeneous() * drawable.fixed_from_object,
         };
-        let placement = Placement::new(camera, &view_from_object, view.scene.light.as_ref());
+        let transform = ObjectTransform::new(camera, &view_from_object, view.scene.light.as_ref());
         let mut surface_of =
             |material: &Material| Surface::of(material, material.texture.as_ref().map(|texture| textures.get(texture)));
         let (surface, shape) = match &drawable.geometry {
             Geometry::Facing(_) => return,
             Geometry::Points(points) => {
-                return self.add_cloud(Cloud::new(points, placement, camera, &drawable.fixed_from_object));
+                return self.add_cloud(Cloud::new(points, transform, camera, &drawable.fixed_from_object));
             }
             Geometry::Lines(lines) => {
                 let mode = Mode::new(lines.blending == Blending::Alpha);
@@ -163,7 +163,7 @@ impl<'a> Plan<'a> {
             }
             Geometry::Ribbons(ribbons) => {
                 let material = Material::unlit(ribbons.blending == Blending::Alpha);
-                let mut mesh = self.spare_meshes.pop().unwrap_or_default();
+                let mut mesh = self.reusable_meshes.pop().unwrap_or_default();
                 ribbons.write_to(&mut mesh, camera.eye_in_object(&drawable.fixed_from_object));
                 (surface_of(&material), Shape::Mesh(Cow::Owned(mesh), Cow::Owned(material)))
             }
@@ -181,7 +181,7 @@ impl<'a> Plan<'a> {
                 (Surface::of_cells(sheet), Shape::Mesh(Cow::Borrowed(sheet_mesh()), Cow::Owned(Material::unlit(false))))
             }
         };
-        self.add_solid(Solid { placement, surface, shape });
+        self.add_solid(Solid { transform, surface, shape });
     }
 
     fn add_cloud(&mut self, cloud: Cloud<'a>) {
@@ -197,14 +197,14 @@ impl<'a> Plan<'a> {
     }
 
     fn add_solid(&mut self, solid: Solid<'a>) {
-        let count = solid.shape.parts();
+        let count = solid.shape.primitive_count();
         let index = self.solids.len();
         self.solids.push(solid);
         let mut begin = 0;
         while begin < count {
             let room = TRIANGLES_PER_JOB.saturating_sub(self.open_triangles).max(1);
             let end = count.min(begin + room);
-            self.pieces.push(Piece { solid: index, parts: begin..end });
+            self.pieces.push(Piece { solid: index, range: begin..end });
             self.open_triangles += end - begin;
             if self.open_triangles >= TRIANGLES_PER_JOB {
                 self.close();

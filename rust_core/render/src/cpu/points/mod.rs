@@ -1,0 +1,143 @@
+//! Point clouds, drawn in three steps: choosing, placing, painting.
+//!
+//! ```text
+//! choosing   choose    which points of a cloud may be seen, and the bands that they touch; the points of a band,
+//!                      gathered in blocks; whether Ogre culls the whole cloud
+//! placing    faces     what one point's face is: its corners in clip coordinates, as triangles
+//!            place     the faces of a block on the picture, as quadrangles of a few pixels
+//!            sprites   the round points of a block on the picture (and their painting, which is one colour)
+//! painting   paint     the pixels of a block's quadrangles, with the colours of `shading`
+//!            (triangles, in the folder above, paints faces that are too large for that)
+//! ```
+//!
+//! **Choosing** is done twice. Before drawing, a pass over all points drops those that are surely outside of the view
+//! and finds the rows that each of the others can touch, with a margin; the bands of these rows note the point's index.
+//! So a cloud costs little more than 4 bytes a point, however it is drawn. When a band is drawn, its points are gathered
+//! by their indices in blocks of [`BLOCK`], without those that are too faint.
+//!
+//! **Placing** projects a block's points and sets up what is linear in the window, several points at once; for that a
+//! block keeps its coordinates apart (all x, all y, …). **Painting** goes over the pixels of one face after another,
+//! several pixels at once. Faces that are large, cut by the near plane or turned to a line go as two triangles through
+//! [`triangles`](super::triangles) instead; the pixels are the same.
+
+mod choose;
+mod faces;
+mod paint;
+mod place;
+mod sprites;
+#[cfg(test)]
+mod tests;
+
+use fearless_simd::{dispatch, Simd};
+use nalgebra::Matrix4;
+use rcs_scene::{Camera, PointStyle, Points};
+
+use self::choose::PointBlock;
+use self::faces::Faces;
+use self::paint::{BOX_SIDE, DISC, EDGED, PLAIN};
+use self::place::FaceBlock;
+use super::band::{unorm8, Band};
+use super::screen::{ObjectTransform, Screen};
+use super::surface::Surface;
+use crate::shading::MAX_REJECTED_ALPHA;
+
+/// Points of a block.
+const BLOCK: usize = 32;
+
+/// A cloud and all that is the same for its points.
+#[derive(Clone, Debug)]
+pub(super) struct Cloud<'a> {
+    /// The scene's cloud.
+    pub points: &'a Points,
+    transform: ObjectTransform,
+    faces: Faces<'a>,
+    surface: Surface,
+    camera: &'a Camera,
+    fixed_from_object: &'a Matrix4<f64>,
+    /// Ogre would not draw it.
+    pub is_culled: bool,
+    /// For each opacity of a colour that which is drawn; none where that is too faint.
+    opacities: [Option<u8>; 256],
+}
+
+impl<'a> Cloud<'a> {
+    /// A cloud at a pose, seen by a camera.
+    pub(super) fn new(
+        points: &'a Points,
+        transform: ObjectTransform,
+        camera: &'a Camera,
+        fixed_from_object: &'a Matrix4<f64>,
+    ) -> Self {
+        let faces = Faces::of(points, camera.eye_in_object(fixed_from_object));
+        let is_box = matches!(points.style, PointStyle::Boxes { .. });
+        let opacities = std::array::from_fn(|level| {
+            let alpha = level as f32 / 255.0 * points.alpha;
+            (is_box || is_visible(alpha)).then(|| unorm8(alpha))
+        });
+        let surface = faces.surface();
+        Self { points, transform, faces, surface, camera, fixed_from_object, is_culled: false, opacities }
+    }
+}
+
+/// Whether something of this opacity is drawn at all; boxes are, whatever theirs is.
+#[inline]
+fn is_visible(alpha: f32) -> bool {
+    alpha > MAX_REJECTED_ALPHA
+}
+
+/// Draws a band's rows of a cloud, given the indices of the points that touch the band.
+pub(super) fn draw(
+    cloud: &Cloud<'_>,
+    indices: &[u32],
+    screen: &Screen,
+    scratch: &mut PointScratch,
+    band: &mut Band<'_>,
+) {
+    if cloud.is_culled || indices.is_empty() {
+        return;
+    }
+    dispatch!(screen.simd_level, simd => draw_by_lanes(simd, cloud, indices, screen, scratch, band));
+}
+
+#[inline(always)]
+fn draw_by_lanes<S: Simd>(
+    simd: S,
+    cloud: &Cloud<'_>,
+    indices: &[u32],
+    screen: &Screen,
+    scratch: &mut PointScratch,
+    band: &mut Band<'_>,
+) {
+    match cloud.points.style {
+        PointStyle::Points { .. } => sprites::draw(simd, cloud, indices, screen, &mut scratch.points, band),
+        PointStyle::FlatSquares { .. } => {
+            paint::draw::<S, { PLAIN }>(simd, cloud, indices, screen, scratch, band);
+        }
+        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
+            paint::draw::<S, { EDGED }>(simd, cloud, indices, screen, scratch, band);
+        }
+        PointStyle::Spheres { .. } => paint::draw::<S, { DISC }>(simd, cloud, indices, screen, scratch, band),
+        // Boxes that a negative size turns inside out show other sides.
+        PointStyle::Boxes { size_m } if !size_m.iter().all(|side_m| *side_m >= 0.0) => {
+            paint::draw_exactly(cloud, indices, screen, band);
+        }
+        PointStyle::Boxes { .. } => {
+            paint::draw::<S, { BOX_SIDE }>(simd, cloud, indices, screen, scratch, band);
+        }
+    }
+}
+
+/// The memory in which a worker draws points.
+#[derive(Debug)]
+pub(super) struct PointScratch {
+    /// A block's points.
+    points: PointBlock,
+    /// Their faces.
+    faces: Vec<FaceBlock>,
+}
+
+impl Default for PointScratch {
+    fn default() -> Self {
+        Self { points: PointBlock::default(), faces: FaceBlock::of_boxes() }
+    }
+}

@@ -1,0 +1,91 @@
+//! The picture of a cloud does not depend on the processor's instruction set.
+
+use std::sync::Arc;
+
+use fearless_simd::Level;
+use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
+use rcs_scene::{
+    Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Picture, PointBuffer, PointColors, PointStyle,
+    Points, RenderGroup, Scene,
+};
+
+use crate::{CpuRenderer, Renderer, View};
+
+/// Scattered points of many sizes on the picture; some are behind the eye, at the near plane or off the picture.
+fn scattered() -> PointBuffer {
+    let mut state = 1_u32;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32
+    };
+    let mut position = || {
+        let z = -0.1 + 3.0 * next();
+        [(next() - 0.5) * 2.0 * z, (next() - 0.5) * 2.0 * z, z]
+    };
+    let positions: Vec<[f32; 3]> = (0..3000).map(|_| position()).collect();
+    let colors = (0..3000_u32).map(|i| (i.wrapping_mul(0x9e37_79b9) | 0x8000_0000).to_le_bytes()).collect();
+    PointBuffer { positions, colors: PointColors::PerPoint(colors) }
+}
+
+fn levels() -> Vec<Level> {
+    let best = Level::new();
+    #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut, reason = "there is only one"))]
+    let mut levels = vec![best];
+    #[cfg(target_arch = "x86_64")]
+    {
+        use fearless_simd::Simd;
+        levels.extend(best.as_sse2().map(Simd::level));
+        levels.extend(best.as_sse4_2().map(Simd::level));
+        levels.extend(best.as_avx2().map(Simd::level));
+    }
+    levels
+}
+
+#[test]
+fn all_instruction_sets_draw_the_same_picture() {
+    let p = [300.0, 0.0, 160.0, 0.0, 0.0, 300.0, 120.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let pose = Isometry3::new(Vector3::new(0.05, -0.05, 0.0), Vector3::new(0.1, 0.2, 0.3));
+    let camera = Camera::new(Intrinsics::from_p(320, 240, &p).unwrap(), &pose, 0.05);
+    let buffer = Arc::new(scattered());
+    let mut names = Vec::new();
+    for style in [
+        PointStyle::Points { diameter_px: 7.5 },
+        PointStyle::FlatSquares { side_m: 0.02 },
+        PointStyle::Squares { size_m: [0.03; 2] },
+        PointStyle::Spheres { size_m: [0.02, 0.04] },
+        PointStyle::Boxes { size_m: [0.01, 0.02, 0.03] },
+        PointStyle::Tiles { size_m: [0.03, 0.02], normal: [0.0, 0.6, -0.8], up: [0.0, 0.8, 0.6] },
+    ] {
+        for blended in [false, true] {
+            let points = Points { buffer: buffer.clone(), style, alpha: 0.7, blended, auto_size: false };
+            let drawable = Drawable {
+                display: 0,
+                fixed_from_object: Matrix4::identity(),
+                sort_point: Point3::origin(),
+                group: RenderGroup::Main,
+                geometry: Geometry::Points(points),
+            };
+            let scene = Scene { drawables: vec![drawable], light: None };
+            let visible = DisplayMask::all();
+            let (background, encoding) = ([9, 9, 9], Encoding::Rgba8);
+            let view = View { scene: &scene, camera: &camera, visible: &visible, background, encoding };
+            let pictures: Vec<(Level, Picture)> = levels()
+                .into_iter()
+                .map(|level| {
+                    let mut renderer = CpuRenderer { simd_level: Some(level), ..CpuRenderer::with_threads(1) };
+                    let mut picture = Picture::default();
+                    renderer.render(&view, &mut picture).unwrap();
+                    (level, picture)
+                })
+                .collect();
+            let (_, first) = &pictures[0];
+            assert!(first.data.chunks(4).any(|pixel| pixel[0] != 9));
+            for (level, picture) in &pictures {
+                let different = picture.data.iter().zip(&first.data).filter(|(a, b)| a != b).count();
+                assert_eq!(different, 0, "{style:?}, blended: {blended}, {level:?}");
+            }
+            names = pictures.iter().map(|(level, _)| format!("{level:?}")).collect();
+        }
+    }
+    println!("{names:?}");
+}
