@@ -2,6 +2,7 @@
 
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::path::Path;
@@ -120,9 +121,9 @@ fn without_a_master_or_a_config_it_exits_with_2_at_once_and_a_signal_ends_the_li
 #[test]
 fn a_display_that_is_hidden_or_out_of_view_is_in_the_table() {
     let master = RosMaster::start().unwrap();
-    let puppet = Puppet::start(&master, &[]).unwrap();
-    puppet.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
-    puppet.run("latch('/cloud', cloud(0xff0000))").unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    python.run("latch('/cloud', cloud(0xff0000))").unwrap();
     let axes = "{Class: rviz/Axes, Name: axes, Enabled: true}";
     // The camera looks along z from the frame's origin.
     let behind = "{Class: rviz/Grid, Name: behind, Enabled: true, Offset: {X: 0, Y: 0, Z: -5}, Reference Frame: eye}";

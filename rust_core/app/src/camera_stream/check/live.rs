@@ -8,7 +8,7 @@ use rcs_displays::Level;
 use rcs_messages::stamp_nanos;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::{NodeError, RosNode};
-use rcs_rviz_config::{Config, Finding};
+use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
 use crate::camera_stream::camera_pose::Projection;
@@ -90,7 +90,7 @@ fn check(
         writeln!(out, "{}: {finding}", config.source)?;
     }
     let is_ok = entries.iter().all(|entry| entry.level() == Level::Ok);
-    Ok(is_ok && !config.findings.iter().any(Finding::is_not_understood))
+    Ok(is_ok && config.findings.is_empty())
 }
 
 fn ros_time(ros: &RosNode) -> Time {

@@ -9,7 +9,7 @@ mod topic;
 
 use std::sync::Arc;
 
-use rcs_files::png::PngError;
+use rcs_files::picture_file::PngError;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
 use rcs_ros::image_topic::PublishError;

@@ -164,7 +164,9 @@ impl Clouds {
         let coloring = color::Coloring::new(settings, transformer, &placed.fixed_from_cloud);
         let (buffer, nowhere_count) = points::read(&placed.cloud, layout, &coloring, self.nowhere, pool);
         let style = match settings.style {
-            PointStyle::Points { diameter_px } => PointStyle::Points { diameter_px: diameter_px.min(MAX_POINT_SIZE_PX) },
+            PointStyle::Points { diameter_px } => {
+                PointStyle::Points { diameter_px: diameter_px.min(MAX_POINT_SIZE_PX) }
+            }
             style => style,
         };
         let blended = settings.alpha < Material::OPAQUE_FROM_ALPHA || layout.has_point_alpha();

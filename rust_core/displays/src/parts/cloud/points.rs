@@ -220,8 +220,7 @@ mod tests {
         let turned = Isometry3::rotation(nalgebra::Vector3::new(0.0, std::f64::consts::PI, 0.0));
         for (fixed_from_cloud, low, high) in [(Isometry3::identity(), 3, 2), (turned, 2, 3)] {
             let coloring = Coloring::new(&settings, ColorTransformer::AxisColor, &fixed_from_cloud);
-            let (buffer, nowhere_count) =
-                read(&cloud, &layout, &coloring, Nowhere::FarAway, &mut CloudPool::default());
+            let (buffer, nowhere_count) = read(&cloud, &layout, &coloring, Nowhere::FarAway, &mut CloudPool::default());
             assert_eq!((buffer.positions[0], nowhere_count), ([999_999.0; 3], 1));
             // The bounds are those of the three others: magenta at the top, red at the bottom.
             assert_eq!((buffer.colors.get(low), buffer.colors.get(high)), ([255, 0, 0, 255], [255, 0, 255, 255]));
