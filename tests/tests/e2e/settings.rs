@@ -104,7 +104,7 @@ fn a_reload_changes_what_differs_and_nothing_else() {
     let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Reference Frame: elsewhere}";
     stand.rewrite(&config(&[grid, CLOUD], &[blue()]));
     let answer = stand.puppet(RELOAD);
-    assert!(answer.starts_with("(True, ") && answer.contains("1 displays stay, 1 are made, 0 are gone"), "{answer}");
+    assert!(answer.starts_with("(True, ") && answer.contains("1 displays kept, 1 added, 0 removed"), "{answer}");
     stand.wait_for(format!("corner() == {BLUE}"));
     stand.puppet("eye.forget()");
     stand.wait_for(format!("eye.middle() == {RED}"));
