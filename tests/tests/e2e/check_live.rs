@@ -2,7 +2,6 @@
 
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
-use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::path::Path;

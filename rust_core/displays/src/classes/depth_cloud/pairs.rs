@@ -225,7 +225,7 @@ mod tests {
         let mut all = Vec::new();
         for (i, (topic, secs)) in images.iter().enumerate() {
             let mut image = Image::default();
-            image.step = (secs * 1000.0) as u32;
+            image.step = (secs * 1000.0).round() as u32;
             let mut out = Vec::new();
             pairs.add(*topic, *secs, Arc::new(image), &mut out);
             all.extend(out.iter().map(|[d, c]| (i, f64::from(d.step) / 1000.0, f64::from(c.step) / 1000.0)));
