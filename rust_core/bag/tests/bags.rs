@@ -1,5 +1,7 @@
 //! Bags written here, whole and damaged in every way.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use proptest::prelude::*;
 use rcs_bag::*;
 use rcs_messages::rosgraph_msgs::Clock;

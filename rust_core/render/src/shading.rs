@@ -221,6 +221,7 @@ pub(crate) const MIN_POINT_SIZE_PX: f32 = 1.0;
 ///
 /// rviz hands its size to `gl_PointSize`, which OpenGL brings into the range that the driver has: a point below one
 /// pixel is drawn as one of one pixel, and so is a size of zero, a negative one, and NaN.
+#[expect(clippy::manual_clamp, reason = "clamp keeps NaN, which is no size")]
 pub(crate) fn drawn_point_size_px(size_px: f32) -> f32 {
     size_px.max(MIN_POINT_SIZE_PX).min(MAX_POINT_SIZE_PX)
 }

@@ -107,7 +107,7 @@ fn every_property_stands_in_the_documentation_with_its_default() {
             match documented.remove(&property.key) {
                 Some(default) if default == property.default => {}
                 Some(default) => {
-                    wrong.push(format!("{class}: {} is {:?}, not {default:?}", property.key, property.default))
+                    wrong.push(format!("{class}: {} is {:?}, not {default:?}", property.key, property.default));
                 }
                 None => wrong.push(format!("{class}: {} ({:?}) has no row", property.key, property.default)),
             }

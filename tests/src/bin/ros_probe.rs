@@ -97,7 +97,7 @@ fn print_event(node: &RosNode, event: NodeEvent) {
             reply.send(true, format!("received by {}", node.name()));
         }
         NodeEvent::Parameter { name, text } => {
-            print_line(&format!("parameter {name} {}", text.as_deref().unwrap_or("-")))
+            print_line(&format!("parameter {name} {}", text.as_deref().unwrap_or("-")));
         }
         NodeEvent::Reconfigure { server, request, reply } => {
             print_line(&format!("reconfigure {server} {} values", request.bools.len()));

@@ -81,7 +81,12 @@ impl Outputs {
 impl Output for Outputs {
     /// Hands the frame to each output, also after one that failed. Returns the first error.
     fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
-        self.each().fold(Ok(()), |done, output| done.and(output.send(frame)))
+        let mut result = Ok(());
+        for output in self.each() {
+            let sent = output.send(frame);
+            result = result.and(sent);
+        }
+        result
     }
 
     fn is_watched(&self) -> bool {
@@ -89,6 +94,11 @@ impl Output for Outputs {
     }
 
     fn take_new_watcher(&mut self) -> bool {
-        self.each().fold(false, |is_new, output| output.take_new_watcher() || is_new)
+        let mut is_new = false;
+        // Each is asked, for each forgets when it is.
+        for output in self.each() {
+            is_new |= output.take_new_watcher();
+        }
+        is_new
     }
 }
