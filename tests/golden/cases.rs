@@ -1,7 +1,7 @@
 //! The conformance cases: a folder each, with what is to be drawn and, in `case.yaml`, what it shows.
 //!
 //! `tests/conformance/README.md` describes the files and fields. A field that is not known is an error, so that a
-//! misspelt tolerance is not silently the default.
+//! misspelt one is not silently without effect.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -25,9 +25,9 @@ pub(crate) struct Case {
     pub(crate) params: Vec<String>,
 }
 
-/// The lowest *close* score of a case whose `case.yaml` has no `min_close`: single pixels of rasterisation may lie
-/// farther than one away.
-pub(crate) const DEFAULT_MIN_CLOSE: f64 = 0.98;
+/// A case whose lowest *close* score is below this needs a reason. Single pixels of rasterisation may lie farther than one
+/// away.
+const USUAL_MIN_CLOSE: f64 = 0.98;
 
 /// The fields that describe how rviz's picture was recorded. They are not needed to draw it.
 const RECORDING: [&str; 10] =
@@ -84,20 +84,14 @@ fn read(file: &Path) -> anyhow::Result<Case> {
 /// The case that the text of a `case.yaml` describes.
 ///
 /// # Errors
-/// When it is no map of plain values, a field is not known, or a tolerance is without its reason.
+/// When it is no map of plain values, a field is not known, the tolerance is missing, or a low one is without its reason.
 pub(crate) fn parse(name: &str, folder: &Path, text: &str) -> anyhow::Result<Case> {
     let mut fields = fields(text)?;
-    let min_close = match (fields.remove("min_close"), fields.remove("why")) {
-        (None, None) => DEFAULT_MIN_CLOSE,
-        (None, Some(_)) => bail!("`why` without `min_close`"),
-        (Some(_), None) => bail!("`min_close` without `why`"),
-        (Some(min_close), Some(why)) => {
-            ensure!(!why.trim().is_empty(), "`why` is empty");
-            let min_close = min_close.parse().with_context(|| format!("min_close: {min_close}"))?;
-            ensure!((0.0..=1.0).contains(&min_close), "min_close: {min_close} is not within 0 and 1");
-            min_close
-        }
-    };
+    let min_close = fields.remove("min_close").context("there is no `min_close`")?;
+    let min_close: f64 = min_close.parse().with_context(|| format!("min_close: {min_close}"))?;
+    ensure!((0.0..=1.0).contains(&min_close), "min_close: {min_close} is not within 0 and 1");
+    let has_reason = fields.remove("why").is_some_and(|why| !why.trim().is_empty());
+    ensure!(has_reason || min_close >= USUAL_MIN_CLOSE, "min_close: {min_close} without a reason in `why`");
     let (about, camera) = (fields.remove("about").unwrap_or_default(), fields.remove("camera"));
     let mut params = Vec::new();
     for (field, value) in fields {

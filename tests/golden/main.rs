@@ -97,12 +97,13 @@ fn check_parsing() -> Result<(), Failed> {
     let is_error = |text: &str, word: &str| parse(text).is_err_and(|error| error.to_string().contains(word));
     let min_close = |text: &str| parse(text).ok().map(|case| case.min_close);
     let expectations = [
-        ("default", min_close("about: a\nparams: {}\n") == Some(cases::DEFAULT_MIN_CLOSE)),
+        ("usual", min_close("about: a\nmin_close: 0.98\n") == Some(0.98)),
+        ("missing", is_error("about: a\nparams: {}\n", "min_close")),
         ("given", min_close("about: a\nmin_close: 0.9\nwhy: glyphs\n") == Some(0.9)),
         ("no reason", is_error("about: a\nmin_close: 0.9\n", "why")),
         ("no tolerance", is_error("about: a\nwhy: glyphs\n", "min_close")),
         ("not a share", is_error("about: a\nmin_close: 98\nwhy: percent\n", "98")),
-        ("misspelt", is_error("about: a\nmin_closs: 0.9\n", "min_closs")),
+        ("misspelt", is_error("about: a\nmin_close: 0.98\nmin_closs: 0.9\n", "min_closs")),
         ("twice", is_error("about: a\nabout: b\n", "about")),
         ("list", is_error("about: [a]\n", "line 1")),
     ];

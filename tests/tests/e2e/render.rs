@@ -32,7 +32,7 @@ impl Render {
         let output = self.run(arguments);
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{arguments}: {said}");
-        assert_eq!((&*said, &*output.stdout), ("", &b""[..]), "{arguments}: nothing is said on a pipe");
+        assert_eq!((&*said, &*output.stdout), ("", &b""[..]), "{arguments}: nothing is printed on a pipe");
     }
 
     /// Runs it to a failure and returns the only line of its error output that is not a warning.
@@ -196,6 +196,6 @@ fn packages_of_meshes_are_found_in_the_package_path_of_the_command_line() {
     render.good(&format!("{} -o with.png --package-path {}", case_arguments(&case), assets.display()));
     let output = render.run(&format!("{} -o without.png", case_arguments(&case)));
     let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && said.contains("package://"), "a mesh that is missing is told: {said}");
+    assert!(output.status.success() && said.contains("package://"), "a missing mesh is reported: {said}");
     assert!(fs::read(render.path("with.png")).unwrap() != fs::read(render.path("without.png")).unwrap());
 }

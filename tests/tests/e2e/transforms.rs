@@ -64,7 +64,7 @@ fn invalid_rotations_are_refused_and_logged_with_their_publisher_and_frame() {
     }
     fixture.python("send('/tf', tf('map', 'table2'))");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
-    assert_eq!(fixture.log_lines(&["WARN", "/python_node"]), 3, "each is said once: {}", fixture.log());
+    assert_eq!(fixture.log_lines(&["WARN", "/python_node"]), 3, "each is logged once: {}", fixture.log());
 }
 
 #[test]

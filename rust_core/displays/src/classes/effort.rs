@@ -18,12 +18,13 @@ use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
 use crate::parts::cloud::rainbow;
-use crate::parts::robot_description::{link_frame, RobotDescription, Words};
+use crate::parts::robot_description::{link_frame, RobotDescription, StatusTexts};
 use crate::parts::solids::{arrow, arrow_pose, drawable, ArrowSize};
 use crate::parts::urdf::JointKind;
 use crate::{Level, StatusText, Statuses, World};
 
-const WORDS: Words = Words { good: "Robot model parsed Ok", bad: "Unable to parse robot model description!" };
+const STATUS_TEXTS: StatusTexts =
+    StatusTexts { good: "Robot model parsed Ok", bad: "Unable to parse robot model description!" };
 /// A circle has so many of 32 points, so that a gap shows where it begins.
 const CIRCLE_POINTS: u32 = 30;
 /// What a circle's radius and its value begin with.
@@ -175,7 +176,7 @@ impl Display for EffortDisplay {
     }
 
     fn take_parameter(&mut self, _name: &str, text: Option<&Arc<str>>, _world: &World<'_>) {
-        let Some(robot) = self.description.take(text, &WORDS, &mut self.statuses) else { return };
+        let Some(robot) = self.description.take(text, &STATUS_TEXTS, &mut self.statuses) else { return };
         let revolute = robot.joints.into_iter().filter(|(_, joint)| joint.kind == JointKind::Revolute);
         let shown = revolute.map(|(name, joint)| {
             let shown = ShownJoint {

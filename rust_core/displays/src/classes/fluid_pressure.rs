@@ -7,7 +7,7 @@ use rcs_rviz_config::CloudSettings;
 use rcs_scene::DisplayId;
 
 use crate::framework::display::Display;
-use crate::parts::cloud::{CloudDisplay, CloudSource, Nowhere, PlacedCloud};
+use crate::parts::cloud::{CloudDisplay, CloudSource, NonFinite, PlacedCloud};
 use crate::parts::single_value::cloud_of_one;
 use crate::World;
 
@@ -22,7 +22,7 @@ pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Di
 
 impl CloudSource for FluidPressureSource {
     type Message = FluidPressure;
-    const NOWHERE: Nowhere = Nowhere::FarAway;
+    const NON_FINITE: NonFinite = NonFinite::FarAway;
 
     fn place(message: &Arc<FluidPressure>, world: &World<'_>) -> Result<PlacedCloud, String> {
         let cloud = cloud_of_one(&message.header, "fluid_pressure", message.fluid_pressure);

@@ -19,7 +19,7 @@ use rcs_transforms::{interpolate, Time};
 
 use crate::framework::display::Display;
 use crate::framework::world::stamp;
-use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, Nowhere, PlacedCloud};
+use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
 use crate::World;
 
 /// `sensor_msgs/LaserScan` as a cloud in the fixed frame.
@@ -33,7 +33,7 @@ pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Di
 
 impl CloudSource for LaserScanSource {
     type Message = LaserScan;
-    const NOWHERE: Nowhere = Nowhere::FarAway;
+    const NON_FINITE: NonFinite = NonFinite::FarAway;
 
     /// The time of the last ray. A scan whose rays have no time does not wait: it is refused when it is placed.
     fn end(scan: &LaserScan) -> Time {

@@ -11,7 +11,7 @@ use rcs_rviz_config::CloudSettings;
 use rcs_scene::DisplayId;
 
 use crate::framework::display::Display;
-use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, Nowhere, PlacedCloud};
+use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
 use crate::World;
 
 /// `sensor_msgs/PointCloud` as `sensor_msgs/PointCloud2`.
@@ -25,7 +25,7 @@ pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Di
 
 impl CloudSource for PointCloudSource {
     type Message = PointCloud;
-    const NOWHERE: Nowhere = Nowhere::FarAway;
+    const NON_FINITE: NonFinite = NonFinite::FarAway;
 
     fn place(cloud: &Arc<PointCloud>, world: &World<'_>) -> Result<PlacedCloud, String> {
         PlacedCloud::at_stamp(Arc::new(converted(cloud)), world)

@@ -7,7 +7,7 @@ use rcs_rviz_config::CloudSettings;
 use rcs_scene::DisplayId;
 
 use crate::framework::display::Display;
-use crate::parts::cloud::{CloudDisplay, CloudSource, Nowhere, PlacedCloud};
+use crate::parts::cloud::{CloudDisplay, CloudSource, NonFinite, PlacedCloud};
 use crate::World;
 
 /// `sensor_msgs/PointCloud2` as it is.
@@ -21,7 +21,7 @@ pub(crate) fn create(display: DisplayId, settings: &CloudSettings) -> Box<dyn Di
 
 impl CloudSource for PointCloud2Source {
     type Message = PointCloud2;
-    const NOWHERE: Nowhere = Nowhere::LeftOut;
+    const NON_FINITE: NonFinite = NonFinite::LeftOut;
 
     fn place(cloud: &Arc<PointCloud2>, world: &World<'_>) -> Result<PlacedCloud, String> {
         PlacedCloud::at_stamp(cloud.clone(), world)

@@ -12,7 +12,7 @@ use crate::{Level, Statuses};
 pub(crate) const STATUS: &str = "URDF";
 
 /// Texts of the status that differ between two of rviz's displays.
-pub(crate) struct Words {
+pub(crate) struct StatusTexts {
     /// A description was read.
     pub(crate) good: &'static str,
     /// A description cannot be read.
@@ -41,7 +41,12 @@ impl RobotDescription {
 
     /// The robot of a parameter's text; `None` where it is not set, which the status then reports, or where it was
     /// read before.
-    pub(crate) fn take(&mut self, text: Option<&Arc<str>>, words: &Words, statuses: &mut Statuses) -> Option<Robot> {
+    pub(crate) fn take(
+        &mut self,
+        text: Option<&Arc<str>>,
+        words: &StatusTexts,
+        statuses: &mut Statuses,
+    ) -> Option<Robot> {
         if self.is_read {
             return None;
         }
@@ -99,7 +104,7 @@ pub(crate) fn link_frame(tf_prefix: &str, link: &str) -> String {
 mod tests {
     use super::*;
 
-    const WORDS: Words = Words { good: "fine", bad: "not good" };
+    const STATUS_TEXTS: StatusTexts = StatusTexts { good: "fine", bad: "not good" };
 
     fn status(statuses: &Statuses) -> (Level, String) {
         let status = statuses.iter().find(|(name, _)| *name == STATUS).unwrap().1;
@@ -112,13 +117,13 @@ mod tests {
         let mut description = RobotDescription::new("robot_description", &mut statuses);
         assert_eq!(description.parameters(), ["robot_description"]);
         assert_eq!(statuses, Statuses::default());
-        assert!(description.take(None, &WORDS, &mut statuses).is_none());
+        assert!(description.take(None, &STATUS_TEXTS, &mut statuses).is_none());
         let missing = "Parameter [robot_description] does not exist, and was not found by searchParam()";
         assert_eq!(status(&statuses), (Level::Error, missing.to_owned()));
         let text: Arc<str> = "<robot name='r'><link name='a'/></robot>".into();
-        assert!(description.take(Some(&text), &WORDS, &mut statuses).is_some());
+        assert!(description.take(Some(&text), &STATUS_TEXTS, &mut statuses).is_some());
         assert_eq!(status(&statuses), (Level::Ok, "fine".to_owned()));
-        assert!(description.take(Some(&text), &WORDS, &mut statuses).is_none());
+        assert!(description.take(Some(&text), &STATUS_TEXTS, &mut statuses).is_none());
     }
 
     #[test]
@@ -126,7 +131,7 @@ mod tests {
         let take = |text: &str| {
             let mut statuses = Statuses::default();
             let mut description = RobotDescription::new("d", &mut statuses);
-            assert!(description.take(Some(&text.into()), &WORDS, &mut statuses).is_none());
+            assert!(description.take(Some(&text.into()), &STATUS_TEXTS, &mut statuses).is_none());
             status(&statuses).1
         };
         assert_eq!(take(""), "URDF is empty");

@@ -23,7 +23,7 @@ use rcs_transforms::{Time, WaitingQueue};
 use crate::framework::display::{Display, TopicRequest};
 use crate::framework::frame;
 use crate::framework::world::stamp;
-use crate::parts::cloud::{Clouds, Decoded, Nowhere, PlacedCloud};
+use crate::parts::cloud::{Clouds, Decoded, NonFinite, PlacedCloud};
 use crate::{Level, Statuses, World};
 use pairs::{Pairs, COLOR, DEPTH};
 use projection::{Occlusion, Shadows};
@@ -111,7 +111,7 @@ impl DepthCloudDisplay {
             received: 0,
             shadows: Shadows::default(),
             shadows_seen_from: None,
-            clouds: Clouds::new(display, settings.cloud.clone(), Nowhere::FarAway),
+            clouds: Clouds::new(display, settings.cloud.clone(), NonFinite::FarAway),
             settings,
             statuses,
         }

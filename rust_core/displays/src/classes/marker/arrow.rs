@@ -34,7 +34,7 @@ impl Default for Arrow {
 
 impl Arrow {
     /// Shaft and head.
-    pub(super) fn parts(&mut self, marker: &Marker) -> Vec<Primitive> {
+    pub(super) fn primitives(&mut self, marker: &Marker) -> Vec<Primitive> {
         let (direction, size) = match marker.points.as_slice() {
             [start, end] => {
                 let [start, end] = [start, end].map(|point| Vector3::from(position(point)).cast::<f64>());

@@ -32,6 +32,6 @@ impl ControlMarker {
             pose.rotation_xyzw = [0.0, 0.0, 0.0, 1.0];
         }
         let Some(frame_from_marker) = isometry(&pose) else { return Ok(None) };
-        Ok(Some(Self { frame_from_marker, parts: kind.parts(marker, meshes)? }))
+        Ok(Some(Self { frame_from_marker, parts: kind.primitives(marker, meshes)? }))
     }
 }

@@ -45,16 +45,16 @@ impl Kind {
     ///
     /// # Errors
     /// Why it shows nothing.
-    pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, String> {
+    pub(super) fn primitives(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, String> {
         Ok(match self {
-            Self::Arrow(arrow) => arrow.parts(marker),
-            Self::Shape(shape) => shape::parts(marker, *shape),
+            Self::Arrow(arrow) => arrow.primitives(marker),
+            Self::Shape(shape) => shape::primitives(marker, *shape),
             Self::LineStrip => lines::strip(marker),
             Self::LineList => lines::list(marker),
-            Self::Points => point_lists::parts(marker),
-            Self::Text => text::parts(marker),
-            Self::Mesh(mesh) => mesh.parts(marker, meshes)?,
-            Self::Triangles(triangles) => triangles.parts(marker),
+            Self::Points => point_lists::primitives(marker),
+            Self::Text => text::primitives(marker),
+            Self::Mesh(mesh) => mesh.primitives(marker, meshes)?,
+            Self::Triangles(triangles) => triangles.primitives(marker),
         })
     }
 

@@ -26,7 +26,7 @@ pub(super) fn strip(marker: &Marker) -> Vec<Primitive> {
         let left_out = marker.points.len() - elements.len();
         log::warn!("marker {}/{}: {left_out} points or colors are not finite", marker.ns, marker.id);
     }
-    elements.chunks(MAX_ELEMENTS).map(|chain| part(marker, vec![chain.to_vec()])).collect()
+    elements.chunks(MAX_ELEMENTS).map(|chain| primitive(marker, vec![chain.to_vec()])).collect()
 }
 
 /// One line from each point to the next, then from the third to the fourth and so on.
@@ -34,7 +34,10 @@ pub(super) fn list(marker: &Marker) -> Vec<Primitive> {
     let elements: Vec<RibbonElement> = elements(marker).collect();
     let finite = |line: &&[RibbonElement]| line.iter().flat_map(|e| e.position).all(f32::is_finite);
     let lines: Vec<&[RibbonElement]> = elements.chunks_exact(2).filter(finite).collect();
-    lines.chunks(MAX_ELEMENTS / 2).map(|lines| part(marker, lines.iter().map(|line| line.to_vec()).collect())).collect()
+    lines
+        .chunks(MAX_ELEMENTS / 2)
+        .map(|lines| primitive(marker, lines.iter().map(|line| line.to_vec()).collect()))
+        .collect()
 }
 
 fn elements(marker: &Marker) -> impl Iterator<Item = RibbonElement> + '_ {
@@ -45,7 +48,7 @@ fn elements(marker: &Marker) -> impl Iterator<Item = RibbonElement> + '_ {
     })
 }
 
-fn part(marker: &Marker, chains: Vec<Vec<RibbonElement>>) -> Primitive {
+fn primitive(marker: &Marker, chains: Vec<Vec<RibbonElement>>) -> Primitive {
     let is_translucent = marker.color.a < Material::OPAQUE_FROM_ALPHA;
     let blending = if is_translucent { Blending::Alpha } else { Blending::Replace };
     let positions: Vec<[f32; 3]> = chains.iter().flatten().map(|element| element.position).collect();

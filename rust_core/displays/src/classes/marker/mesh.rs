@@ -39,7 +39,7 @@ impl MeshMarker {
     ///
     /// # Errors
     /// Why the mesh cannot be shown, with its address.
-    pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, String> {
+    pub(super) fn primitives(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, String> {
         let (url, embedded, color) = (&marker.mesh_resource, marker.mesh_use_embedded_materials, rgba(&marker.color));
         let shown = match self.shown.take().filter(|shown| shown.url == *url && shown.embedded == embedded) {
             Some(shown) => {

@@ -46,7 +46,7 @@ use store::MarkerStore;
 /// A marker that arrived by itself or in an array.
 #[derive(Clone, Debug)]
 enum Arrived {
-    Alone(Arc<Marker>),
+    Single(Arc<Marker>),
     /// The array and the marker's index, which is below the array's length.
     InArray(Arc<MarkerArray>, usize),
 }
@@ -56,7 +56,7 @@ impl Deref for Arrived {
 
     fn deref(&self) -> &Marker {
         match self {
-            Self::Alone(marker) => marker,
+            Self::Single(marker) => marker,
             Self::InArray(array, index) => &array.markers[*index],
         }
     }
@@ -152,7 +152,7 @@ impl Display for MarkerDisplay {
         self.process_ready(world);
         self.statuses.set(Level::Ok, "Topic", "OK");
         match message {
-            AnyMessage::Marker(marker) => self.arrive(Arrived::Alone(marker.clone()), world),
+            AnyMessage::Marker(marker) => self.arrive(Arrived::Single(marker.clone()), world),
             AnyMessage::MarkerArray(array) => {
                 match checks::check_array(array).status() {
                     Some((level, text)) => self.statuses.set(level, "marker_array", text),

@@ -14,7 +14,7 @@ use super::primitive::Primitive;
 use crate::parts::cloud::max_points;
 
 /// The cloud, in pieces as rviz cuts it. Points that are not finite are left out.
-pub(super) fn parts(marker: &Marker) -> Vec<Primitive> {
+pub(super) fn primitives(marker: &Marker) -> Vec<Primitive> {
     let Some(style) = style(marker) else { return Vec::new() };
     let max_points = max_points(&style);
     let colors = point_colors(marker);

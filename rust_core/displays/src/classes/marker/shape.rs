@@ -11,7 +11,7 @@ use super::primitive::Primitive;
 use crate::Shape;
 
 /// The solid, stood up so that a cylinder's axis is z.
-pub(super) fn parts(marker: &Marker, shape: Shape) -> Vec<Primitive> {
+pub(super) fn primitives(marker: &Marker, shape: Shape) -> Vec<Primitive> {
     #[rustfmt::skip]
     let upright = Matrix3::new(
         1.0, 0.0, 0.0,

@@ -118,7 +118,7 @@ impl MarkerStore {
             }
         };
         let Some(mut kind) = kind else { return };
-        let parts = kind.parts(marker, world.meshes).unwrap_or_else(|problem| {
+        let parts = kind.primitives(marker, world.meshes).unwrap_or_else(|problem| {
             set_error(&id, problem, statuses);
             Vec::new()
         });

@@ -10,7 +10,7 @@ use super::message_fields::rgba;
 use super::primitive::Primitive;
 
 /// The text, centred both ways.
-pub(super) fn parts(marker: &Marker) -> Vec<Primitive> {
+pub(super) fn primitives(marker: &Marker) -> Vec<Primitive> {
     let alignment = (HorizontalAlignment::Center, VerticalAlignment::Center);
     let text = Text::new(&marker.text, marker.scale.z as f32, rgba(&marker.color), alignment);
     vec![Primitive::new(Matrix4::identity(), Geometry::Text(Arc::new(text)))]

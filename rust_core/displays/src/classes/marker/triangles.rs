@@ -28,17 +28,17 @@ pub(super) struct Triangles {
 
 impl Triangles {
     /// The triangles as rviz shows them.
-    pub(super) fn parts(&mut self, marker: &Marker) -> Vec<Primitive> {
+    pub(super) fn primitives(&mut self, marker: &Marker) -> Vec<Primitive> {
         if self.points != marker.points.len() {
             self.points = marker.points.len();
             self.colored = !marker.colors.is_empty();
         }
-        parts(marker, self.colored)
+        primitives(marker, self.colored)
     }
 }
 
 /// All triangles but those with a corner that is not finite.
-fn parts(marker: &Marker, colored: bool) -> Vec<Primitive> {
+fn primitives(marker: &Marker, colored: bool) -> Vec<Primitive> {
     let vertex_colors = point_colors(marker);
     let face_colors = (marker.colors.len() == marker.points.len() / 3).then_some(&marker.colors);
     let color = |face: usize, corner: usize| {

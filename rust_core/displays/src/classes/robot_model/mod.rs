@@ -16,7 +16,7 @@ use rcs_scene::{DisplayId, Drawable, Geometry, Material};
 use rcs_transforms::Time;
 
 use crate::framework::display::Display;
-use crate::parts::robot_description::{link_frame, RobotDescription, Words, STATUS};
+use crate::parts::robot_description::{link_frame, RobotDescription, StatusTexts, STATUS};
 use crate::parts::solids::{axes, axes_materials, drawable};
 use crate::parts::trail::Trail;
 use crate::parts::urdf::Robot;
@@ -24,7 +24,7 @@ use crate::{Level, StatusText, Statuses, World};
 
 use build::{Builder, LinkPieces, Piece};
 
-const WORDS: Words = Words { good: "URDF parsed OK", bad: "Failed to parse URDF model" };
+const STATUS_TEXTS: StatusTexts = StatusTexts { good: "URDF parsed OK", bad: "Failed to parse URDF model" };
 /// Shorter intervals are none.
 const SHORTEST_INTERVAL_SECS: f32 = 0.0001;
 /// rviz's length and diameter (which it calls radius) of a link's axes.
@@ -192,7 +192,7 @@ impl Display for RobotModelDisplay {
     }
 
     fn take_parameter(&mut self, _name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
-        if let Some(robot) = self.description.take(text, &WORDS, &mut self.statuses) {
+        if let Some(robot) = self.description.take(text, &STATUS_TEXTS, &mut self.statuses) {
             self.load(&robot, world);
         }
     }

@@ -7,7 +7,7 @@ use rcs_rviz_config::CloudSettings;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::Time;
 
-use super::{Clouds, Nowhere, PlacedCloud};
+use super::{Clouds, NonFinite, PlacedCloud};
 use crate::framework::display::{Display, TopicRequest};
 use crate::framework::waiting_messages::WaitingMessages;
 use crate::framework::world::stamp;
@@ -19,7 +19,7 @@ pub(crate) trait CloudSource {
     type Message: TypedMessage;
 
     /// What becomes of points without a finite position.
-    const NOWHERE: Nowhere;
+    const NON_FINITE: NonFinite;
 
     /// The time until which its frame must be known, from its stamp on.
     fn end(message: &Self::Message) -> Time {
@@ -46,7 +46,7 @@ impl<S: CloudSource> CloudDisplay<S> {
         Self {
             topic: TopicRequest::new(&settings.topic, S::Message::KIND, settings.queue_size),
             incoming: WaitingMessages::new(settings.queue_size),
-            clouds: Clouds::new(display, settings, S::NOWHERE),
+            clouds: Clouds::new(display, settings, S::NON_FINITE),
             statuses: Statuses::default(),
         }
     }

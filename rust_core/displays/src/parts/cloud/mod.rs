@@ -32,7 +32,7 @@ use fields::Layout;
 pub(crate) use color::rainbow;
 pub(crate) use display::{CloudDisplay, CloudSource};
 pub(crate) use pieces::max_points;
-pub(crate) use points::Nowhere;
+pub(crate) use points::NonFinite;
 
 /// A field of a cloud: its name, the bytes before it in a point, and its datatype (see [`PointField`]).
 pub(crate) type Field<'a> = (&'a str, u32, u8);
@@ -79,7 +79,7 @@ impl PlacedCloud {
 pub(crate) struct Clouds {
     display: DisplayId,
     settings: CloudSettings,
-    nowhere: Nowhere,
+    non_finite: NonFinite,
     /// Sizes are multiplied by each point's z.
     auto_size: bool,
     shown: VecDeque<Shown>,
@@ -103,11 +103,11 @@ struct Shown {
 }
 
 impl Clouds {
-    pub(crate) fn new(display: DisplayId, settings: CloudSettings, nowhere: Nowhere) -> Self {
+    pub(crate) fn new(display: DisplayId, settings: CloudSettings, non_finite: NonFinite) -> Self {
         Self {
             display,
             settings,
-            nowhere,
+            non_finite,
             auto_size: false,
             shown: VecDeque::new(),
             drawables: Vec::new(),
@@ -145,11 +145,11 @@ impl Clouds {
         }
         let transformer = layout.fitting_transformer(self.settings.color_transformer);
         self.settings.color_transformer = Some(transformer);
-        let (drawables, nowhere_count) = self.draw(&placed, &layout, transformer);
-        let shown_count = layout.point_count - nowhere_count;
-        let left_out = match nowhere_count {
+        let (drawables, non_finite_count) = self.draw(&placed, &layout, transformer);
+        let shown_count = layout.point_count - non_finite_count;
+        let left_out = match non_finite_count {
             0 => String::new(),
-            _ => format!(", {nowhere_count} without a finite position left out"),
+            _ => format!(", {non_finite_count} without a finite position left out"),
         };
         statuses.set(Level::Ok, "Points", format!("Showing {shown_count} points{left_out}"));
         statuses.remove("Message");
@@ -162,7 +162,7 @@ impl Clouds {
         let (settings, pool) = (&self.settings, &mut self.pool);
         pool.reclaim(layout.point_count);
         let coloring = color::Coloring::new(settings, transformer, &placed.fixed_from_cloud);
-        let (buffer, nowhere_count) = points::read(&placed.cloud, layout, &coloring, self.nowhere, pool);
+        let (buffer, non_finite_count) = points::read(&placed.cloud, layout, &coloring, self.non_finite, pool);
         let style = match settings.style {
             PointStyle::Points { diameter_px } => {
                 PointStyle::Points { diameter_px: diameter_px.min(MAX_POINT_SIZE_PX) }
@@ -191,7 +191,7 @@ impl Clouds {
                 }),
             }
         };
-        (buffers.into_iter().map(drawable).collect(), nowhere_count)
+        (buffers.into_iter().map(drawable).collect(), non_finite_count)
     }
 
     /// Shows new clouds, oldest first, and drops expired ones. Returns whether anything changed.

@@ -10,7 +10,7 @@ use super::fields::{bytes_at, Layout};
 
 /// What becomes of points whose position is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Nowhere {
+pub(crate) enum NonFinite {
     /// They are left out before anything else happens.
     LeftOut,
     /// They are coloured with the others, and then put where nobody sees them. They still count for the cloud's bounds.
@@ -128,7 +128,7 @@ pub(crate) fn read(
     cloud: &PointCloud2,
     layout: &Layout,
     coloring: &Coloring<'_>,
-    nowhere: Nowhere,
+    non_finite: NonFinite,
     pool: &mut CloudPool,
 ) -> (PointBuffer, usize) {
     let (data, point_step) = (cloud.data(), layout.point_step.max(1));
@@ -137,8 +137,8 @@ pub(crate) fn read(
     let somewhere_in =
         |points: &[u8]| points.chunks_exact(point_step).filter(|point| is_somewhere(&place.in_point(point))).count();
     data.par_chunks(SHARE * point_step).map(somewhere_in).collect_into_vec(&mut shown);
-    let nowhere_count = layout.point_count - shown.iter().sum::<usize>();
-    let is_all_shown = nowhere_count == 0 || nowhere == Nowhere::FarAway;
+    let non_finite_count = layout.point_count - shown.iter().sum::<usize>();
+    let is_all_shown = non_finite_count == 0 || non_finite == NonFinite::FarAway;
     if is_all_shown {
         let points_in = |share: &[u8]| share.len() / point_step;
         shown.iter_mut().zip(data.chunks(SHARE * point_step)).for_each(|(shown, share)| *shown = points_in(share));
@@ -151,12 +151,12 @@ pub(crate) fn read(
         PointColor::PerPoint(colors) => PointColors::PerPoint(colors),
     };
     pool.shown = shown;
-    if nowhere_count > 0 && nowhere == Nowhere::FarAway {
+    if non_finite_count > 0 && non_finite == NonFinite::FarAway {
         for position in positions.iter_mut().filter(|position| !is_somewhere(position)) {
             *position = FAR_AWAY;
         }
     }
-    (PointBuffer { positions, colors }, nowhere_count)
+    (PointBuffer { positions, colors }, non_finite_count)
 }
 
 #[cfg(test)]
@@ -196,7 +196,7 @@ mod tests {
         let settings = CloudSettings::default();
         let fixed_from_cloud = Isometry3::identity();
         let coloring = Coloring::new(&settings, transformer, &fixed_from_cloud);
-        Ok(read(cloud, &layout, &coloring, Nowhere::LeftOut, &mut CloudPool::default()).0)
+        Ok(read(cloud, &layout, &coloring, NonFinite::LeftOut, &mut CloudPool::default()).0)
     }
 
     #[test]
@@ -220,8 +220,9 @@ mod tests {
         let turned = Isometry3::rotation(nalgebra::Vector3::new(0.0, std::f64::consts::PI, 0.0));
         for (fixed_from_cloud, low, high) in [(Isometry3::identity(), 3, 2), (turned, 2, 3)] {
             let coloring = Coloring::new(&settings, ColorTransformer::AxisColor, &fixed_from_cloud);
-            let (buffer, nowhere_count) = read(&cloud, &layout, &coloring, Nowhere::FarAway, &mut CloudPool::default());
-            assert_eq!((buffer.positions[0], nowhere_count), ([999_999.0; 3], 1));
+            let (buffer, non_finite_count) =
+                read(&cloud, &layout, &coloring, NonFinite::FarAway, &mut CloudPool::default());
+            assert_eq!((buffer.positions[0], non_finite_count), ([999_999.0; 3], 1));
             // The bounds are those of the three others: magenta at the top, red at the bottom.
             assert_eq!((buffer.colors.get(low), buffer.colors.get(high)), ([255, 0, 0, 255], [255, 0, 255, 255]));
         }
