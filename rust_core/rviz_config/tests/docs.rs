@@ -118,6 +118,13 @@ fn every_property_stands_in_the_documentation_with_its_default() {
 }
 
 #[test]
+fn a_camera_pub_without_enabled_is_off_as_the_readme_has_it() {
+    let text = format!("Visualization Manager:\n  Displays:\n  - {{Class: {CAMERA_PUB}, Name: camera}}\n");
+    let config = rcs_rviz_config::parse(&text, "a.rviz").unwrap();
+    assert_eq!(documented(CAMERA_PUB)["Enabled"], config.displays[0].enabled.to_string());
+}
+
+#[test]
 fn properties_inside_of_others_and_of_entries_are_listed() {
     let of = |class| properties(class).into_iter().map(|property| (property.key, property.default)).collect();
     let grid: BTreeMap<String, String> = of("rviz/Grid");
