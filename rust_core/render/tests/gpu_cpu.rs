@@ -241,6 +241,35 @@ fn both_draw_thousands_of_cells_a_side() {
     assert_eq!(drawn([1.0 - 2.0 * pixel_m, 0.75 - 1.5 * pixel_m], 2.0 / pixel_m), [from(100), from(100)]);
 }
 
+/// Along a line of a few pixels colours change much from pixel to pixel, and its ends are anywhere in theirs.
+#[test]
+fn both_color_each_pixel_of_a_short_line_the_same() {
+    let mut worst = 0;
+    for turn in 0_u8..48 {
+        let (sin, cos) = (f32::from(turn) * std::f32::consts::PI / 24.0 + 0.01).sin_cos();
+        let length_px = 2.0 + 0.13 * f32::from(turn);
+        let start = [0.017 * f32::from(turn), 0.31 + 0.011 * f32::from(turn), 1.0];
+        // Twice as far at the end, so that colours are not linear in the picture.
+        let end = [2.0 * (start[0] + length_px * cos), 2.0 * (start[1] + length_px * sin), 2.0];
+        let lines = Lines {
+            positions: vec![start, end],
+            colors: vec![[0, 0, 255, 255], [255, 120, 0, 255]],
+            topology: LineTopology::List,
+            blending: Blending::Replace,
+        };
+        let (scene, camera) =
+            (common::scene([common::at(0.0, 0.0, 0.0, Geometry::Lines(lines.into()))]), camera(32, 32, 1.0));
+        let mut gpu = gpu().lock().unwrap_or_else(PoisonError::into_inner);
+        let from_gpu = common::draw(&mut *gpu, &scene, &camera);
+        let from_cpu = common::draw(&mut CpuRenderer::new(), &scene, &camera);
+        assert_eq!(common::lit_pixels(&from_gpu), common::lit_pixels(&from_cpu));
+        for (x, y) in common::lit_pixels(&from_cpu) {
+            worst = worst.max(common::difference(common::pixel(&from_gpu, x, y), common::pixel(&from_cpu, x, y)));
+        }
+    }
+    assert!(worst <= 3, "{worst} levels");
+}
+
 fn both_agree(drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [f32; 3]) -> Result<(), TestCaseError> {
     let direction = Vector3::new(0.3, 0.4, 1.0).normalize();
     let scene = Scene { drawables, light: lit.then_some(DirectionalLight { direction }) };

@@ -93,13 +93,23 @@ fn vertex_line(@builtin(vertex_index) index: u32, segment: Segment) -> Corner {
     }
     let is_start = index < 2u;
     var at = end_in_pixels(select(end_px, start_px, is_start), direction, is_start);
+    // What is linear in the picture is extended to where the end was moved, so that each pixel keeps its depth and colour.
+    let along = (at.x - start_px.x) / direction.x;
+    let inverse_w = 1.0 / vec2f(visible_start.w, visible_end.w);
+    let depth_there = mix(visible_start.z * inverse_w.x, visible_end.z * inverse_w.y, along);
+    // A line that runs towards the eye within a pixel could be extended past it.
+    let inverse_w_there = max(mix(inverse_w.x, inverse_w.y, along), 0.5 * min(inverse_w.x, inverse_w.y));
+    let start_color = mix(segment.start_color, segment.end_color, part.x) * inverse_w.x;
+    let end_color = mix(segment.start_color, segment.end_color, part.y) * inverse_w.y;
+    let color = mix(start_color, end_color, along) / inverse_w_there;
+
     at.y += f32(index & 1u) - 0.5;
     if steep {
         at = at.yx;
     }
-    let depth = select(visible_end.zw, visible_start.zw, is_start);
-    let place = vec4f((at / chain.size_px * 2.0 - 1.0) * vec2f(1.0, -1.0) * depth.y, depth);
-    return Corner(place, mix(segment.start_color, segment.end_color, select(part.y, part.x, is_start)));
+    let w = 1.0 / inverse_w_there;
+    let place = vec4f((at / chain.size_px * 2.0 - 1.0) * vec2f(1.0, -1.0), clamp(depth_there, 0.0, 1.0), 1.0) * w;
+    return Corner(place, color);
 }
 
 @fragment
