@@ -8,6 +8,7 @@ use std::path::Path;
 
 use rcs_tests::programs::repository;
 
+use crate::files::pixels;
 use crate::{bash, printed_by, succeed, target};
 
 const PROGRAMS: [&str; 4] = ["camera_stream", "projector", "projector_window", "publish_cloud"];
@@ -48,6 +49,20 @@ fn catkin_make_builds_what_rosrun_finds() {
     let at = workspace.path();
     succeed(&format!("cd {} && catkin_make {}", at.display(), cmake_argument()));
     is_found_after(&at.join("devel/setup.bash"));
+    the_scripts_work_after(&at.join("devel/setup.bash"), at);
+}
+
+/// After `source SETUP`, which on Debian leaves the ROS in /usr out of all paths: `./demo` builds without generating the
+/// messages anew, and renders the sample scene.
+fn the_scripts_work_after(setup: &Path, folder: &Path) {
+    let shown = folder.join("shown.png");
+    let printed = succeed(&format!(
+        "set +u; source {}; set -u; ./demo --offline --renderer cpu --output {} 2>&1",
+        setup.display(),
+        shown.display()
+    ));
+    assert!(!printed.contains("Compiling rosrust_msg"), "{printed}");
+    assert!(pixels(&shown) == pixels(&repository().join("docs/images/demo.png")), "{printed}");
 }
 
 #[test]
