@@ -129,19 +129,39 @@ mod tests {
         Scene { drawables: vec![facing.into_drawable(7, Vector3::new(1.0, 2.0, 3.0))], light: None }
     }
 
+    /// How far the middle of the part above is from where the camera's up direction puts it, in metres, in a scene whose
+    /// camera is turned so.
+    fn off_upright(fixed_from_optical: &Isometry3<f64>, forward: Vector3<f64>, up: Vector3<f64>) -> f64 {
+        let seen = scene(forward, up).seen_from(&camera(fixed_from_optical)).into_owned();
+        assert_eq!(seen.drawables[0].display, 7);
+        let offset = seen.drawables[0].sort_point.coords - Vector3::new(1.0, 2.0, 3.0);
+        // The optical frame's y points down.
+        (offset + fixed_from_optical * Vector3::y()).norm()
+    }
+
     proptest! {
         #[test]
         fn up_in_the_group_is_up_on_the_picture(turn in prop::array::uniform3(-4.0..4.0_f64), axis in 0..3_usize) {
             let fixed_from_optical = Isometry3::new(Vector3::new(0.3, -2.0, 1.0), turn.into());
             let (mut forward, mut up) = (Vector3::zeros(), Vector3::zeros());
             (forward[axis], up[(axis + 2) % 3]) = (1.0, 1.0);
-            let camera = camera(&fixed_from_optical);
-            let seen = scene(forward, up).seen_from(&camera).into_owned();
-            let offset = seen.drawables[0].sort_point.coords - Vector3::new(1.0, 2.0, 3.0);
-            // The optical frame's y points down.
-            prop_assert!((offset + fixed_from_optical * Vector3::y()).norm() < 1e-9, "{offset}");
-            prop_assert_eq!(seen.drawables[0].display, 7);
+            let off = off_upright(&fixed_from_optical, forward, up);
+            // Directions that are opposite but for the tolerance, which is an angle of 1.4 mrad, are taken for opposite; an
+            // angle of 20 nrad has the cosine 1.
+            let looking = shortest_turn(&forward, &(fixed_from_optical * Vector3::z()));
+            let is_opposite = (looking * up).dot(&(fixed_from_optical * Vector3::y())) > 1.0 - OPPOSITE_TOLERANCE;
+            let allowed = if is_opposite { (2.0 * OPPOSITE_TOLERANCE).sqrt() * 1.001 } else { 3e-8 };
+            prop_assert!(off < allowed, "{off} m");
         }
+    }
+
+    #[test]
+    fn a_camera_that_stands_on_its_head_but_for_a_milliradian_sees_a_half_turn() {
+        let rolled = |roll: f64| Isometry3::rotation(Vector3::z() * roll);
+        // Without a roll the optical frame's y, down, is the group's up.
+        let off = |roll: f64| off_upright(&rolled(roll), Vector3::z(), Vector3::y());
+        assert!((off(0.001) - 0.001).abs() < 1e-8, "{}", off(0.001));
+        assert!(off(0.0) < 1e-9 && off(0.0015) < 1e-9, "{} {}", off(0.0), off(0.0015));
     }
 
     #[test]
