@@ -90,9 +90,15 @@ pub(crate) fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
 }
 
 /// How far two RGBA pictures of one size agree where either differs from the background: the number of those pixels, and
-/// of those among them whose channels differ by more than `levels`, a match being allowed `reach` pixels away, in both
+/// which of them have channels that differ by more than `levels`, a match being allowed `reach` pixels away, in both
 /// directions.
-pub(crate) fn differing(a: &Picture, b: &Picture, background: [u8; 3], levels: u8, reach: i64) -> (u32, u32) {
+pub(crate) fn differing(
+    a: &Picture,
+    b: &Picture,
+    background: [u8; 3],
+    levels: u8,
+    reach: i64,
+) -> (u32, Vec<(u32, u32)>) {
     assert_eq!((a.width_px, a.height_px), (b.width_px, b.height_px));
     let matches = |from: &Picture, to: &Picture, x: u32, y: u32| {
         let color = pixel(from, x, y);
@@ -102,14 +108,16 @@ pub(crate) fn differing(a: &Picture, b: &Picture, background: [u8; 3], levels: u
             difference(color, pixel(to, near_x, near_y)) <= levels
         })
     };
-    let (mut content, mut differing) = (0_u32, 0_u32);
+    let (mut content, mut differing) = (0_u32, Vec::new());
     for y in 0..a.height_px {
         for x in 0..a.width_px {
             if [a, b].iter().all(|picture| difference(pixel(picture, x, y), background) <= 2) {
                 continue;
             }
             content += 1;
-            differing += u32::from(!matches(a, b, x, y) || !matches(b, a, x, y));
+            if !matches(a, b, x, y) || !matches(b, a, x, y) {
+                differing.push((x, y));
+            }
         }
     }
     (content, differing)
