@@ -31,8 +31,10 @@ const REACH_PX: i64 = 1;
 /// vertices are rounded.
 const SHIFT_PX: f64 = 0.02;
 
-/// The share of pixels with content that may differ all the same.
+/// The share of pixels with content that may differ all the same, and the number that may in pictures with less content
+/// than that is a share of: a single pixel of a side that is seen edge-on, whose colours are arbitrary.
 const MAX_DIFFERING: f64 = 0.005;
+const MAX_DIFFERING_PX: usize = 1;
 
 /// Scenes that once differed, one line each.
 const REGRESSIONS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gpu_cpu.proptest-regressions");
@@ -297,7 +299,7 @@ fn both_agree(drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [f32;
             !colors.into_iter().any(|nearby| common::difference(nearby, color) <= LEVELS)
         });
     }
-    let allowed = (f64::from(content) * MAX_DIFFERING) as usize;
+    let allowed = MAX_DIFFERING_PX.max((f64::from(content) * MAX_DIFFERING) as usize);
     prop_assert!(differing.len() <= allowed, "{differing:?} of {content} pixels differ, at most {allowed} may");
     Ok(())
 }
