@@ -85,7 +85,7 @@ fn each_solid_of_a_text_stl_file_is_a_part() {
 }
 
 #[test]
-fn faults_in_text_stl_files_are_told_with_their_line() {
+fn faults_in_text_stl_files_are_reported_with_their_line() {
     let text = "solid x\nfacet normal 0 0 1\nvertex 1 2\n";
     assert!(matches!(fault(load_bytes("a.stl", text.as_bytes())), MeshFault::Line { line: 3, .. }));
     assert_eq!(fault(load_bytes("a.stl", b"solid empty\nendsolid empty\n")), MeshFault::Empty);
@@ -204,7 +204,7 @@ fn obj_faces_without_normals_are_flat_and_lines_make_a_part() {
 }
 
 #[test]
-fn faults_in_obj_files_are_told_with_their_line() {
+fn faults_in_obj_files_are_reported_with_their_line() {
     for text in ["v 0 0 0\nf 1 2 3\n", "v 0 0 0\nf 1 1 0\n", "v 0 0 0\nv 1\n", "v 0 0 0\nf 1 1 -2\n", "\nf a b c\n"] {
         assert!(matches!(fault(load_bytes("a.obj", text.as_bytes())), MeshFault::Line { line: 2, .. }), "{text:?}");
     }
@@ -301,7 +301,7 @@ fn a_faceted_material_has_one_normal_a_face() {
 }
 
 #[test]
-fn prefixes_that_are_not_declared_are_put_up_with() {
+fn undeclared_prefixes_are_accepted() {
     let text = DAE.replace("<node id=\"n\">", "<node id=\"n\" xsi:type=\"x\"><x:extra/>");
     assert_eq!(load_bytes("a.dae", text.as_bytes()).unwrap().parts.len(), 2);
 }
@@ -338,7 +338,7 @@ fn nodes_that_double_again_and_again_are_refused() {
 }
 
 #[test]
-fn faults_in_collada_files_are_told_with_their_line() {
+fn faults_in_collada_files_are_reported_with_their_line() {
     let scene_line = 1 + DAE.lines().position(|line| line.contains("<scene>")).unwrap() as u32;
     let text = DAE.replace("url=\"#scene\"", "url=\"#other\"");
     assert!(matches!(fault(load_bytes("a.dae", text.as_bytes())),

@@ -150,7 +150,7 @@ fn changes_replace_cells_and_those_that_reach_outside_do_not() {
 }
 
 #[test]
-fn what_is_wrong_with_a_map_is_said_and_the_last_good_one_stays() {
+fn a_bad_map_is_reported_and_the_last_good_one_stays() {
     let mut bench = Bench::new(MapSettings::default());
     bench.map(grid(1, 1, &[42]));
     let mut nowhere = grid(1, 1, &[0]);

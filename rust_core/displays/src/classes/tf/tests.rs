@@ -70,7 +70,7 @@ fn timeout(frame_timeout_s: f32) -> TfSettings {
 }
 
 #[test]
-fn static_frames_never_age_and_are_looked_at_once() {
+fn static_frames_never_age_and_are_looked_up_once() {
     let mut bench = Bench::new(timeout(3.0));
     bench.publish("map", "base", 0.0, 1.0, true);
     assert!(bench.update(0.0));
@@ -122,7 +122,7 @@ fn what_a_moving_frame_carries_ages_with_it_and_not_by_repeated_transforms() {
 }
 
 #[test]
-fn frames_of_another_tree_are_hidden_and_said() {
+fn frames_of_another_tree_are_hidden_and_reported() {
     let mut bench = Bench::new(timeout(3.0));
     bench.publish("map", "base", 0.0, 1.0, true);
     bench.publish("moon", "crater", 0.0, 1.0, false);
@@ -155,7 +155,7 @@ fn there_is_no_arrow_to_a_parent_at_the_same_place() {
 }
 
 #[test]
-fn between_two_looks_lies_the_update_interval() {
+fn frames_are_updated_once_per_update_interval() {
     let mut bench = Bench::new(TfSettings { update_interval_s: 2.0, ..timeout(30.0) });
     bench.publish("map", "base", 0.0, 1.0, false);
     assert!(bench.update(0.0));
