@@ -55,6 +55,7 @@ def parse(description=None):
     parser.add_argument('--points', type=sizes, metavar='N,N,…',
                         default=[10000, 100000, DEPTH_CAMERA_POINTS, 1000000, 3000000, 10000000])
     parser.add_argument('--dry', action='store_true', help='print the tables and leave the pages as they are')
+    parser.add_argument('--list', action='store_true', help='list the programs that would be measured and stop')
     given = parser.parse_args()
     given.starts = 10
     if given.quick:

@@ -377,13 +377,15 @@ class Probe:
 class Program:
     """A program in its own process group, which ends with the block."""
 
-    def __init__(self, command, log):
-        self.command, self.log = command, log
+    def __init__(self, command, log, inherit=()):
+        """Its output goes to the end of the file `log`; it inherits the file descriptors in `inherit`."""
+        self.command, self.log, self.inherit = command, log, inherit
 
     def __enter__(self):
         with open(self.log, 'ab') as log:
             self.process = subprocess.Popen(
-                self.command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
+                self.command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
+                pass_fds=self.inherit)
         return self.process
 
     def __exit__(self, *_):
