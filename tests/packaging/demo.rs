@@ -102,9 +102,9 @@ fn failure(script: &str) -> (Option<i32>, String) {
 #[test]
 fn unusable_arguments_are_reported() {
     for (arguments, word) in [
-        ("--viewer mirror", "--viewer mirror: it is projector_window or image_view"),
-        ("--renderer voodoo", "--renderer voodoo: it is auto, cpu or gpu"),
-        ("--seconds soon", "--seconds soon: it is a number"),
+        ("--viewer mirror", "--viewer mirror: must be projector_window or image_view"),
+        ("--renderer voodoo", "--renderer voodoo: must be auto, cpu or gpu"),
+        ("--seconds soon", "--seconds soon: must be a number"),
         ("--output", "--output needs a value"),
         ("--fast", "unknown option '--fast'"),
     ] {

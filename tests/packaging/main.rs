@@ -1,10 +1,12 @@
-//! What a user gets and runs: the catkin package, the launch files and configs, and the commands `./demo` and `./test`.
+//! What a user gets and runs: the catkin package, the launch files and configs, and the commands `./demo`, `./test` and `./bench`.
 #![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
 
+mod bench;
 mod catkin;
 mod demo;
 mod files;
 mod launch;
+mod test_command;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
