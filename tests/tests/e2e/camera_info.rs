@@ -93,8 +93,8 @@ fn an_invalid_camera_info_is_one_error_and_stops_the_pictures() {
         fixture.python(format!("latch('/eye/camera_info', {bad})"));
         let errors = || fixture.log_lines(&["ERROR", "/eye/camera_info"]);
         assert!(wait_until(Duration::from_secs(20), || errors() == number + 1), "{bad}: {}", fixture.log());
-        let said = fixture.node.errors().into_iter().rfind(|line| line.contains("ERROR")).unwrap();
-        assert!(said.contains(field), "{bad}: {said}");
+        let error = fixture.node.errors().into_iter().rfind(|line| line.contains("ERROR")).unwrap();
+        assert!(error.contains(field), "{bad}: {error}");
         // What was published before may arrive after the error; the last good picture is not repeated.
         fixture.wait_for("viewer.quiet_secs() > 0.7");
         assert_eq!(errors(), number + 1, "{bad}: {}", fixture.log());

@@ -26,13 +26,13 @@ fn a_valid_config_is_listed_with_class_topic_and_line_and_exits_with_0() {
     let later = "{Class: rviz/InteractiveMarkers, Name: robot, Enabled: true}";
     let (_folder, path) = file(&config(&[CLOUD, disabled, later], &[CameraPub::default()]));
     let output = check(&path);
-    let said = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(0), "{said}");
-    let line = |words: &[&str]| said.lines().filter(|line| words.iter().all(|word| line.contains(word))).count();
-    assert_eq!(line(&["line    3", "rviz/PointCloud2", "drawn", "cloud", "/cloud"]), 1, "{said}");
-    assert_eq!(line(&["line    4", "rviz/Axes", "disabled", "off"]), 1, "{said}");
-    assert_eq!(line(&["line    6", "CameraPub", "camera", "/view/image"]), 1, "{said}");
-    assert_eq!(line(&["line    5", "rviz/InteractiveMarkers", "robot"]), 1, "{said}");
+    let printed = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{printed}");
+    let line = |words: &[&str]| printed.lines().filter(|line| words.iter().all(|word| line.contains(word))).count();
+    assert_eq!(line(&["line    3", "rviz/PointCloud2", "drawn", "cloud", "/cloud"]), 1, "{printed}");
+    assert_eq!(line(&["line    4", "rviz/Axes", "disabled", "off"]), 1, "{printed}");
+    assert_eq!(line(&["line    6", "CameraPub", "camera", "/view/image"]), 1, "{printed}");
+    assert_eq!(line(&["line    5", "rviz/InteractiveMarkers", "robot"]), 1, "{printed}");
     assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
 }
 
@@ -42,15 +42,15 @@ fn unknown_keys_and_classes_are_named_with_their_line_and_exit_with_1() {
     let unknown_class = "{Class: fancy_plugins/Hologram, Name: h, Enabled: true}";
     let (_folder, path) = file(&config(&[CLOUD, unknown_key, unknown_class], &[CameraPub::default()]));
     let output = check(&path);
-    let said = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(1), "{said}");
+    let printed = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{printed}");
     let name = path.display().to_string();
     let finding = |line: &str, word: &str| {
         let is_it = |l: &&str| l.starts_with(&format!("{name}: line {line}:")) && l.contains(word);
-        said.lines().filter(is_it).count()
+        printed.lines().filter(is_it).count()
     };
-    assert_eq!(finding("4", "Sparkle"), 1, "{said}");
-    assert_eq!(finding("5", "fancy_plugins/Hologram"), 1, "{said}");
+    assert_eq!(finding("4", "Sparkle"), 1, "{printed}");
+    assert_eq!(finding("5", "fancy_plugins/Hologram"), 1, "{printed}");
 }
 
 #[test]
@@ -59,10 +59,10 @@ fn a_file_that_cannot_be_read_is_one_line_and_exits_with_2() {
     let (_other, none) = file("just: this\n");
     for path in [broken.as_path(), none.as_path(), Path::new("/nowhere/scene.rviz"), &repository()] {
         let output = check(path);
-        let said = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{said}");
-        assert_eq!(said.lines().count(), 1, "{said}");
-        assert!(said.contains(&path.display().to_string()), "{said}");
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert_eq!(error.lines().count(), 1, "{error}");
+        assert!(error.contains(&path.display().to_string()), "{error}");
         assert!(output.stdout.is_empty());
     }
 }

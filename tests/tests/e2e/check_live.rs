@@ -101,9 +101,9 @@ fn without_a_master_or_a_config_it_exits_with_2_at_once_and_a_signal_ends_the_li
     let started = Instant::now();
     let output = check(&master, &path, &["--listen", "60"]);
     assert!(started.elapsed() < Duration::from_secs(20));
-    let said = text(&output.stderr);
-    assert_eq!((output.status.code(), said.lines().count()), (Some(2), 1), "{said}");
-    assert!(said.contains(&master.uri()), "{said}");
+    let error = text(&output.stderr);
+    assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
+    assert!(error.contains(&master.uri()), "{error}");
     assert!(output.stdout.is_empty());
     assert_eq!(check(&master, Path::new("/nowhere/scene.rviz"), &[]).status.code(), Some(2));
 

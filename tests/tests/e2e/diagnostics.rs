@@ -75,13 +75,13 @@ fn a_missing_frame_is_reported_as_by_rviz_and_its_arrival_is_logged() {
     fixture.python("latch('/tf_static', tf('map', 'eye')); latch('/cloud', cloud(0xff0000, 'lost'))");
     fixture.wait_for("message('camera_stream: cloud') == 'Transform: For frame [lost]: Frame [lost] does not exist'");
     assert_eq!(fixture.python("level('camera_stream: cloud')"), "1");
-    let said = || fixture.log_lines(&["WARN", "display cloud: Transform", "[lost]"]);
-    assert!(wait_until(PATIENCE, || said() == 1), "{}", fixture.log());
+    let warnings = || fixture.log_lines(&["WARN", "display cloud: Transform", "[lost]"]);
+    assert!(wait_until(PATIENCE, || warnings() == 1), "{}", fixture.log());
     fixture.python("latch('/tf_static', TFMessage(tf('map', 'eye').transforms + tf('map', 'lost').transforms))");
     fixture.wait_for("level('camera_stream: cloud') == 0");
     let ended = || fixture.log_lines(&["INFO", "display cloud: Transform: ok again"]);
     assert!(wait_until(PATIENCE, || ended() == 1), "{}", fixture.log());
-    assert_eq!(said(), 1, "{}", fixture.log());
+    assert_eq!(warnings(), 1, "{}", fixture.log());
 }
 
 #[test]

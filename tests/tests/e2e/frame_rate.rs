@@ -63,9 +63,9 @@ fn at_0_there_is_one_picture_for_each_trigger_and_none_without() {
     // No picture may come without a trigger.
     std::thread::sleep(Duration::from_secs(1));
     assert_eq!(fixture.python("viewer.images"), "[]");
-    let said = fixture.master.output("rosservice", &["call", "/camera_trigger"]).unwrap();
-    assert!(said.contains("success: True"), "{said}");
-    assert!(said.contains("message: \"New image will be published on: /view/image\""), "{said}");
+    let printed = fixture.master.output("rosservice", &["call", "/camera_trigger"]).unwrap();
+    assert!(printed.contains("success: True"), "{printed}");
+    assert!(printed.contains("message: \"New image will be published on: /view/image\""), "{printed}");
     fixture.wait_for("len(viewer.images) == 1 and viewer.middle() == (255, 0, 0)");
     for count in 2..5 {
         fixture.python(format!("latch('/cloud', cloud(0x00ff0{count}))"));

@@ -11,8 +11,8 @@ use crate::diagnostics::MONITOR;
 const FIGURES: &str = "
 CAMERA, DISPLAY = 'camera_stream: CameraPub', 'camera_stream: cloud'
 def measured(): return int(values(CAMERA).get('frames measured', -1))
-def told(name): return values(CAMERA)[name + ' ms (median / p95)']
-def figure(name): return tuple(float(part) for part in told(name).split(' / '))
+def reported(name): return values(CAMERA)[name + ' ms (median / p95)']
+def figure(name): return tuple(float(part) for part in reported(name).split(' / '))
 def age_now(): return float(values(DISPLAY)['age of the data shown ms'])
 STAGES = ['received to decoded', 'decoded to drawn', 'drawn to published']
 TOTAL, AGE = 'received to published', 'age of the data shown'
@@ -50,27 +50,27 @@ fn number(fixture: &RosFixture, python: &str) -> f64 {
 fn the_stages_of_a_picture_add_up_to_no_more_than_the_latency_a_subscriber_sees() {
     let fixture = fixture("info(width=1280, height=800, f=900.0)");
     fixture.wait_for("measured() == 0");
-    assert_eq!(fixture.python("[told(name) for name in STAGES + [TOTAL, AGE]]"), "['-', '-', '-', '-', '-']");
+    assert_eq!(fixture.python("[reported(name) for name in STAGES + [TOTAL, AGE]]"), "['-', '-', '-', '-', '-']");
     // A hundred squares of half the picture, each in front of the last one, take time to render.
     fixture.python("squares = [(0, 0, 4 - z / 50) for z in range(100)]");
     fixture.python("sent = time.time(); send('/cloud', cloud(0xff0000, points=squares, stamp=ago(2)))");
     fixture.wait_for("viewer.middle() == (255, 0, 0) and measured() == 1");
-    let told = fixture.python("[(name, told(name)) for name in STAGES + [TOTAL, AGE]]");
+    let figures = fixture.python("[(name, reported(name)) for name in STAGES + [TOTAL, AGE]]");
     assert_eq!(fixture.python("all(figure(name)[0] == figure(name)[1] for name in STAGES + [TOTAL, AGE])"), "True");
-    assert_eq!(fixture.python(ADDS_UP), "True", "{told}");
-    assert_eq!(fixture.python("all(figure(stage)[0] >= 0 for stage in STAGES)"), "True", "{told}");
+    assert_eq!(fixture.python(ADDS_UP), "True", "{figures}");
+    assert_eq!(fixture.python("all(figure(stage)[0] >= 0 for stage in STAGES)"), "True", "{figures}");
     let (total_ms, seen_ms) = (number(&fixture, "figure(TOTAL)[0]"), number(&fixture, "seen_ms(sent)"));
-    assert!(0.0 < total_ms && total_ms <= seen_ms, "{total_ms} of {seen_ms} ms: {told}");
+    assert!(0.0 < total_ms && total_ms <= seen_ms, "{total_ms} of {seen_ms} ms: {figures}");
     let drawing_ms = number(&fixture, "figure('decoded to drawn')[0]");
-    assert!(drawing_ms > 1.0, "a hundred big squares: {told}");
+    assert!(drawing_ms > 1.0, "a hundred big squares: {figures}");
     let age_ms = number(&fixture, "figure(AGE)[0]");
     // Stamped after `sent`, before it was received; the picture is stamped before it is published.
     let least_ms = 2000.0 + number(&fixture, "figure(TOTAL)[0] - figure('drawn to published')[0]") - 0.1;
-    assert!((least_ms..=2000.0 + seen_ms).contains(&age_ms), "seen after {seen_ms} ms: {told}");
+    assert!((least_ms..=2000.0 + seen_ms).contains(&age_ms), "seen after {seen_ms} ms: {figures}");
     // A repeated picture is not measured again.
     let published = "int(values(CAMERA)['frames published'])";
     fixture.wait_for(format!("{published} > 60"));
-    assert_eq!(fixture.python("measured(), told(AGE)"), format!("(1, '{age_ms:.2} / {age_ms:.2}')"));
+    assert_eq!(fixture.python("measured(), reported(AGE)"), format!("(1, '{age_ms:.2} / {age_ms:.2}')"));
 }
 
 #[test]
@@ -83,12 +83,12 @@ fn waiting_for_a_frame_counts_from_when_the_message_was_received() {
     assert_eq!(fixture.python("measured(), values(DISPLAY)['age of the data shown ms']"), "(0, '-')");
     fixture.python("latch('/tf_static', TFMessage(tf('map', 'eye').transforms + tf('map', 'late').transforms))");
     fixture.wait_for("viewer.middle() == (0, 255, 0) and measured() == 1");
-    let told = fixture.python("[(name, told(name)) for name in STAGES + [TOTAL, AGE]]");
-    assert_eq!(fixture.python(ADDS_UP), "True", "{told}");
+    let figures = fixture.python("[(name, reported(name)) for name in STAGES + [TOTAL, AGE]]");
+    assert_eq!(fixture.python(ADDS_UP), "True", "{figures}");
     let (total_ms, seen_ms) = (number(&fixture, "figure(TOTAL)[0]"), number(&fixture, "seen_ms(sent)"));
-    assert!(1000.0 < total_ms && total_ms <= seen_ms, "{total_ms} of {seen_ms} ms: {told}");
-    assert!(number(&fixture, "figure('received to decoded')[0]") > 1000.0, "{told}");
-    assert!((1000.0..=seen_ms).contains(&number(&fixture, "figure(AGE)[0]")), "seen after {seen_ms} ms: {told}");
+    assert!(1000.0 < total_ms && total_ms <= seen_ms, "{total_ms} of {seen_ms} ms: {figures}");
+    assert!(number(&fixture, "figure('received to decoded')[0]") > 1000.0, "{figures}");
+    assert!((1000.0..=seen_ms).contains(&number(&fixture, "figure(AGE)[0]")), "seen after {seen_ms} ms: {figures}");
 }
 
 #[test]
@@ -107,34 +107,34 @@ fn figures_are_those_of_the_last_hundred_pictures_and_the_age_follows_the_stamps
     };
     often("ago(2)");
     pause();
-    let told = fixture.python("[(name, told(name)) for name in STAGES + [TOTAL, AGE]]");
+    let figures = fixture.python("[(name, reported(name)) for name in STAGES + [TOTAL, AGE]]");
     assert_eq!(fixture.python("measured()"), "100");
     assert_eq!(fixture.python("all(0 <= figure(name)[0] <= figure(name)[1] for name in STAGES + [TOTAL])"), "True");
     let (total_ms, age_ms) = (number(&fixture, "figure(TOTAL)[0]"), number(&fixture, "figure(AGE)[0]"));
-    assert!(total_ms > 0.0 && (2000.0 + total_ms / 2.0..3000.0).contains(&age_ms), "{told}");
+    assert!(total_ms > 0.0 && (2000.0 + total_ms / 2.0..3000.0).contains(&age_ms), "{figures}");
 
     // No new message arrives, and the data shown grows older.
     let shown = "(age_now(), arrays[-1][1] * 1e3 - age_now())";
-    let look = || -> Vec<f64> {
-        let told = fixture.python(shown);
-        told.trim_matches(['(', ')']).split(", ").map(|part| part.parse().unwrap()).collect()
+    let read_ages = || -> Vec<f64> {
+        let figures = fixture.python(shown);
+        figures.trim_matches(['(', ')']).split(", ").map(|part| part.parse().unwrap()).collect()
     };
-    let before = look();
+    let before = read_ages();
     fixture.python("arrived = len(arrays)");
     fixture.wait_for("len(arrays) > arrived + 2");
-    let after = look();
+    let after = read_ages();
     assert!(before[0] > 2000.0 && after[0] > before[0] + 1500.0, "{before:?} {after:?}");
     assert!((after[1] - before[1]).abs() < 100.0, "it is the same data's: {before:?} {after:?}");
 
     // Stamps of a clock that is ahead.
     often("ago(-5)");
     pause();
-    let told = fixture.python("told(AGE)");
-    assert_eq!(fixture.python("all(-5000 <= age < -4000 for age in figure(AGE))"), "True", "{told}");
+    let figures = fixture.python("reported(AGE)");
+    assert_eq!(fixture.python("all(-5000 <= age < -4000 for age in figure(AGE))"), "True", "{figures}");
     // Data with stamp zero is measured but has no age: the last ages stay.
     often("rospy.Time()");
     pause();
-    assert_eq!(fixture.python("measured(), told(AGE)"), format!("(100, '{told}')"));
+    assert_eq!(fixture.python("measured(), reported(AGE)"), format!("(100, '{figures}')"));
     assert_eq!(fixture.python("values(DISPLAY)['age of the data shown ms']"), "-");
 }
 
@@ -155,12 +155,12 @@ fn with_simulated_time_the_age_is_in_that_time_and_unknown_before_the_first_cloc
     fixture.python("send('/cloud', cloud(0xff0000, stamp=rospy.Time(70)))");
     fixture.wait_for("viewer.middle() == (255, 0, 0) and measured() >= 1");
     fixture.wait_for("values(DISPLAY).get('messages received') == '1'");
-    assert_eq!(fixture.python("told(AGE), values(DISPLAY)['age of the data shown ms']"), "('-', '-')");
+    assert_eq!(fixture.python("reported(AGE), values(DISPLAY)['age of the data shown ms']"), "('-', '-')");
     fixture.python("from rosgraph_msgs.msg import Clock");
     fixture.python("latch('/clock', Clock(rospy.Time(77)))");
     fixture.wait_for("arrays[-1][1] == 77.0");
     fixture.python("send('/cloud', cloud(0x0000ff, stamp=rospy.Time(75)))");
-    fixture.wait_for("viewer.middle() == (0, 0, 255) and told(AGE) == '2000.00 / 2000.00'");
+    fixture.wait_for("viewer.middle() == (0, 0, 255) and reported(AGE) == '2000.00 / 2000.00'");
     fixture.wait_for("age_now() == 2000");
     assert_eq!(fixture.python("0 < figure(TOTAL)[1] < 1000"), "True", "the stages are in the computer's time");
 }

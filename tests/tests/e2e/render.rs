@@ -30,18 +30,18 @@ impl Render {
     /// Runs it successfully; it prints nothing.
     fn good(&self, arguments: &str) {
         let output = self.run(arguments);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{arguments}: {said}");
-        assert_eq!((&*said, &*output.stdout), ("", &b""[..]), "{arguments}: nothing is printed on a pipe");
+        let printed = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments}: {printed}");
+        assert_eq!((&*printed, &*output.stdout), ("", &b""[..]), "{arguments}: nothing is printed on a pipe");
     }
 
     /// Runs it to a failure and returns the only line of its error output that is not a warning.
     fn bad(&self, arguments: &str) -> String {
         let output = self.run(arguments);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert!(matches!(output.status.code(), Some(1 | 2)), "{arguments}: {:?} {said}", output.status);
-        let errors: Vec<&str> = said.lines().filter(|line| !line.starts_with("[ WARN]")).collect();
-        assert_eq!(errors.len(), 1, "{arguments}: {said}");
+        let printed = String::from_utf8(output.stderr).unwrap();
+        assert!(matches!(output.status.code(), Some(1 | 2)), "{arguments}: {:?} {printed}", output.status);
+        let errors: Vec<&str> = printed.lines().filter(|line| !line.starts_with("[ WARN]")).collect();
+        assert_eq!(errors.len(), 1, "{arguments}: {printed}");
         errors[0].to_owned()
     }
 
@@ -51,10 +51,10 @@ impl Render {
 
     /// Makes a bag with Python: `bag`, and the helpers of `python_node.py`.
     fn bag(&self, name: &str, script: &str) {
-        let knowledge = include_str!("../../src/python_node.py").split("\nrospy.init_node").next().unwrap();
+        let helpers = include_str!("../../src/python_node.py").split("\nrospy.init_node").next().unwrap();
         let path = self.path(name);
         let script = format!(
-            "{knowledge}\nimport rosbag\nat = rospy.Time\nbag = rosbag.Bag('{}', 'w')\n{script}\nbag.close()\n",
+            "{helpers}\nimport rosbag\nat = rospy.Time\nbag = rosbag.Bag('{}', 'w')\n{script}\nbag.close()\n",
             path.display()
         );
         let master = RosMaster::reserve().unwrap();
@@ -126,10 +126,10 @@ fn one_of_several_cameras_is_chosen_by_name() {
     fs::write(render.path("two.rviz"), config(&[], &cameras)).unwrap();
     render.good("-d two.rviz --bag scene.bag -o out.png --camera Right");
     assert_eq!(render.pixel("out.png", 0, 0), [4, 5, 6]);
-    let said = render.bad("-d two.rviz --bag scene.bag -o out.png");
-    assert!(said.contains("--camera") && said.contains("Left, Right"), "{said}");
-    let said = render.bad("-d two.rviz --bag scene.bag -o out.png --camera Up");
-    assert!(said.contains("Up") && said.contains("Left, Right"), "{said}");
+    let error = render.bad("-d two.rviz --bag scene.bag -o out.png");
+    assert!(error.contains("--camera") && error.contains("Left, Right"), "{error}");
+    let error = render.bad("-d two.rviz --bag scene.bag -o out.png --camera Up");
+    assert!(error.contains("Up") && error.contains("Left, Right"), "{error}");
     fs::write(render.path("none.rviz"), config(&[CLOUD], &[])).unwrap();
     assert!(render.bad("-d none.rviz --bag scene.bag -o out.png").contains("CameraPub"));
 }
@@ -164,8 +164,8 @@ fn errors_name_the_file_the_topic_or_the_frame() {
         ),
     ];
     for (arguments, words) in cases {
-        let said = render.bad(arguments);
-        assert!(words.iter().all(|word| said.contains(word)), "{arguments}: {said}");
+        let error = render.bad(arguments);
+        assert!(words.iter().all(|word| error.contains(word)), "{arguments}: {error}");
         assert!(!render.path("out.png").exists(), "{arguments}: no picture of an error");
     }
 }
@@ -195,7 +195,7 @@ fn packages_of_meshes_are_found_in_the_package_path_of_the_command_line() {
     let assets = repository().join("tests/conformance/assets");
     render.good(&format!("{} -o with.png --package-path {}", case_arguments(&case), assets.display()));
     let output = render.run(&format!("{} -o without.png", case_arguments(&case)));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && said.contains("package://"), "a missing mesh is reported: {said}");
+    let warnings = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && warnings.contains("package://"), "a missing mesh is reported: {warnings}");
     assert!(fs::read(render.path("with.png")).unwrap() != fs::read(render.path("without.png")).unwrap());
 }

@@ -102,5 +102,5 @@ fn a_camera_whose_frame_is_missing_logs_it_and_starts_when_it_arrives() {
     assert_eq!(fixture.python("viewer.images"), "[]");
     fixture.python("latch('/tf_static', tf('map', 'lens'))");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
-    assert!(named(), "said once: {}", fixture.log());
+    assert!(named(), "logged once: {}", fixture.log());
 }

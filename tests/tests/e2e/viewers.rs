@@ -26,14 +26,14 @@ fn fixture() -> RosFixture {
 #[test]
 fn rostopic_sees_the_picture_its_rate_and_its_type() {
     let fixture = fixture();
-    let said = fixture.master.output("rostopic", &["type", "/view/image"]).unwrap();
-    assert_eq!(said.trim(), "sensor_msgs/Image");
-    let said = fixture.master.output("rostopic", &["echo", "-n1", "--noarr", "/view/image"]).unwrap();
+    let printed = fixture.master.output("rostopic", &["type", "/view/image"]).unwrap();
+    assert_eq!(printed.trim(), "sensor_msgs/Image");
+    let printed = fixture.master.output("rostopic", &["echo", "-n1", "--noarr", "/view/image"]).unwrap();
     for line in ["frame_id: \"eye\"", "height: 360", "width: 640", "encoding: \"rgb8\"", "step: 1920"] {
-        assert!(said.contains(line), "{line}: {said}");
+        assert!(printed.contains(line), "{line}: {printed}");
     }
-    let said = fixture.master.output("rostopic", &["echo", "-n1", "/view/camera_info"]).unwrap();
-    assert!(said.contains("frame_id: \"eye\"") && said.contains("distortion_model"), "{said}");
+    let printed = fixture.master.output("rostopic", &["echo", "-n1", "/view/camera_info"]).unwrap();
+    assert!(printed.contains("frame_id: \"eye\"") && printed.contains("distortion_model"), "{printed}");
     let hz = Running::start(fixture.master.command("rostopic").args(["hz", "-w", "30", "/view/image"])).unwrap();
     let average = || hz.lines().iter().rev().find_map(|line| line.split("average rate: ").nth(1)?.parse::<f64>().ok());
     let is_steady = || average().is_some_and(|rate| (20.0..36.0).contains(&rate));

@@ -12,12 +12,12 @@ fn a_cloud_with_too_little_data_is_dropped_and_logged_once() {
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
     fixture.python("short = cloud(0x00ff00); short.data = short.data[:-1]");
     fixture.python("repeated = PublishRepeatedly(20, lambda i: short, '/cloud')");
-    let said = || fixture.log_lines(&["display cloud", "Dropping message"]);
-    assert!(wait_until(PATIENCE, || said() > 0), "{}", fixture.log());
+    let warnings = || fixture.log_lines(&["display cloud", "Dropping message"]);
+    assert!(wait_until(PATIENCE, || warnings() > 0), "{}", fixture.log());
     fixture.python("repeated.stop()");
     fixture.python("latch('/cloud', cloud(0x0000ff))");
     fixture.wait_for("viewer.middle() == (0, 0, 255)");
-    assert_eq!(said(), 1, "{}", fixture.log());
+    assert_eq!(warnings(), 1, "{}", fixture.log());
     assert_eq!(fixture.python("(0, 255, 0) in viewer.colors"), "False");
 }
 
@@ -25,8 +25,8 @@ fn a_cloud_with_too_little_data_is_dropped_and_logged_once() {
 fn a_display_whose_frame_is_missing_is_logged() {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     fixture.python("latch('/tf_static', tf('map', 'eye')); latch('/cloud', cloud(0xff0000, 'lost'))");
-    let said = || fixture.log_lines(&["WARN", "display cloud", "Frame [lost] does not exist"]);
-    assert!(wait_until(PATIENCE, || said() == 1), "{}", fixture.log());
+    let warnings = || fixture.log_lines(&["WARN", "display cloud", "Frame [lost] does not exist"]);
+    assert!(wait_until(PATIENCE, || warnings() == 1), "{}", fixture.log());
 }
 
 #[test]
