@@ -1,4 +1,4 @@
-//! The node's life, names, subscriptions and services.
+//! Start, shutdown, names, subscriptions and services of a node.
 
 use crate::probe;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};

@@ -2,7 +2,7 @@
 //!
 //! Every allocation of the process is counted while frames take the same path as in the node, except for the
 //! connections to ROS: a message's bytes as rosrust hands them over, the message, its display, the scene, the CPU
-//! renderer, the picture, the picture's bytes on the wire. Each kind of scene is played small and large; a frame of the
+//! renderer, the picture, the picture's bytes on the wire. Each kind of scene is rendered small and large; a frame of the
 //! large one may allocate no more than one of the small one, except for what a thread pool allocates now and then.
 //!
 //! What is left out, and why:

@@ -18,12 +18,12 @@
 mod camera_info;
 mod check;
 mod check_live;
+mod command_line;
 mod diagnostics;
 mod frame_rate;
 mod latency;
-mod life;
+mod lifecycle;
 mod live_equals_offline;
-mod names;
 mod render;
 mod settings;
 mod simulated_time;

@@ -1,10 +1,10 @@
 //! The scenes with a target time, each a picture of 1280×800 pixels on two cores:
 //!
-//! - `paper/points_15px` and `paper/squares_15px`: the paper's projection, 1,200 points of 15 pixels. Target:
-//!   below 1 ms.
-//! - `paper/flat_squares_307200`: a depth camera's cloud as in the end-to-end benchmark, squares of 4 mm. Target:
+//! - `target_times/points_15px` and `target_times/squares_15px`: the clusters of a few objects, 1,200 points of
+//!   15 pixels. Target: below 1 ms.
+//! - `target_times/flat_squares_307200`: a depth camera's cloud as in the end-to-end benchmark, squares of 4 mm. Target:
 //!   6 ms.
-//! - `paper/points_3px_307200`: the same cloud as spots of 3 pixels. Target: 4 ms.
+//! - `target_times/points_3px_307200`: the same cloud as spots of 3 pixels. Target: 4 ms.
 //!
 //! `RCS_RENDERER=gpu` measures the GPU renderer.
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot draw measures nothing")]
@@ -18,13 +18,13 @@ use rcs_scene::PointStyle;
 use rcs_tests::scenes::clouds::{drawable, in_rows, DEPTH_CAMERA_POINTS, SIDE_M};
 use rcs_tests::scenes::rendering::{projector, renderer, Rendering};
 
-/// Points of the paper's scene.
+/// Points of the smallest scene.
 const FEW: usize = 1200;
 /// The side of a square that covers 15 pixels of the projector, 1.5 m away.
 const SIDE_OF_15_PX_M: f32 = 15.0 * 1.5 / 1900.0;
 
-fn paper(c: &mut Criterion) {
-    let mut group = c.benchmark_group("paper");
+fn target_times(c: &mut Criterion) {
+    let mut group = c.benchmark_group("target_times");
     group.sample_size(20).measurement_time(Duration::from_secs(1));
     for (name, count, style) in [
         ("points_15px", FEW, PointStyle::Points { diameter_px: 15.0 }),
@@ -39,5 +39,5 @@ fn paper(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group! { name = benches; config = common::quick(); targets = paper }
+criterion_group! { name = benches; config = common::quick(); targets = target_times }
 criterion_main!(benches);

@@ -1,4 +1,4 @@
-//! Starting and ending: waiting for a master, clean shutdown, and other nodes that stall or restart.
+//! Start and shutdown: waiting for a master, clean shutdown, and other nodes that stall or restart.
 
 use crate::diagnostics::MONITOR;
 use rcs_tests::programs::program;
@@ -146,10 +146,10 @@ fn the_node_registers_again_with_a_restarted_master() {
     // the publishers of a topic comes from the same answer: when that has followed a change, all is remembered.
     fixture.python("topic = '/diagnostics'");
     fixture.python(MONITOR);
-    let has_nobody = "'No publishers on [/silent]' in values('camera_stream: silent').get('Publisher', '')";
-    fixture.wait_for(has_nobody);
+    let has_no_publisher = "'No publishers on [/silent]' in values('camera_stream: silent').get('Publisher', '')";
+    fixture.wait_for(has_no_publisher);
     fixture.python("publisher('/silent', PointCloud2, False)");
-    fixture.wait_for(format!("not {has_nobody}"));
+    fixture.wait_for(format!("not {has_no_publisher}"));
     fixture.master.restart().unwrap();
     let listed = || fixture.master.output("rosservice", &["list"]).unwrap().contains("/camera_trigger");
     assert!(wait_until(PATIENCE, listed), "{}", fixture.log());
