@@ -9,11 +9,11 @@ use rcs_messages::nav_msgs::Odometry;
 use rcs_messages::PlainTransform;
 use rcs_rviz_config::OdometrySettings;
 use rcs_scene::{DisplayId, Drawable};
-use std::collections::VecDeque;
 
 use crate::framework::display::Display;
 use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
 use crate::parts::covariance::{uncertain_pose, CovarianceScales, CovarianceSymbol};
+use crate::parts::history::History;
 use crate::parts::pose_symbol::PoseSymbol;
 
 /// An Odometry display.
@@ -28,9 +28,8 @@ pub(crate) struct OdometryVisual {
     covariance: CovarianceSymbol,
     /// The last pose that was added, as the message had it.
     last: Option<PlainTransform>,
-    /// How many drawables each pose has, oldest first.
-    counts: VecDeque<usize>,
-    drawables: Vec<Drawable>,
+    /// What the poses are drawn with.
+    history: History,
 }
 
 /// Makes an Odometry display.
@@ -47,8 +46,8 @@ impl OdometryDisplay {
             covariance: CovarianceSymbol::new(display, &settings.covariance),
             settings: settings.clone(),
             last: None,
-            counts: VecDeque::new(),
-            drawables: Vec::new(),
+            // "Keep: 0" keeps all.
+            history: History::new(Some(settings.keep).filter(|&keep| keep > 0)),
         };
         Self::new(&settings.topic, settings.queue_size, visual)
     }
@@ -60,14 +59,6 @@ impl OdometryVisual {
         let single = |pose: &PlainTransform| Vector3::from(pose.translation).cast::<f32>();
         (single(a) - single(b)).norm() < self.settings.position_tolerance_m
             && angle_rad(a, b) < self.settings.angle_tolerance_rad
-    }
-
-    fn drop_old(&mut self) {
-        let keep = self.settings.keep as usize;
-        if keep > 0 && self.counts.len() > keep {
-            let old: usize = self.counts.drain(..self.counts.len() - keep).sum();
-            self.drawables.drain(..old);
-        }
     }
 }
 
@@ -83,24 +74,20 @@ impl MessageVisual for OdometryVisual {
         if self.last.as_ref().is_some_and(|last| self.is_near(last, &pose)) {
             return Ok(false);
         }
-        let before = self.drawables.len();
-        self.drawables.extend(self.symbol.drawables(self.display, &(fixed_from_frame * frame_from_pose)));
+        let symbol = self.symbol.drawables(self.display, &(fixed_from_frame * frame_from_pose));
         let mut scales = CovarianceScales::default();
         let covariance = self.covariance.drawables(fixed_from_frame, &frame_from_pose, &covariance, &mut scales);
-        self.drawables.extend(covariance);
-        self.counts.push_back(self.drawables.len() - before);
+        self.history.push(symbol.into_iter().chain(covariance));
         self.last = Some(pose);
-        self.drop_old();
         Ok(true)
     }
 
     fn drawables(&self) -> &[Drawable] {
-        &self.drawables
+        self.history.drawables()
     }
 
     fn clear(&mut self) {
-        self.drawables.clear();
-        self.counts.clear();
+        self.history.clear();
         self.last = None;
     }
 }
@@ -158,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_give_way_unless_all_are_kept() {
+    fn the_oldest_pose_is_dropped_unless_all_are_kept() {
         for (keep, expected) in [(0, 9), (1, 1), (4, 4)] {
             let mut visual = visual(keep);
             for i in 0..9 {

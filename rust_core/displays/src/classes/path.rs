@@ -3,7 +3,6 @@
 //! A path stands where its frame was at its stamp, whatever the frame does later. Its opacity has no effect: rviz sets
 //! the colour's alpha, and its line's material replaces what is behind.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Translation3, Vector3};
@@ -14,8 +13,10 @@ use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Ma
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
+use crate::framework::message_display::InvalidFloats;
 use crate::framework::waiting_messages::WaitingMessages;
 use crate::framework::world::isometry;
+use crate::parts::history::History;
 use crate::parts::solids::{arrow, arrow_pose, axes, axes_materials, drawable, ArrowSize};
 use crate::{Level, Statuses, World};
 
@@ -25,9 +26,7 @@ pub(crate) struct PathDisplay {
     display: DisplayId,
     settings: PathSettings,
     incoming: WaitingMessages<Path>,
-    /// What each of the last paths is drawn with, oldest first.
-    paths: VecDeque<Vec<Drawable>>,
-    drawables: Vec<Drawable>,
+    history: History,
     statuses: Statuses,
 }
 
@@ -41,9 +40,8 @@ impl PathDisplay {
         Self {
             display,
             incoming: WaitingMessages::new(settings.queue_size),
+            history: History::new(Some(settings.buffer_length)),
             settings,
-            paths: VecDeque::new(),
-            drawables: Vec::new(),
             statuses: Statuses::default(),
         }
     }
@@ -129,37 +127,29 @@ impl Display for PathDisplay {
         let mut changed = false;
         for path in ready {
             let Ok(fixed_from_path) = world.fixed_from_header(&path.header) else { continue };
-            if self.paths.len() >= (self.settings.buffer_length.max(1) as usize) {
-                self.paths.pop_front();
-            }
-            let drawn = match self.poses(&path, &fixed_from_path) {
+            let drawn: Vec<Drawable> = match self.poses(&path, &fixed_from_path) {
                 Some(poses) => {
                     self.statuses.remove("Message");
                     std::iter::once(self.line(&poses)).chain(self.symbols(&poses)).collect()
                 }
                 None => {
-                    let text = "Message contained invalid floating point values (nans or infs)";
-                    self.statuses.set(Level::Error, "Message", text);
+                    self.statuses.set(Level::Error, "Message", InvalidFloats.to_string());
                     Vec::new()
                 }
             };
-            self.paths.push_back(drawn);
+            self.history.push(drawn);
             changed = true;
-        }
-        if changed {
-            self.drawables = self.paths.iter().flatten().cloned().collect();
         }
         changed
     }
 
     fn drawables(&self) -> &[Drawable] {
-        &self.drawables
+        self.history.drawables()
     }
 
     fn reset(&mut self) {
         self.incoming.clear();
-        self.paths.clear();
-        self.drawables.clear();
+        self.history.clear();
         self.statuses.clear();
     }
 

@@ -1,6 +1,5 @@
 //! `rviz/PointStamped`: the last points of a topic as spheres.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix4, Translation3, Vector3};
@@ -11,6 +10,7 @@ use rcs_scene::{DisplayId, Drawable, Material, Rgba};
 
 use crate::framework::display::Display;
 use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
+use crate::parts::history::History;
 use crate::parts::solids::solid;
 use crate::Shape;
 
@@ -23,9 +23,8 @@ pub(crate) struct PointStampedVisual {
     display: DisplayId,
     material: Arc<Material>,
     diameter_m: f64,
-    history_length: usize,
-    /// One for each point, oldest first; always contiguous.
-    drawables: VecDeque<Drawable>,
+    /// The spheres of the last points.
+    history: History,
 }
 
 /// Makes a PointStamped display.
@@ -40,8 +39,7 @@ impl PointStampedDisplay {
             display,
             material: Arc::new(Material::lit(Rgba::from_rgb8(settings.color, settings.alpha))),
             diameter_m: 2.0 * f64::from(settings.radius_m),
-            history_length: settings.history_length as usize,
-            drawables: VecDeque::new(),
+            history: History::new(Some(settings.history_length)),
         };
         Self::new(&settings.topic, settings.queue_size, visual)
     }
@@ -58,20 +56,16 @@ impl MessageVisual for PointStampedVisual {
         let frame_from_sphere = Translation3::from(point).to_homogeneous()
             * Matrix4::new_nonuniform_scaling(&Vector3::repeat(self.diameter_m));
         let fixed_from_sphere = fixed_from_frame.to_homogeneous() * frame_from_sphere;
-        if self.drawables.len() >= self.history_length.max(1) {
-            self.drawables.pop_front();
-        }
-        self.drawables.push_back(solid(self.display, Shape::Sphere, fixed_from_sphere, &self.material));
-        self.drawables.make_contiguous();
+        self.history.push([solid(self.display, Shape::Sphere, fixed_from_sphere, &self.material)]);
         Ok(true)
     }
 
     fn drawables(&self) -> &[Drawable] {
-        self.drawables.as_slices().0
+        self.history.drawables()
     }
 
     fn clear(&mut self) {
-        self.drawables.clear();
+        self.history.clear();
     }
 }
 

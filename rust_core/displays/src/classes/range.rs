@@ -3,55 +3,49 @@
 //! A cone stands where its frame was at the message's stamp. A measurement out of the sensor's range shows nothing, except
 //! that a sensor of one fixed distance shows that distance for minus infinity ("something is there").
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix4, Translation3, UnitQuaternion, Vector3};
 use rcs_messages::sensor_msgs::Range;
-use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::RangeSettings;
 use rcs_scene::{DisplayId, Drawable, Material, Rgba};
-use rcs_transforms::Time;
 
-use crate::framework::display::{Display, TopicRequest};
-use crate::framework::waiting_messages::WaitingMessages;
+use crate::framework::display::Display;
+use crate::framework::message_display::{InvalidFloats, MessageDisplay, MessageVisual};
+use crate::parts::history::History;
 use crate::parts::solids::solid;
-use crate::{Shape, Statuses, World};
+use crate::Shape;
 
 /// By what share of its length rviz draws a cone nearer to the sensor than its middle.
 const FUDGE: f64 = 0.008824;
 
 /// A Range display.
+pub(crate) type RangeDisplay = MessageDisplay<RangeVisual>;
+
+/// What a Range display draws.
 #[derive(Debug)]
-pub(crate) struct RangeDisplay {
+pub(crate) struct RangeVisual {
     display: DisplayId,
-    settings: RangeSettings,
     material: Arc<Material>,
-    incoming: WaitingMessages<Range>,
-    /// The last measurements, oldest first; `None` for those that show nothing.
-    cones: VecDeque<Option<Drawable>>,
-    drawables: Vec<Drawable>,
-    statuses: Statuses,
+    /// The cones of the last measurements; none for those that show nothing.
+    history: History,
 }
 
 /// Makes a Range display.
 pub(crate) fn create(display: DisplayId, settings: &RangeSettings) -> Box<dyn Display> {
-    Box::new(RangeDisplay::new(display, settings.clone()))
+    Box::new(RangeDisplay::of(display, settings))
 }
 
 impl RangeDisplay {
-    pub(crate) fn new(display: DisplayId, settings: RangeSettings) -> Self {
-        Self {
-            display,
-            material: Arc::new(Material::lit(Rgba::from_rgb8(settings.color, settings.alpha))),
-            incoming: WaitingMessages::new(settings.queue_size),
-            settings,
-            cones: VecDeque::new(),
-            drawables: Vec::new(),
-            statuses: Statuses::default(),
-        }
+    /// A display that has no message yet.
+    pub(crate) fn of(display: DisplayId, settings: &RangeSettings) -> Self {
+        let material = Arc::new(Material::lit(Rgba::from_rgb8(settings.color, settings.alpha)));
+        let visual = RangeVisual { display, material, history: History::new(Some(settings.buffer_length)) };
+        Self::new(&settings.topic, settings.queue_size, visual)
     }
+}
 
+impl RangeVisual {
     /// The cone of a measurement; `None` where it has no size.
     fn cone(&self, range: &Range, fixed_from_sensor: &Isometry3<f64>) -> Option<Drawable> {
         let length_m = f64::from(shown_range_m(range)?);
@@ -80,51 +74,20 @@ fn shown_range_m(range: &Range) -> Option<f32> {
     }
 }
 
-impl Display for RangeDisplay {
-    fn topics(&self) -> Vec<TopicRequest> {
-        let settings = &self.settings;
-        TopicRequest::new(&settings.topic, MessageKind::Range, settings.queue_size).into_iter().collect()
-    }
+impl MessageVisual for RangeVisual {
+    type Message = Range;
 
-    fn take(&mut self, message: &AnyMessage, _world: &World<'_>) {
-        if let AnyMessage::Range(range) = message {
-            self.incoming.push(&range.header, range.clone(), &mut self.statuses);
-        }
-    }
-
-    fn is_waiting(&self, stamp: Time) -> bool {
-        self.incoming.is_waiting(stamp)
-    }
-
-    fn update(&mut self, world: &World<'_>) -> bool {
-        let mut changed = false;
-        for range in self.incoming.take_ready(world, &mut self.statuses) {
-            let Ok(fixed_from_sensor) = world.fixed_from_header(&range.header) else { continue };
-            if self.cones.len() >= self.settings.buffer_length.max(1) as usize {
-                self.cones.pop_front();
-            }
-            self.cones.push_back(self.cone(&range, &fixed_from_sensor));
-            changed = true;
-        }
-        if changed {
-            self.drawables = self.cones.iter().flatten().cloned().collect();
-        }
-        changed
+    fn show(&mut self, message: &Range, fixed_from_frame: &Isometry3<f64>) -> Result<bool, InvalidFloats> {
+        self.history.push(self.cone(message, fixed_from_frame));
+        Ok(true)
     }
 
     fn drawables(&self) -> &[Drawable] {
-        &self.drawables
+        self.history.drawables()
     }
 
-    fn reset(&mut self) {
-        self.incoming.clear();
-        self.cones.clear();
-        self.drawables.clear();
-        self.statuses.clear();
-    }
-
-    fn statuses(&self) -> &Statuses {
-        &self.statuses
+    fn clear(&mut self) {
+        self.history.clear();
     }
 }
 

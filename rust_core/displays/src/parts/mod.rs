@@ -3,6 +3,7 @@
 pub(crate) mod bounds;
 pub(crate) mod cloud;
 pub(crate) mod covariance;
+pub(crate) mod history;
 pub(crate) mod pose_symbol;
 pub(crate) mod robot_description;
 pub(crate) mod screw;

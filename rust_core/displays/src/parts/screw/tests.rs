@@ -1,15 +1,20 @@
 //! Wrenches, twists and accelerations, by the drawables that they become.
 
+use std::sync::Arc;
+
 use rcs_messages::geometry_msgs::{TwistStamped, Vector3, WrenchStamped};
+use rcs_messages::AnyMessage;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use super::*;
+use crate::framework::display::Display;
+use crate::{Level, World};
 
 struct Bench {
     transforms: TransformTree,
     meshes: MeshStore,
-    display: ScrewDisplay,
+    display: ScrewDisplay<TwistStamped>,
 }
 
 impl Bench {
@@ -17,13 +22,13 @@ impl Bench {
         let mut bench = Self {
             transforms: TransformTree::new(),
             meshes: MeshStore::new(PackageIndex::new([])),
-            display: ScrewDisplay::new(0, settings, MessageKind::TwistStamped),
+            display: ScrewDisplay::of(0, &settings),
         };
         bench.place(1.0);
         bench
     }
 
-    /// Says where the frame of the messages is.
+    /// Inserts the transform of the messages' frame.
     fn place(&mut self, x: f64) {
         let transform = RawTransform {
             parent: "map",
@@ -35,24 +40,26 @@ impl Bench {
         self.transforms.insert(&transform, true, "/a").unwrap();
     }
 
-    /// Sends a twist; returns whether the picture changed.
-    fn send(&mut self, linear: [f64; 3], angular: [f64; 3]) -> bool {
+    /// Sends twists at once; returns whether the picture changed.
+    fn send_all(&mut self, twists: &[([f64; 3], [f64; 3])]) -> bool {
         let vector = |[x, y, z]: [f64; 3]| Vector3 { x, y, z };
-        let mut twist = TwistStamped::default();
-        twist.header.frame_id = "base".to_owned();
-        (twist.twist.linear, twist.twist.angular) = (vector(linear), vector(angular));
-        let world = World {
-            transforms: &self.transforms,
-            fixed_frame: "map",
-            now: Time::from_secs_nanos(1, 0),
-            meshes: &self.meshes,
-        };
-        self.display.take(&AnyMessage::TwistStamped(Arc::new(twist)), &world);
+        let (transforms, meshes) = (&self.transforms, &self.meshes);
+        let world = World { transforms, fixed_frame: "map", now: Time::from_secs_nanos(1, 0), meshes };
+        for &(linear, angular) in twists {
+            let mut twist = TwistStamped::default();
+            twist.header.frame_id = "base".to_owned();
+            (twist.twist.linear, twist.twist.angular) = (vector(linear), vector(angular));
+            self.display.take(&AnyMessage::TwistStamped(Arc::new(twist)), &world);
+        }
         self.display.update(&world)
     }
 
+    fn send(&mut self, linear: [f64; 3], angular: [f64; 3]) -> bool {
+        self.send_all(&[(linear, angular)])
+    }
+
     fn status(&self) -> Vec<(Level, &str)> {
-        self.display.statuses.iter().map(|(_, status)| (status.level, status.text.as_str())).collect()
+        self.display.statuses().iter().map(|(_, status)| (status.level, status.text.as_str())).collect()
     }
 }
 
@@ -92,11 +99,25 @@ fn a_screw_with_infinity_is_an_error_and_changes_nothing() {
     assert_eq!(bench.display.drawables().len(), 2);
     assert!(bench.status().contains(&(Level::Error, "Message contained invalid floating point values (nans or infs)")));
     assert!(bench.send(LONG, LONG));
-    assert_eq!(bench.display.statuses.level(), Level::Ok);
+    assert_eq!(bench.display.statuses().level(), Level::Ok);
+}
+
+/// A good screw left the error of a bad one before it in the same update.
+#[test]
+fn of_several_screws_in_one_update_the_last_decides_the_status() {
+    let (good, bad) = ((LONG, NONE), (LONG, [f64::NAN; 3]));
+    let mut bench = Bench::new(ScrewSettings::default());
+    assert!(bench.send_all(&[bad, good]));
+    assert_eq!(bench.display.statuses().level(), Level::Ok);
+    assert!(bench.send_all(&[good, bad]));
+    assert_eq!(bench.display.statuses().level(), Level::Error);
 }
 
 #[test]
 fn messages_of_another_kind_are_no_screws() {
-    assert!(Screw::read(&AnyMessage::WrenchStamped(Arc::new(WrenchStamped::default()))).is_some());
-    assert!(Screw::read(&AnyMessage::Path(Arc::default())).is_none());
+    let mut bench = Bench::new(ScrewSettings::default());
+    let world = World { transforms: &bench.transforms, fixed_frame: "map", now: Time::ZERO, meshes: &bench.meshes };
+    bench.display.take(&AnyMessage::WrenchStamped(Arc::new(WrenchStamped::default())), &world);
+    bench.display.take(&AnyMessage::Path(Arc::default()), &world);
+    assert!(bench.status().is_empty() && !bench.display.is_waiting(Time::ZERO));
 }

@@ -1,0 +1,80 @@
+//! What the last messages of a display are drawn with, as many as its "Buffer Length" or "History Length" says.
+
+use std::collections::VecDeque;
+
+use rcs_scene::Drawable;
+
+/// The drawables of the last messages, oldest first.
+#[derive(Debug)]
+pub(crate) struct History {
+    /// How many messages are kept; at least 1.
+    length: usize,
+    /// How many drawables each of them has.
+    counts: VecDeque<usize>,
+    /// Always contiguous.
+    drawables: VecDeque<Drawable>,
+}
+
+impl History {
+    /// One that keeps so many messages, at least one; `None` keeps all.
+    pub(crate) fn new(length: Option<u32>) -> Self {
+        let length = length.map_or(usize::MAX, |length| length.max(1) as usize);
+        Self { length, counts: VecDeque::new(), drawables: VecDeque::new() }
+    }
+
+    /// Adds what a message is drawn with, which may be nothing, and drops the oldest message where there are too many.
+    pub(crate) fn push(&mut self, drawables: impl IntoIterator<Item = Drawable>) {
+        if self.counts.len() >= self.length {
+            let oldest = self.counts.pop_front().unwrap_or_default();
+            self.drawables.drain(..oldest);
+        }
+        let before = self.drawables.len();
+        self.drawables.extend(drawables);
+        self.counts.push_back(self.drawables.len() - before);
+        self.drawables.make_contiguous();
+    }
+
+    /// What all of them are drawn with.
+    pub(crate) fn drawables(&self) -> &[Drawable] {
+        self.drawables.as_slices().0
+    }
+
+    /// Forgets all messages.
+    pub(crate) fn clear(&mut self) {
+        self.counts.clear();
+        self.drawables.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use nalgebra::Matrix4;
+    use rcs_scene::{Material, Rgba};
+
+    use super::*;
+    use crate::parts::solids::solid;
+    use crate::Shape;
+
+    /// Adds messages of so many drawables, each of which has the message's number, and returns the numbers that are left.
+    fn shown(length: Option<u32>, counts: &[u32]) -> Vec<u32> {
+        let material = Arc::new(Material::lit(Rgba::from_rgb8([255; 3], 1.0)));
+        let mut history = History::new(length);
+        for (number, &count) in (0..).zip(counts) {
+            history.push((0..count).map(|_| solid(number, Shape::Cube, Matrix4::identity(), &material)));
+        }
+        history.drawables().iter().map(|drawable| drawable.display).collect()
+    }
+
+    #[test]
+    fn the_last_messages_stay_whatever_each_is_drawn_with() {
+        let counts = [1, 2, 0, 3, 1];
+        assert_eq!(shown(Some(1), &counts), [4]);
+        assert_eq!(shown(Some(0), &counts), [4], "at least one stays");
+        assert_eq!(shown(Some(3), &counts), [3, 3, 3, 4]);
+        assert_eq!(shown(Some(4), &counts), [1, 1, 3, 3, 3, 4]);
+        assert_eq!(shown(None, &counts), [0, 1, 1, 3, 3, 3, 4]);
+        assert_eq!(shown(Some(1), &[2, 0]), [0_u32; 0]);
+    }
+}
