@@ -17,8 +17,7 @@ use std::sync::Arc;
 /// ROS message `sensor_msgs/PointCloud2`.
 ///
 /// Lengths inside the message are checked (a field or the data reaching past the end is an error); whether the data is
-/// as long as [`height`](Self::height), [`row_step`](Self::row_step) and [`point_step`](Self::point_step) claim is not,
-/// see [`PointCloud2::claimed_len`].
+/// as long as [`height`](Self::height), [`row_step`](Self::row_step) and [`point_step`](Self::point_step) claim is not.
 ///
 /// ```
 /// use rcs_messages::PointCloud2;
@@ -79,11 +78,6 @@ impl PointCloud2 {
     pub fn with_data(mut self, data: Vec<u8>) -> Self {
         self.set_data(data);
         self
-    }
-
-    /// How many bytes of data there should be: `row_step * height`.
-    pub fn claimed_len(&self) -> u64 {
-        u64::from(self.row_step) * u64::from(self.height)
     }
 
     /// Reads all but the data, and leaves its place in `data`.

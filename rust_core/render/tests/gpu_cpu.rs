@@ -246,33 +246,44 @@ fn both_draw_thousands_of_cells_a_side() {
     assert_eq!(drawn([1.0 - 2.0 * pixel_m, 0.75 - 1.5 * pixel_m], 2.0 / pixel_m), [from(100), from(100)]);
 }
 
+/// The largest difference of a pixel of both renderers' pictures of one line, which are drawn in the same pixels.
+fn worst_of_a_line(positions: Vec<[f32; 3]>, colors: Vec<[u8; 4]>) -> u8 {
+    let lines = Lines { positions, colors, topology: LineTopology::List, blending: Blending::Replace };
+    let scene = common::scene([common::at(0.0, 0.0, 0.0, Geometry::Lines(lines.into()))]);
+    let camera = camera(128, 128, 1.0);
+    let from_gpu = common::draw(&mut *gpu().lock().unwrap_or_else(PoisonError::into_inner), &scene, &camera);
+    let from_cpu = common::draw(&mut CpuRenderer::new(), &scene, &camera);
+    let lit = common::lit_pixels(&from_cpu);
+    assert_eq!(common::lit_pixels(&from_gpu), lit);
+    let differences =
+        lit.iter().map(|&(x, y)| common::difference(common::pixel(&from_gpu, x, y), common::pixel(&from_cpu, x, y)));
+    differences.max().unwrap_or(0)
+}
+
 /// Along a line of a few pixels colours change much from pixel to pixel, and its ends are anywhere in theirs.
 #[test]
 fn both_color_each_pixel_of_a_short_line_the_same() {
-    let mut worst = 0;
     for turn in 0_u8..48 {
         let (sin, cos) = (f32::from(turn) * std::f32::consts::PI / 24.0 + 0.01).sin_cos();
         let length_px = 2.0 + 0.13 * f32::from(turn);
         let start = [0.017 * f32::from(turn), 0.31 + 0.011 * f32::from(turn), 1.0];
         // Twice as far at the end, so that colours are not linear in the picture.
         let end = [2.0 * (start[0] + length_px * cos), 2.0 * (start[1] + length_px * sin), 2.0];
-        let lines = Lines {
-            positions: vec![start, end],
-            colors: vec![[0, 0, 255, 255], [255, 120, 0, 255]],
-            topology: LineTopology::List,
-            blending: Blending::Replace,
-        };
-        let (scene, camera) =
-            (common::scene([common::at(0.0, 0.0, 0.0, Geometry::Lines(lines.into()))]), camera(32, 32, 1.0));
-        let mut gpu = gpu().lock().unwrap_or_else(PoisonError::into_inner);
-        let from_gpu = common::draw(&mut *gpu, &scene, &camera);
-        let from_cpu = common::draw(&mut CpuRenderer::new(), &scene, &camera);
-        assert_eq!(common::lit_pixels(&from_gpu), common::lit_pixels(&from_cpu));
-        for (x, y) in common::lit_pixels(&from_cpu) {
-            worst = worst.max(common::difference(common::pixel(&from_gpu, x, y), common::pixel(&from_cpu, x, y)));
-        }
+        let worst = worst_of_a_line(vec![start, end], vec![[0, 0, 255, 255], [255, 120, 0, 255]]);
+        assert!(worst <= 3, "{worst} levels at turn {turn}");
     }
-    assert!(worst <= 3, "{worst} levels");
+}
+
+/// The far end of a steep line is extended by more than its depth allows; the colour is the same all along.
+#[test]
+fn both_color_a_line_of_one_color_the_same() {
+    for step in 0_u8..60 {
+        let length_px = 20.0 + 0.7 * f32::from(step);
+        let start = [1.5 * (0.03 * f32::from(step) - 40.0), 1.5 * 0.2, 1.5];
+        let end = [100.0 * (start[0] / 1.5 + length_px), 100.0 * (0.2 + 0.02 * f32::from(step)), 100.0];
+        let worst = worst_of_a_line(vec![start, end], vec![[90, 200, 255, 255]]);
+        assert!(worst <= 1, "{worst} levels at {length_px} px");
+    }
 }
 
 fn both_agree(drawables: Vec<Drawable>, size: (u32, u32), lit: bool, turn: [f32; 3]) -> Result<(), TestCaseError> {

@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_that_was_said_of_an_instant_holds() {
+    fn the_first_sample_of_a_stamp_is_kept() {
         let mut history = moving(&[sample(5.0, 0, 1.0), sample(6.0, 0, 2.0)]);
         for again in [sample(5.0, 0, 9.0), sample(6.0, 0, 9.0)] {
             assert_eq!(history.insert(again, CACHE), Stored::Repeated);
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn a_static_frame_is_known_at_all_times_and_the_newest_word_holds() {
+    fn a_static_frame_is_known_at_all_times_and_the_newest_transform_replaces_it() {
         let mut history = History::new(sample(5.0, 0, 1.0), true);
         assert_eq!(x_at(&history, 1e9), Some(1.0));
         assert_eq!(history.insert(sample(6.0, 0, 1.0), CACHE), Stored::Repeated);

@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_message_can_say_is_held_at_the_nearest_that_it_can() {
+    fn times_that_no_message_can_hold_are_clamped() {
         assert_eq!(Time::from_nanos(-5).as_secs_nanos(), (0, 0));
         assert_eq!(Time::from_nanos(i64::MAX).as_secs_nanos(), (u32::MAX, 999_999_999));
     }

@@ -160,15 +160,8 @@ impl TransformTree {
         Some(self.name(parent))
     }
 
-    /// The stamp of the newest sample of `frame`; zero for static frames, which are valid at all times.
-    /// `None` for roots, for unknown frames and for moving frames without samples.
-    pub fn latest_stamp(&self, frame: &str) -> Option<Time> {
-        let newest = self.history(self.id(strip_slash(frame))?)?.newest()?;
-        Some(newest.stamp)
-    }
-
-    /// The newest sample of `frame`, with its parent; its stamp is zero where the frame is static. `None`
-    /// as for [`TransformTree::latest_stamp`].
+    /// The newest sample of `frame`, with its parent; its stamp is zero where the frame is static, and so valid at all
+    /// times. `None` for roots, for unknown frames and for moving frames without samples.
     pub fn latest(&self, frame: &str) -> Option<StampedTransform> {
         let id = self.id(strip_slash(frame))?;
         let newest = self.history(id)?.newest()?;
@@ -235,8 +228,8 @@ mod tests {
         assert_eq!(tree.parent_of("/odom", Time::ZERO), Some("map"));
         assert_eq!(tree.parent_of("odom", Time::from_secs_nanos(6, 0)), None);
         assert_eq!(tree.parent_of("map", Time::ZERO), None);
-        assert_eq!(tree.latest_stamp("base"), Some(Time::from_secs_nanos(5, 0)));
-        assert_eq!(tree.latest_stamp("map"), None);
+        assert_eq!(tree.latest("base").map(|sample| sample.stamp), Some(Time::from_secs_nanos(5, 0)));
+        assert!(tree.latest("map").is_none());
     }
 
     #[test]
@@ -302,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn the_newest_sample_is_told_with_its_parent() {
+    fn the_newest_sample_comes_with_its_parent() {
         let mut tree = TransformTree::new();
         tree.insert(&raw("map", "odom", 5, 1.0), false, "/a").unwrap();
         tree.insert(&raw("odom", "laser", 5, 2.0), true, "/a").unwrap();

@@ -192,7 +192,7 @@ fn a_time_before_the_oldest_sample_is_not_extrapolated() {
 }
 
 #[test]
-fn a_lone_sample_is_told_as_the_only_one() {
+fn an_error_names_the_only_sample() {
     let mut tree = TransformTree::new();
     turn(&mut tree, "map", "odom", Some(5.0), 1.0);
     assert!(tree.can_transform("map", "odom", at(5.0)));

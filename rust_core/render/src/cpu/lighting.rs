@@ -15,7 +15,7 @@ pub(super) fn vertex_color(material: &Material, transform: &ObjectTransform, ver
     match &material.lighting {
         Lighting::Unlit if material.vertex_colors => own(),
         Lighting::Unlit => [1.0; 4],
-        Lighting::Lit { diffuse, emissive, .. } => {
+        Lighting::Lit { diffuse, emissive } => {
             let diffuse = if material.vertex_colors { own() } else { diffuse.to_array() };
             let emissive = emissive.to_array();
             let light = light_at(transform, vertex.normal);

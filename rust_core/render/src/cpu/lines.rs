@@ -127,12 +127,15 @@ impl Line {
             if let (Some(pixel), Some(depth)) = (colors.first_mut(), depths.first_mut()) {
                 let t = (along as f32 - self.begin.along) / length;
                 let mix = |a: f32, b: f32| a + (b - a) * t;
-                let w = 1.0 / mix(self.begin.inverse_w, self.end.inverse_w);
+                // A line that runs towards the eye within a pixel could be extended past it.
+                let (begin_w, end_w) = (self.begin.inverse_w, self.end.inverse_w);
+                let w = 1.0 / mix(begin_w, end_w).max(0.5 * begin_w.min(end_w));
                 let color = [0, 1, 2, 3].map(|i| {
                     let (a, b) = (self.begin.color[i], self.end.color[i]);
                     unorm8(if a == b { a } else { mix(a * self.begin.inverse_w, b * self.end.inverse_w) * w })
                 });
-                meet(pixel, depth, mix(self.begin.depth, self.end.depth), color, self.mode);
+                let depth_there = mix(self.begin.depth, self.end.depth).clamp(0.0, FARTHEST);
+                meet(pixel, depth, depth_there, color, self.mode);
             }
         }
     }

@@ -9,9 +9,8 @@
 //!    is done. There is no frame buffer of the whole picture, and no two threads write to the same pixel, so that the
 //!    picture does not depend on the number of threads.
 //!
-//! What is drawn is what OpenGL draws with rviz's shaders on Mesa's software rasteriser: one file for each primitive
-//! or folder for each kind of primitive
-//! ([`points`], [`triangles`], [`lines`]) describes how.
+//! What is drawn is what OpenGL draws with rviz's shaders on Mesa's software rasteriser; [`points`], [`triangles`] and
+//! [`lines`] describe how.
 //!
 //! All memory that grows with the scene is kept for the next picture.
 

@@ -38,7 +38,7 @@ impl<K, V> fmt::Debug for Derived<K, V> {
     }
 }
 
-/// A vertex buffer with one instance of a primitive for each `stride` bytes.
+/// A vertex buffer of instances.
 #[derive(Clone, Debug)]
 pub(super) struct Instances {
     /// The buffer.

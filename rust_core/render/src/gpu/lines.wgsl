@@ -99,9 +99,9 @@ fn vertex_line(@builtin(vertex_index) index: u32, segment: Segment) -> Corner {
     let depth_there = mix(visible_start.z * inverse_w.x, visible_end.z * inverse_w.y, along);
     // A line that runs towards the eye within a pixel could be extended past it.
     let inverse_w_there = max(mix(inverse_w.x, inverse_w.y, along), 0.5 * min(inverse_w.x, inverse_w.y));
-    let start_color = mix(segment.start_color, segment.end_color, part.x) * inverse_w.x;
-    let end_color = mix(segment.start_color, segment.end_color, part.y) * inverse_w.y;
-    let color = mix(start_color, end_color, along) / inverse_w_there;
+    let start_color = mix(segment.start_color, segment.end_color, part.x);
+    let end_color = mix(segment.start_color, segment.end_color, part.y);
+    let color = mix(start_color, end_color, along * inverse_w.y / inverse_w_there);
 
     at.y += f32(index & 1u) - 0.5;
     if steep {

@@ -87,6 +87,7 @@ struct Surface {
     flags: u32,
 }
 
+/// The flags of a surface, which are written into the shader's text.
 const LIT: u32 = 1;
 const VERTEX_COLORS: u32 = 2;
 const NORMALIZE: u32 = 4;
@@ -94,7 +95,10 @@ const NORMALIZE: u32 = 4;
 impl TrianglePipelines {
     pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
         let image_layout = texture::layout(device);
-        let program = Program::new(device, "triangles", include_str!("triangles.wgsl"), &[uniforms, &image_layout]);
+        let flags = [("LIT", LIT), ("VERTEX_COLORS", VERTEX_COLORS), ("NORMALIZE", NORMALIZE)];
+        let constants: String = flags.map(|(name, bit)| format!("const {name}: u32 = {bit}u;\n")).concat();
+        let text = constants + include_str!("triangles.wgsl");
+        let program = Program::new(device, "triangles", &text, &[uniforms, &image_layout]);
         let white = Texture {
             width: 1,
             height: 1,

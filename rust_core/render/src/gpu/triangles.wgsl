@@ -10,10 +10,6 @@ struct Surface {
     flags: u32,
 }
 
-const LIT: u32 = 1u;
-const VERTEX_COLORS: u32 = 2u;
-const NORMALIZE: u32 = 4u;
-
 @group(0) @binding(0) var<uniform> surface: Surface;
 @group(1) @binding(0) var image: texture_2d<f32>;
 @group(1) @binding(1) var image_sampler: sampler;
