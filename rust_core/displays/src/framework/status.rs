@@ -27,7 +27,7 @@ pub enum StatusCause {
 /// The text of a status with its cause. Plain text has the cause [`StatusCause::Other`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StatusText {
-    /// In rviz's words.
+    /// rviz's text where rviz has such a status, otherwise this project's.
     pub text: String,
     /// What it is about.
     pub cause: StatusCause,
@@ -57,7 +57,7 @@ impl From<&str> for StatusText {
 pub struct Status {
     /// How bad it is.
     pub level: Level,
-    /// The text, in rviz's words.
+    /// rviz's text where rviz has such a status, otherwise this project's.
     pub text: String,
     /// What it is about.
     pub cause: StatusCause,
