@@ -5,25 +5,12 @@
 //! The same picture is shown again half a second later. Escape or q quit.
 
 use std::error::Error;
+use std::io::Write;
 use std::thread;
 use std::time::Duration;
 
+use log::LevelFilter;
 use rcs_window::{self as window, MonitorChoice, ScreenPicture, WindowOptions};
-
-/// Prints log messages, as the programs do.
-struct Stderr;
-
-impl log::Log for Stderr {
-    fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
-        ["rcs_", "window_pattern"].iter().any(|target| metadata.target().starts_with(target))
-    }
-    fn log(&self, record: &log::Record<'_>) {
-        if self.enabled(record.metadata()) {
-            eprintln!("{}: {}", record.level(), record.args());
-        }
-    }
-    fn flush(&self) {}
-}
 
 fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
     ScreenPicture::from_fn(width_px, height_px, |u, v| {
@@ -33,8 +20,9 @@ fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    log::set_logger(&Stderr).map_err(|error| error.to_string())?;
-    log::set_max_level(log::LevelFilter::Info);
+    let mut logger = env_logger::Builder::new();
+    logger.filter_module("rcs_", LevelFilter::Info).filter_module("window_pattern", LevelFilter::Info);
+    logger.format(|out, record| writeln!(out, "{}: {}", record.level(), record.args())).try_init()?;
     let mut arguments = std::env::args().skip(1);
     let size = arguments.next().ok_or("usage: window_pattern WIDTHxHEIGHT")?;
     let (width, height) = size.split_once('x').ok_or("the size is WIDTHxHEIGHT")?;

@@ -1,8 +1,9 @@
 //! A received picture as the screen takes it.
 //!
 //! [`ScreenPicture`] holds one `u32` a pixel, `0x00RRGGBB`, which is what the window's surface takes. It is made from
-//! the fields of a `sensor_msgs/Image`, in any [`Encoding`] that a camera stream can have. Alpha is dropped, as `image_view` drops it. Sixteen bits of grey become
-//! eight by the rule 65535 → 255 with rounding, so that an eight-bit picture widened to sixteen bits comes back exactly.
+//! the fields of a `sensor_msgs/Image`, in any [`Encoding`] that a camera stream can have. Alpha is dropped, as
+//! `image_view` drops it. Sixteen bits of grey become eight by the rule 65535 → 255 with rounding, so that an eight-bit
+//! picture widened to sixteen bits comes back exactly.
 //!
 //! [`ScreenPicture::draw_unscaled`] lays it on a surface of any size: picture pixel (u, v) is surface pixel (u, v),
 //! what does not fit is cut off, what is not covered is black.
@@ -130,7 +131,8 @@ impl ScreenPicture {
     /// Reads a received picture.
     ///
     /// # Errors
-    /// [`PictureError`] if the encoding is unknown, the picture is empty, or the data are shorter than the header claims. Data beyond the last row are ignored, as image_transport's viewers ignore them.
+    /// [`PictureError`] if the encoding is unknown, the picture is empty, or the data are shorter than the header claims.
+    /// Data beyond the last row are ignored, as image_transport's viewers ignore them.
     pub fn from_received(received: &ReceivedPicture<'_>) -> Result<Self, PictureError> {
         let ReceivedPicture { width_px, height_px, step_bytes, encoding, is_bigendian, data } = *received;
         let known = Encoding::from_name(encoding)
