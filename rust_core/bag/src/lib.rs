@@ -141,11 +141,6 @@ impl Bag {
         Ok(Self { file: Arc::new(file), connections, chunks })
     }
 
-    /// The path of the file.
-    pub fn path(&self) -> &Path {
-        &self.file.path
-    }
-
     /// Its topics, one connection for each publisher of a topic.
     pub fn connections(&self) -> impl Iterator<Item = &Arc<Connection>> {
         self.connections.values()
@@ -155,7 +150,7 @@ impl Bag {
     pub fn time_range(&self) -> Option<(Time, Time)> {
         let start = self.chunks.iter().map(|chunk| chunk.start_nanos).min()?;
         let end = self.chunks.iter().map(|chunk| chunk.end_nanos).max()?;
-        Some((time_from_nanos(start), time_from_nanos(end)))
+        Some((Time::from_nanos(start), Time::from_nanos(end)))
     }
 
     /// The messages of the wanted topics in the order of time, those of the same time in the order of the file.
@@ -282,16 +277,12 @@ impl Iterator for Messages {
         }
         let Reverse(first) = self.waiting.pop()?;
         let connection = Arc::clone(self.connections.get(&first.connection)?);
-        Some(Ok(BagMessage { time: time_from_nanos(first.nanos), connection, bytes: first.bytes }))
+        Some(Ok(BagMessage { time: Time::from_nanos(first.nanos), connection, bytes: first.bytes }))
     }
 }
 
 fn nanos(time: u64) -> i64 {
     i64::try_from(time).unwrap_or(i64::MAX)
-}
-
-fn time_from_nanos(nanos: i64) -> Time {
-    Time::from_nanos(nanos)
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

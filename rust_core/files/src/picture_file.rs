@@ -7,7 +7,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use rcs_scene::{Encoding, Picture};
 
-use crate::whole_file::write_whole;
+use crate::atomic_file::write_atomically;
 
 /// Why a PNG file was not written.
 #[derive(Debug, thiserror::Error)]
@@ -73,7 +73,7 @@ pub fn write(path: &Path, picture: &Picture) -> Result<(), PngError> {
         });
     }
     let (color_type, bytes) = png_pixels(*encoding, data);
-    write_whole(
+    write_atomically(
         path,
         |file| {
             PngEncoder::new(file)

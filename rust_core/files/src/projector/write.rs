@@ -11,7 +11,7 @@ use std::path::Path;
 use super::distortion::{self, DistortionProblem};
 use super::frames::{check_placed_once, named_frame};
 use super::{check_focal_lengths, ProjectorFile, ProjectorFileError, StaticFrame};
-use crate::whole_file::write_whole;
+use crate::atomic_file::write_atomically;
 
 /// The key that is wrong, and why.
 type Wrong = (&'static str, String);
@@ -27,7 +27,7 @@ impl ProjectorFile {
     /// if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), ProjectorFileError> {
         let text = self.to_yaml(path)?;
-        write_whole(
+        write_atomically(
             path,
             |file| {
                 let io_error = |source| ProjectorFileError::Write { path: path.to_owned(), source };

@@ -7,7 +7,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes one file with `write`, replacing one that is there. The folder must exist. `io_error` wraps the system's errors.
-pub(crate) fn write_whole<E>(
+pub(crate) fn write_atomically<E>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
     io_error: impl Fn(io::Error) -> E,
@@ -44,7 +44,7 @@ mod tests {
         let path = folder.path().join("file");
         let write = |text: &'static str, then: io::Result<()>| {
             let write = |file: &mut BufWriter<File>| file.write_all(text.as_bytes()).and(then);
-            write_whole(&path, write, |error| error)
+            write_atomically(&path, write, |error| error)
         };
         write("first", Ok(())).unwrap();
         write("half of the sec", Err(io::ErrorKind::StorageFull.into())).unwrap_err();
