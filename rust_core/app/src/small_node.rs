@@ -1,4 +1,4 @@
-//! What all the ROS nodes here have in common: their own arguments, and an orderly shutdown.
+//! What all the ROS nodes here have in common: their own arguments, an orderly shutdown, and the `main` of the small ones.
 //!
 //! ROS arguments have `:=` in them (`topic:=other`, `_param:=value`, `__name:=name`), and rosrust reads them;
 //! [`own_arguments`] are the others. SIGINT, SIGTERM and `rosnode kill` request the shutdown ([`EndRequest`]); the node
@@ -6,13 +6,17 @@
 
 use std::ffi::OsString;
 use std::io;
+use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use clap::Parser;
 use rcs_ros::{NodeError, RosNode};
 use signal_hook::consts::{SIGINT, SIGTERM};
+
+use crate::logging;
 
 /// How often a waiting node polls for the shutdown request.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
@@ -34,6 +38,19 @@ pub fn remapping_of(name: &str) -> Option<String> {
         let (from, to) = argument.split_once(":=")?;
         (from.trim_start_matches('/') == name).then(|| to.to_owned())
     })
+}
+
+/// Runs a program with the process's arguments. An error is printed in one line after the program's name.
+pub fn run_main<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<()>) -> ExitCode {
+    let arguments = A::parse_from(own_arguments());
+    logging::start(false);
+    match run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{}: {}", A::command().get_name(), logging::one_line(&error));
+            ExitCode::FAILURE
+        }
+    }
 }
 
 /// Whether the node is requested to shut down. Clones share the request.
@@ -69,22 +86,18 @@ impl EndRequest {
 
     /// Waits until the shutdown is requested, but no longer than `duration`. Returns whether it is requested.
     pub fn wait_for(&self, duration: Duration) -> bool {
-        let until = Instant::now() + duration;
+        // None: later than any time.
+        let until = Instant::now().checked_add(duration);
         loop {
             if self.is_requested() {
                 return true;
             }
-            let left = until.saturating_duration_since(Instant::now());
+            let left = until.map_or(Duration::MAX, |until| until.saturating_duration_since(Instant::now()));
             if left.is_zero() {
                 return false;
             }
             thread::sleep(left.min(POLL_PERIOD));
         }
-    }
-
-    /// Waits until the shutdown is requested.
-    pub fn wait(&self) {
-        while !self.wait_for(Duration::from_secs(3600)) {}
     }
 }
 
@@ -115,7 +128,11 @@ mod tests {
     fn an_end_request_is_seen_by_all_and_ends_the_wait() {
         let end = EndRequest { requested: Arc::default() };
         assert!(!end.wait_for(Duration::from_millis(1)));
-        end.clone().request();
-        assert!(end.wait_for(Duration::from_secs(60)));
+        let request = end.clone();
+        let requesting = thread::spawn(move || request.request());
+        for duration in [Duration::from_secs(60), Duration::from_secs_f64(1e19), Duration::MAX] {
+            assert!(end.wait_for(duration), "{duration:?}");
+        }
+        requesting.join().unwrap();
     }
 }

@@ -4,8 +4,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use crate::logging;
-use crate::small_node::{self, EndRequest};
 use anyhow::{bail, Context};
 use clap::Parser;
 use rcs_files::projector::ProjectorFile;
@@ -13,6 +11,8 @@ use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::Time;
 use rcs_ros::{LatchedPublisher, RosNode};
+
+use crate::small_node::{self, EndRequest};
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 
@@ -49,15 +49,7 @@ struct Arguments {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse_from(small_node::own_arguments());
-    logging::start(false);
-    match run(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("projector: {}", logging::one_line(&error));
-            ExitCode::FAILURE
-        }
-    }
+    small_node::run_main(|arguments: Arguments| run(&arguments))
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {

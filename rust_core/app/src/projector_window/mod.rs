@@ -6,15 +6,15 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-use crate::logging;
-use crate::small_node::{self, EndRequest};
 use anyhow::Context;
 use clap::Parser;
 use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_ros::NodeEvent;
-use rcs_window::{self as window, list_lines, MonitorChoice};
-use rcs_window::{self, PictureSink, WindowOptions};
-use rcs_window::{PictureError, ReceivedPicture, ScreenPicture};
+use rcs_window::{
+    self as window, list_lines, MonitorChoice, PictureError, PictureSink, ReceivedPicture, ScreenPicture, WindowOptions,
+};
+
+use crate::small_node::{self, EndRequest};
 
 const DEFAULT_TOPIC: &str = "/proj_view/image";
 
@@ -49,15 +49,7 @@ struct Arguments {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse_from(small_node::own_arguments());
-    logging::start(false);
-    match run(arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("projector_window: {}", logging::one_line(&error));
-            ExitCode::FAILURE
-        }
-    }
+    small_node::run_main(run)
 }
 
 fn run(arguments: Arguments) -> anyhow::Result<()> {

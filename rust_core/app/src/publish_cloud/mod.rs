@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use crate::logging;
-use crate::small_node::{self, EndRequest};
 use anyhow::Context;
 use clap::Parser;
 use rcs_files::pcd::PcdCloud;
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::PointCloud2;
+
+use crate::small_node::{self, EndRequest};
 
 /// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
 ///
@@ -51,15 +51,7 @@ fn rate(text: &str) -> Result<f64, String> {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse_from(small_node::own_arguments());
-    logging::start(false);
-    match run(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("publish_cloud: {}", logging::one_line(&error));
-            ExitCode::FAILURE
-        }
-    }
+    small_node::run_main(|arguments: Arguments| run(&arguments))
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -81,17 +73,16 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let mut stamped = message.clone();
         stamped.header.stamp = node.now();
         publisher.send(stamped)?;
-        let is_end = if arguments.rate > 0.0 {
-            end.wait_for(Duration::from_secs_f64(arguments.rate.recip()))
-        } else {
-            end.wait();
-            true
-        };
-        if is_end {
+        if end.wait_for(period(arguments.rate)) {
             node.shutdown();
             return Ok(());
         }
     }
+}
+
+/// The time between two messages; the longest there is for a rate of 0.
+fn period(rate_hz: f64) -> Duration {
+    Duration::try_from_secs_f64(rate_hz.recip()).unwrap_or(Duration::MAX)
 }
 
 fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
@@ -111,4 +102,16 @@ fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
     message.row_step = cloud.point_step_bytes.saturating_mul(cloud.width);
     message.is_dense = cloud.is_dense;
     message
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rate_of_next_to_nothing_is_a_wait_without_end() {
+        assert_eq!(period(2.0), Duration::from_millis(500));
+        assert_eq!([0.0, 1e-300, 1e-20].map(period), [Duration::MAX; 3]);
+        assert!(period(1e-19) < Duration::MAX);
+    }
 }
