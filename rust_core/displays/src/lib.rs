@@ -15,5 +15,5 @@ pub use framework::in_view::InView;
 pub use framework::report::DisplayReport;
 pub use framework::set::{CameraView, DisplaySet, ListedDisplay, Reconfigured};
 pub use framework::status::{Level, Status, StatusCause, StatusText, Statuses};
-pub use framework::world::World;
+pub use framework::world::{time_from_stamp, World};
 pub use parts::shapes::Shape;

@@ -31,14 +31,14 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use rcs_displays::{CameraView, DisplaySet, Reconfigured, TopicRequest, World};
+use rcs_displays::{time_from_stamp, CameraView, DisplaySet, Reconfigured, TopicRequest, World};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
-use rcs_messages::{quaternion_xyzw, stamp_nanos, translation_xyz, AnyMessage, MessageKind};
+use rcs_messages::{quaternion_xyzw, translation_xyz, AnyMessage, MessageKind};
 use rcs_render::View;
 use rcs_resources::MeshStore;
 use rcs_rviz_config::Config;
-use rcs_scene::{Encoding, Scene};
+use rcs_scene::Scene;
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use crate::camera_stream::camera_pose::{self, CameraProblem, Projection};
@@ -122,7 +122,7 @@ impl Stage {
             let transform = RawTransform {
                 parent: &stamped.header.frame_id,
                 child: &stamped.child_frame_id,
-                stamp: Time::from_nanos(stamp_nanos(stamped.header.stamp)),
+                stamp: time_from_stamp(stamped.header.stamp),
                 translation: translation_xyz(&stamped.transform.translation),
                 rotation_xyzw: quaternion_xyzw(&stamped.transform.rotation),
             };
@@ -211,6 +211,6 @@ pub fn renderer_view<'a>(view: &'a CameraView, scene: &'a Scene, camera: &'a rcs
         camera,
         visible: &view.visible,
         background: view.settings.background_color,
-        encoding: Encoding::from_name(view.settings.image_encoding.name()).unwrap_or_default(),
+        encoding: view.settings.image_encoding,
     }
 }

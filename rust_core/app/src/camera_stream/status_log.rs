@@ -112,7 +112,7 @@ impl StatusLog {
                     (None, _) if self.histories.len() >= MOST_STATUSES => continue,
                     (None, _) => StatusHistory::new(now),
                 };
-                let (display, text) = (&key.0, status.text.replace(" \n", "; ").replace('\n', "; "));
+                let (display, text) = (&key.0, status.one_line());
                 let patience_secs = patience_secs(name, status.level, status.cause);
                 if history.update(patience_secs, status.level, &text, now, is_end) {
                     match status.level {

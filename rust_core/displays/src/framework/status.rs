@@ -63,6 +63,13 @@ pub struct Status {
     pub cause: StatusCause,
 }
 
+impl Status {
+    /// The text in one line.
+    pub fn one_line(&self) -> String {
+        self.text.replace(" \n", "; ").replace('\n', "; ")
+    }
+}
+
 /// A display's statuses by name (`Topic`, `Transform`, `Message`, …).
 ///
 /// ```

@@ -53,9 +53,14 @@ impl World<'_> {
     }
 }
 
+/// A message's stamp as a time of the frame tree.
+pub fn time_from_stamp(stamp: rcs_messages::Time) -> Time {
+    Time::from_nanos(stamp_nanos(stamp))
+}
+
 /// A header's time.
 pub(crate) fn stamp(header: &Header) -> Time {
-    Time::from_nanos(stamp_nanos(header.stamp))
+    time_from_stamp(header.stamp)
 }
 
 /// A pose as rviz reads it: the quaternion is normalised; one of zero length is no rotation.
