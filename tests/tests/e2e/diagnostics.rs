@@ -97,6 +97,26 @@ fn a_publisher_of_another_type_is_named_and_the_diagnostics_topic_can_be_remappe
 }
 
 #[test]
+fn a_display_that_is_hidden_or_out_of_view_is_reported() {
+    let grid = "{Class: rviz/Grid, Name: grid, Enabled: true}";
+    // The camera looks along z from the frame's origin.
+    let behind = "{Class: rviz/Grid, Name: behind, Enabled: true, Offset: {X: 0, Y: 0, Z: -5}, Reference Frame: eye}";
+    let scene = config(&[grid, behind], &[CameraPub::default()]);
+    let scene = scene.replace("Visibility: {Value: true}", "Visibility: {Value: true, grid: false}");
+    let fixture = RosFixture::start(&scene, &[]).unwrap();
+    fixture.python("topic = '/diagnostics'");
+    fixture.python(MONITOR);
+    let visibility = |display| format!("values('camera_stream: {display}').get('Visibility')");
+    fixture.wait_for(format!("{} == 'hidden in camera CameraPub'", visibility("grid")));
+    assert_eq!(fixture.python(visibility("behind")), "None", "without a CameraInfo no view is known");
+    fixture.python("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())");
+    fixture.wait_for(format!("{} == 'Warn: outside the view of camera CameraPub'", visibility("behind")));
+    let levels = "[level('camera_stream: ' + name) for name in ('grid', 'behind')]";
+    assert_eq!(fixture.python(levels), "[0, 1]", "{}", fixture.python("known"));
+    assert_eq!(fixture.python(visibility("grid")), "hidden in camera CameraPub");
+}
+
+#[test]
 fn diagnostics_are_published_once_a_second_while_simulated_time_stands_still() {
     let master = RosMaster::start().unwrap();
     master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();

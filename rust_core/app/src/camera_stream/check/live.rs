@@ -4,8 +4,7 @@
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-use rcs_displays::Level;
-use rcs_messages::stamp_nanos;
+use rcs_displays::{time_from_stamp, Level, Status};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::{NodeError, RosNode};
 use rcs_rviz_config::Config;
@@ -17,7 +16,7 @@ use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::camera_stream::subscriptions::Subscriptions;
-use crate::camera_stream::visibility::{self, PlacedCamera};
+use crate::camera_stream::visibility::{self, PlacedCamera, VISIBILITY};
 use crate::small_node::EndRequest;
 
 /// How long it sleeps at most while nothing is received.
@@ -94,7 +93,7 @@ fn check(
 }
 
 fn ros_time(ros: &RosNode) -> Time {
-    Time::from_nanos(stamp_nanos(ros.now()))
+    time_from_stamp(ros.now())
 }
 
 /// Applies what is received to the stage.
@@ -110,28 +109,30 @@ fn receive(stage: &mut Stage, listen: Duration, ros: &RosNode, end: &EndRequest)
             subscriptions.apply(event, stage, ros_time(ros));
         }
         stage.update(ros_time(ros));
-        if left.is_zero() || end.is_requested() || ros.is_asked_to_end() {
+        if left.is_zero() || end.is_requested() {
             return Ok(());
         }
     }
 }
 
-/// One row for each status that is not Ok; an entry whose statuses are all Ok has one row with their texts.
+/// One row for each status that is not Ok, and for the Visibility, the worst first; an entry whose statuses are all Ok
+/// has one row with their texts.
 fn rows(entry: &StatusEntry<'_>) -> Vec<[String; 5]> {
     let columns = [&entry.path, &entry.class, &entry.topic].map(|text| (!text.is_empty()).then_some(text.as_str()));
     let columns = columns.map(|text| text.unwrap_or("-").to_owned());
     let row = |level: Level, text: String| {
         let [path, class, topic] = columns.clone();
-        [path, class, topic, format!("{level:?}"), text.replace(" \n", "; ").replace('\n', "; ")]
+        [path, class, topic, format!("{level:?}"), text]
     };
+    let text = |(name, status): (&str, &Status)| format!("{name}: {}", status.one_line());
     if entry.level() == Level::Ok {
-        let texts: Vec<String> =
-            entry.statuses.iter().map(|(name, status)| format!("{name}: {}", status.text)).collect();
+        let texts: Vec<String> = entry.statuses.iter().map(text).collect();
         return vec![row(Level::Ok, texts.join(", "))];
     }
-    let mut bad: Vec<_> = entry.statuses.iter().filter(|(_, status)| status.level > Level::Ok).collect();
-    bad.sort_by_key(|(_, status)| std::cmp::Reverse(status.level));
-    bad.into_iter().map(|(name, status)| row(status.level, format!("{name}: {}", status.text))).collect()
+    let is_listed = |(name, status): &(&str, &Status)| status.level > Level::Ok || *name == VISIBILITY;
+    let mut listed: Vec<_> = entry.statuses.iter().filter(is_listed).collect();
+    listed.sort_by_key(|(_, status)| std::cmp::Reverse(status.level));
+    listed.into_iter().map(|(name, status)| row(status.level, text((name, status)))).collect()
 }
 
 /// Prints the table, each column as wide as its widest cell.
@@ -182,13 +183,18 @@ mod tests {
         let ok = entry("é", &[(Level::Ok, "Topic", "3 messages received"), (Level::Ok, "Transform", "OK")]);
         let bad =
             entry("long name", &[(Level::Warn, "A", "odd"), (Level::Error, "B", "bro\nken"), (Level::Ok, "C", "")]);
+        let hidden =
+            [(Level::Ok, VISIBILITY, "hidden in camera X"), (Level::Warn, "Topic", "none"), (Level::Ok, "C", "")];
+        let hidden = entry("hidden", &hidden);
         let mut out = Vec::new();
-        print(&[ok, bad], &mut out).unwrap();
+        print(&[ok, bad, hidden], &mut out).unwrap();
         let expected = "\
 DISPLAY    CLASS      TOPIC  STATUS  TEXT
 é          rviz/Path  -      Ok      Topic: 3 messages received, Transform: OK
 long name  rviz/Path  -      Error   B: bro; ken
 long name  rviz/Path  -      Warn    A: odd
+hidden     rviz/Path  -      Warn    Topic: none
+hidden     rviz/Path  -      Ok      Visibility: hidden in camera X
 ";
         assert_eq!(String::from_utf8(out).unwrap(), expected);
     }

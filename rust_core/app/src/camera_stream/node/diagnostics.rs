@@ -2,6 +2,7 @@
 //!
 //! The rate is of the computer's clock, so that a paused simulation is reported, too; the stamps are ROS time.
 
+use std::cmp::Reverse;
 use std::time::{Duration, Instant};
 
 use rcs_displays::Level;
@@ -12,10 +13,11 @@ use rcs_transforms::Time;
 
 use crate::camera_stream::status_log::StatusLog;
 use crate::camera_stream::status_tree::{self, EntryKind, StatusEntry};
+use crate::camera_stream::visibility::VISIBILITY;
 
 /// How often `/diagnostics` is published.
 const PERIOD: Duration = Duration::from_secs(1);
-/// A monitor shows that many statuses of a display at most; problems come first.
+/// A monitor shows that many statuses of a display at most: first problems, then whether a camera hides it.
 const MOST_VALUES: usize = 100;
 /// What the diagnosed thing is.
 const HARDWARE_ID: &str = "rviz_camera_stream";
@@ -104,7 +106,7 @@ fn diagnostic_status(node: &str, entry: &StatusEntry<'_>) -> DiagnosticStatus {
     }
     values.extend(entry.values.iter().map(|(key, text)| value(key, text.clone())));
     let mut statuses: Vec<_> = entry.statuses.iter().collect();
-    statuses.sort_by_key(|(_, status)| std::cmp::Reverse(status.level));
+    statuses.sort_by_key(|(name, status)| (Reverse(status.level), *name != VISIBILITY));
     let listed = statuses.iter().take(MOST_VALUES).map(|(name, status)| match status.level {
         Level::Ok => value(name, status.text.clone()),
         level => value(name, format!("{level:?}: {}", status.text)),
@@ -151,6 +153,7 @@ mod tests {
         assert_eq!((ok.level, ok.name.as_str(), ok.message.as_str()), (0, "cam: robot / markers", "OK"));
         entry.statuses.to_mut().set(Level::Warn, "z", "odd");
         entry.statuses.to_mut().set(Level::Error, "zz", "broken");
+        entry.statuses.to_mut().set(Level::Ok, VISIBILITY, "hidden in camera X");
         let bad = diagnostic_status("cam", &entry);
         assert_eq!((bad.level, bad.message.as_str()), (2, "zz: broken"));
         let values: Vec<(&str, &str)> = bad.values.iter().map(|v| (v.key.as_str(), v.value.as_str())).collect();
@@ -160,8 +163,9 @@ mod tests {
             ("messages received", "7"),
             ("zz", "Error: broken"),
             ("z", "Warn: odd"),
+            (VISIBILITY, "hidden in camera X"),
         ];
-        assert_eq!(values[..5], head);
-        assert_eq!((values.len(), values[values.len() - 1]), (3 + MOST_VALUES + 1, ("further statuses", "202")));
+        assert_eq!(values[..head.len()], head);
+        assert_eq!((values.len(), values[values.len() - 1]), (3 + MOST_VALUES + 1, ("further statuses", "203")));
     }
 }
