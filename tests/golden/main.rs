@@ -173,7 +173,7 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let meshes = MeshStore::new(PackageIndex::new([cases::conformance()]));
     let parameters = offline::read_parameters(&case.params, meshes.packages())?;
     let mut stage = Stage::new(&config, None, meshes);
-    offline::hand_over(&mut stage, &parameters);
+    offline::set_parameters(&mut stage, &parameters);
     let target = Target::Picture { file: file.to_owned(), at_secs: None };
     let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
     let bag = case.folder.join("scene.bag");

@@ -1,7 +1,7 @@
 //! `camera_stream render`: pictures and sequences of a bag, and the errors.
 
 use rcs_tests::programs::{case, program, repository};
-use rcs_tests::ros::RosMaster;
+use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -86,12 +86,29 @@ fn case_arguments(case: &Path) -> String {
 #[test]
 fn the_end_of_the_bag_is_drawn_or_the_time_given_by_at() {
     let render = Render::with_scene();
-    let times = [("", [0, 0, 255]), ("--at 0", [255, 0, 0]), ("--at 1.5", [0, 255, 0]), ("--at 102", [0, 0, 255])];
+    let (red, green, blue) = ([255, 0, 0], [0, 255, 0], [0, 0, 255]);
+    let times =
+        [("", blue), ("--at 0", red), ("--at 1.5", green), ("--at 102", blue), ("--at 1e9", blue), ("--at 1e20", blue)];
     for (at, color) in times {
         render.good(&format!("-d scene.rviz --bag scene.bag -o out.png {at}"));
         assert_eq!(render.pixel("out.png", 32, 24), color, "{at}");
     }
-    assert!(render.bad("-d scene.rviz --bag scene.bag -o out.png --at -1").contains("-1"));
+    for at in ["-1", "-1e20"] {
+        let error = render.bad(&format!("-d scene.rviz --bag scene.bag -o out.png --at {at}"));
+        assert!(error.contains("--at -1") && error.contains("the bag begins at 100"), "{error}");
+    }
+}
+
+/// Such a program starts itself again with the folder for which graphics libraries look, and with the same arguments.
+#[test]
+fn without_a_runtime_folder_the_picture_is_drawn_all_the_same() {
+    let render = Render::with_scene();
+    let mut command = Command::new(program("camera_stream"));
+    command.args(["render", "-d", "scene.rviz", "--bag", "scene.bag", "-o", "out.png", "--at", "0"]);
+    let mut running = Running::start(command.env_remove("XDG_RUNTIME_DIR").current_dir(render.folder.path())).unwrap();
+    let status = running.wait(PATIENCE);
+    assert_eq!(status.and_then(|status| status.code()), Some(0), "{:?}", running.errors());
+    assert_eq!(render.pixel("out.png", 32, 24), [255, 0, 0], "{:?}", running.errors());
 }
 
 #[test]

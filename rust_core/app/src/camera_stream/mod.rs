@@ -16,6 +16,11 @@ mod visibility;
 
 use std::process::ExitCode;
 
+use anyhow::{anyhow, Result};
+use clap::Parser;
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_rviz_config::Config;
+
 use crate::camera_stream::check::live::LiveArgs;
 use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
 use crate::camera_stream::offline::Target;
@@ -23,11 +28,9 @@ use crate::camera_stream::stage::Stage;
 use crate::logging;
 use crate::restart::restart;
 use crate::small_node::own_arguments;
-use anyhow::{anyhow, Result};
-use clap::Parser;
-use rcs_resources::{MeshStore, PackageIndex};
-use rcs_rviz_config::Config;
 
+/// The node's name where the command line gives none.
+const NODE_NAME: &str = "camera_stream";
 /// The exit status for invalid arguments and an unreadable config.
 const INVALID: u8 = 2;
 
@@ -45,28 +48,25 @@ pub fn main() -> ExitCode {
     if cli.may_use_gpu() {
         quiet_graphics_libraries();
     }
+    let file = match &cli.command {
+        Some(Command::Check(args)) => Some(args.file()),
+        Some(Command::Render(args)) => Some(args.display_config.clone()),
+        None => cli.node.display_config.clone(),
+    };
+    let Some(file) = file else { return invalid(&"no config: name one with -d FILE.rviz (see --help)") };
+    let config = match rcs_rviz_config::load(&file) {
+        Ok(config) => config,
+        Err(error) => return invalid(&error),
+    };
     let result = match &cli.command {
-        Some(Command::Check(args)) if args.live => match rcs_rviz_config::load(&args.file()) {
-            Ok(config) => return check_live(&cli, args, &config),
-            Err(error) => return invalid(&error),
-        },
-        Some(Command::Check(args)) => match rcs_rviz_config::load(&args.file()) {
-            Ok(config) => check::print(&config, args.node.fixed_frame.as_deref(), &mut std::io::stdout().lock())
+        Some(Command::Check(args)) if args.live => return check_live(&cli, args, &config),
+        Some(Command::Check(args)) => {
+            check::print(&config, args.node.fixed_frame.as_deref(), &mut std::io::stdout().lock())
                 .map(|understood| if understood { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-                .map_err(|error| anyhow!("standard output: {error}")),
-            Err(error) => return invalid(&error),
-        },
-        Some(Command::Render(args)) => match rcs_rviz_config::load(&args.display_config) {
-            Ok(config) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
-            Err(error) => return invalid(&error),
-        },
-        None => match &cli.node.display_config {
-            Some(file) => match rcs_rviz_config::load(file) {
-                Ok(config) => node::run(&cli, &config).map(|()| ExitCode::SUCCESS),
-                Err(error) => return invalid(&error),
-            },
-            None => return invalid(&"no config: name one with -d FILE.rviz (see --help)"),
-        },
+                .map_err(|error| anyhow!("standard output: {error}"))
+        }
+        Some(Command::Render(args)) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
+        None => node::run(&cli, &config).map(|()| ExitCode::SUCCESS),
     };
     result.unwrap_or_else(|error| {
         eprintln!("camera_stream: {}", logging::one_line(&error));
@@ -108,7 +108,7 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     let parameters = offline::read_parameters(&args.param, &packages)?;
     let meshes = MeshStore::new(packages);
     let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
-    offline::hand_over(&mut stage, &parameters);
+    offline::set_parameters(&mut stage, &parameters);
     let target = match (&args.output, &args.frames) {
         (_, Some(folder)) => Target::Sequence { folder: folder.clone(), rate_hz: args.rate },
         (Some(file), None) => Target::Picture { file: file.clone(), at_secs: args.at },

@@ -8,8 +8,8 @@ use std::time::Duration;
 use anyhow::{bail, Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use rcs_bag::{Bag, BagMessage, Connection};
-use rcs_displays::CameraView;
-use rcs_messages::{stamp_nanos, AnyMessage, MessageKind};
+use rcs_displays::{time_from_stamp, CameraView};
+use rcs_messages::{AnyMessage, MessageKind};
 use rcs_render::Renderer;
 use rcs_resources::PackageIndex;
 use rcs_scene::Picture;
@@ -55,22 +55,22 @@ pub fn render(
     renderer: &mut dyn Renderer,
     projection: Projection,
 ) -> Result<()> {
-    let camera = choose_camera(stage.cameras(), camera_name)?.clone();
+    let view = choose_camera(stage.cameras(), camera_name)?.clone();
     let bag = Bag::open(bag_path)?;
     let Some((start, end)) = bag.time_range() else { bail!("{}: the bag holds no messages", bag_path.display()) };
-    let (start, end) = (time(start), time(end));
+    let (start, end) = (time_from_stamp(start), time_from_stamp(end));
     let moments = Moments::of(target, start, end)?;
     let mut output = target.open()?;
     let progress = progress(moments.count);
-    let mut player = Player::new(stage, &bag)?;
+    let mut player = Player::new(stage, &bag);
     let mut picture = Arc::new(Picture::default());
     for moment in moments.iter() {
-        player.play_until(stage, moment)?;
+        player.play_until(stage, moment);
         stage.update(moment);
-        let eye = stage.camera(&camera, projection).with_context(|| bag_path.display().to_string())?;
+        let camera = stage.camera(&view, projection).with_context(|| bag_path.display().to_string())?;
         let scene = stage.scene();
-        renderer.render(&renderer_view(&camera, &scene, &eye), Arc::make_mut(&mut picture))?;
-        let info = stage.camera_info(&camera).cloned().unwrap_or_default();
+        renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
+        let info = stage.camera_info(&view).cloned().unwrap_or_default();
         output.send(&Frame { picture: Arc::clone(&picture), info, stamp: ros_time(moment) })?;
         progress.inc(1);
     }
@@ -107,7 +107,7 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
 }
 
 /// Sets the parameters that the stage reads; those that are not among `parameters` are not set.
-pub fn hand_over(stage: &mut Stage, parameters: &HashMap<String, Arc<str>>) {
+pub fn set_parameters(stage: &mut Stage, parameters: &HashMap<String, Arc<str>>) {
     for name in stage.parameters() {
         let text = parameters.get(name.trim_start_matches('/'));
         stage.take_parameter(&name, text, Time::ZERO);
@@ -125,10 +125,6 @@ fn choose_camera<'a>(cameras: &'a [CameraView], name: Option<&str>) -> Result<&'
         (None, [camera]) => Ok(camera),
         (None, _) => bail!("the config has several cameras, choose one with --camera: {}", names()),
     }
-}
-
-fn time(stamp: rcs_messages::Time) -> Time {
-    Time::from_nanos(stamp_nanos(stamp))
 }
 
 fn ros_time(time: Time) -> rcs_messages::Time {
@@ -182,14 +178,15 @@ impl Moments {
     }
 }
 
+/// The time so many seconds after another, before it if they are negative; the last or first of all times where there
+/// is none.
 fn after(start: Time, secs: f64) -> Time {
-    Duration::try_from_secs_f64(secs.abs()).map_or(start, |duration| {
-        if secs < 0.0 {
-            start.saturating_sub(duration)
-        } else {
-            start.saturating_add(duration)
-        }
-    })
+    let duration = Duration::try_from_secs_f64(secs.abs()).unwrap_or(Duration::MAX);
+    if secs < 0.0 {
+        start.saturating_sub(duration)
+    } else {
+        start.saturating_add(duration)
+    }
 }
 
 /// A progress bar on a terminal for more than one picture, nothing on a pipe.
@@ -224,7 +221,7 @@ fn is_transforms(connection: &Connection) -> bool {
 }
 
 impl Player {
-    fn new(stage: &Stage, bag: &Bag) -> Result<Self> {
+    fn new(stage: &Stage, bag: &Bag) -> Self {
         let requests = stage.topics();
         let wanted: Vec<(String, String, MessageKind)> =
             requests.into_iter().map(|request| (full_name(&request.topic), request.topic, request.kind)).collect();
@@ -239,19 +236,19 @@ impl Player {
         let messages =
             bag.messages(|connection| is_transforms(connection) || names.contains(&full_name(&connection.topic)));
         let (messages, status_log) = (messages.peekable(), StatusLog::default());
-        Ok(Self { messages, wanted, unseen_transforms: None, status_log })
+        Self { messages, wanted, unseen_transforms: None, status_log }
     }
 
     /// Plays all messages up to a time.
-    fn play_until(&mut self, stage: &mut Stage, moment: Time) -> Result<()> {
+    fn play_until(&mut self, stage: &mut Stage, moment: Time) {
         while let Some(next) = self.messages.peek() {
-            if next.as_ref().is_ok_and(|message| time(message.time) > moment) {
+            if next.as_ref().is_ok_and(|message| time_from_stamp(message.time) > moment) {
                 break;
             }
             match self.messages.next() {
                 Some(Ok(message)) => {
                     self.play(stage, &message);
-                    let now = time(message.time);
+                    let now = time_from_stamp(message.time);
                     if self.status_log.is_due(now) {
                         self.status_log.check(&stage.status_entries(now), now);
                     }
@@ -261,7 +258,6 @@ impl Player {
             }
         }
         self.update_with_transforms(stage);
-        Ok(())
     }
 
     /// Updates the displays with the transforms since their last update, at the time of the last of those.
@@ -275,7 +271,7 @@ impl Player {
         let connection = &message.connection;
         let name = full_name(&connection.topic);
         let damaged = |error: &dyn std::fmt::Display| log::warn!("topic {name}: cannot decode a message: {error}");
-        let now = time(message.time);
+        let now = time_from_stamp(message.time);
         if self.unseen_transforms.is_some_and(|(first, _)| now.saturating_since(first) >= UPDATE_PERIOD) {
             self.update_with_transforms(stage);
         }
@@ -308,6 +304,21 @@ impl Player {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_moment_beyond_all_times_is_after_or_before_the_bag() {
+        let at = |secs| Time::from_secs_nanos(secs, 0);
+        let moments = |secs| {
+            let target = Target::Picture { file: PathBuf::new(), at_secs: Some(secs) };
+            Moments::of(&target, at(100), at(103))
+        };
+        let first = |secs| moments(secs).unwrap().first;
+        assert_eq!([first(0.0), first(1.5), first(102.0)].map(|time| time.as_secs_f64()), [100.0, 101.5, 102.0]);
+        for secs in [1e9, 1e20, 1e300] {
+            assert!(first(secs) > at(1_000_000_000), "{secs}");
+            assert!(moments(-secs).unwrap_err().to_string().contains("the bag begins at 100"), "{secs}");
+        }
+    }
 
     #[test]
     fn a_sequence_covers_the_bag_and_has_a_limit() {

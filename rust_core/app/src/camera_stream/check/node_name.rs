@@ -6,12 +6,11 @@
 use std::ffi::OsString;
 use std::io;
 
+use crate::camera_stream::NODE_NAME;
 use crate::restart::restart;
 
 /// ROS's special argument for the name.
 const NAME_ARGUMENT: &str = "__name:=";
-/// The node's name without that argument.
-const DEFAULT_NAME: &str = "camera_stream";
 
 /// The names of the two nodes, without their namespace.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,7 +39,7 @@ impl NodeName {
 
     fn from_arguments(arguments: &[OsString], suffix: &str) -> Self {
         let given = arguments.iter().find_map(|argument| argument.to_str()?.strip_prefix(NAME_ARGUMENT));
-        let diagnosed = given.and_then(|name| name.strip_suffix(suffix)).unwrap_or(DEFAULT_NAME).to_owned();
+        let diagnosed = given.and_then(|name| name.strip_suffix(suffix)).unwrap_or(NODE_NAME).to_owned();
         Self { own: format!("{diagnosed}{suffix}"), diagnosed }
     }
 }
