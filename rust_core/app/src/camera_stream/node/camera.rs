@@ -1,26 +1,23 @@
 //! One camera of the node: draws its pictures when they are due and hands them to its outputs.
 //!
-//! What there is to it is sorted into parts: the [`Schedule`] decides when, the [`RuntimeSettings`] with which settings,
-//! [`Outputs`] where to, and [`CameraHealth`] records how it went.
+//! Its parts: [`Schedule`] decides when a picture is due, [`RuntimeSettings`] holds the settings, [`Outputs`] receive the
+//! pictures, [`CameraHealth`] records problems and figures.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use rcs_displays::{CameraView, DisplaySet};
+use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_messages::stamp_nanos;
 use rcs_render::Renderer;
 use rcs_ros::{RosNode, TriggerReply};
-use rcs_rviz_config::Config;
 use rcs_scene::{Camera, Picture, Scene};
-use rcs_transforms::Time;
 
 use super::camera_health::CameraHealth;
 use super::camera_plan::CameraPlan;
 use super::latency::Update;
-use super::parameters::Switch;
+use super::reconfigurable::Switch;
 use super::runtime_settings::RuntimeSettings;
 use super::schedule::Schedule;
 use crate::camera_stream::camera_pose::Projection;
@@ -37,12 +34,18 @@ pub(super) struct CameraOutput {
     /// The config's "Global Options: Frame Rate".
     global_frame_rate_hz: i32,
     schedule: Schedule,
-    outputs: Outputs,
-    /// The whole name of its trigger service; `None` where another camera has that name.
-    trigger_service: Option<Arc<str>>,
+    connections: CameraConnections,
     last: Option<LastPicture>,
     in_flight: Option<Drawn>,
     health: CameraHealth,
+}
+
+/// What connects a camera to the world outside.
+#[derive(Default)]
+pub(super) struct CameraConnections {
+    pub(super) outputs: Outputs,
+    /// The whole name of its trigger service; `None` where another camera has that name.
+    pub(super) trigger_service: Option<Arc<str>>,
 }
 
 /// What a picture shows: the state of the scene and the camera.
@@ -76,7 +79,7 @@ pub(super) fn names(cameras: &[CameraOutput]) -> String {
 }
 
 impl CameraOutput {
-    /// A camera without outputs; [`Self::apply`] gives it those.
+    /// A camera without connections; [`Self::apply`] gives it those.
     pub(super) fn new(ros: &RosNode, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
         Self {
             id: plan.id.clone(),
@@ -84,33 +87,33 @@ impl CameraOutput {
             settings: RuntimeSettings::start(ros, &plan.id, &plan.settings, switches),
             global_frame_rate_hz: 0,
             schedule: Schedule::new(),
-            outputs: Outputs::default(),
-            trigger_service: None,
+            connections: CameraConnections::default(),
             last: None,
             in_flight: None,
             health: CameraHealth::default(),
         }
     }
 
-    /// Takes over the settings, outputs and trigger service that a config gives it.
+    /// Takes over the settings and connections that a config gives it.
     pub(super) fn apply(
         &mut self,
         plan: &CameraPlan,
-        (outputs, trigger_service): (Outputs, Option<Arc<str>>),
+        connections: CameraConnections,
         switches: &Arc<[Switch]>,
-        config: &Config,
-        (ros, displays): (&RosNode, &DisplaySet),
+        global_frame_rate_hz: i32,
+        ros: &RosNode,
+        displays: &DisplaySet,
     ) {
         self.settings.update_from(ros, &plan.settings, switches);
         self.view = plan.view();
-        (self.outputs, self.trigger_service) = (outputs, trigger_service);
-        self.global_frame_rate_hz = config.global.frame_rate_hz;
+        self.connections = connections;
+        self.global_frame_rate_hz = global_frame_rate_hz;
         self.apply_settings(displays);
     }
 
-    /// Gives its topic and its trigger service away, for the cameras of another config.
-    pub(super) fn release(&mut self) -> (Option<TopicOutput>, Option<Arc<str>>) {
-        (self.outputs.topic.take(), self.trigger_service.take())
+    /// Gives its connections away, for the cameras of another config.
+    pub(super) fn release(&mut self) -> CameraConnections {
+        std::mem::take(&mut self.connections)
     }
 
     /// Applies the current settings from the next picture on.
@@ -138,7 +141,7 @@ impl CameraOutput {
 
     /// Its statuses.
     pub(super) fn status_entry(&self, stage: &Stage, projection: Projection) -> StatusEntry<'static> {
-        self.health.status_entry(stage, &self.view, projection, &self.outputs, self.trigger_service.is_some())
+        self.health.status_entry(stage, &self.view, projection, &self.connections)
     }
 
     /// Records an update of the scene, for the latency figures.
@@ -151,7 +154,7 @@ impl CameraOutput {
         self.health.latency.forget();
     }
 
-    /// Records how drawing and publishing went. An error is logged once.
+    /// Records the result of rendering and publishing. An error is logged once.
     pub(super) fn record_result(&mut self, result: Result<()>) {
         self.health.record_result(&self.view.name, result);
     }
@@ -170,24 +173,25 @@ impl CameraOutput {
 
     /// Whether this is the camera of a trigger service.
     pub(super) fn serves(&self, service: &str) -> bool {
-        self.trigger_service.as_deref() == Some(service)
+        self.connections.trigger_service.as_deref() == Some(service)
     }
 
     /// Answers a call of the trigger service; the picture follows.
     pub(super) fn trigger(&mut self, reply: TriggerReply) {
-        match &self.outputs.topic {
-            Some(topic) => {
-                self.schedule.trigger();
-                reply.send(true, format!("New image will be published on: {}", topic.topic()));
-            }
-            None => reply.send(false, "Image publisher not configured"),
+        let outputs = &self.connections.outputs;
+        if outputs.is_empty() {
+            reply.send(false, "Image publisher not configured");
+        } else {
+            self.schedule.trigger();
+            let topic = outputs.topic.as_ref().map_or("another output", TopicOutput::topic);
+            reply.send(true, format!("New image will be published on: {topic}"));
         }
     }
 
     /// How long until a picture is due by itself; `None` when that is never.
     pub(super) fn until_due(&self, now: Instant) -> Option<Duration> {
         // A camera that cannot draw is retried when a message arrives.
-        let can_draw = !self.health.has_problem() && self.outputs.is_watched();
+        let can_draw = !self.health.has_problem() && self.connections.outputs.is_watched();
         self.schedule.until_due(now).filter(|_| can_draw)
     }
 
@@ -198,7 +202,7 @@ impl CameraOutput {
     /// The renderer's, and those of the outputs.
     pub(super) fn begin_if_due(&mut self, drawing: Drawing<'_>, scene: impl FnOnce() -> Arc<Scene>) -> Result<bool> {
         let Drawing { stage, scene_version, projection, renderer, ros } = drawing;
-        if !self.outputs.is_watched() {
+        if !self.connections.outputs.is_watched() {
             self.schedule.clear_trigger();
             self.health.latency.forget();
             return Ok(false);
@@ -217,7 +221,7 @@ impl CameraOutput {
         let is_current = |last: &LastPicture| last.of.scene_version == scene_version && last.of.camera == camera;
         let changed = !self.last.as_ref().is_some_and(is_current);
         let now = Instant::now();
-        let has_new_watcher = !self.schedule.is_on_trigger() && self.outputs.take_new_watcher();
+        let has_new_watcher = !self.schedule.is_on_trigger() && self.connections.outputs.take_new_watcher();
         if !(has_new_watcher || self.schedule.is_due(now, changed)) {
             return Ok(false);
         }
@@ -253,18 +257,18 @@ impl CameraOutput {
     }
 
     /// Forgets the picture that was begun: the renderer lost those of all cameras. The next call begins it again.
-    pub(super) fn lose_picture(&mut self) {
+    pub(super) fn discard_in_flight(&mut self) {
         self.in_flight = None;
     }
 
     /// Hands the last picture to the outputs. `drawn`: when it was drawn, if it is a new one.
     fn publish_last(&mut self, drawn: Option<Instant>, ros: &RosNode) -> Result<()> {
-        let Some(last) = self.last.as_ref().filter(|_| !self.outputs.is_empty()) else { return Ok(()) };
+        let Some(last) = self.last.as_ref().filter(|_| !self.connections.outputs.is_empty()) else { return Ok(()) };
         let stamp = ros.now();
         let frame = Frame { picture: Arc::clone(&last.picture), info: Arc::clone(&last.of.info), stamp };
-        self.outputs.send(&frame)?;
+        self.connections.outputs.send(&frame)?;
         if let Some(drawn) = drawn {
-            self.health.latency.measure(drawn, Instant::now(), Time::from_nanos(stamp_nanos(stamp)));
+            self.health.latency.measure(drawn, Instant::now(), time_from_stamp(stamp));
         }
         self.health.published += 1;
         self.schedule.clear_trigger();

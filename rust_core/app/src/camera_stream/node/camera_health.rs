@@ -1,12 +1,12 @@
-//! How one of the node's cameras is doing: its problems, its counters and its latency, for the log and its statuses.
+//! Status of one of the node's cameras: its problems, its counters and its latency, for the log and its statuses.
 
 use anyhow::Result;
 use rcs_displays::{CameraView, Level};
 use rcs_messages::sensor_msgs::CameraInfo;
 
+use super::camera::CameraConnections;
 use super::latency::Latency;
 use crate::camera_stream::camera_pose::{rviz_differs, CameraProblem, Projection};
-use crate::camera_stream::outputs::Outputs;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::logging::one_line;
@@ -32,7 +32,7 @@ impl CameraHealth {
         self.problem.is_some()
     }
 
-    /// Records how drawing and publishing went. An error is logged once.
+    /// Records the result of rendering and publishing. An error is logged once.
     pub(super) fn record_result(&mut self, camera: &str, result: Result<()>) {
         self.last_error = result.err().map(|error| {
             let error = one_line(&error);
@@ -88,25 +88,22 @@ impl CameraHealth {
         stage: &Stage,
         view: &CameraView,
         projection: Projection,
-        outputs: &Outputs,
-        has_trigger: bool,
+        connections: &CameraConnections,
     ) -> StatusEntry<'static> {
         let mut entry = status_tree::camera(stage, view, projection);
         let statuses = entry.statuses.to_mut();
-        match &outputs.topic {
-            None if statuses.level() < Level::Error => {
-                statuses.set(Level::Error, "Output Topic", "Image publisher not configured");
-            }
-            _ if !has_trigger => {
-                let text = "Could not create trigger. Make sure that display namespace is unique!";
-                statuses.set(Level::Warn, "Display namespace", text);
-            }
-            _ => statuses.set(Level::Ok, "Display namespace", "OK"),
+        if connections.outputs.is_empty() && statuses.level() < Level::Error {
+            statuses.set(Level::Error, "Output Topic", "Image publisher not configured");
+        } else if connections.trigger_service.is_none() {
+            let text = "Could not create trigger. Make sure that display namespace is unique!";
+            statuses.set(Level::Warn, "Display namespace", text);
+        } else {
+            statuses.set(Level::Ok, "Display namespace", "OK");
         }
         if let Some(error) = &self.last_error {
             statuses.set(Level::Error, "Picture", error.clone());
         }
-        if let Some(topic) = &outputs.topic {
+        if let Some(topic) = &connections.outputs.topic {
             entry.topic = topic.topic().to_owned();
             entry.values.push(("subscribers", topic.subscriber_count().to_string()));
         }

@@ -10,8 +10,8 @@ use rcs_ros::RosNode;
 use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings};
 use rcs_scene::DisplayMask;
 
-use super::camera::CameraOutput;
-use super::parameters::{ros_name, switches, unique, Switch};
+use super::camera::{CameraConnections, CameraOutput};
+use super::reconfigurable::{ros_name, switches, unique, Switch};
 use crate::camera_stream::outputs::{self, Outputs, TopicNames, TopicOutput};
 
 /// A camera as a config asks for it, with all its names resolved.
@@ -94,11 +94,11 @@ pub(super) fn rearrange(
     let switches: Arc<[Switch]> = switches(config).into();
     let mut cameras = Vec::new();
     for plan in plans {
-        let service = kept.trigger_service(ros, &plan);
-        let outputs = Outputs { topic: kept.topic(ros, &plan) };
+        let trigger_service = kept.trigger_service(ros, &plan);
+        let connections = CameraConnections { outputs: Outputs { topic: kept.topic(ros, &plan) }, trigger_service };
         let known = take_where(&mut old, |camera| camera.id() == plan.id);
         let mut camera = known.unwrap_or_else(|| CameraOutput::new(ros, &plan, &switches));
-        camera.apply(&plan, (outputs, service), &switches, config, (ros, displays));
+        camera.apply(&plan, connections, &switches, config.global.frame_rate_hz, ros, displays);
         cameras.push(camera);
     }
     cameras
@@ -119,11 +119,13 @@ struct KeptResources {
 impl KeptResources {
     /// Those of the old cameras that a plan asks for. All others are closed.
     fn of(ros: &RosNode, old: &mut [CameraOutput], plans: &[CameraPlan]) -> Self {
-        let (topics, services): (Vec<_>, Vec<_>) = old.iter_mut().map(CameraOutput::release).unzip();
-        let mut topics: Vec<TopicOutput> = topics.into_iter().flatten().collect();
+        let (mut topics, mut services) = (Vec::new(), Vec::new());
+        for CameraConnections { outputs, trigger_service } in old.iter_mut().map(CameraOutput::release) {
+            topics.extend(outputs.topic);
+            services.extend(trigger_service);
+        }
         outputs::retain(&mut topics, plans.iter().filter_map(|plan| Some(&plan.topics.as_ref()?.1)).collect());
-        let mut services: Vec<Arc<str>> = services.into_iter().flatten().collect();
-        services.retain(|service| {
+        services.retain(|service: &Arc<str>| {
             let wanted = plans.iter().any(|plan| *plan.service == **service);
             if !wanted {
                 ros.stop_serving(service);

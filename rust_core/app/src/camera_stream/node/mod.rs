@@ -10,7 +10,7 @@ mod camera_plan;
 mod diagnostics;
 mod file_watch;
 mod latency;
-mod parameters;
+mod reconfigurable;
 mod reload;
 mod runtime_settings;
 mod schedule;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use rcs_messages::stamp_nanos;
+use rcs_displays::time_from_stamp;
 use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::{NodeEvent, RosNode};
@@ -35,6 +35,7 @@ use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::subscriptions::Subscriptions;
 use crate::camera_stream::visibility::{self, PlacedCamera};
+use crate::camera_stream::NODE_NAME;
 use crate::logging::one_line;
 use crate::small_node::{self, EndRequest};
 use camera::{CameraOutput, Drawing};
@@ -54,7 +55,7 @@ pub fn run(cli: &Cli, config: &Config) -> Result<()> {
         log::warn!("{}: {finding}", config.source);
     }
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    let Some(ros) = small_node::connect("camera_stream", &end)? else { return Ok(()) };
+    let Some(ros) = small_node::connect(NODE_NAME, &end)? else { return Ok(()) };
     let result = Node::start(cli, config, &ros).map(|mut node| node.run(&end));
     ros.shutdown();
     result
@@ -130,12 +131,12 @@ impl<'a> Node<'a> {
     }
 
     fn now(&self) -> Time {
-        Time::from_nanos(stamp_nanos(self.ros.now()))
+        time_from_stamp(self.ros.now())
     }
 
     fn run(&mut self, end: &EndRequest) {
         self.stage.update(self.now());
-        while !end.is_requested() && !self.ros.is_asked_to_end() {
+        while !end.is_requested() {
             let events = self.ros.events().wait(self.sleep());
             let mut has_news = !events.is_empty();
             for event in events {
@@ -216,8 +217,8 @@ impl<'a> Node<'a> {
             NodeEvent::TimeJumpedBack { from, to } => {
                 log::warn!(
                     "time jumped back from {} to {}: all frames and messages are dropped",
-                    Time::from_nanos(stamp_nanos(*from)),
-                    Time::from_nanos(stamp_nanos(*to))
+                    time_from_stamp(*from),
+                    time_from_stamp(*to)
                 );
                 self.cameras.iter_mut().for_each(CameraOutput::forget_messages);
                 self.scene_version += 1;
@@ -264,7 +265,7 @@ impl<'a> Node<'a> {
         self.record_result(index, result);
     }
 
-    /// Records how a camera's drawing and publishing went. An error is logged once and does not end the node. A GPU that
+    /// Records the result of rendering and publishing a camera's picture. An error is logged once and does not end the node. A GPU that
     /// `auto` chose and that fails is replaced by the CPU.
     fn record_result(&mut self, index: usize, result: Result<()>) {
         let gpu_failed = matches!(&result, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })));
@@ -272,7 +273,7 @@ impl<'a> Node<'a> {
             camera.record_result(result);
         }
         if gpu_failed {
-            self.cameras.iter_mut().for_each(CameraOutput::lose_picture);
+            self.cameras.iter_mut().for_each(CameraOutput::discard_in_flight);
         }
         if gpu_failed && self.renderer_choice == RendererChoice::Auto {
             self.renderer = Box::new(CpuRenderer::new());

@@ -9,7 +9,7 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_ros::{ReconfigureServer, RosNode};
 use rcs_rviz_config::CameraPubSettings;
 
-use super::parameters::{Parameters, Switch};
+use super::reconfigurable::{Parameters, Switch};
 
 /// The settings of one camera that can be changed while it runs.
 pub(super) struct RuntimeSettings {

@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-/// When a camera's last picture was due, and whether it differed from the one before.
+/// When a camera's last picture was begun, and whether it differed from the one before.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct LastPicture {
+struct LastBegun {
     at: Instant,
-    was_new: bool,
+    changed: bool,
 }
 
 /// Decides when a camera's pictures are due: by its frame rate, or because its trigger service was called.
@@ -14,7 +14,7 @@ struct LastPicture {
 pub(super) struct Schedule {
     pace: Pace,
     triggered: bool,
-    last: Option<LastPicture>,
+    last: Option<LastBegun>,
 }
 
 impl Schedule {
@@ -56,7 +56,7 @@ impl Schedule {
     /// Records that a picture was begun. The next one is timed from here, also when drawing fails, so that it is retried
     /// at the frame rate and not at once.
     pub(super) fn begin(&mut self, now: Instant, changed: bool) {
-        self.last = Some(LastPicture { at: now, was_new: changed });
+        self.last = Some(LastBegun { at: now, changed });
     }
 }
 
@@ -87,16 +87,16 @@ impl Pace {
         }
     }
 
-    fn is_due(self, last: Option<LastPicture>, now: Instant, changed: bool) -> bool {
+    fn is_due(self, last: Option<LastBegun>, now: Instant, changed: bool) -> bool {
         let is_change = changed && matches!(self, Self::OnChange { .. });
         is_change || self.until_due(last, now) == Some(Duration::ZERO)
     }
 
-    fn until_due(self, last: Option<LastPicture>, now: Instant) -> Option<Duration> {
+    fn until_due(self, last: Option<LastBegun>, now: Instant) -> Option<Duration> {
         let period = match self {
             // A scene that changes about as often as it would be repeated must not be late because its old picture is
             // just being sent, so the first repetition waits half a period longer.
-            Self::OnChange { repeat } if last.is_some_and(|last| last.was_new) => repeat.saturating_add(repeat / 2),
+            Self::OnChange { repeat } if last.is_some_and(|last| last.changed) => repeat.saturating_add(repeat / 2),
             Self::OnChange { repeat } => repeat,
             Self::OnTrigger => return None,
             Self::Every(period) => period,
@@ -113,7 +113,7 @@ mod tests {
     fn pictures_are_due_at_the_frame_rate() {
         let start = Instant::now();
         let at = |millis| start + Duration::from_millis(millis);
-        let (new, old) = (LastPicture { at: start, was_new: true }, LastPicture { at: start, was_new: false });
+        let (new, old) = (LastBegun { at: start, changed: true }, LastBegun { at: start, changed: false });
         let fast = Pace::new(-1.0, 30);
         assert!(fast.is_due(Some(new), at(1), true), "a change is drawn at once");
         assert!(!fast.is_due(Some(old), at(33), false));

@@ -67,13 +67,17 @@ pub struct Outputs {
 }
 
 impl Outputs {
+    fn all(&self) -> impl Iterator<Item = &dyn Output> {
+        self.topic.iter().map(|topic| topic as &dyn Output)
+    }
+
     fn each(&mut self) -> impl Iterator<Item = &mut dyn Output> {
         self.topic.iter_mut().map(|topic| topic as &mut dyn Output)
     }
 
     /// Whether there is no output at all.
     pub fn is_empty(&self) -> bool {
-        self.topic.is_none()
+        self.all().next().is_none()
     }
 }
 
@@ -90,7 +94,7 @@ impl Output for Outputs {
     }
 
     fn is_watched(&self) -> bool {
-        self.topic.as_ref().is_some_and(Output::is_watched)
+        self.all().any(Output::is_watched)
     }
 
     fn take_new_watcher(&mut self) -> bool {
