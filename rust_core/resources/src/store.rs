@@ -47,8 +47,8 @@ impl MeshStore {
     }
 
     /// The mesh at a `package://` or `file://` address; the same address gives the same meshes and textures, or the
-    /// same error, until [`MeshStore::forget_failures`]. What is wrong with it but not fatal is logged once, when it
-    /// is loaded, and kept in [`LoadedMesh::warnings`].
+    /// same error. What is wrong with it but not fatal is logged once, when it is loaded, and kept in
+    /// [`LoadedMesh::warnings`].
     ///
     /// # Errors
     /// Any [`ResourceError`].
@@ -77,12 +77,6 @@ impl MeshStore {
         urls.dedup();
         // The results are kept in the store.
         urls.par_iter().for_each(|url| drop(self.get(url)));
-    }
-
-    /// Loads the meshes that failed again when they are next needed.
-    pub fn forget_failures(&self) {
-        let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
-        slots.retain(|_, slot| !matches!(slot.get(), Some(Err(_))));
     }
 }
 

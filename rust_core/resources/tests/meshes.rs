@@ -373,14 +373,14 @@ fn a_mesh_is_loaded_once_and_so_is_its_failure() {
     fs::create_dir(dir.path().join("robot")).unwrap();
     fs::write(dir.path().join("robot/package.xml"), "<package><name>robot</name></package>").unwrap();
     let store = MeshStore::new(PackageIndex::new([dir.path().to_owned()]));
-    let url = "package://robot/a.stl";
-    assert!(matches!(store.get(url), Err(ResourceError::Io { .. })));
+    let (missing, loaded) = ("package://robot/a.stl", "package://robot/b.stl");
+    assert!(matches!(store.get(missing), Err(ResourceError::Io { .. })));
     fs::write(dir.path().join("robot/a.stl"), TEXT_STL).unwrap();
-    assert!(matches!(store.get(url), Err(ResourceError::Io { .. })));
-    store.forget_failures();
-    let mesh = store.get(url).unwrap();
-    fs::remove_file(dir.path().join("robot/a.stl")).unwrap();
-    assert!(Arc::ptr_eq(&mesh, &store.get(url).unwrap()));
+    assert!(matches!(store.get(missing), Err(ResourceError::Io { .. })));
+    fs::write(dir.path().join("robot/b.stl"), TEXT_STL).unwrap();
+    let mesh = store.get(loaded).unwrap();
+    fs::remove_file(dir.path().join("robot/b.stl")).unwrap();
+    assert!(Arc::ptr_eq(&mesh, &store.get(loaded).unwrap()));
 }
 
 #[test]
