@@ -73,6 +73,9 @@ pub(crate) fn at_least(min: f32) -> RangeInclusive<f32> {
     min..=f32::MAX
 }
 
+/// The longest "History Length" that rviz keeps.
+pub(crate) const MAX_HISTORY: u32 = 100_000;
+
 /// The key that holds a property's own value where the property is written as a map.
 const OWN_VALUE: &str = "Value";
 

@@ -156,8 +156,6 @@ pub struct CloudSettings {
     pub topic: String,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
-    /// Whether points can be picked with the mouse; no effect on the picture.
-    pub selectable: bool,
     /// How a point is drawn, and how large: at least 1 pixel for [`PointStyle::Points`], at least 0.0001 m for all other
     /// styles. Never [`PointStyle::Tiles`].
     pub style: PointStyle,
@@ -181,7 +179,6 @@ impl Default for CloudSettings {
         CloudSettings {
             topic: String::new(),
             queue_size: 10,
-            selectable: true,
             style: PointStyle::FlatSquares { side_m: DEFAULT_SIZES.1 },
             alpha: 1.0,
             decay_time_secs: 0.0,
@@ -257,11 +254,11 @@ impl CloudSettings {
         settings
     }
 
-    /// Reads how points are drawn, without what is listened to.
+    /// Reads how points are drawn, without the topic that they come from.
     pub(crate) fn read_points(&mut self, section: &mut Section<'_>) {
         self.intensity.read(section);
         self.axis_color.read(section);
-        section.bool("Selectable", &mut self.selectable);
+        section.skip(&["Selectable"]);
         let (mut size_px, mut size_m) = DEFAULT_SIZES;
         section.float("Size (Pixels)", at_least(1.0), &mut size_px);
         section.float("Size (m)", at_least(0.0001), &mut size_m);

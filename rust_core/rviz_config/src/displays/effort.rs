@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::section::{Section, ANY};
+use crate::section::{Section, ANY, MAX_HISTORY};
 
 /// The properties of an Effort display.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,8 +11,6 @@ pub struct EffortSettings {
     pub topic: String,
     /// How many messages may wait to be taken.
     pub queue_size: u32,
-    /// Without effect in rviz: the circles are opaque.
-    pub alpha: f32,
     /// Width of a circle's line in metres, and the size of its arrow. It has no bounds in rviz.
     pub width_m: f32,
     /// What the circles' sizes are multiplied with.
@@ -32,7 +30,6 @@ impl Default for EffortSettings {
         EffortSettings {
             topic: String::new(),
             queue_size: 10,
-            alpha: 1.0,
             width_m: 0.02,
             scale: 1.0,
             history_length: 1,
@@ -43,18 +40,15 @@ impl Default for EffortSettings {
     }
 }
 
-/// The longest history that rviz keeps.
-const MAX_HISTORY: u32 = 100_000;
-
 impl EffortSettings {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {
         let mut settings = EffortSettings::default();
         section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
-        section.float("Alpha", ANY, &mut settings.alpha);
+        // Without effect in rviz: the circles are opaque.
+        section.skip(&["Alpha"]);
         section.float("Width", ANY, &mut settings.width_m);
         section.float("Scale", ANY, &mut settings.scale);
-        section.count("History Length", 1, &mut settings.history_length);
-        settings.history_length = settings.history_length.min(MAX_HISTORY);
+        section.count_in("History Length", 1..=MAX_HISTORY, &mut settings.history_length);
         section.text("Robot Description", &mut settings.robot_description);
         section.text("TF Prefix", &mut settings.tf_prefix);
         let mut joints = section.child("Joints");

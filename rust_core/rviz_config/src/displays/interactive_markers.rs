@@ -16,8 +16,6 @@ pub struct InteractiveMarkersSettings {
     pub show_descriptions: bool,
     /// Whether each marker's axes are drawn.
     pub show_axes: bool,
-    /// Whether lines show what a control does while it is dragged. Nobody drags here, so it changes nothing.
-    pub show_visual_aids: bool,
     /// Whether controls may be translucent. If not, all that is not invisible is opaque.
     pub enable_transparency: bool,
     /// Not a property of the display: whether rviz starts with its Interact tool, which is the first of the file's
@@ -31,7 +29,6 @@ impl Default for InteractiveMarkersSettings {
             update_topic: String::new(),
             show_descriptions: true,
             show_axes: false,
-            show_visual_aids: false,
             enable_transparency: true,
             interaction_enabled: true,
         }
@@ -44,7 +41,8 @@ impl InteractiveMarkersSettings {
         section.text("Update Topic", &mut settings.update_topic);
         section.bool("Show Descriptions", &mut settings.show_descriptions);
         section.bool("Show Axes", &mut settings.show_axes);
-        section.bool("Show Visual Aids", &mut settings.show_visual_aids);
+        // Lines that show what a control does while it is dragged.
+        section.skip(&["Show Visual Aids"]);
         section.bool("Enable Transparency", &mut settings.enable_transparency);
         settings
     }

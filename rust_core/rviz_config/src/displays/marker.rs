@@ -1,4 +1,4 @@
-//! `rviz/Marker` and `rviz/MarkerArray`: the same display, listening to another kind of message.
+//! `rviz/Marker` and `rviz/MarkerArray`: the same display, subscribing to another kind of message.
 //!
 //! A Marker display shows the markers of its topic and also the arrays of the topic's name with `_array` after it. A
 //! MarkerArray display shows only the arrays of its topic.

@@ -208,12 +208,6 @@ pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
 const TOPIC_KEYS: [&str; 5] = ["Topic", "Marker Topic", "Image Topic", "Depth Map Topic", "Update Topic"];
 
 impl DisplayConfig {
-    /// Whether all is shown of this display that a camera could see. True of a group, whose displays are drawn or not
-    /// each for itself, of a CameraPub, which is what draws, and of what is not in the scene (an Image or a Camera).
-    pub fn is_drawn(&self) -> bool {
-        self.settings.role() != Role::Unknown
-    }
-
     /// The topic that the display shows, or publishes in the case of a CameraPub; `None` if it has none or it is
     /// empty.
     pub fn topic(&self) -> Option<&str> {

@@ -1,9 +1,6 @@
 //! `rviz/PointStamped`: the last points of a `geometry_msgs/PointStamped` topic as spheres.
 
-use crate::section::{Section, ANY};
-
-/// The longest history that rviz allows.
-const MAX_HISTORY: u32 = 100_000;
+use crate::section::{Section, ANY, MAX_HISTORY};
 
 /// The properties of a PointStamped display. Opacity and radius have no bounds in rviz.
 #[derive(Debug, Clone, PartialEq)]

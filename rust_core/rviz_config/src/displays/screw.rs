@@ -1,10 +1,7 @@
 //! `rviz/WrenchStamped`, `rviz/TwistStamped`, `rviz/AccelStamped`: an arrow for the linear part, an arrow and a circle
 //! around it for the angular part.
 
-use crate::section::{Section, ANY};
-
-/// rviz's longest "History Length".
-const LONGEST_HISTORY: u32 = 100_000;
+use crate::section::{Section, ANY, MAX_HISTORY};
 
 /// The properties of a display of screws. Opacity, scales and width have no bounds in rviz.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,8 +67,7 @@ impl ScrewSettings {
         section.float(scale, ANY, &mut settings.angular_scale);
         section.float("Alpha", ANY, &mut settings.alpha);
         section.float("Arrow Width", ANY, &mut settings.width_m);
-        section.count("History Length", 1, &mut settings.history_length);
-        settings.history_length = settings.history_length.min(LONGEST_HISTORY);
+        section.count_in("History Length", 1..=MAX_HISTORY, &mut settings.history_length);
         section.bool("Hide Small Values", &mut settings.hide_small_values);
         settings
     }

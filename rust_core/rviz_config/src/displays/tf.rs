@@ -23,7 +23,7 @@ pub struct TfSettings {
     pub marker_alpha: f32,
     /// Seconds between two updates of the frames, at least 0; 0 updates whenever something changed.
     pub update_interval_s: f32,
-    /// Seconds without news after which a frame disappears, at least 1. It turns grey in the second third of
+    /// Seconds without a new transform after which a frame disappears, at least 1. It turns grey in the second third of
     /// that time and fades away in the last one.
     pub frame_timeout_s: f32,
     /// The frames that the list "Frames" switches off.

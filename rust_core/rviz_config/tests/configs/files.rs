@@ -1,6 +1,6 @@
 //! What the sections of a file are read into, and files that cannot be read.
 
-use rcs_rviz_config::{parse, ConfigError, DisplaySettings, GridSettings, ViewConfig, ViewController};
+use rcs_rviz_config::{parse, ConfigError, DisplaySettings, GridSettings, Role, ViewConfig, ViewController};
 
 use super::messages;
 
@@ -197,8 +197,10 @@ fn a_file_as_rviz_saves_it_is_understood() {
     assert!(config.enabled);
 
     let placed = config.placed_displays();
-    let seen: Vec<_> =
-        placed.iter().map(|placed| (placed.path.join("/"), placed.enabled, placed.display.is_drawn())).collect();
+    let seen: Vec<_> = placed
+        .iter()
+        .map(|placed| (placed.path.join("/"), placed.enabled, placed.display.settings.role() != Role::Unknown))
+        .collect();
     let expected = [
         ("Grid", true, true),
         ("Nothing in it", false, true),

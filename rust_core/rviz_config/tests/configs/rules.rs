@@ -1,6 +1,6 @@
 //! What is reported of keys, values and classes that are not as rviz writes them.
 
-use rcs_rviz_config::{parse, DisplaySettings, FindingKind, GridSettings, LineStyle};
+use rcs_rviz_config::{parse, DisplaySettings, FindingKind, GridSettings, LineStyle, Role};
 use rcs_scene::PointStyle;
 
 use super::{messages, settings, with_display, FIRST_LINE};
@@ -95,7 +95,7 @@ fn an_unknown_key_is_reported_with_its_line_at_any_depth() {
 fn an_unknown_class_is_reported_once_and_its_keys_are_not() {
     let config = with_display("moveit_rviz_plugin/MotionPlanning", "Topic: /plan\nMove Group: {A: 1}");
     assert_eq!(messages(&config), ["line 3: Displays / it: unknown class moveit_rviz_plugin/MotionPlanning"]);
-    assert!(!config.displays[0].is_drawn());
+    assert_eq!(settings(&config).role(), Role::Unknown);
     assert_eq!(config.displays[0].topic(), Some("/plan"));
     assert!(matches!(settings(&config), DisplaySettings::Unknown { .. }));
     let config = parse("Visualization Manager: {Displays: [{Name: x}]}", "t").unwrap();
