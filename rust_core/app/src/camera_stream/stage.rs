@@ -82,7 +82,7 @@ impl Stage {
         let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
         let changed = self.displays.reconfigure(config, &world);
         if is_moved {
-            self.displays.place_anew(&world);
+            self.displays.change_fixed_frame(&world);
         }
         let topics = self.topics();
         self.camera_infos.retain(|topic, _| topics.iter().any(|request| request.topic == *topic));

@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_that_wait_for_good_do_not_pile_up() {
+    fn messages_that_never_become_ready_are_limited() {
         let mut arrivals = Arrivals::default();
         (0..10_000).for_each(|secs| note(&mut arrivals, secs));
         assert_eq!(arrivals.on_the_way.len(), MOST_WAITING);

@@ -58,7 +58,7 @@ pub(crate) trait Display: Send {
     /// Takes the text of one of its parameters; `None` while it is not set.
     fn take_parameter(&mut self, _name: &str, _text: Option<&Arc<str>>, _world: &World<'_>) {}
 
-    /// Brings what it shows up to date: places messages whose frames are known now, lets old things go, follows
+    /// Brings what it shows up to date: places messages whose frames are known now, drops expired ones, follows
     /// moved frames. Returns whether its drawables changed.
     fn update(&mut self, world: &World<'_>) -> bool;
 

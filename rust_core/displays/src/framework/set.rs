@@ -118,7 +118,7 @@ impl DisplaySet {
     }
 
     /// Applies another config. A display of the same class, name, groups and settings stays as it is; another one
-    /// is made anew and gets the last messages of its topics.
+    /// is recreated and gets the last messages of its topics.
     pub fn reconfigure(&mut self, config: &Config, world: &World<'_>) -> Reconfigured {
         let before = self.entries.len();
         let added = self.arrange(config);
@@ -300,7 +300,7 @@ impl DisplaySet {
     }
 
     /// Places everything in another fixed frame.
-    pub fn place_anew(&mut self, world: &World<'_>) {
+    pub fn change_fixed_frame(&mut self, world: &World<'_>) {
         for entry in &mut self.entries {
             entry.display.reset();
             entry.received = 0;
@@ -492,20 +492,20 @@ mod tests {
         let mut path = Arc::unwrap_or_clone(path);
         (path.header.frame_id, path.header.stamp.sec) = ("arm".to_owned(), 7);
         let (message, received) = (AnyMessage::Path(Arc::new(path)), Some(Instant::now()));
-        let mut news = |transforms: &TransformTree, message: Option<&AnyMessage>| {
+        let mut newly_shown = |transforms: &TransformTree, message: Option<&AnyMessage>| {
             let world = World { transforms, fixed_frame: "map", now: Time::from_secs_f64(10.0), meshes: &meshes };
             message.into_iter().for_each(|message| set.take_received("/p", message, received, &world));
             set.update(&world);
             (set.newly_shown().to_vec(), set.reports().next().unwrap().shown)
         };
-        assert_eq!(news(&transforms, Some(&message)), (Vec::new(), None));
+        assert_eq!(newly_shown(&transforms, Some(&message)), (Vec::new(), None));
         let (translation, rotation_xyzw) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0]);
         let stamp = Time::from_secs_nanos(7, 0);
         let place = RawTransform { parent: "map", child: "arm", stamp, translation, rotation_xyzw };
         transforms.insert(&place, true, "/a").unwrap();
         let shown = ShownMessage { stamp, received };
-        assert_eq!(news(&transforms, None), (vec![(0, shown)], Some(shown)));
-        assert_eq!(news(&transforms, None), (Vec::new(), Some(shown)), "reported once");
+        assert_eq!(newly_shown(&transforms, None), (vec![(0, shown)], Some(shown)));
+        assert_eq!(newly_shown(&transforms, None), (Vec::new(), Some(shown)), "reported once");
     }
 
     #[test]

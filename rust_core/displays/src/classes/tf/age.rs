@@ -46,10 +46,10 @@ impl Fade {
     }
 }
 
-/// The last news of a frame.
+/// When the transform of a frame last changed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Age {
-    last_news: Time,
+    last_change: Time,
     /// The latest time at which the frame could be placed; zero while that is not known or does not matter.
     last_common_time: Time,
 }
@@ -57,19 +57,19 @@ pub(super) struct Age {
 impl Age {
     /// A frame that is seen for the first time.
     pub(super) fn new(now: Time) -> Self {
-        Self { last_news: now, last_common_time: Time::ZERO }
+        Self { last_change: now, last_common_time: Time::ZERO }
     }
 
     /// Takes the latest time at which the frame can be placed; zero stands for always and for never.
     pub(super) fn update(&mut self, common_time: Time, now: Time) {
         if common_time.is_zero() || common_time != self.last_common_time {
-            *self = Self { last_news: now, last_common_time: common_time };
+            *self = Self { last_change: now, last_common_time: common_time };
         }
     }
 
     /// What the age has done to the frame's colours by now.
     pub(super) fn fade(&self, now: Time, timeout: Duration) -> Fade {
-        let age = now.saturating_since(self.last_news);
+        let age = now.saturating_since(self.last_change);
         let third = timeout.mul_f64(THIRD);
         let left = |end: Duration| (end.saturating_sub(age).as_secs_f64() / third.as_secs_f64()) as f32;
         if age > timeout {
@@ -83,13 +83,13 @@ impl Age {
         }
     }
 
-    /// When the colours will change without further news of the frame.
+    /// When the colours will change without a new transform.
     pub(super) fn next_change(&self, now: Time, timeout: Duration) -> Option<Time> {
         if self.last_common_time.is_zero() {
             return None;
         }
         // At the very end of a stage it still holds.
-        let after = |age: Duration| self.last_news.saturating_add(age.saturating_add(Duration::from_nanos(1)));
+        let after = |age: Duration| self.last_change.saturating_add(age.saturating_add(Duration::from_nanos(1)));
         let third = timeout.mul_f64(THIRD);
         match self.fade(now, timeout) {
             Fade::Fresh => Some(after(third)),

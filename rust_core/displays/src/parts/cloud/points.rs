@@ -70,7 +70,7 @@ pub(super) struct PointBytes<'a> {
     data: &'a [u8],
     point_step: usize,
     place: Place,
-    /// Of each share of the points, how many are shown: those that are somewhere.
+    /// Of each share of the points, how many are shown: those with a finite position.
     shown: &'a [usize],
     is_all_shown: bool,
 }
@@ -88,7 +88,7 @@ impl PointBytes<'_> {
             if self.is_all_shown {
                 out.iter_mut().zip(points).for_each(|(out, point)| *out = compute(point));
             } else {
-                let shown = points.filter(|point| is_somewhere(&self.place.in_point(point)));
+                let shown = points.filter(|point| has_finite_position(&self.place.in_point(point)));
                 out.iter_mut().zip(shown).for_each(|(out, point)| *out = compute(point));
             }
         };
@@ -119,7 +119,7 @@ fn in_shares<T: Send>(
 }
 
 #[inline(always)]
-fn is_somewhere([x, y, z]: &[f32; 3]) -> bool {
+fn has_finite_position([x, y, z]: &[f32; 3]) -> bool {
     x.is_finite() & y.is_finite() & z.is_finite()
 }
 
@@ -134,9 +134,10 @@ pub(crate) fn read(
     let (data, point_step) = (cloud.data(), layout.point_step.max(1));
     let place = Place::of(cloud, layout);
     let mut shown = std::mem::take(&mut pool.shown);
-    let somewhere_in =
-        |points: &[u8]| points.chunks_exact(point_step).filter(|point| is_somewhere(&place.in_point(point))).count();
-    data.par_chunks(SHARE * point_step).map(somewhere_in).collect_into_vec(&mut shown);
+    let shown_in = |points: &[u8]| {
+        points.chunks_exact(point_step).filter(|point| has_finite_position(&place.in_point(point))).count()
+    };
+    data.par_chunks(SHARE * point_step).map(shown_in).collect_into_vec(&mut shown);
     let non_finite_count = layout.point_count - shown.iter().sum::<usize>();
     let is_all_shown = non_finite_count == 0 || non_finite == NonFinite::FarAway;
     if is_all_shown {
@@ -152,7 +153,7 @@ pub(crate) fn read(
     };
     pool.shown = shown;
     if non_finite_count > 0 && non_finite == NonFinite::FarAway {
-        for position in positions.iter_mut().filter(|position| !is_somewhere(position)) {
+        for position in positions.iter_mut().filter(|position| !has_finite_position(position)) {
             *position = FAR_AWAY;
         }
     }
@@ -200,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn points_that_are_nowhere_are_left_out_with_their_colours() {
+    fn points_without_a_finite_position_are_left_out_with_their_colours() {
         let points = [
             ([1.0, 2.0, 3.0], 0xff_00_00),
             ([f32::NAN, 0.0, 0.0], 0x12_34_56),

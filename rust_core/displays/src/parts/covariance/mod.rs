@@ -30,7 +30,7 @@ const MAX_ANGLE_RAD: f64 = 89.0 * std::f64::consts::PI / 180.0;
 /// Thickness of what is flat, in metres.
 const FLAT_M: f64 = 0.001;
 
-/// How far along x the middle of a cone of 1 m lies whose tip is at the pose; rviz has it by trial, the tip misses a
+/// How far along x the middle of a cone of 1 m lies whose tip is at the pose; found by trial in rviz, the tip misses a
 /// little.
 const CONE_MIDDLE_M: f64 = 0.49115;
 
