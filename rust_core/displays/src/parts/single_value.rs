@@ -1,20 +1,44 @@
-//! Messages of a single value: one point where the sensor is, coloured by what it measured.
+//! Displays of messages of a single value: one point where the sensor is, coloured by what it measured.
+
+use std::marker::PhantomData;
+use std::sync::Arc;
 
 use rcs_messages::sensor_msgs::PointField;
-use rcs_messages::std_msgs::Header;
-use rcs_messages::PointCloud2;
+use rcs_messages::TypedMessage;
 
-use crate::parts::cloud::one_row;
+use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
+use crate::World;
 
-/// A cloud of one point at the origin, with its value in a field of a name.
-pub(crate) fn cloud_of_one(header: &Header, name: &str, value: f64) -> PointCloud2 {
-    let fields = [
-        ("x", 0, PointField::FLOAT32),
-        ("y", 4, PointField::FLOAT32),
-        ("z", 8, PointField::FLOAT32),
-        (name, 12, PointField::FLOAT64),
-    ];
-    let mut data = vec![0; 12];
-    data.extend(value.to_le_bytes());
-    one_row(header, &fields, 20, data)
+/// A message of a single value.
+pub(crate) trait SingleValue: TypedMessage {
+    /// The name of the channel by which the point is coloured.
+    const CHANNEL: &'static str;
+
+    /// What was measured.
+    fn value(&self) -> f64;
+}
+
+/// A display of single values.
+pub(crate) type SingleValueDisplay<M> = CloudDisplay<SingleValueSource<M>>;
+
+/// A message of a single value as a cloud of one point.
+#[derive(Debug)]
+pub(crate) struct SingleValueSource<M>(PhantomData<M>);
+
+impl<M: SingleValue> CloudSource for SingleValueSource<M> {
+    type Message = M;
+    const NON_FINITE: NonFinite = NonFinite::FarAway;
+
+    fn place(message: &Arc<M>, world: &World<'_>) -> Result<PlacedCloud, String> {
+        let fields = [
+            ("x", 0, PointField::FLOAT32),
+            ("y", 4, PointField::FLOAT32),
+            ("z", 8, PointField::FLOAT32),
+            (M::CHANNEL, 12, PointField::FLOAT64),
+        ];
+        let mut data = vec![0; 12];
+        data.extend(message.value().to_le_bytes());
+        let header = message.header().cloned().unwrap_or_default();
+        PlacedCloud::at_stamp(Arc::new(one_row(&header, &fields, 20, data)), world)
+    }
 }
