@@ -49,19 +49,17 @@ impl Display for AxesDisplay {
     fn update(&mut self, world: &World<'_>) -> bool {
         let reference_frame = self.settings.reference_frame.as_deref();
         let place = frame::follow(reference_frame, world, self.place, &mut self.statuses);
-        if place == self.place && (place.is_none() || !self.drawables.is_empty()) {
+        if self.place == Some(place) && !self.drawables.is_empty() {
             return false;
         }
-        self.place = place;
+        self.place = Some(place);
         self.drawables.clear();
-        if let Some(place) = place {
-            let (length_m, diameter_m) = (f64::from(self.settings.length_m), f64::from(self.settings.radius_m));
-            let fixed_from_axes = place.to_homogeneous();
-            self.drawables.extend(axes(self.display, &fixed_from_axes, length_m, diameter_m, &self.materials));
-            if let Some(trail) = &mut self.trail {
-                trail.follow(place.translation.vector);
-                self.drawables.extend(trail.drawable(self.display, TRAIL_COLOR));
-            }
+        let (length_m, diameter_m) = (f64::from(self.settings.length_m), f64::from(self.settings.radius_m));
+        let fixed_from_axes = place.to_homogeneous();
+        self.drawables.extend(axes(self.display, &fixed_from_axes, length_m, diameter_m, &self.materials));
+        if let Some(trail) = &mut self.trail {
+            trail.follow(place.translation.vector);
+            self.drawables.extend(trail.drawable(self.display, TRAIL_COLOR));
         }
         true
     }

@@ -82,7 +82,7 @@ impl EffortDisplay {
         let Some(joints) = &self.joints else { return };
         if message.name.len() != message.effort.len() {
             let text = "Received a joint state msg with different joint names and efforts size!";
-            self.statuses.set(Level::Error, "Topic", text);
+            self.statuses.set(Level::Error, Statuses::TOPIC, text);
             return;
         }
         let is_full = self.shown.len() >= self.settings.history_length as usize;
@@ -166,7 +166,7 @@ impl Display for EffortDisplay {
     fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
         if let AnyMessage::JointState(message) = message {
             self.received += 1;
-            self.statuses.set(Level::Ok, "Topic", format!("{} messages received", self.received));
+            self.statuses.set(Level::Ok, Statuses::TOPIC, format!("{} messages received", self.received));
             self.show(message, world);
         }
     }
@@ -297,7 +297,7 @@ mod tests {
         let mut bench = Bench::new(EffortSettings::default());
         bench.describe();
         assert_eq!(bench.send(&["j", "k"], &[1.0]), 0);
-        assert_eq!(bench.status("Topic").unwrap().0, Level::Error);
+        assert_eq!(bench.status(Statuses::TOPIC).unwrap().0, Level::Error);
         let mut bench = Bench::new(EffortSettings { tf_prefix: "other".to_owned(), ..EffortSettings::default() });
         bench.describe();
         assert_eq!(bench.send(&["j"], &[1.0]), 0);

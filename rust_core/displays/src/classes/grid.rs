@@ -38,20 +38,17 @@ impl Display for GridDisplay {
     fn update(&mut self, world: &World<'_>) -> bool {
         let reference_frame = self.settings.reference_frame.as_deref();
         let place = frame::follow(reference_frame, world, self.place, &mut self.statuses);
-        if place == self.place && !self.drawables.is_empty() {
+        if self.place == Some(place) && !self.drawables.is_empty() {
             return false;
         }
-        self.place = place;
-        self.drawables.clear();
-        if let Some(place) = place {
-            let fixed_from_grid = place.to_homogeneous() * frame_from_grid(&self.settings);
-            let mut grid = drawable(self.display, fixed_from_grid, self.geometry.clone());
-            if let Geometry::Ribbons(_) = self.geometry {
-                // Ogre sorts chains by the middle of their box in their own frame, which is a grid's origin.
-                grid.sort_point = Point3::origin();
-            }
-            self.drawables.push(grid);
+        self.place = Some(place);
+        let fixed_from_grid = place.to_homogeneous() * frame_from_grid(&self.settings);
+        let mut grid = drawable(self.display, fixed_from_grid, self.geometry.clone());
+        if let Geometry::Ribbons(_) = self.geometry {
+            // Ogre sorts chains by the middle of their box in their own frame, which is a grid's origin.
+            grid.sort_point = Point3::origin();
         }
+        self.drawables = vec![grid];
         true
     }
 

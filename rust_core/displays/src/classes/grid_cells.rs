@@ -16,6 +16,7 @@ use rcs_scene::{
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
+use crate::framework::message_display::InvalidFloats;
 use crate::framework::waiting_messages::WaitingMessages;
 use crate::parts::bounds::middle;
 use crate::parts::cloud::max_points;
@@ -52,14 +53,13 @@ impl GridCellsDisplay {
         let is_finite = |cell: &Point| [cell.x, cell.y, cell.z].iter().all(|value| value.is_finite());
         let size_m = [cells.cell_width, cells.cell_height];
         if !size_m.iter().all(|side| side.is_finite()) || !cells.cells.iter().all(is_finite) {
-            let text = "Message contained invalid floating point values (nans or infs)";
-            self.statuses.set(Level::Error, "Topic", text);
+            self.statuses.set(Level::Error, Statuses::TOPIC, InvalidFloats.to_string());
             return Vec::new();
         }
         for (side_m, name) in size_m.iter().zip(["width", "height"]).rev() {
             if *side_m == 0.0 {
                 let text = format!("Cell {name} is zero, cells will be invisible.");
-                self.statuses.set(Level::Error, "Topic", text);
+                self.statuses.set(Level::Error, Statuses::TOPIC, text);
             }
         }
         let mut drawables = Vec::new();
@@ -145,12 +145,12 @@ mod tests {
     }
 
     fn topic_status(display: &GridCellsDisplay) -> Option<&str> {
-        let (_, status) = display.statuses.iter().find(|(name, _)| *name == "Topic")?;
+        let (_, status) = display.statuses.iter().find(|(name, _)| *name == Statuses::TOPIC)?;
         Some(&status.text)
     }
 
     #[test]
-    fn cells_that_are_nowhere_or_have_no_size_are_reported_as_in_rviz() {
+    fn cells_without_finite_positions_or_without_size_are_reported_as_in_rviz() {
         let mut display = GridCellsDisplay::new(0, PlainColorSettings::default());
         let here = Isometry3::identity();
         assert_eq!(display.tiles(&cells(0.1, 0.2, 1.0), &here).len(), 1);

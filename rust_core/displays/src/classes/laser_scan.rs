@@ -18,9 +18,10 @@ use rcs_scene::DisplayId;
 use rcs_transforms::{interpolate, Time};
 
 use crate::framework::display::Display;
+use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
-use crate::World;
+use crate::{StatusText, World};
 
 /// `sensor_msgs/LaserScan` as a cloud in the fixed frame.
 #[derive(Debug)]
@@ -40,14 +41,14 @@ impl CloudSource for LaserScanSource {
         last_ray(scan).unwrap_or(stamp(&scan.header))
     }
 
-    fn place(scan: &Arc<LaserScan>, world: &World<'_>) -> Result<PlacedCloud, String> {
+    fn place(scan: &Arc<LaserScan>, world: &World<'_>) -> Result<PlacedCloud, StatusText> {
         let end = last_ray(scan).ok_or_else(|| {
             format!("The scan's time increment of {} s leads to no time. Dropping message.", scan.time_increment)
         })?;
-        let frame = &scan.header.frame_id;
-        let poses = [stamp(&scan.header), end].map(|time| world.fixed_from(frame, time));
+        let frame_id = &scan.header.frame_id;
+        let poses = [stamp(&scan.header), end].map(|time| world.fixed_from(frame_id, time));
         let [Ok(first), Ok(last)] = poses else {
-            return Err(format!("Failed to transform from frame [{frame}] to frame [{}]", world.fixed_frame));
+            return Err(frame::transform_failed(frame_id, world));
         };
         let cloud = Arc::new(project(scan, &first, &last));
         Ok(PlacedCloud { cloud, fixed_from_cloud: Isometry3::identity() })
@@ -120,7 +121,7 @@ mod tests {
             Self { display, tree: TransformTree::new(), meshes: MeshStore::new(PackageIndex::new([])) }
         }
 
-        /// Says where the scanner is in `map`, with its yaw in degrees.
+        /// Inserts the transform of the scanner in `map`, with its yaw in degrees.
         fn place(&mut self, secs: u32, translation: [f64; 3], yaw_deg: f64) {
             let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw_deg.to_radians());
             let transform = RawTransform {
@@ -201,7 +202,7 @@ mod tests {
         let mut bench = Bench::new(CloudSettings::default());
         bench.place(10, [0.0, 0.0, 0.0], 0.0);
         assert!(bench.show(Some(LaserScan { time_increment: 1.0, ..scan(10, &[1.0, 1.0]) })).is_none());
-        let level = |statuses: &Statuses| statuses.iter().find(|(name, _)| *name == "Transform").map(|(_, s)| s.level);
+        let level = |statuses: &Statuses| statuses.iter().find(|(name, _)| *name == Statuses::TRANSFORM).map(|(_, s)| s.level);
         assert_eq!(level(bench.display.statuses()), Some(Level::Warn));
         bench.place(11, [1.0, 0.0, 0.0], 0.0);
         assert_near(&bench.show(None).unwrap().positions, &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);

@@ -12,7 +12,7 @@ use rcs_scene::DisplayId;
 
 use crate::framework::display::Display;
 use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
-use crate::World;
+use crate::{StatusText, World};
 
 /// `sensor_msgs/PointCloud` as `sensor_msgs/PointCloud2`.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ impl CloudSource for PointCloudSource {
     type Message = PointCloud;
     const NON_FINITE: NonFinite = NonFinite::FarAway;
 
-    fn place(cloud: &Arc<PointCloud>, world: &World<'_>) -> Result<PlacedCloud, String> {
+    fn place(cloud: &Arc<PointCloud>, world: &World<'_>) -> Result<PlacedCloud, StatusText> {
         PlacedCloud::at_stamp(Arc::new(converted(cloud)), world)
     }
 }

@@ -8,7 +8,7 @@ use rcs_scene::DisplayId;
 
 use crate::framework::display::Display;
 use crate::parts::cloud::{CloudDisplay, CloudSource, NonFinite, PlacedCloud};
-use crate::World;
+use crate::{StatusText, World};
 
 /// `sensor_msgs/PointCloud2` as it is.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ impl CloudSource for PointCloud2Source {
     type Message = PointCloud2;
     const NON_FINITE: NonFinite = NonFinite::LeftOut;
 
-    fn place(cloud: &Arc<PointCloud2>, world: &World<'_>) -> Result<PlacedCloud, String> {
+    fn place(cloud: &Arc<PointCloud2>, world: &World<'_>) -> Result<PlacedCloud, StatusText> {
         PlacedCloud::at_stamp(cloud.clone(), world)
     }
 }

@@ -1,7 +1,7 @@
 //! Frames of displays: following a reference frame (Grid, Axes), and rviz's status texts for frames that cannot be found.
 
 use nalgebra::Isometry3;
-use rcs_transforms::{Dropped, LookupError, LookupProblem, Time};
+use rcs_transforms::{Dropped, LookupError, LookupProblem, Time, WaitingQueue};
 
 use crate::framework::status::StatusText;
 use crate::{Level, Statuses, World};
@@ -13,16 +13,16 @@ pub(crate) fn follow(
     world: &World<'_>,
     last: Option<Isometry3<f64>>,
     statuses: &mut Statuses,
-) -> Option<Isometry3<f64>> {
+) -> Isometry3<f64> {
     let frame = reference_frame.unwrap_or(world.fixed_frame);
     match world.fixed_from(frame, Time::ZERO) {
         Ok(place) => {
-            statuses.set(Level::Ok, "Transform", "Transform OK");
-            Some(place)
+            statuses.set(Level::Ok, Statuses::TRANSFORM, "Transform OK");
+            place
         }
         Err(error) => {
-            statuses.set(Level::Error, "Transform", problem(&error, world.fixed_frame));
-            last.or_else(|| Some(Isometry3::identity()))
+            statuses.set(Level::Error, Statuses::TRANSFORM, problem(&error, world.fixed_frame));
+            last.unwrap_or_default()
         }
     }
 }
@@ -45,6 +45,19 @@ pub(crate) fn problem(error: &LookupError, fixed_frame: &str) -> StatusText {
         _ => format!("No transform to fixed frame [{fixed_frame}].  TF error: [{error}]"),
     };
     StatusText::about_frame(format!("For frame [{frame}]: {reason}"))
+}
+
+/// Reports why the newest message in a queue waits, or takes the report back when none does.
+pub(crate) fn report_waiting<M>(queue: &WaitingQueue<M>, world: &World<'_>, statuses: &mut Statuses) {
+    match queue.waiting_reason(world.transforms, world.fixed_frame) {
+        Some(reason) => statuses.set(Level::Warn, Statuses::TRANSFORM, problem(&reason, world.fixed_frame)),
+        None => statuses.remove(Statuses::TRANSFORM),
+    }
+}
+
+/// rviz's status for a cloud whose frame cannot be found at its time.
+pub(crate) fn transform_failed(frame: &str, world: &World<'_>) -> StatusText {
+    StatusText::about_frame(format!("Failed to transform from frame [{frame}] to frame [{}]", world.fixed_frame))
 }
 
 /// Why a message was dropped, in the words of rviz's statuses.

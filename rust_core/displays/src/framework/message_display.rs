@@ -91,7 +91,7 @@ impl<V: MessageVisual> Display for MessageDisplay<V> {
             last = shown.map(|_| ());
         }
         if let Err(error) = last {
-            self.statuses.set(Level::Error, "Topic", error.to_string());
+            self.statuses.set(Level::Error, Statuses::TOPIC, error.to_string());
         }
         changed
     }
@@ -171,7 +171,7 @@ mod tests {
         }
 
         fn topic_status(&self) -> Option<(Level, &str)> {
-            let status = self.display.statuses().iter().find(|(name, _)| *name == "Topic")?.1;
+            let status = self.display.statuses().iter().find(|(name, _)| *name == Statuses::TOPIC)?.1;
             Some((status.level, status.text.as_str()))
         }
     }

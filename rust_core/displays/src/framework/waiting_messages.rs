@@ -32,7 +32,7 @@ impl<M> WaitingMessages<M> {
     /// Takes a message whose frame must be known both at its stamp and at another time.
     pub(crate) fn push_until(&mut self, header: &Header, end: Time, message: Arc<M>, statuses: &mut Statuses) {
         self.received += 1;
-        statuses.set(Level::Ok, "Topic", format!("{} messages received", self.received));
+        statuses.set(Level::Ok, Statuses::TOPIC, format!("{} messages received", self.received));
         self.queue.push_until(&header.frame_id, stamp(header), end, message);
     }
 
@@ -44,11 +44,11 @@ impl<M> WaitingMessages<M> {
         let ready = self.queue.take_ready(world.transforms, world.fixed_frame);
         self.report_drops(world, statuses);
         if !ready.is_empty() {
-            statuses.set(Level::Ok, "Transform", "Transform OK");
+            statuses.set(Level::Ok, Statuses::TRANSFORM, "Transform OK");
         } else if let Some(reason) = self.queue.waiting_reason(world.transforms, world.fixed_frame) {
             // The error of a drop stays until a message can be placed.
-            if statuses.get("Transform").is_none_or(|status| status.level < Level::Error) {
-                statuses.set(Level::Warn, "Transform", frame::problem(&reason, world.fixed_frame));
+            if statuses.get(Statuses::TRANSFORM).is_none_or(|status| status.level < Level::Error) {
+                statuses.set(Level::Warn, Statuses::TRANSFORM, frame::problem(&reason, world.fixed_frame));
             }
         }
         ready
@@ -67,7 +67,7 @@ impl<M> WaitingMessages<M> {
         }
         self.reported_drops = counts.total();
         if let Some(dropped) = self.queue.last_dropped() {
-            statuses.set(Level::Error, "Transform", frame::drop_reason(dropped, world.fixed_frame));
+            statuses.set(Level::Error, Statuses::TRANSFORM, frame::drop_reason(dropped, world.fixed_frame));
         }
         let by_reason =
             [(counts.queue_full, "queue full"), (counts.too_old, "too old"), (counts.empty_frame, "no frame")];
@@ -111,7 +111,7 @@ mod tests {
         let update = |incoming: &mut WaitingMessages<()>, tree: &TransformTree, statuses: &mut Statuses| {
             let world = World { transforms: tree, fixed_frame: "map", now: Time::ZERO, meshes: &meshes };
             let ready = incoming.take_ready(&world, statuses).len();
-            let status = statuses.get("Transform").unwrap();
+            let status = statuses.get(Statuses::TRANSFORM).unwrap();
             (ready, status.level, status.text.clone())
         };
         place(&mut tree, 1000);

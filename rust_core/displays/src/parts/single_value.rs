@@ -7,7 +7,7 @@ use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::TypedMessage;
 
 use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
-use crate::World;
+use crate::{StatusText, World};
 
 /// A message of a single value.
 pub(crate) trait SingleValue: TypedMessage {
@@ -29,7 +29,7 @@ impl<M: SingleValue> CloudSource for SingleValueSource<M> {
     type Message = M;
     const NON_FINITE: NonFinite = NonFinite::FarAway;
 
-    fn place(message: &Arc<M>, world: &World<'_>) -> Result<PlacedCloud, String> {
+    fn place(message: &Arc<M>, world: &World<'_>) -> Result<PlacedCloud, StatusText> {
         let fields = [
             ("x", 0, PointField::FLOAT32),
             ("y", 4, PointField::FLOAT32),

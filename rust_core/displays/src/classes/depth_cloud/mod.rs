@@ -24,7 +24,7 @@ use crate::framework::display::{Display, TopicRequest};
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::parts::cloud::{Clouds, Decoded, NonFinite, PlacedCloud};
-use crate::{Level, Statuses, World};
+use crate::{Level, Status, StatusText, Statuses, World};
 use pairs::{Pairs, COLOR, DEPTH};
 use projection::{Occlusion, Shadows};
 
@@ -154,16 +154,11 @@ impl DepthCloudDisplay {
                 self.ready.push((depth, None));
             }
         }
-        match self.waiting.waiting_reason(world.transforms, world.fixed_frame) {
-            Some(reason) => {
-                self.statuses.set(Level::Warn, "Transform", frame::problem(&reason, world.fixed_frame));
-            }
-            None => self.statuses.remove("Transform"),
-        }
+        frame::report_waiting(&self.waiting, world, &mut self.statuses);
     }
 
     /// The cloud of two images.
-    fn show(&mut self, depth: &Image, color: Option<&Image>, world: &World<'_>) -> Result<Option<Decoded>, String> {
+    fn show(&mut self, depth: &Image, color: Option<&Image>, world: &World<'_>) -> Result<Option<Decoded>, StatusText> {
         let Some(info) = self.last_info.clone() else { return Ok(None) };
         self.received += 1;
         self.statuses.set(Level::Ok, "Depth Map", format!("{} depth maps received", self.received));
@@ -182,10 +177,8 @@ impl DepthCloudDisplay {
             self.clouds.set_auto_size(if size.is_finite() { size.max(MIN_AUTO_SIZE) } else { MIN_AUTO_SIZE });
         }
         let shadows = if self.settings.occlusion_compensation {
-            let place = world.fixed_from_header(&depth.header).map_err(|_| {
-                let (frame, fixed_frame) = (&depth.header.frame_id, world.fixed_frame);
-                format!("Failed to transform from frame [{frame}] to frame [{fixed_frame}]")
-            })?;
+            let place = world.fixed_from_header(&depth.header);
+            let place = place.map_err(|_| frame::transform_failed(&depth.header.frame_id, world))?;
             if self.shadows_seen_from.is_none_or(|before| has_moved(&before, &place)) {
                 self.shadows_seen_from = Some(place);
                 self.shadows.clear();
@@ -201,8 +194,8 @@ impl DepthCloudDisplay {
         let message = self.statuses.get("Message").cloned();
         let decoded = self.clouds.decode(placed, &mut self.statuses);
         // The status that clouds set for their message is about the cloud, which is whole.
-        if let (Some(_), Some(message)) = (&decoded, message) {
-            self.statuses.set(message.level, "Message", message.text);
+        if let (Some(_), Some(Status { level, text, cause })) = (&decoded, message) {
+            self.statuses.set(level, "Message", StatusText { text, cause });
         }
         Ok(decoded)
     }

@@ -9,7 +9,7 @@ use rcs_transforms::Time;
 
 use crate::classes::marker::{ControlMarker, SortPoint};
 use crate::framework::world::stamp;
-use crate::World;
+use crate::{StatusText, World};
 
 /// How a control is turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +39,7 @@ impl Control {
         reference_from_marker: &Isometry3<f64>,
         fixed_from_reference: &Isometry3<f64>,
         world: &World<'_>,
-        problems: &mut Vec<String>,
+        problems: &mut Vec<StatusText>,
     ) -> Self {
         let inherits = control.orientation_mode == InteractiveMarkerControl::INHERIT;
         let rotation = if inherits { reference_from_marker.rotation } else { UnitQuaternion::identity() };
@@ -56,7 +56,7 @@ impl Control {
                 Some(parts)
             }
             Err(problem) => {
-                problems.push(problem);
+                problems.push(problem.into());
                 None
             }
         };

@@ -35,7 +35,7 @@ use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
 use crate::framework::world::isometry;
-use crate::{Level, Statuses, World};
+use crate::{Level, StatusText, Statuses, World};
 use batch::Batch;
 use client::Client;
 use server::Step;
@@ -84,7 +84,7 @@ impl InteractiveMarkersDisplay {
     fn check_topic(&mut self) {
         let topic = &self.settings.update_topic;
         if self.settings.namespace().is_none() && !topic.is_empty() {
-            self.statuses.set(Level::Error, "Topic", format!("Invalid topic name: {topic}"));
+            self.statuses.set(Level::Error, Statuses::TOPIC, format!("Invalid topic name: {topic}"));
         }
     }
 
@@ -130,8 +130,8 @@ impl InteractiveMarkersDisplay {
             }
             let mut problems = Vec::new();
             let new = Shown::new(marker, world, &mut problems);
-            match problems.first() {
-                Some(problem) => self.statuses.set(Level::Error, &marker.name, problem.as_str()),
+            match problems.into_iter().next() {
+                Some(problem) => self.statuses.set(Level::Error, &marker.name, problem),
                 None => self.statuses.set(Level::Ok, &marker.name, new.status()),
             }
             shown.insert(marker.name.clone(), new);
@@ -158,7 +158,7 @@ impl InteractiveMarkersDisplay {
             };
             let pose = isometry(&PlainTransform::from(&message.pose)).unwrap_or_default();
             if let Err(error) = marker.set_pose(&message.header, pose, world) {
-                self.statuses.set(Level::Error, &message.name, error.to_string());
+                self.statuses.set(Level::Error, &message.name, StatusText::about_frame(error.to_string()));
             }
         }
         Ok(())
@@ -178,7 +178,7 @@ impl InteractiveMarkersDisplay {
             match marker.follow(world) {
                 Ok(has_moved) => self.changed |= has_moved,
                 Err(error) => {
-                    self.statuses.set(Level::Error, name, error.to_string());
+                    self.statuses.set(Level::Error, name, StatusText::about_frame(error.to_string()));
                     self.changed = true;
                 }
             }

@@ -13,7 +13,7 @@ use super::control::Control;
 use super::handles;
 use crate::framework::world::{isometry, stamp};
 use crate::parts::solids::{axes, axes_materials};
-use crate::World;
+use crate::{StatusText, World};
 
 /// The thickness of the axes, in lengths of the axes.
 const AXES_THICKNESS: f64 = 0.05;
@@ -34,7 +34,7 @@ pub(super) struct Shown {
 
 impl Shown {
     /// Builds a completed marker whose numbers are finite. What cannot be shown is added to `problems`.
-    pub(super) fn new(marker: &InteractiveMarker, world: &World<'_>, problems: &mut Vec<String>) -> Self {
+    pub(super) fn new(marker: &InteractiveMarker, world: &World<'_>, problems: &mut Vec<StatusText>) -> Self {
         let mut shown = Self {
             frame: marker.header.frame_id.clone(),
             is_locked: stamp(&marker.header).is_zero(),
@@ -45,7 +45,7 @@ impl Shown {
             title: None,
         };
         if let Err(error) = shown.locate(world) {
-            problems.push(error.to_string());
+            problems.push(StatusText::about_frame(error.to_string()));
         }
         let fixed_from_reference = shown.fixed_from_reference.unwrap_or_default();
         let reference_from_marker = shown.reference_from_marker;

@@ -16,7 +16,7 @@ use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use super::InteractiveMarkersDisplay;
 use crate::framework::display::Display;
-use crate::{Level, World};
+use crate::{Level, StatusCause, Statuses, World};
 
 /// A display with the world around it. The frame `map` is fixed.
 struct Bench {
@@ -260,6 +260,18 @@ fn a_list_waits_for_its_frames_and_an_update_for_its_time() {
 }
 
 #[test]
+fn the_status_of_a_marker_whose_frame_is_lost_is_about_a_frame() {
+    let mut bench = Bench::new();
+    bench.frame("robot", 1, 1.0);
+    bench.start(&[ring("a", header("robot", 0), 1.0)]);
+    assert_eq!(bench.status("a").unwrap().0, Level::Ok);
+    bench.tree = TransformTree::new();
+    bench.update();
+    let status = bench.display.statuses().get("a").unwrap();
+    assert_eq!((status.level, status.cause), (Level::Error, StatusCause::Frame));
+}
+
+#[test]
 fn what_is_not_finite_is_refused_by_name() {
     let mut bench = Bench::new();
     let mut bad = ring("bad", header("map", 0), 1.0);
@@ -312,7 +324,7 @@ fn the_topics_are_those_of_the_servers_namespace() {
         let settings = InteractiveMarkersSettings { update_topic: topic.into(), ..Default::default() };
         let bench = Bench::with(settings);
         let topics: Vec<String> = bench.display.topics().into_iter().map(|request| request.topic).collect();
-        (topics, bench.text("Topic"))
+        (topics, bench.text(Statuses::TOPIC))
     };
     let expected = vec!["/im/update".to_owned(), "/im/update_full".to_owned()];
     assert_eq!(topics("/im/update"), (expected.clone(), String::new()));

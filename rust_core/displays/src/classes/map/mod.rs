@@ -18,6 +18,7 @@ use rcs_scene::{Blending, CellSheet, Cells, DisplayId, Drawable, Geometry, Mater
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
+use crate::framework::message_display::InvalidFloats;
 use crate::framework::world::{isometry, stamp};
 use crate::parts::solids::drawable;
 use crate::{Level, StatusText, Statuses, World};
@@ -67,7 +68,7 @@ impl MapDisplay {
         let mut statuses = Statuses::default();
         statuses.set(Level::Warn, "Message", "No map received");
         if !settings.topic.is_empty() {
-            statuses.set(Level::Ok, "Topic", "OK");
+            statuses.set(Level::Ok, Statuses::TOPIC, "OK");
             statuses.set(Level::Ok, "Update Topic", "OK");
         }
         Self { display, settings, shown: None, is_latest: false, is_new: false, drawables: Vec::new(), statuses }
@@ -157,8 +158,7 @@ impl Map {
         let (width, height, resolution_m) = (grid.info.width, grid.info.height, grid.info.resolution);
         let frame_from_map = isometry(&PlainTransform::from(&grid.info.origin));
         let Some(frame_from_map) = frame_from_map.filter(|_| resolution_m.is_finite()) else {
-            let text = "Message contained invalid floating point values (nans or infs)";
-            return Err(Refusal(text.to_owned()));
+            return Err(Refusal(InvalidFloats.to_string()));
         };
         let count = u64::from(width) * u64::from(height);
         if count == 0 {
@@ -218,8 +218,8 @@ impl Display for MapDisplay {
         let fixed_from_map = *place.as_ref().unwrap_or(&Isometry3::identity());
         let drawable = self.drawable(map, &fixed_from_map);
         match place {
-            Ok(_) => self.statuses.set(Level::Ok, "Transform", "Transform OK"),
-            Err(text) => self.statuses.set(Level::Error, "Transform", text),
+            Ok(_) => self.statuses.set(Level::Ok, Statuses::TRANSFORM, "Transform OK"),
+            Err(text) => self.statuses.set(Level::Error, Statuses::TRANSFORM, text),
         }
         let has_moved = self.drawables.first().map(|shown| shown.fixed_from_object) != Some(drawable.fixed_from_object);
         if !has_moved && !self.is_new {

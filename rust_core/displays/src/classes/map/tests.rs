@@ -12,7 +12,7 @@ use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use super::MapDisplay;
 use crate::framework::display::Display;
-use crate::{Level, World};
+use crate::{Level, Statuses, World};
 
 /// A display with the world around it. The frame `odom` is fixed.
 struct Bench {
@@ -122,11 +122,11 @@ fn a_map_in_an_unknown_frame_lies_at_the_origin_with_an_error() {
     elsewhere.header.frame_id = "mars".to_owned();
     bench.map(elsewhere);
     assert_eq!(bench.corner(0.0, 0.0), Point3::origin());
-    assert_eq!(bench.status("Transform"), (Level::Error, "No transform from [mars] to [odom]"));
+    assert_eq!(bench.status(Statuses::TRANSFORM), (Level::Error, "No transform from [mars] to [odom]"));
     let mut unnamed = grid(1, 1, &[0]);
     unnamed.header.frame_id.clear();
     bench.map(unnamed);
-    assert_eq!(bench.status("Transform").1, "Transform OK", "no frame name stands for map");
+    assert_eq!(bench.status(Statuses::TRANSFORM).1, "Transform OK", "no frame name stands for map");
 }
 
 #[test]
@@ -153,13 +153,13 @@ fn changes_replace_cells_and_those_that_reach_outside_do_not() {
 fn a_bad_map_is_reported_and_the_last_good_one_stays() {
     let mut bench = Bench::new(MapSettings::default());
     bench.map(grid(1, 1, &[42]));
-    let mut nowhere = grid(1, 1, &[0]);
-    nowhere.info.origin.position.x = f64::NAN;
+    let mut misplaced = grid(1, 1, &[0]);
+    misplaced.info.origin.position.x = f64::NAN;
     let mut endless = grid(1, 1, &[0]);
     endless.info.resolution = f32::INFINITY;
     let not_finite = "Message contained invalid floating point values (nans or infs)";
     for (bad, text) in [
-        (nowhere, not_finite),
+        (misplaced, not_finite),
         (endless, not_finite),
         (grid(0, 7, &[0]), "Map is zero-sized (0x7)"),
         (

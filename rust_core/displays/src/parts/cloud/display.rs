@@ -11,7 +11,7 @@ use super::{Clouds, NonFinite, PlacedCloud};
 use crate::framework::display::{Display, TopicRequest};
 use crate::framework::waiting_messages::WaitingMessages;
 use crate::framework::world::stamp;
-use crate::{Level, Statuses, World};
+use crate::{Level, StatusText, Statuses, World};
 
 /// A type of message that becomes clouds.
 pub(crate) trait CloudSource {
@@ -29,8 +29,8 @@ pub(crate) trait CloudSource {
     /// The cloud that it is.
     ///
     /// # Errors
-    /// The text of a status, where it is none.
-    fn place(message: &Arc<Self::Message>, world: &World<'_>) -> Result<PlacedCloud, String>;
+    /// What a status says, where it is none.
+    fn place(message: &Arc<Self::Message>, world: &World<'_>) -> Result<PlacedCloud, StatusText>;
 }
 
 /// A display of clouds.

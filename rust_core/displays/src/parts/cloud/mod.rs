@@ -24,8 +24,9 @@ use rcs_scene::{
 };
 use rcs_transforms::Time;
 
+use crate::framework::frame;
 use crate::parts::bounds::middle;
-use crate::{Level, Statuses, World};
+use crate::{Level, StatusText, Statuses, World};
 use buffer_pool::CloudPool;
 use fields::Layout;
 
@@ -62,14 +63,11 @@ impl PlacedCloud {
     /// A cloud that stands where its frame was at its stamp.
     ///
     /// # Errors
-    /// rviz's text for a frame that is not known at that time.
-    pub(crate) fn at_stamp(cloud: Arc<PointCloud2>, world: &World<'_>) -> Result<Self, String> {
+    /// rviz's status for a frame that is not known at that time.
+    pub(crate) fn at_stamp(cloud: Arc<PointCloud2>, world: &World<'_>) -> Result<Self, StatusText> {
         match world.fixed_from_header(&cloud.header) {
             Ok(fixed_from_cloud) => Ok(Self { cloud, fixed_from_cloud }),
-            Err(_) => {
-                let (frame, fixed_frame) = (&cloud.header.frame_id, world.fixed_frame);
-                Err(format!("Failed to transform from frame [{frame}] to frame [{fixed_frame}]"))
-            }
+            Err(_) => Err(frame::transform_failed(&cloud.header.frame_id, world)),
         }
     }
 }

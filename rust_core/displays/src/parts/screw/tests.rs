@@ -18,11 +18,11 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(settings: ScrewSettings) -> Self {
+    fn new(settings: &ScrewSettings) -> Self {
         let mut bench = Self {
             transforms: TransformTree::new(),
             meshes: MeshStore::new(PackageIndex::new([])),
-            display: ScrewDisplay::of(0, &settings),
+            display: ScrewDisplay::of(0, settings),
         };
         bench.place(1.0);
         bench
@@ -69,7 +69,7 @@ const NONE: [f64; 3] = [0.0; 3];
 #[test]
 fn a_part_that_is_not_longer_than_the_width_is_hidden_unless_it_shall_be_shown() {
     for (hide_small_values, parts) in [(true, [2, 5, 7, 0]), (false, [7; 4])] {
-        let mut bench = Bench::new(ScrewSettings { hide_small_values, ..ScrewSettings::default() });
+        let mut bench = Bench::new(&ScrewSettings { hide_small_values, ..ScrewSettings::default() });
         let sent = [(LONG, NONE), (NONE, LONG), (LONG, LONG), ([0.25, 0.0, 0.0], NONE)];
         for ((linear, angular), parts) in sent.into_iter().zip(parts) {
             assert!(bench.send(linear, angular));
@@ -80,7 +80,7 @@ fn a_part_that_is_not_longer_than_the_width_is_hidden_unless_it_shall_be_shown()
 
 #[test]
 fn the_history_keeps_the_last_screws_where_their_frame_was() {
-    let mut bench = Bench::new(ScrewSettings { history_length: 2, ..ScrewSettings::default() });
+    let mut bench = Bench::new(&ScrewSettings { history_length: 2, ..ScrewSettings::default() });
     for x in [1.0, 2.0, 3.0] {
         bench.place(x);
         assert!(bench.send(LONG, NONE));
@@ -93,7 +93,7 @@ fn the_history_keeps_the_last_screws_where_their_frame_was() {
 
 #[test]
 fn a_screw_with_infinity_is_an_error_and_changes_nothing() {
-    let mut bench = Bench::new(ScrewSettings::default());
+    let mut bench = Bench::new(&ScrewSettings::default());
     assert!(bench.send(LONG, NONE));
     assert!(!bench.send([0.0, f64::INFINITY, 0.0], LONG));
     assert_eq!(bench.display.drawables().len(), 2);
@@ -106,7 +106,7 @@ fn a_screw_with_infinity_is_an_error_and_changes_nothing() {
 #[test]
 fn of_several_screws_in_one_update_the_last_decides_the_status() {
     let (good, bad) = ((LONG, NONE), (LONG, [f64::NAN; 3]));
-    let mut bench = Bench::new(ScrewSettings::default());
+    let mut bench = Bench::new(&ScrewSettings::default());
     assert!(bench.send_all(&[bad, good]));
     assert_eq!(bench.display.statuses().level(), Level::Ok);
     assert!(bench.send_all(&[good, bad]));
@@ -115,7 +115,7 @@ fn of_several_screws_in_one_update_the_last_decides_the_status() {
 
 #[test]
 fn messages_of_another_kind_are_no_screws() {
-    let mut bench = Bench::new(ScrewSettings::default());
+    let mut bench = Bench::new(&ScrewSettings::default());
     let world = World { transforms: &bench.transforms, fixed_frame: "map", now: Time::ZERO, meshes: &bench.meshes };
     bench.display.take(&AnyMessage::WrenchStamped(Arc::new(WrenchStamped::default())), &world);
     bench.display.take(&AnyMessage::Path(Arc::default()), &world);
