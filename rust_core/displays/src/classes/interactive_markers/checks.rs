@@ -4,8 +4,7 @@ use rcs_messages::geometry_msgs::{Pose, Quaternion};
 use rcs_messages::visualization_msgs::{InteractiveMarker, Marker};
 use rcs_messages::{point_xyz, quaternion_xyzw, translation_xyz, PlainTransform};
 
-/// How far from 1 a quaternion's squared length may be.
-const QUATERNION_TOLERANCE: f64 = 10e-3;
+use crate::classes::marker::{is_finite_color, is_unit_quaternion};
 
 fn are_finite(values: &[f64]) -> bool {
     values.iter().all(|value| value.is_finite())
@@ -20,8 +19,7 @@ pub(super) fn is_finite_pose(pose: &Pose) -> bool {
 /// Whether a quaternion is a rotation or was left at zero.
 pub(super) fn is_rotation(orientation: &Quaternion) -> bool {
     let xyzw = quaternion_xyzw(orientation);
-    let squared_length: f64 = xyzw.iter().map(|value| value * value).sum();
-    xyzw == [0.0; 4] || (squared_length - 1.0).abs() < QUATERNION_TOLERANCE
+    xyzw == [0.0; 4] || is_unit_quaternion(xyzw)
 }
 
 /// Whether a marker and all in it has neither NaN nor infinity.
@@ -34,9 +32,8 @@ pub(super) fn is_finite(marker: &InteractiveMarker) -> bool {
 }
 
 fn is_finite_marker(marker: &Marker) -> bool {
-    let color = &marker.color;
     is_finite_pose(&marker.pose)
         && are_finite(&translation_xyz(&marker.scale))
-        && [color.r, color.g, color.b, color.a].iter().all(|channel| channel.is_finite())
+        && is_finite_color(&marker.color)
         && marker.points.iter().all(|point| are_finite(&point_xyz(point)))
 }

@@ -10,11 +10,8 @@ use rcs_messages::geometry_msgs::Pose;
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
 use rcs_messages::{quaternion_xyzw, PlainTransform};
 
-use super::message_fields::{all_finite, is_finite_color, position, scale};
+use super::message_fields::{all_finite, is_finite_color, is_unit_quaternion, position, scale};
 use crate::Level;
-
-/// How far from 1 a quaternion's squared length may be.
-const QUATERNION_TOLERANCE: f64 = 10e-3;
 
 /// What C's `isspace` takes for white space; text of nothing else is empty.
 const WHITESPACE: [char; 6] = [' ', '\t', '\n', '\u{b}', '\u{c}', '\r'];
@@ -153,10 +150,9 @@ fn check_orientation(pose: &Pose, found: &mut Findings) {
         found.error("the orientation is not finite");
         return;
     }
-    let squared_length: f64 = xyzw.iter().map(|value| value * value).sum();
     if xyzw == [0.0; 4] {
         found.warn("the orientation is not set (all zero) and taken for no rotation");
-    } else if (squared_length - 1.0).abs() >= QUATERNION_TOLERANCE {
+    } else if !is_unit_quaternion(xyzw) {
         found.warn("the orientation is not a unit quaternion");
     }
 }

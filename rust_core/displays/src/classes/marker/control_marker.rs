@@ -2,13 +2,11 @@
 
 use nalgebra::Isometry3;
 use rcs_messages::visualization_msgs::Marker;
-use rcs_messages::PlainTransform;
 use rcs_resources::MeshStore;
 
 use super::checks::check_marker;
 use super::kind::Kind;
 use super::primitive::Primitive;
-use crate::framework::world::isometry;
 
 /// The primitives of a marker, and its pose in the frame of its header.
 #[derive(Clone, Debug)]
@@ -27,11 +25,7 @@ impl ControlMarker {
             return Ok(None);
         }
         let Some(mut kind) = Kind::of(marker) else { return Ok(None) };
-        let mut pose = PlainTransform::from(&marker.pose);
-        if !kind.has_orientation() {
-            pose.rotation_xyzw = [0.0, 0.0, 0.0, 1.0];
-        }
-        let Some(frame_from_marker) = isometry(&pose) else { return Ok(None) };
+        let Some(frame_from_marker) = kind.frame_from_marker(marker) else { return Ok(None) };
         Ok(Some(Self { frame_from_marker, parts: kind.primitives(marker, meshes)? }))
     }
 }

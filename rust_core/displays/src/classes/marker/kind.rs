@@ -1,6 +1,8 @@
 //! The kinds of markers, and what each is drawn with.
 
+use nalgebra::Isometry3;
 use rcs_messages::visualization_msgs::Marker;
+use rcs_messages::PlainTransform;
 use rcs_resources::MeshStore;
 
 use super::arrow::Arrow;
@@ -8,6 +10,7 @@ use super::mesh::MeshMarker;
 use super::primitive::Primitive;
 use super::triangles::Triangles;
 use super::{lines, point_lists, shape, text};
+use crate::framework::world::isometry;
 use crate::Shape;
 
 /// A marker's kind, with what rviz keeps of one message when the next comes for the same marker.
@@ -58,8 +61,13 @@ impl Kind {
         })
     }
 
-    /// Whether the marker turns with its pose; text does not, and its orientation may be anything.
-    pub(super) fn has_orientation(&self) -> bool {
-        !matches!(self, Self::Text)
+    /// The marker's pose in the frame of its header; `None` when a number that counts is NaN or infinite. Text does not turn
+    /// with its pose, and its orientation may be anything.
+    pub(super) fn frame_from_marker(&self, marker: &Marker) -> Option<Isometry3<f64>> {
+        let mut pose = PlainTransform::from(&marker.pose);
+        if matches!(self, Self::Text) {
+            pose.rotation_xyzw = [0.0, 0.0, 0.0, 1.0];
+        }
+        isometry(&pose)
     }
 }

@@ -26,8 +26,17 @@ pub(super) fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|&value| (value as f32).is_finite())
 }
 
+/// How far from 1 a quaternion's squared length may be.
+const QUATERNION_TOLERANCE: f64 = 10e-3;
+
+/// Whether a quaternion is a rotation, within rviz's tolerance.
+pub(crate) fn is_unit_quaternion(xyzw: [f64; 4]) -> bool {
+    let squared_length: f64 = xyzw.iter().map(|value| value * value).sum();
+    (squared_length - 1.0).abs() < QUATERNION_TOLERANCE
+}
+
 /// Whether a colour has neither NaN nor infinity.
-pub(super) fn is_finite_color(color: &ColorRGBA) -> bool {
+pub(crate) fn is_finite_color(color: &ColorRGBA) -> bool {
     [color.r, color.g, color.b, color.a].iter().all(|channel| channel.is_finite())
 }
 

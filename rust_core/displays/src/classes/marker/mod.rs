@@ -26,6 +26,7 @@ mod triangles;
 mod tests;
 
 pub(crate) use control_marker::ControlMarker;
+pub(crate) use message_fields::{is_finite_color, is_unit_quaternion};
 pub(crate) use primitive::SortPoint;
 
 use std::ops::Deref;
@@ -150,7 +151,7 @@ impl Display for MarkerDisplay {
     fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
         // Markers of earlier messages are processed before those of this one.
         self.process_ready(world);
-        self.statuses.set(Level::Ok, "Topic", "OK");
+        self.statuses.set(Level::Ok, Statuses::TOPIC, "OK");
         match message {
             AnyMessage::Marker(marker) => self.arrive(Arrived::Single(marker.clone()), world),
             AnyMessage::MarkerArray(array) => {
@@ -173,13 +174,7 @@ impl Display for MarkerDisplay {
     fn update(&mut self, world: &World<'_>) -> bool {
         self.retry_waiting(world);
         self.process_ready(world);
-        match self.waiting.waiting_reason(world.transforms, world.fixed_frame) {
-            Some(reason) => {
-                let problem = frame::problem(&reason, world.fixed_frame);
-                self.statuses.set(Level::Warn, "Transform", problem);
-            }
-            None => self.statuses.remove("Transform"),
-        }
+        frame::report_waiting(&self.waiting, world, &mut self.statuses);
         let changed = self.store.update(world, &mut self.statuses);
         if changed {
             self.drawables = self.store.drawables(self.display);

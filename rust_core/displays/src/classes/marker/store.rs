@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use nalgebra::Isometry3;
 use rcs_messages::visualization_msgs::Marker;
-use rcs_messages::PlainTransform;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::{LookupError, Time};
 
@@ -13,7 +12,7 @@ use super::checks::check_marker;
 use super::kind::Kind;
 use super::primitive::Primitive;
 use crate::framework::frame::problem;
-use crate::framework::world::{isometry, stamp};
+use crate::framework::world::stamp;
 use crate::{Level, StatusText, Statuses, World};
 
 /// Markers of a shorter lifetime, zero above all, stay until they are deleted.
@@ -122,12 +121,8 @@ impl MarkerStore {
             set_error(&id, problem, statuses);
             Vec::new()
         });
-        let mut pose = PlainTransform::from(&marker.pose);
-        if !kind.has_orientation() {
-            pose.rotation_xyzw = [0.0, 0.0, 0.0, 1.0];
-        }
         // Points may have a pose that is not finite; they are not drawn.
-        let Some(frame_from_marker) = isometry(&pose) else { return };
+        let Some(frame_from_marker) = kind.frame_from_marker(marker) else { return };
         let mut shown = Shown {
             number,
             marker_type: marker.type_,

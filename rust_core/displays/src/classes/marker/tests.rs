@@ -14,7 +14,7 @@ use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use super::MarkerDisplay;
 use crate::framework::display::Display;
-use crate::{Level, World};
+use crate::{Level, Statuses, World};
 
 /// A display with the world around it. The frame `map` is fixed.
 struct Bench {
@@ -499,12 +499,12 @@ fn markers_wait_for_their_frame_and_the_oldest_are_dropped_by_name() {
         .collect();
     let placed: Vec<Marker> = (11..=15).map(|id| marker(Marker::CUBE, id)).collect();
     assert_eq!(bench.show(&[placed, waiting].concat()).len(), 5, "what can be placed needs no room in the queue");
-    assert_eq!(bench.status("Transform").unwrap().0, Level::Warn);
+    assert_eq!(bench.status(Statuses::TRANSFORM).unwrap().0, Level::Warn);
     assert!(bench.status("n/1").unwrap().1.contains("[arm]"));
     bench.place("arm", 99, 1.0);
     assert!(bench.update());
     assert_eq!(bench.display.drawables().len(), 7);
-    assert_eq!(bench.status("Transform"), None);
+    assert_eq!(bench.status(Statuses::TRANSFORM), None);
 }
 
 #[test]
