@@ -101,9 +101,10 @@ const GENERATED: [&str; 2] = ["target", "test_output"];
 
 /// All Rust files below a folder, without what is generated or hidden.
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let unreadable = |error: std::io::Error| -> ! { panic!("{}: {error}", folder.display()) };
     let mut files = Vec::new();
-    for entry in entries.map(|entry| entry.expect("its entries can be read")) {
+    for entry in fs::read_dir(folder).unwrap_or_else(|error| unreadable(error)) {
+        let entry = entry.unwrap_or_else(|error| unreadable(error));
         let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
         if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
             if !name.starts_with('.') && !GENERATED.contains(&&*name) {
