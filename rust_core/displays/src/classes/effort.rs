@@ -216,8 +216,7 @@ impl Display for EffortDisplay {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rcs_resources::{MeshStore, PackageIndex};
-    use rcs_transforms::{RawTransform, TransformTree};
+    use crate::framework::test_world::TestWorld;
 
     const ROBOT: &str = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>
         <joint name='j' type='revolute'><parent link='a'/><child link='b'/><axis xyz='0 1 0'/>
@@ -226,39 +225,26 @@ mod tests {
 
     struct Bench {
         display: EffortDisplay,
-        tree: TransformTree,
-        meshes: MeshStore,
+        world: TestWorld,
     }
 
     impl Bench {
         fn new(settings: EffortSettings) -> Self {
-            let mut tree = TransformTree::new();
-            let transform = RawTransform {
-                parent: "map",
-                child: "b",
-                stamp: Time::ZERO,
-                translation: [1.0, 2.0, 3.0],
-                rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
-            };
-            tree.insert(&transform, true, "test").unwrap();
-            let meshes = MeshStore::new(PackageIndex::new([]));
-            Self { display: EffortDisplay::new(0, settings), tree, meshes }
+            let mut world = TestWorld::at(Time::ZERO);
+            world.place_static("b", [1.0, 2.0, 3.0]);
+            Self { display: EffortDisplay::new(0, settings), world }
         }
 
         fn describe(&mut self) {
-            let (tree, meshes) = (&self.tree, &self.meshes);
-            let world = World { transforms: tree, fixed_frame: "map", now: Time::ZERO, meshes };
-            self.display.take_parameter("robot_description", Some(&ROBOT.into()), &world);
+            self.display.take_parameter("robot_description", Some(&ROBOT.into()), &self.world.get());
         }
 
         /// Sends efforts by the joints' names; returns how many things are shown.
         fn send(&mut self, names: &[&str], efforts: &[f64]) -> usize {
-            let (tree, meshes) = (&self.tree, &self.meshes);
-            let world = World { transforms: tree, fixed_frame: "map", now: Time::ZERO, meshes };
             let name = names.iter().map(|name| (*name).to_owned()).collect();
             let message = JointState { name, effort: efforts.to_vec(), ..JointState::default() };
-            self.display.take(&AnyMessage::JointState(Arc::new(message)), &world);
-            self.display.update(&world);
+            self.display.take(&AnyMessage::JointState(Arc::new(message)), &self.world.get());
+            self.display.update(&self.world.get());
             self.display.drawables().len()
         }
 

@@ -98,27 +98,26 @@ fn project(scan: &LaserScan, fixed_from_first: &Isometry3<f64>, fixed_from_last:
 #[cfg(test)]
 mod tests {
     use nalgebra::UnitQuaternion;
-    use rcs_resources::{MeshStore, PackageIndex};
     use rcs_rviz_config::{AxisColorSettings, ColorTransformer};
     use rcs_scene::{Geometry, PointBuffer};
-    use rcs_transforms::{RawTransform, TransformTree};
+    use rcs_transforms::RawTransform;
 
     use rcs_messages::AnyMessage;
 
     use super::*;
+    use crate::framework::test_world::TestWorld;
     use crate::{Level, Statuses};
 
     /// A display of scans, and a scanner that drives in `map` and turns.
     struct Bench {
         display: CloudDisplay<LaserScanSource>,
-        tree: TransformTree,
-        meshes: MeshStore,
+        world: TestWorld,
     }
 
     impl Bench {
         fn new(settings: CloudSettings) -> Self {
             let display = CloudDisplay::new(0, CloudSettings { topic: "/scan".to_owned(), ..settings });
-            Self { display, tree: TransformTree::new(), meshes: MeshStore::new(PackageIndex::new([])) }
+            Self { display, world: TestWorld::at(Time::from_secs_nanos(100, 0)) }
         }
 
         /// Inserts the transform of the scanner in `map`, with its yaw in degrees.
@@ -131,16 +130,11 @@ mod tests {
                 translation,
                 rotation_xyzw: turn.coords.into(),
             };
-            self.tree.insert(&transform, false, "/test").unwrap();
+            self.world.tree.insert(&transform, false, "/test").unwrap();
         }
 
         fn show(&mut self, scan: Option<LaserScan>) -> Option<Arc<PointBuffer>> {
-            let world = World {
-                transforms: &self.tree,
-                fixed_frame: "map",
-                now: Time::from_secs_nanos(100, 0),
-                meshes: &self.meshes,
-            };
+            let world = self.world.get();
             if let Some(scan) = scan {
                 self.display.take(&AnyMessage::LaserScan(Arc::new(scan)), &world);
             }

@@ -117,24 +117,22 @@ mod tests {
 
     use super::*;
     use crate::classes::pose::PoseDisplay;
+    use crate::framework::test_world::TestWorld;
     use rcs_messages::geometry_msgs::PoseStamped;
-    use rcs_resources::{MeshStore, PackageIndex};
     use rcs_rviz_config::{PoseSettings, PoseShape, PoseSymbolSettings};
-    use rcs_transforms::{RawTransform, Time, TransformTree};
 
     /// A Pose display of axes with the world around it. The frame `map` is fixed.
     struct Bench {
         display: PoseDisplay,
-        tree: TransformTree,
-        meshes: MeshStore,
+        world: TestWorld,
     }
 
     impl Bench {
         fn new() -> Self {
             let symbol = PoseSymbolSettings { shape: PoseShape::Axes, ..PoseSymbolSettings::default() };
             let settings = PoseSettings { topic: "/p".to_owned(), symbol, ..PoseSettings::default() };
-            let meshes = MeshStore::new(PackageIndex::new([]));
-            Self { display: PoseDisplay::of(0, &settings), tree: TransformTree::new(), meshes }
+            let world = TestWorld::at(Time::from_secs_nanos(10, 0));
+            Self { display: PoseDisplay::of(0, &settings), world }
         }
 
         /// Sends a pose at x in the frame `robot`, without an update.
@@ -143,26 +141,15 @@ mod tests {
             pose.header.frame_id = "robot".to_owned();
             pose.header.stamp.sec = secs;
             pose.pose.position.x = x;
-            let now = Time::from_secs_nanos(10, 0);
-            let world = World { transforms: &self.tree, fixed_frame: "map", now, meshes: &self.meshes };
-            self.display.take(&AnyMessage::PoseStamped(Arc::new(pose)), &world);
+            self.display.take(&AnyMessage::PoseStamped(Arc::new(pose)), &self.world.get());
         }
 
         fn update(&mut self) -> bool {
-            let now = Time::from_secs_nanos(10, 0);
-            let world = World { transforms: &self.tree, fixed_frame: "map", now, meshes: &self.meshes };
-            self.display.update(&world)
+            self.display.update(&self.world.get())
         }
 
         fn place_robot(&mut self, secs: u32, x: f64) {
-            let transform = RawTransform {
-                parent: "map",
-                child: "robot",
-                stamp: Time::from_secs_nanos(secs, 0),
-                translation: [x, 0.0, 0.0],
-                rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
-            };
-            self.tree.insert(&transform, false, "/test").unwrap();
+            self.world.place("robot", Time::from_secs_nanos(secs, 0), [x, 0.0, 0.0]);
         }
 
         /// Where the y axis' foot stands along x.

@@ -10,5 +10,7 @@ pub(crate) mod not_drawn;
 pub(crate) mod report;
 pub(crate) mod set;
 pub(crate) mod status;
+#[cfg(test)]
+pub(crate) mod test_world;
 pub(crate) mod waiting_messages;
 pub(crate) mod world;

@@ -5,49 +5,37 @@ use std::sync::Arc;
 use rcs_messages::sensor_msgs::{CameraInfo, CompressedImage};
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{AnyMessage, Image, MessageKind};
-use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::DepthCloudSettings;
 use rcs_scene::{Geometry, PointStyle, Points};
-use rcs_transforms::{RawTransform, Time, TransformTree};
+use rcs_transforms::Time;
 
 use super::DepthCloudDisplay;
 use crate::framework::display::Display;
-use crate::{Level, World};
+use crate::framework::test_world::TestWorld;
+use crate::Level;
 
 /// A display with the world around it: the camera's frame is `camera`, and `map` is fixed.
 struct Bench {
     display: DepthCloudDisplay,
-    tree: TransformTree,
-    meshes: MeshStore,
-    now_secs: u32,
+    world: TestWorld,
 }
 
 impl Bench {
     fn new(settings: DepthCloudSettings) -> Self {
         let settings = DepthCloudSettings { depth_topic: "/cam/depth/image".to_owned(), ..settings };
-        let meshes = MeshStore::new(PackageIndex::new([]));
-        let mut bench =
-            Self { display: DepthCloudDisplay::new(0, settings), tree: TransformTree::new(), meshes, now_secs: 1 };
+        let world = TestWorld::at(Time::from_secs_nanos(1, 0));
+        let mut bench = Self { display: DepthCloudDisplay::new(0, settings), world };
         bench.place(0, 0.0);
         bench
     }
 
     fn place(&mut self, secs: u32, x: f64) {
-        let transform = RawTransform {
-            parent: "map",
-            child: "camera",
-            stamp: Time::from_secs_nanos(secs, 0),
-            translation: [x, 0.0, 0.0],
-            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
-        };
-        self.tree.insert(&transform, false, "/test").unwrap();
+        self.world.place("camera", Time::from_secs_nanos(secs, 0), [x, 0.0, 0.0]);
     }
 
     fn send(&mut self, topic: &str, message: &AnyMessage) -> bool {
-        let now = Time::from_secs_nanos(self.now_secs, 0);
-        let world = World { transforms: &self.tree, fixed_frame: "map", now, meshes: &self.meshes };
-        self.display.take_from(topic, message, &world);
-        self.display.update(&world)
+        self.display.take_from(topic, message, &self.world.get());
+        self.display.update(&self.world.get())
     }
 
     fn info(&mut self, info: CameraInfo) -> bool {
@@ -222,9 +210,9 @@ fn hidden_points_stay_darkened_until_they_are_too_old_or_the_camera_moves() {
     assert_eq!(show(&mut bench, 2000), [2.0]);
     assert_eq!(show(&mut bench, 1000), [1.0, 2.0]);
     assert_eq!(bench.points().buffer.colors.get(1), [100, 50, 25, 255]);
-    bench.now_secs = 6;
+    bench.world.now = Time::from_secs_nanos(6, 0);
     assert_eq!(show(&mut bench, 0), [2.0], "nothing is measured there, and the hidden point is five seconds old");
-    bench.now_secs = 7;
+    bench.world.now = Time::from_secs_nanos(7, 0);
     assert_eq!(show(&mut bench, 1000), [1.0]);
     assert_eq!(show(&mut bench, 500), [0.5, 1.0]);
     bench.place(7, 0.02);

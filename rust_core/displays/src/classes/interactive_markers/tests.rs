@@ -9,30 +9,26 @@ use rcs_messages::visualization_msgs::{
     InteractiveMarker, InteractiveMarkerControl, InteractiveMarkerInit, InteractiveMarkerPose, InteractiveMarkerUpdate,
 };
 use rcs_messages::AnyMessage;
-use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::InteractiveMarkersSettings;
 use rcs_scene::{Blending, Geometry};
-use rcs_transforms::{RawTransform, Time, TransformTree};
+use rcs_transforms::{Time, TransformTree};
 
 use super::InteractiveMarkersDisplay;
 use crate::framework::display::Display;
-use crate::{Level, StatusCause, Statuses, World};
+use crate::framework::test_world::TestWorld;
+use crate::{Level, StatusCause, Statuses};
 
 /// A display with the world around it. The frame `map` is fixed.
 struct Bench {
     display: InteractiveMarkersDisplay,
-    tree: TransformTree,
-    meshes: MeshStore,
-    now: Time,
+    world: TestWorld,
 }
 
 impl Bench {
     fn with(settings: InteractiveMarkersSettings) -> Self {
         Self {
             display: InteractiveMarkersDisplay::new(3, settings),
-            tree: TransformTree::new(),
-            meshes: MeshStore::new(PackageIndex::new([])),
-            now: Time::from_secs_nanos(100, 0),
+            world: TestWorld::at(Time::from_secs_nanos(100, 0)),
         }
     }
 
@@ -42,13 +38,11 @@ impl Bench {
 
     /// Sends a message, without an update.
     fn send(&mut self, message: &AnyMessage) {
-        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
-        self.display.take(message, &world);
+        self.display.take(message, &self.world.get());
     }
 
     fn update(&mut self) -> bool {
-        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
-        self.display.update(&world)
+        self.display.update(&self.world.get())
     }
 
     /// Begins with these markers.
@@ -64,19 +58,12 @@ impl Bench {
     }
 
     fn wait(&mut self, time: Duration) -> bool {
-        self.now = self.now.saturating_add(time);
+        self.world.now = self.world.now.saturating_add(time);
         self.update()
     }
 
     fn frame(&mut self, child: &str, secs: u32, x: f64) {
-        let transform = RawTransform {
-            parent: "map",
-            child,
-            stamp: Time::from_secs_nanos(secs, 0),
-            translation: [x, 0.0, 0.0],
-            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
-        };
-        self.tree.insert(&transform, false, "test").unwrap();
+        self.world.place(child, Time::from_secs_nanos(secs, 0), [x, 0.0, 0.0]);
     }
 
     fn places(&self) -> Vec<[f64; 3]> {
@@ -179,7 +166,7 @@ fn after_a_lost_update_the_last_list_is_used_again_a_second_later() {
     assert_eq!(bench.status("s"), Some((Level::Error, expected.into())));
     assert_eq!(bench.status("a"), None);
     let next = bench.display.next_change().unwrap();
-    assert!(bench.now < next && next.secs_since(bench.now) < 1.1, "{next:?}");
+    assert!(bench.world.now < next && next.secs_since(bench.world.now) < 1.1, "{next:?}");
     bench.wait(Duration::from_millis(900));
     bench.publish(&keep_alive("s", 3));
     assert!(bench.places().is_empty());
@@ -199,8 +186,8 @@ fn a_silent_server_gets_a_warning_and_its_markers_are_kept() {
     assert_eq!(bench.status("s").unwrap().0, Level::Ok);
     for seconds in ["2", "3", "4"] {
         let next = bench.display.next_change().unwrap();
-        assert!(next > bench.now);
-        let still = !bench.wait(next.saturating_since(bench.now));
+        assert!(next > bench.world.now);
+        let still = !bench.wait(next.saturating_since(bench.world.now));
         assert!(still);
         assert_eq!(bench.status("s"), Some((Level::Warn, format!("No update received for {seconds} seconds."))));
     }
@@ -265,7 +252,7 @@ fn the_status_of_a_marker_whose_frame_is_lost_is_about_a_frame() {
     bench.frame("robot", 1, 1.0);
     bench.start(&[ring("a", header("robot", 0), 1.0)]);
     assert_eq!(bench.status("a").unwrap().0, Level::Ok);
-    bench.tree = TransformTree::new();
+    bench.world.tree = TransformTree::new();
     bench.update();
     let status = bench.display.statuses().get("a").unwrap();
     assert_eq!((status.level, status.cause), (Level::Error, StatusCause::Frame));

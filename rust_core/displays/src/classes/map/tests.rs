@@ -5,48 +5,38 @@ use std::sync::Arc;
 use nalgebra::{Point3, Vector3};
 use rcs_messages::map_msgs::OccupancyGridUpdate;
 use rcs_messages::{AnyMessage, MessageKind, OccupancyGrid};
-use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::{MapPalette, MapSettings};
 use rcs_scene::{Blending, CellSheet, Geometry, RenderGroup};
-use rcs_transforms::{RawTransform, Time, TransformTree};
+use rcs_transforms::Time;
 
 use super::MapDisplay;
 use crate::framework::display::Display;
-use crate::{Level, Statuses, World};
+use crate::framework::test_world::TestWorld;
+use crate::{Level, Statuses};
 
 /// A display with the world around it. The frame `odom` is fixed.
 struct Bench {
     display: MapDisplay,
-    tree: TransformTree,
-    meshes: MeshStore,
+    world: TestWorld,
 }
 
 impl Bench {
     fn new(mut settings: MapSettings) -> Self {
         "/map".clone_into(&mut settings.topic);
-        let meshes = MeshStore::new(PackageIndex::new([]));
-        let mut bench = Self { display: MapDisplay::new(0, settings), tree: TransformTree::new(), meshes };
+        let world = TestWorld::fixed_in("odom", Time::from_secs_nanos(9, 0));
+        let mut bench = Self { display: MapDisplay::new(0, settings), world };
         bench.place(1, 0.0);
         bench
     }
 
     fn place(&mut self, secs: u32, x: f64) {
-        let transform = RawTransform {
-            parent: "odom",
-            child: "map",
-            stamp: Time::from_secs_nanos(secs, 0),
-            translation: [x, 0.0, 0.0],
-            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
-        };
-        self.tree.insert(&transform, false, "/test").unwrap();
+        self.world.place("map", Time::from_secs_nanos(secs, 0), [x, 0.0, 0.0]);
     }
 
     /// Hands a message over and returns whether the scene changed.
     fn send(&mut self, message: &AnyMessage) -> bool {
-        let now = Time::from_secs_nanos(9, 0);
-        let world = World { transforms: &self.tree, fixed_frame: "odom", now, meshes: &self.meshes };
-        self.display.take(message, &world);
-        self.display.update(&world)
+        self.display.take(message, &self.world.get());
+        self.display.update(&self.world.get())
     }
 
     fn map(&mut self, grid: OccupancyGrid) -> bool {

@@ -7,47 +7,38 @@ use rcs_messages::geometry_msgs::Point;
 use rcs_messages::std_msgs::ColorRGBA;
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
 use rcs_messages::{AnyMessage, MessageKind};
-use rcs_resources::{MeshStore, PackageIndex};
 use rcs_rviz_config::MarkerSettings;
 use rcs_scene::{Blending, CullMode, Drawable, Geometry, Lighting, Material, PointStyle};
-use rcs_transforms::{RawTransform, Time, TransformTree};
+use rcs_transforms::Time;
 
 use super::MarkerDisplay;
 use crate::framework::display::Display;
-use crate::{Level, Statuses, World};
+use crate::framework::test_world::TestWorld;
+use crate::{Level, Statuses};
 
 /// A display with the world around it. The frame `map` is fixed.
 struct Bench {
     display: MarkerDisplay,
-    tree: TransformTree,
-    meshes: MeshStore,
-    now: Time,
+    world: TestWorld,
 }
 
 impl Bench {
     fn with(display: MarkerDisplay) -> Self {
-        let meshes = MeshStore::new(PackageIndex::new([]));
-        Self { display, tree: TransformTree::new(), meshes, now: Time::from_secs_nanos(100, 0) }
+        Self { display, world: TestWorld::at(Time::from_secs_nanos(100, 0)) }
     }
 
     fn new() -> Self {
         Self::with(MarkerDisplay::array(3, MarkerSettings::array_default()))
     }
 
-    fn world(&self) -> World<'_> {
-        World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes }
-    }
-
     /// Sends an array, without an update.
     fn send(&mut self, markers: &[Marker]) {
-        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
         let array = MarkerArray { markers: markers.to_vec() };
-        self.display.take(&AnyMessage::MarkerArray(Arc::new(array)), &world);
+        self.display.take(&AnyMessage::MarkerArray(Arc::new(array)), &self.world.get());
     }
 
     fn update(&mut self) -> bool {
-        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
-        self.display.update(&world)
+        self.display.update(&self.world.get())
     }
 
     /// Sends an array and returns all that is shown after it.
@@ -68,14 +59,7 @@ impl Bench {
     }
 
     fn place(&mut self, child: &str, secs: u32, x: f64) {
-        let transform = RawTransform {
-            parent: "map",
-            child,
-            stamp: Time::from_secs_nanos(secs, 0),
-            translation: [x, 0.0, 0.0],
-            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
-        };
-        self.tree.insert(&transform, false, "/test").unwrap();
+        self.world.place(child, Time::from_secs_nanos(secs, 0), [x, 0.0, 0.0]);
     }
 }
 
@@ -132,7 +116,7 @@ fn a_marker_display_subscribes_to_markers_and_arrays_and_an_array_display_only_t
 
     let mut bench = Bench::with(single);
     let message = AnyMessage::Marker(Arc::new(marker(Marker::CUBE, 1)));
-    let world = World { transforms: &bench.tree, fixed_frame: "map", now: bench.now, meshes: &bench.meshes };
+    let world = bench.world.get();
     bench.display.take(&message, &world);
     assert!(bench.update() && bench.display.drawables().len() == 1);
     assert!(!bench.update(), "nothing new");
@@ -455,12 +439,12 @@ fn a_marker_goes_when_its_lifetime_is_over_in_ros_time() {
     negative.lifetime.sec = -1;
     assert_eq!(bench.show(&[short.clone(), negative]).len(), 2);
     assert_eq!(bench.display.next_change(), Some(Time::from_secs_nanos(101, 500_000_000)));
-    bench.now = Time::from_secs_nanos(101, 499_999_999);
+    bench.world.now = Time::from_secs_nanos(101, 499_999_999);
     assert!(!bench.update());
     assert_eq!(bench.show(&[short]).len(), 2, "seen again, it lives on");
-    bench.now = Time::from_secs_nanos(102, 0);
+    bench.world.now = Time::from_secs_nanos(102, 0);
     assert!(!bench.update());
-    bench.now = Time::from_secs_nanos(103, 0);
+    bench.world.now = Time::from_secs_nanos(103, 0);
     assert!(bench.update());
     assert_eq!((bench.display.drawables().len(), bench.display.next_change()), (1, None));
 }
@@ -540,6 +524,6 @@ fn forgetting_everything_leaves_an_empty_scene() {
     bench.display.reset();
     assert!(bench.display.drawables().is_empty() && bench.update());
     assert!(bench.display.drawables().is_empty());
-    let world = bench.world();
+    let world = bench.world.get();
     assert_eq!(world.fixed_from("map", Time::ZERO).map(|place| place.translation.vector), Ok(Vector3::zeros()));
 }

@@ -1,9 +1,8 @@
 //! A small robot in frames that come and go.
 
 use super::*;
-use rcs_resources::{MeshStore, PackageIndex};
+use crate::framework::test_world::TestWorld;
 use rcs_scene::Lighting;
-use rcs_transforms::{RawTransform, TransformTree};
 
 const ROBOT: &str = "<robot name='r'>
     <link name='a'><visual><geometry><box size='1 1 1'/></geometry>
@@ -15,30 +14,23 @@ const ROBOT: &str = "<robot name='r'>
 
 struct Bench {
     display: RobotModelDisplay,
-    tree: TransformTree,
-    meshes: MeshStore,
-    now: Time,
+    world: TestWorld,
 }
 
 impl Bench {
     fn new(settings: RobotModelSettings) -> Self {
-        let meshes = MeshStore::new(PackageIndex::new([]));
-        let display = RobotModelDisplay::new(0, settings);
-        let mut bench = Self { display, tree: TransformTree::new(), meshes, now: Time::from_secs_f64(10.0) };
-        let world = World { transforms: &bench.tree, fixed_frame: "map", now: bench.now, meshes: &bench.meshes };
-        bench.display.take_parameter("robot_description", Some(&ROBOT.into()), &world);
-        bench
+        let mut display = RobotModelDisplay::new(0, settings);
+        let world = TestWorld::at(Time::from_secs_f64(10.0));
+        display.take_parameter("robot_description", Some(&ROBOT.into()), &world.get());
+        Self { display, world }
     }
 
     fn place(&mut self, child: &str, x: f64) {
-        let (translation, rotation_xyzw) = ([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]);
-        let transform = RawTransform { parent: "map", child, stamp: self.now, translation, rotation_xyzw };
-        self.tree.insert(&transform, false, "test").unwrap();
+        self.world.place(child, self.world.now, [x, 0.0, 0.0]);
     }
 
     fn update(&mut self) -> bool {
-        let world = World { transforms: &self.tree, fixed_frame: "map", now: self.now, meshes: &self.meshes };
-        self.display.update(&world)
+        self.display.update(&self.world.get())
     }
 
     fn status(&self, name: &str) -> (Level, String) {
@@ -72,13 +64,13 @@ fn links_follow_their_frames_and_are_white_until_these_are_known() {
     assert_eq!(bench.status("a"), (Level::Error, "No transform from [a] to [map]".to_owned()));
     assert_eq!(bench.status("b"), (Level::Ok, "Transform OK".to_owned()));
     assert!(!bench.update(), "nothing moved");
-    bench.now = Time::from_secs_f64(11.0);
+    bench.world.now = Time::from_secs_f64(11.0);
     bench.place("a", 1.0);
     assert!(bench.update());
     assert_eq!(bench.shown(), [(1.0, GREEN), (2.0, RED)]);
     assert_eq!(bench.status("a"), (Level::Ok, "Transform OK".to_owned()));
     bench.display.reset();
-    bench.tree.clear();
+    bench.world.tree.clear();
     assert!(bench.update());
     assert_eq!(bench.shown(), [(1.0, None), (2.0, None)], "the robot stays where it was");
 }
@@ -116,7 +108,7 @@ fn links_move_once_in_an_update_interval() {
     bench.place("b", 0.0);
     bench.update();
     for (secs, x) in [(10.2, 0.0), (10.4, 0.0), (10.6, 10.6)] {
-        bench.now = Time::from_secs_f64(secs);
+        bench.world.now = Time::from_secs_f64(secs);
         bench.place("a", secs);
         bench.update();
         assert_eq!(bench.shown()[0].0, x, "at {secs}");

@@ -1,15 +1,14 @@
 //! Frames that come, move, fade and are switched off, by what is shown of them.
 
-use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{Geometry, Lighting, Rgba};
-use rcs_transforms::{RawTransform, TransformTree};
+use rcs_transforms::RawTransform;
 
 use super::*;
+use crate::framework::test_world::TestWorld;
 
 struct Bench {
-    tree: TransformTree,
-    meshes: MeshStore,
     display: TfDisplay,
+    world: TestWorld,
 }
 
 fn at(secs: f64) -> Time {
@@ -18,8 +17,7 @@ fn at(secs: f64) -> Time {
 
 impl Bench {
     fn new(settings: TfSettings) -> Self {
-        let meshes = MeshStore::new(PackageIndex::new([]));
-        Self { tree: TransformTree::new(), meshes, display: TfDisplay::new(0, settings) }
+        Self { display: TfDisplay::new(0, settings), world: TestWorld::at(at(0.0)) }
     }
 
     fn publish(&mut self, parent: &str, child: &str, secs: f64, x: f64, is_static: bool) {
@@ -30,13 +28,13 @@ impl Bench {
             translation: [x, 0.0, 0.0],
             rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
         };
-        self.tree.insert(&transform, is_static, "/a").unwrap();
+        self.world.tree.insert(&transform, is_static, "/a").unwrap();
     }
 
     /// Looks at the frames; returns whether the picture changed.
     fn update(&mut self, secs: f64) -> bool {
-        let world = World { transforms: &self.tree, fixed_frame: "map", now: at(secs), meshes: &self.meshes };
-        self.display.update(&world)
+        self.world.now = at(secs);
+        self.display.update(&self.world.get())
     }
 
     fn status(&self, frame: &str) -> (Level, &str) {

@@ -4,54 +4,41 @@ use std::sync::Arc;
 
 use rcs_messages::geometry_msgs::{TwistStamped, Vector3, WrenchStamped};
 use rcs_messages::AnyMessage;
-use rcs_resources::{MeshStore, PackageIndex};
-use rcs_transforms::{RawTransform, Time, TransformTree};
+use rcs_transforms::Time;
 
 use super::*;
 use crate::framework::display::Display;
-use crate::{Level, World};
+use crate::framework::test_world::TestWorld;
+use crate::Level;
 
 struct Bench {
-    transforms: TransformTree,
-    meshes: MeshStore,
     display: ScrewDisplay<TwistStamped>,
+    world: TestWorld,
 }
 
 impl Bench {
     fn new(settings: &ScrewSettings) -> Self {
-        let mut bench = Self {
-            transforms: TransformTree::new(),
-            meshes: MeshStore::new(PackageIndex::new([])),
-            display: ScrewDisplay::of(0, settings),
-        };
+        let world = TestWorld::at(Time::from_secs_nanos(1, 0));
+        let mut bench = Self { display: ScrewDisplay::of(0, settings), world };
         bench.place(1.0);
         bench
     }
 
     /// Inserts the transform of the messages' frame.
     fn place(&mut self, x: f64) {
-        let transform = RawTransform {
-            parent: "map",
-            child: "base",
-            stamp: Time::ZERO,
-            translation: [x, 0.0, 0.0],
-            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
-        };
-        self.transforms.insert(&transform, true, "/a").unwrap();
+        self.world.place_static("base", [x, 0.0, 0.0]);
     }
 
     /// Sends twists at once; returns whether the picture changed.
     fn send_all(&mut self, twists: &[([f64; 3], [f64; 3])]) -> bool {
         let vector = |[x, y, z]: [f64; 3]| Vector3 { x, y, z };
-        let (transforms, meshes) = (&self.transforms, &self.meshes);
-        let world = World { transforms, fixed_frame: "map", now: Time::from_secs_nanos(1, 0), meshes };
         for &(linear, angular) in twists {
             let mut twist = TwistStamped::default();
             twist.header.frame_id = "base".to_owned();
             (twist.twist.linear, twist.twist.angular) = (vector(linear), vector(angular));
-            self.display.take(&AnyMessage::TwistStamped(Arc::new(twist)), &world);
+            self.display.take(&AnyMessage::TwistStamped(Arc::new(twist)), &self.world.get());
         }
-        self.display.update(&world)
+        self.display.update(&self.world.get())
     }
 
     fn send(&mut self, linear: [f64; 3], angular: [f64; 3]) -> bool {
@@ -116,7 +103,7 @@ fn of_several_screws_in_one_update_the_last_decides_the_status() {
 #[test]
 fn messages_of_another_kind_are_no_screws() {
     let mut bench = Bench::new(&ScrewSettings::default());
-    let world = World { transforms: &bench.transforms, fixed_frame: "map", now: Time::ZERO, meshes: &bench.meshes };
+    let world = bench.world.get();
     bench.display.take(&AnyMessage::WrenchStamped(Arc::new(WrenchStamped::default())), &world);
     bench.display.take(&AnyMessage::Path(Arc::default()), &world);
     assert!(bench.status().is_empty() && !bench.display.is_waiting(Time::ZERO));
