@@ -2,8 +2,8 @@
 //!
 //! - `target_times/points_15px` and `target_times/squares_15px`: the clusters of a few objects, 1,200 points of
 //!   15 pixels. Target: below 1 ms.
-//! - `target_times/flat_squares_307200`: a depth camera's cloud as in the end-to-end benchmark, squares of 4 mm. Target:
-//!   6 ms.
+//! - `target_times/flat_squares_307200`: a depth camera's cloud as in the end-to-end benchmark, squares of 4 mm.
+//!   Target: 6 ms.
 //! - `target_times/points_3px_307200`: the same cloud as spots of 3 pixels. Target: 4 ms.
 //!
 //! `RCS_RENDERER=gpu` measures the GPU renderer.

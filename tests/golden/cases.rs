@@ -25,8 +25,8 @@ pub(crate) struct Case {
     pub(crate) params: Vec<String>,
 }
 
-/// A case whose lowest *close* score is below this needs a reason. Single pixels of rasterisation may lie farther than one
-/// away.
+/// A case whose lowest *close* score is below this needs a reason. Single pixels of rasterisation may lie farther than
+/// one away.
 const USUAL_MIN_CLOSE: f64 = 0.98;
 
 /// The fields that describe how rviz's picture was recorded. They are not needed to draw it.
@@ -84,7 +84,8 @@ fn read(file: &Path) -> anyhow::Result<Case> {
 /// The case that the text of a `case.yaml` describes.
 ///
 /// # Errors
-/// When it is no map of plain values, a field is not known, the tolerance is missing, or a low one is without its reason.
+/// When it is no map of plain values, a field is not known, the tolerance is missing, or a low one is without its
+/// reason.
 pub(crate) fn parse(name: &str, folder: &Path, text: &str) -> anyhow::Result<Case> {
     let mut fields = fields(text)?;
     let min_close = fields.remove("min_close").context("there is no `min_close`")?;

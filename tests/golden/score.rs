@@ -1,9 +1,9 @@
 //! How near a picture is to the one that rviz drew.
 //!
 //! A content pixel is one that differs by more than 2 levels from the expected picture's most frequent colour, in
-//! either picture. *strict* is the share of content pixels whose channels all differ by at most 2 levels; *close* is the
-//! share that match within 16 levels, the match being allowed one pixel away, in both directions: it forgives one pixel
-//! of rasterisation, not a wrong size, place, order, shade or colour.
+//! either picture. *strict* is the share of content pixels whose channels all differ by at most 2 levels; *close* is
+//! the share that match within 16 levels, the match being allowed one pixel away, in both directions: it forgives one
+//! pixel of rasterisation, not a wrong size, place, order, shade or colour.
 
 use std::collections::HashMap;
 

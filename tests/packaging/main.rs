@@ -1,4 +1,5 @@
-//! What a user gets and runs: the catkin package, the launch files and configs, and the commands `./demo`, `./test` and `./bench`.
+//! What a user gets and runs: the catkin package, the launch files and configs, and the commands `./demo`, `./test` and
+//! `./bench`.
 #![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
 
 mod bench;

@@ -1,5 +1,5 @@
-//! The rooms of `docs/architecture.md`: dependencies between the crates point downwards only, no crate uses what is not its task,
-//! and the page's tables of folders and dependencies are what the manifests say.
+//! The rooms of `docs/architecture.md`: dependencies between the crates point downwards only, no crate uses what is not
+//! its task, and the page's tables of folders and dependencies are what the manifests say.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -21,8 +21,8 @@ const LAYERS: [(&str, &[&str]); 12] = [
     ("app", &["rosrust", "wgpu", "winit", "rosbag"]),
 ];
 
-/// Lower crates that a crate must not use all the same: the renderers know no messages, the displays no renderers, and so on.
-/// What is allowed across: an image encoding or a picture of `scene`, which settings, topics and windows share.
+/// Lower crates that a crate must not use all the same: the renderers know no messages, the displays no renderers, and
+/// so on. What is allowed across: an image encoding or a picture of `scene`, which settings, topics and windows share.
 const APART: [(&str, &[&str]); 8] = [
     ("rviz_config", &["transforms", "messages"]),
     ("resources", &["transforms", "messages", "rviz_config"]),

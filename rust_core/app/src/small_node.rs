@@ -1,4 +1,5 @@
-//! What all the ROS nodes here have in common: their own arguments, an orderly shutdown, and the `main` of the small ones.
+//! What all the ROS nodes here have in common: their own arguments, an orderly shutdown, and the `main` of the small
+//! ones.
 //!
 //! ROS arguments have `:=` in them (`topic:=other`, `_param:=value`, `__name:=name`), and rosrust reads them;
 //! [`own_arguments`] are the others. SIGINT, SIGTERM and `rosnode kill` request the shutdown ([`EndRequest`]); the node

@@ -1,8 +1,8 @@
 //! Bag files: which topics are in one, and their messages in the order of time.
 //!
-//! A bag is a row of chunks, each with some messages, and an index at its end; the crate `rosbag` reads both. Chunks may
-//! overlap in time, so messages are merged: a chunk is unpacked once the iteration reaches the time of its first message.
-//! However long the bag, only the chunks that overlap are in memory.
+//! A bag is a row of chunks, each with some messages, and an index at its end; the crate `rosbag` reads both. Chunks
+//! may overlap in time, so messages are merged: a chunk is unpacked once the iteration reaches the time of its first
+//! message. However long the bag, only the chunks that overlap are in memory.
 //!
 //! `rosbag` panics on a file whose header points outside of it and allocates whatever length a chunk announces, so
 //! [`record`] checks both first. Writing bags, which only tests do, is in the crate `rcs_test_support`.

@@ -6,7 +6,8 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes one file with `write`, replacing one that is there. The folder must exist. `io_error` wraps the system's errors.
+/// Writes one file with `write`, replacing one that is there. The folder must exist. `io_error` wraps the system's
+/// errors.
 pub(crate) fn write_atomically<E>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,

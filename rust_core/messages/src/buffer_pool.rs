@@ -1,8 +1,8 @@
 //! Recycled memory for what grows with the scene.
 //!
-//! A depth camera's cloud is megabytes of bytes, of positions and of colours, thirty times a second. The allocator returns
-//! vectors of that size to the operating system and gets them anew, cleared page by page. So a vector that is done with
-//! is given back to a pool, which the next one is taken from.
+//! A depth camera's cloud is megabytes of bytes, of positions and of colours, thirty times a second. The allocator
+//! returns vectors of that size to the operating system and gets them anew, cleared page by page. So a vector that is
+//! done with is given back to a pool, which the next one is taken from.
 
 /// Vectors that are not in use, the longest unused first.
 #[derive(Debug)]
@@ -16,7 +16,8 @@ const MIN_BYTES: usize = 4096;
 /// A vector is not used for what would fill less than one part in so many of it.
 const MAX_WASTE: usize = 4;
 
-/// A new vector has one part in so many more room than asked for, so that it also holds a next cloud that is a little larger.
+/// A new vector has one part in so many more room than asked for, so that it also holds a next cloud that is a little
+/// larger.
 const ROOM_ON_TOP: usize = 8;
 
 impl<T> BufferPool<T> {
@@ -59,7 +60,8 @@ impl<T> BufferPool<T> {
         }
     }
 
-    /// Frees those that have been unused for longest, until the rest has room for no more than so many elements together.
+    /// Frees those that have been unused for longest, until the rest has room for no more than so many elements
+    /// together.
     pub fn limit_to(&mut self, elements: usize) {
         let mut room: usize = self.vectors.iter().map(Vec::capacity).sum();
         let too_many = self.vectors.iter().take_while(|vector| {

@@ -1,8 +1,8 @@
 //! The messages of `dynamic_reconfigure`, by which rqt_reconfigure and dynparam change a running node's settings.
 //!
 //! They are types of our own, so that the programs can be built where that package is not installed. Requests are read
-//! from the connection itself, whose end is unknown: a string or an array grows with the bytes received, never by the count
-//! that announces them, and a request longer than [`MAX_BYTES`] is an error.
+//! from the connection itself, whose end is unknown: a string or an array grows with the bytes received, never by the
+//! count that announces them, and a request longer than [`MAX_BYTES`] is an error.
 
 use crate::wire::{write_count, write_string, write_u32};
 use rosrust::{Message, RosMsg, ServicePair};

@@ -1,7 +1,7 @@
 //! `sensor_msgs/Image` as a view of the received bytes, or of a finished picture.
 //!
-//! A received image keeps its bytes as [`crate::PointCloud2`] does. An image to be sent shares its pixels with the renderer
-//! ([`Image::sharing`]); they are copied once, into the message's bytes, when it is sent.
+//! A received image keeps its bytes as [`crate::PointCloud2`] does. An image to be sent shares its pixels with the
+//! renderer ([`Image::sharing`]); they are copied once, into the message's bytes, when it is sent.
 
 use crate::bytes::{copy_of, Bytes, SharedBytes};
 use crate::std_msgs::Header;

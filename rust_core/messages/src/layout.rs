@@ -26,8 +26,8 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// From the whole text of a definition: the type's own fields, and those of the types that it is made of, each after
-    /// a line of `=` and one with its name. Types that the text lacks make the layout end before them.
+    /// From the whole text of a definition: the type's own fields, and those of the types that it is made of, each
+    /// after a line of `=` and one with its name. Types that the text lacks make the layout end before them.
     pub(crate) fn of(definition: &str) -> Self {
         let mut sections = definition.split("\n====");
         let own = sections.next().unwrap_or_default();

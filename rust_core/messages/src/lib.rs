@@ -2,9 +2,9 @@
 //!
 //! The small messages are those that `rosrust_msg` generates from the installed definitions, under the names of their
 //! packages: [`geometry_msgs::Pose`], [`visualization_msgs::Marker`] and so on. The big ones, [`PointCloud2`],
-//! [`Image`] and [`OccupancyGrid`], are types of our own, because the generated ones decode their data number by number:
-//! they keep the bytes that were received and give views of them. [`Serialized`] is a message of any type that is not
-//! decoded yet.
+//! [`Image`] and [`OccupancyGrid`], are types of our own, because the generated ones decode their data number by
+//! number: they keep the bytes that were received and give views of them. [`Serialized`] is a message of any type that
+//! is not decoded yet.
 //!
 //! Decoding never reads past the bytes given, never allocates for a length that those bytes cannot hold, and reports
 //! bytes left over as an error.

@@ -98,8 +98,8 @@ pub trait Renderer: Send {
     /// encoding; its memory is used again. `false`, and `picture` as it was, when none is in flight.
     ///
     /// # Errors
-    /// See [`RenderError`]; the picture's content is then undefined, and with [`RenderError::Gpu`] no other is in flight
-    /// any more.
+    /// See [`RenderError`]; the picture's content is then undefined, and with [`RenderError::Gpu`] no other is in
+    /// flight any more.
     fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError>;
 
     /// Draws into `picture`, which takes the view's size and encoding; its memory is used again. Pictures that are in

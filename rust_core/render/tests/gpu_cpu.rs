@@ -1,8 +1,8 @@
 //! The GPU renderer draws the CPU renderer's picture.
 //!
-//! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further away, or
-//! be what the CPU draws for a camera that is a fraction of a pixel beside; a few may differ altogether. Each run draws
-//! other scenes; a failure prints the smallest scene that shows it.
+//! The two may round differently where an edge runs through a pixel's centre, so a pixel may be found one further away,
+//! or be what the CPU draws for a camera that is a fraction of a pixel beside; a few may differ altogether. Each run
+//! draws other scenes; a failure prints the smallest scene that shows it.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod common;
@@ -186,8 +186,8 @@ fn placed(geometry: impl Strategy<Value = Geometry>, max_turn_rad: f64) -> impl 
 }
 
 proptest! {
-    // Other scenes in each run; `PROPTEST_RNG_SEED=N` repeats a run. A scene that fails is kept and drawn first from then
-    // on.
+    // Other scenes in each run; `PROPTEST_RNG_SEED=N` repeats a run. A scene that fails is kept and drawn first from
+    // then on.
     #![proptest_config(ProptestConfig {
         cases: 400,
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(REGRESSIONS))),

@@ -2,9 +2,9 @@
 //!
 //! The figures are rviz 1.14's on Mesa's software rasteriser without anti-aliasing: a cloud of 2400 points, scattered
 //! over the pixels, in a top-down view of 100 pixels a metre, drawn in one colour on black, and the pixels of the
-//! screenshot counted. The sizes of `Style: Points` below one pixel went to rviz's `PointCloud::setDimensions` past
-//! the property's minimum of 1. rviz lit as many pixels for sizes of 0.9, 0.5, 0.3, 0.05, 0 and −2 pixels as for 1,
-//! because OpenGL draws no smaller point; of what has its size in metres it lit as many pixels as the faces' areas hold.
+//! screenshot counted. The sizes of `Style: Points` below one pixel went to rviz's `PointCloud::setDimensions` past the
+//! property's minimum of 1. rviz lit as many pixels for sizes of 0.9, 0.5, 0.3, 0.05, 0 and −2 pixels as for 1, because
+//! OpenGL draws no smaller point; of what has its size in metres it lit as many pixels as the faces' areas hold.
 
 mod common;
 

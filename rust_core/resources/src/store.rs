@@ -16,8 +16,8 @@ use crate::{assemble, import, LoadedMesh, MeshFault, PackageIndex, ResourceError
 
 type Slot = Arc<OnceLock<Result<Arc<LoadedMesh>, ResourceError>>>;
 
-/// A cache of meshes. Cheap to share between threads: a thread that needs a mesh which another is loading waits for that
-/// mesh only.
+/// A cache of meshes. Cheap to share between threads: a thread that needs a mesh which another is loading waits for
+/// that mesh only.
 ///
 /// ```
 /// use rcs_resources::{MeshStore, PackageIndex, ResourceError};

@@ -1,7 +1,7 @@
 //! The process's TCP connections, as the system has them.
 //!
-//! rosrust does not report which of its connections are still open, and waits without limit for other nodes' answers. Where
-//! the system has no `/proc`, no connection is found and nothing is repaired.
+//! rosrust does not report which of its connections are still open, and waits without limit for other nodes' answers.
+//! Where the system has no `/proc`, no connection is found and nothing is repaired.
 
 use crate::foreign_sockets::{open_sockets, ForeignSocket};
 use rustix::net::sockopt::socket_type;
@@ -36,8 +36,8 @@ pub(crate) fn end(connection_to_end: Connection) {
     }
 }
 
-/// The connection that a socket is, read from a duplicate, which comes with it. None for what is no TCP connection, also
-/// when it was closed meanwhile.
+/// The connection that a socket is, read from a duplicate, which comes with it. None for what is no TCP connection,
+/// also when it was closed meanwhile.
 fn connection(socket: &ForeignSocket) -> Option<(Connection, OwnedFd)> {
     let duplicate = socket.duplicate()?;
     if socket_type(&duplicate).ok()? != SocketType::STREAM {

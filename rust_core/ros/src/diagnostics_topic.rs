@@ -1,4 +1,5 @@
-//! Publishes the node's status on `/diagnostics`, where ROS's monitors (rqt_robot_monitor, diagnostic_aggregator) expect it.
+//! Publishes the node's status on `/diagnostics`, where ROS's monitors (rqt_robot_monitor, diagnostic_aggregator)
+//! expect it.
 
 use rcs_messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus};
 use rcs_messages::std_msgs::Header;

@@ -1,10 +1,10 @@
 //! Sockets of this process that another library owns: how to act on one without touching another by mistake.
 //!
 //! rosrust hands out none of its sockets, so they are found in `/proc/self/fd`. Between finding a descriptor there and
-//! using it, its owner may close it, and the number may come to mean something else. So a descriptor that is not ours is
-//! only ever duplicated. The duplicate is ours and stays what it is, and it is used only if it is the socket that was
-//! found: its inode number is compared, which no two open sockets share. Options and connections belong to the socket and
-//! not to a descriptor, so what is done to the duplicate is done to the owner's socket.
+//! using it, its owner may close it, and the number may come to mean something else. So a descriptor that is not ours
+//! is only ever duplicated. The duplicate is ours and stays what it is, and it is used only if it is the socket that
+//! was found: its inode number is compared, which no two open sockets share. Options and connections belong to the
+//! socket and not to a descriptor, so what is done to the duplicate is done to the owner's socket.
 //!
 //! Duplicating by number is what Rust's I/O safety rules out in safe code. It is done here, in one place, and nowhere
 //! else in the workspace. (`pidfd_getfd` would do the same without `unsafe`, but needs Linux 5.6, and containers forbid
@@ -47,10 +47,11 @@ impl ForeignSocket {
         if self.descriptor < 0 {
             return None;
         }
-        // SAFETY: The number is not -1. Its owner may close it at any moment, which the contract of `borrow_raw` does not
-        // allow for; that is why the borrow ends with this expression and is used for one system call only, F_DUPFD_CLOEXEC.
-        // To the kernel the number is an argument like any other: it fails with EBADF, or duplicates whatever has the
-        // number now, and neither reads nor changes that. Below, such a duplicate is found out and closed.
+        // SAFETY: The number is not -1. Its owner may close it at any moment, which the contract of `borrow_raw` does
+        // not allow for; that is why the borrow ends with this expression and is used for one system call only,
+        // F_DUPFD_CLOEXEC. To the kernel the number is an argument like any other: it fails with EBADF, or duplicates
+        // whatever has the number now, and neither reads nor changes that. Below, such a duplicate is found out and
+        // closed.
         let duplicate = unsafe { BorrowedFd::borrow_raw(self.descriptor) }.try_clone_to_owned().ok()?;
         let status = fstat(&duplicate).ok()?;
         let is_same = FileType::from_raw_mode(status.st_mode) == FileType::Socket && status.st_ino == self.inode;
@@ -87,7 +88,8 @@ mod tests {
         let mut reused = socket();
         let expected = found(&reused);
         assert!(expected.duplicate().is_some());
-        // The number now means another socket, as if its owner had closed the first and the system had reused the number.
+        // The number now means another socket, as if its owner had closed the first and the system had reused the
+        // number.
         rustix::io::dup2(socket(), &mut reused).unwrap();
         assert_eq!(reused.as_raw_fd(), expected.descriptor);
         assert!(expected.duplicate().is_none());

@@ -1,10 +1,12 @@
-//! A camera's picture on an image topic, with its CameraInfo beside it, as image_transport's camera publishers send them.
+//! A camera's picture on an image topic, with its CameraInfo beside it, as image_transport's camera publishers send
+//! them.
 //!
 //! The CameraInfo goes out on the sibling topic `camera_info`: the image topic's name with another last part. Both have
 //! the same stamp, sequence number and frame.
 //!
 //! Sending never blocks: rosrust queues one frame for its writing thread and drops the older one. That thread writes to
-//! the subscribers one after the other, so a stopped one would block all others; [`crate::listeners`] sets a time limit.
+//! the subscribers one after the other, so a stopped one would block all others; [`crate::listeners`] sets a time
+//! limit.
 
 use crate::listeners::tune_listeners;
 use rcs_messages::sensor_msgs::CameraInfo;

@@ -1,8 +1,8 @@
 //! The process's node: connecting, subscribing, services, parameters, shutting down.
 //!
 //! What rosrust lacks is added from outside: several subscriptions of one topic ([`crate::topic`]), coming back to
-//! publishers whose connection broke and to a restarted master ([`crate::watchdog`]), and unregistering all of the node,
-//! also what rosrust never lets go of ([`RosNode::shutdown`]).
+//! publishers whose connection broke and to a restarted master ([`crate::watchdog`]), and unregistering all of the
+//! node, also what rosrust never lets go of ([`RosNode::shutdown`]).
 
 use crate::clock::RosClock;
 use crate::events::{EventQueue, EventSender, NodeEvent, TriggerReply};
@@ -129,7 +129,8 @@ pub fn plain_args() -> Vec<String> {
     rosrust::args().into_iter().skip(1).collect()
 }
 
-/// Whether the process's node was asked from outside to end, as [`RosNode::is_asked_to_end`]; false while there is none.
+/// Whether the process's node was asked from outside to end, as [`RosNode::is_asked_to_end`]; false while there is
+/// none.
 pub fn is_asked_to_end() -> bool {
     rosrust::is_initialized() && !rosrust::is_ok()
 }
@@ -137,8 +138,8 @@ pub fn is_asked_to_end() -> bool {
 impl RosNode {
     /// Waits for a master, however long that takes, and starts the node.
     ///
-    /// `default_name` is the node's name unless `__name:=` gives another. `cancelled` is polled a few times a second, and
-    /// ends the waiting when it returns true. That there is no master yet is logged once. With the parameter
+    /// `default_name` is the node's name unless `__name:=` gives another. `cancelled` is polled a few times a second,
+    /// and ends the waiting when it returns true. That there is no master yet is logged once. With the parameter
     /// `/use_sim_time` set, the node's time is that of `/clock`. Signals are left to the caller.
     pub fn connect(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
         let master_uri = rosrust::api::resolve::master();
@@ -213,9 +214,9 @@ impl RosNode {
         Ok(param.name().to_owned())
     }
 
-    /// Subscribes to a topic. Its messages are queued as [`NodeEvent::Message`], at most `queue_size` of them at a time (0:
-    /// any number). Messages of this node itself are ignored. If a message cannot be decoded, a warning names the topic and
-    /// the publisher.
+    /// Subscribes to a topic. Its messages are queued as [`NodeEvent::Message`], at most `queue_size` of them at a time
+    /// (0: any number). Messages of this node itself are ignored. If a message cannot be decoded, a warning names the
+    /// topic and the publisher.
     pub fn subscribe(&self, topic: &str, kind: MessageKind, queue_size: usize) -> Result<TopicSubscription, NodeError> {
         let sender = self.shared.events.sender(queue_size);
         let queued = sender.clone();
@@ -274,7 +275,8 @@ impl RosNode {
         drop(server);
     }
 
-    /// What other nodes published when the master was last asked, which is every two seconds; `None` before the first time.
+    /// What other nodes published when the master was last asked, which is every two seconds; `None` before the first
+    /// time.
     pub fn publications(&self) -> Option<Arc<Publications>> {
         lock(&self.shared.publications).clone()
     }
@@ -365,9 +367,9 @@ impl RosNode {
 
 /// Calls `start`; the threads that it starts may wake up late by [`WAKE_SLACK`].
 ///
-/// rosrust polls for calls from other nodes every five milliseconds, whether there are any or not, which costs a third of
-/// a percent of a core for as long as the node lives. Threads inherit the slack of their timers from the one that starts
-/// them, so it is set for that moment. If the system refuses, nothing changes.
+/// rosrust polls for calls from other nodes every five milliseconds, whether there are any or not, which costs a third
+/// of a percent of a core for as long as the node lives. Threads inherit the slack of their timers from the one that
+/// starts them, so it is set for that moment. If the system refuses, nothing changes.
 fn with_wake_slack<T>(start: impl FnOnce() -> T) -> T {
     let slack_ns = u64::try_from(WAKE_SLACK.as_nanos()).ok().and_then(std::num::NonZeroU64::new);
     let before = rustix::thread::current_timer_slack().ok().and_then(std::num::NonZeroU64::new);

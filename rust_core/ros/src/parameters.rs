@@ -1,7 +1,7 @@
 //! Parameters that the scene needs, a robot's description most of all, fetched in the background.
 //!
-//! A name is looked up as `ros::NodeHandle::getParam` and, failing that, `searchParam` do: in the node's namespace first
-//! and then in the namespaces around it. A parameter that is not set yet is polled once a second, as rviz does. A
+//! A name is looked up as `ros::NodeHandle::getParam` and, failing that, `searchParam` do: in the node's namespace
+//! first and then in the namespaces around it. A parameter that is not set yet is polled once a second, as rviz does. A
 //! parameter that is not a string counts as an empty one, as in rviz.
 
 use crate::node::Shared;
@@ -12,8 +12,8 @@ use std::time::Duration;
 const POLL_PERIOD: Duration = Duration::from_secs(1);
 
 impl RosNode {
-    /// Polls string parameters until each was found. Each is a [`NodeEvent::Parameter`] with its value once it is set, and
-    /// before that one without, if it is not set at first.
+    /// Polls string parameters until each was found. Each is a [`NodeEvent::Parameter`] with its value once it is set,
+    /// and before that one without, if it is not set at first.
     pub fn follow_parameters(&self, names: Vec<String>) {
         if names.is_empty() {
             return;

@@ -2,13 +2,13 @@
 //! queried, and their answers are compared with the connections that the process has.
 //!
 //! - rosrust connects to a publisher once, when the master names it. If that fails, or the connection breaks later
-//!   while the publisher lives on, the topic stays silent. So a topic with a publisher that answers and has no connection,
-//!   twice in a row, is unsubscribed and subscribed again. If that does not help, the next try waits twice as long, because
-//!   each interrupts the topic's other connections.
+//!   while the publisher lives on, the topic stays silent. So a topic with a publisher that answers and has no
+//!   connection, twice in a row, is unsubscribed and subscribed again. If that does not help, the next try waits twice
+//!   as long, because each interrupts the topic's other connections.
 //! - rosrust asks a publisher for its address and waits without limit, under a lock for all topics, so one stopped
 //!   node would freeze this one. The connection of such a call is ended after [`CALL_LIMIT`] without an answer.
-//! - A master that was restarted knows nothing of this node: what the node publishes and serves is registered again, and
-//!   the topics are subscribed again.
+//! - A master that was restarted knows nothing of this node: what the node publishes and serves is registered again,
+//!   and the topics are subscribed again.
 
 use crate::connections::{self, Connection};
 use crate::graph::{Registrations, State};
@@ -112,8 +112,8 @@ fn broken_topics<'a>(state: &State, topics: &'a [Arc<Topic>], publishers: &Publi
 }
 
 impl Memory {
-    /// Who publishes the topics. A node is asked for the address that it sends a topic from only if there is no connection
-    /// with the address that it gave before, because every call costs both nodes time.
+    /// Who publishes the topics. A node is asked for the address that it sends a topic from only if there is no
+    /// connection with the address that it gave before, because every call costs both nodes time.
     fn publishers<'a>(&mut self, shared: &Shared, state: &State, topics: &'a [Arc<Topic>]) -> Publishers<'a> {
         let mut found = Publishers::default();
         let mut uris: HashMap<&str, Option<String>> = HashMap::new();

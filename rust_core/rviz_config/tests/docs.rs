@@ -42,9 +42,9 @@ fn plain(cell: &str) -> String {
     value.filter(|value| !["–", "\"\""].contains(value)).unwrap_or_default().trim().to_owned()
 }
 
-/// The properties and defaults of the tables in a text whose head has the columns "property" and "default". A row may list
-/// several properties with as many defaults, or one default for all of them. A row that begins with … goes on inside of the
-/// last property before it.
+/// The properties and defaults of the tables in a text whose head has the columns "property" and "default". A row may
+/// list several properties with as many defaults, or one default for all of them. A row that begins with … goes on
+/// inside of the last property before it.
 fn rows(text: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     let (mut columns, mut parent) = (None, String::new());

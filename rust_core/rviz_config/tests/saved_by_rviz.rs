@@ -9,9 +9,9 @@ use rcs_rviz_config::{parse, Config, Role};
 const DEFAULTS: &str = include_str!("saved_by_rviz/defaults.rviz");
 const CHANGED: &str = include_str!("saved_by_rviz/changed.rviz");
 
-/// Properties that change nothing in a picture, by the end of their place. Camera and Image show theirs in rviz's window,
-/// and "All Enabled" is a button there: when rviz loads a file, there is no frame yet that it could switch. A size in pixels
-/// belongs to another style than the default one.
+/// Properties that change nothing in a picture, by the end of their place. Camera and Image show theirs in rviz's
+/// window, and "All Enabled" is a button there: when rviz loads a file, there is no frame yet that it could switch. A
+/// size in pixels belongs to another style than the default one.
 const NOT_READ: [&str; 23] = [
     "/Selectable",
     "/Show Visual Aids",
@@ -38,8 +38,8 @@ const NOT_READ: [&str; 23] = [
     "rviz/TF/Frames/All Enabled",
 ];
 
-/// A property in the text of a display: its place, which is the display's class and the keys that lead to it, its value,
-/// and its line from 0.
+/// A property in the text of a display: its place, which is the display's class and the keys that lead to it, its
+/// value, and its line from 0.
 #[derive(Clone, Debug)]
 struct Property {
     place: String,

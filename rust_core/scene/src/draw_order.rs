@@ -6,9 +6,9 @@ use nalgebra::Point3;
 
 use crate::{DisplayMask, Drawable, Geometry, RenderGroup, Scene};
 
-/// The drawables that a camera shows, in the order in which Ogre draws them: by group; in a group the opaque ones in the
-/// scene's order, but clouds and cells (which have shaders) after the others; then the translucent ones from far to near
-/// (equally far ones in the scene's order), with text, which Ogre takes for infinitely near, at the end.
+/// The drawables that a camera shows, in the order in which Ogre draws them: by group; in a group the opaque ones in
+/// the scene's order, but clouds and cells (which have shaders) after the others; then the translucent ones from far to
+/// near (equally far ones in the scene's order), with text, which Ogre takes for infinitely near, at the end.
 ///
 /// A renderer keeps it from picture to picture for its memory.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,7 @@
 //! Groups that turn to the camera as one: an interactive marker's controls that face the view.
 //!
-//! Unlike [`Text`](crate::Text), which is flat and turns by itself, such a group may hold anything, and its parts
-//! keep their places in the group. Reproduces rviz's `VIEW_FACING` controls, which turn anew for each camera that is about
+//! Unlike [`Text`](crate::Text), which is flat and turns by itself, such a group may hold anything, and its parts keep
+//! their places in the group. Reproduces rviz's `VIEW_FACING` controls, which turn anew for each camera that is about
 //! to draw them: one axis of the group goes into the camera's viewing direction, another upwards on its picture.
 
 use std::borrow::Cow;
@@ -129,8 +129,8 @@ mod tests {
         Scene { drawables: vec![facing.into_drawable(7, Vector3::new(1.0, 2.0, 3.0))], light: None }
     }
 
-    /// How far the middle of the part above is from where the camera's up direction puts it, in metres, in a scene whose
-    /// camera is turned so.
+    /// How far the middle of the part above is from where the camera's up direction puts it, in metres, in a scene
+    /// whose camera is turned so.
     fn off_upright(fixed_from_optical: &Isometry3<f64>, forward: Vector3<f64>, up: Vector3<f64>) -> f64 {
         let seen = scene(forward, up).seen_from(&camera(fixed_from_optical)).into_owned();
         assert_eq!(seen.drawables[0].display, 7);
@@ -146,8 +146,8 @@ mod tests {
             let (mut forward, mut up) = (Vector3::zeros(), Vector3::zeros());
             (forward[axis], up[(axis + 2) % 3]) = (1.0, 1.0);
             let off = off_upright(&fixed_from_optical, forward, up);
-            // Directions that are opposite but for the tolerance, which is an angle of 1.4 mrad, are taken for opposite; an
-            // angle of 20 nrad has the cosine 1.
+            // Directions that are opposite but for the tolerance, which is an angle of 1.4 mrad, are taken for
+            // opposite; an angle of 20 nrad has the cosine 1.
             let looking = shortest_turn(&forward, &(fixed_from_optical * Vector3::z()));
             let is_opposite = (looking * up).dot(&(fixed_from_optical * Vector3::y())) > 1.0 - OPPOSITE_TOLERANCE;
             let allowed = if is_opposite { (2.0 * OPPOSITE_TOLERANCE).sqrt() * 1.001 } else { 3e-8 };

@@ -5,8 +5,8 @@
 
 use std::sync::Arc;
 
-/// The largest point of `Style: Points` that Mesa and Intel's drivers draw, in pixels; rviz's larger ones come out at this
-/// size.
+/// The largest point of `Style: Points` that Mesa and Intel's drivers draw, in pixels; rviz's larger ones come out at
+/// this size.
 pub const MAX_POINT_SIZE_PX: f32 = 255.0;
 
 /// How one point is drawn.

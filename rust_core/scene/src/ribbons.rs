@@ -1,8 +1,8 @@
 //! Wide lines: flat ribbons that turn towards the eye, with a width in metres.
 //!
-//! Reproduces `rviz::BillboardLine` on Ogre's `BillboardChain`: at each element the ribbon spreads by half its width
-//! to both sides, perpendicular to the line's tangent there (towards the next element at the first, from the previous
-//! at the last, from previous to next between) and to the direction to the eye. A line is drawn from its last element to
+//! Reproduces `rviz::BillboardLine` on Ogre's `BillboardChain`: at each element the ribbon spreads by half its width to
+//! both sides, perpendicular to the line's tangent there (towards the next element at the first, from the previous at
+//! the last, from previous to next between) and to the direction to the eye. A line is drawn from its last element to
 //! its first, which shows where a translucent one crosses itself.
 
 use nalgebra::{Point3, Vector3};

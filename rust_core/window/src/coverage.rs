@@ -2,8 +2,8 @@
 //!
 //! A window system needs a moment to put a new window in its place. Later the monitor may change its mode, or vanish
 //! and come back (a projector that is switched off and on), and window managers then leave the window on another
-//! monitor. The window is polled, often at first and every two seconds later, and [`CoverageWatch`] decides what to do. It
-//! knows no window system, so that it can be tested without one.
+//! monitor. The window is polled, often at first and every two seconds later, and [`CoverageWatch`] decides what to do.
+//! It knows no window system, so that it can be tested without one.
 
 use std::time::{Duration, Instant};
 

@@ -1,9 +1,9 @@
 //! The projector's window: a picture full screen on a chosen monitor, pixel for pixel.
 //!
 //! [`run`] opens the window on the calling thread, which must be the main thread, and stays until the user presses
-//! Escape or q, closes it, or [`PictureSink::close`] is called. Other threads hand pictures to the sink; only the newest is
-//! kept, and the window is drawn when a new picture arrives or the window system requests it, so an unchanged picture
-//! costs nothing.
+//! Escape or q, closes it, or [`PictureSink::close`] is called. Other threads hand pictures to the sink; only the
+//! newest is kept, and the window is drawn when a new picture arrives or the window system requests it, so an unchanged
+//! picture costs nothing.
 //!
 //! Nothing is ever scaled, because a projection fits the world only while picture pixel (u, v) is screen pixel (u, v):
 //! all sizes here are physical pixels, whatever the desktop's scale factor. If picture and monitor

@@ -131,8 +131,8 @@ impl ScreenPicture {
     /// Reads a received picture.
     ///
     /// # Errors
-    /// [`PictureError`] if the encoding is unknown, the picture is empty, or the data are shorter than the header claims.
-    /// Data beyond the last row are ignored, as image_transport's viewers ignore them.
+    /// [`PictureError`] if the encoding is unknown, the picture is empty, or the data are shorter than the header
+    /// claims. Data beyond the last row are ignored, as image_transport's viewers ignore them.
     pub fn from_received(received: &ReceivedPicture<'_>) -> Result<Self, PictureError> {
         let ReceivedPicture { width_px, height_px, step_bytes, encoding, is_bigendian, data } = *received;
         let known = Encoding::from_name(encoding)

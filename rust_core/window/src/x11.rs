@@ -1,10 +1,10 @@
 //! What winit does not offer for X servers.
 //!
 //! winit makes a window full screen by asking the window manager (EWMH's `_NET_WM_STATE_FULLSCREEN`). A projector's X
-//! server often has none ([`X11Session::has_fullscreen_manager`]); then the window covers the monitor by itself. Without a
-//! manager the window is not given the keyboard either ([`X11Session::focus`]), and the screen saver must not blank an
-//! unchanged picture ([`X11Session::keep_screen_awake`]). [`X11Session::outputs`] are the monitors as they are now;
-//! winit's list can be that of the program's start.
+//! server often has none ([`X11Session::has_fullscreen_manager`]); then the window covers the monitor by itself.
+//! Without a manager the window is not given the keyboard either ([`X11Session::focus`]), and the screen saver must not
+//! blank an unchanged picture ([`X11Session::keep_screen_awake`]). [`X11Session::outputs`] are the monitors as they are
+//! now; winit's list can be that of the program's start.
 
 use x11rb::connection::{Connection, RequestConnection};
 use x11rb::protocol::randr::ConnectionExt as _;

@@ -1,4 +1,5 @@
-//! `camera_stream`: the virtual cameras of a `.rviz` config, as a ROS node or over a bag. See [`rcs_app::camera_stream`].
+//! `camera_stream`: the virtual cameras of a `.rviz` config, as a ROS node or over a bag. See
+//! [`rcs_app::camera_stream`].
 
 fn main() -> std::process::ExitCode {
     rcs_app::camera_stream::main()

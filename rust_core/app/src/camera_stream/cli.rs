@@ -26,7 +26,8 @@ pub struct Cli {
     /// What draws: a hardware GPU if there is one, else the CPU (auto); the CPU (cpu); or any GPU driver (gpu)
     #[arg(long, global = true, value_name = "auto|cpu|gpu")]
     pub renderer: Option<RendererChoice>,
-    /// How a CameraInfo's P is used: as rviz does (the same picture as before), or exactly (needed if fx ≠ fy or P[7] ≠ 0)
+    /// How a CameraInfo's P is used: as rviz does (the same picture as before), or exactly (needed if fx ≠ fy or P[7] ≠
+    /// 0)
     #[arg(long, global = true, value_enum)]
     pub projection: Option<Projection>,
 }
@@ -96,8 +97,8 @@ pub enum Command {
     ///
     /// With --live it takes all arguments of the node: put `check --live` in front of them to diagnose a launch line.
     ///
-    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not, 2 invalid arguments, an unreadable
-    /// config or no ROS master.
+    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not, 2 invalid arguments, an
+    /// unreadable config or no ROS master.
     Check(CheckArgs),
 }
 

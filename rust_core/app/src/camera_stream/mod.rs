@@ -74,8 +74,9 @@ pub fn main() -> ExitCode {
     })
 }
 
-/// Without a session there is no XDG_RUNTIME_DIR, and then libwayland prints errors when a GL driver is probed, although
-/// no window is opened. Where the variable names an existing folder, it finds no socket there and prints nothing.
+/// Without a session there is no XDG_RUNTIME_DIR, and then libwayland prints errors when a GL driver is probed,
+/// although no window is opened. Where the variable names an existing folder, it finds no socket there and prints
+/// nothing.
 fn quiet_graphics_libraries() {
     const RUNTIME_FOLDER: &str = "XDG_RUNTIME_DIR";
     if std::env::var_os(RUNTIME_FOLDER).is_none() {

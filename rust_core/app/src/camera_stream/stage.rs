@@ -73,8 +73,8 @@ impl Stage {
         }
     }
 
-    /// Replaces the config; `fixed_frame` overrides its own. Displays that both have are kept, and placed again if the fixed
-    /// frame changed.
+    /// Replaces the config; `fixed_frame` overrides its own. Displays that both have are kept, and placed again if the
+    /// fixed frame changed.
     pub fn reconfigure(&mut self, config: &Config, fixed_frame: Option<&str>, now: Time) -> Reconfigured {
         let fixed_frame = fixed_frame_of(config, fixed_frame);
         let is_moved = fixed_frame != self.fixed_frame;

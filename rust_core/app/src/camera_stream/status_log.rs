@@ -1,9 +1,9 @@
-//! Logs the changes of the statuses that rviz would show in its display tree: what is missing or wrong, and that it is ok
-//! again.
+//! Logs the changes of the statuses that rviz would show in its display tree: what is missing or wrong, and that it is
+//! ok again.
 //!
-//! Each change is logged once. Frames are often a little late and publishers start in any order, so what may still arrive
-//! is logged only after it has been missing for a while; a wrong message is logged at once, as the next may be right.
-//! A status that changes back and forth is logged less and less often.
+//! Each change is logged once. Frames are often a little late and publishers start in any order, so what may still
+//! arrive is logged only after it has been missing for a while; a wrong message is logged at once, as the next may be
+//! right. A status that changes back and forth is logged less and less often.
 
 use std::collections::HashMap;
 
@@ -68,9 +68,9 @@ fn patience_secs(status_name: &str, level: Level, cause: StatusCause) -> f64 {
     }
 }
 
-/// Whether a status is logged here: the node logs its cameras' problems itself, a class that is not drawn was logged when
-/// the config was read, that a topic is silent is enough without its missing publisher, and displays move in and out of
-/// view all the time.
+/// Whether a status is logged here: the node logs its cameras' problems itself, a class that is not drawn was logged
+/// when the config was read, that a topic is silent is enough without its missing publisher, and displays move in and
+/// out of view all the time.
 fn is_logged(entry: &StatusEntry<'_>, status_name: &str, level: Level) -> bool {
     match (status_name, entry.kind) {
         (PUBLISHER, _) => level == Level::Error,

@@ -175,8 +175,8 @@ pub(crate) fn camera(stage: &Stage, view: &CameraView, projection: Projection) -
     }
 }
 
-/// Adds a warning if nothing was received and nobody publishes any of the topics, and an error if one of them is published
-/// with another type. `full_name` resolves the config's names.
+/// Adds a warning if nothing was received and nobody publishes any of the topics, and an error if one of them is
+/// published with another type. `full_name` resolves the config's names.
 fn add_publishers(
     entry: &mut StatusEntry<'_>,
     publications: &Publications,

@@ -61,8 +61,8 @@ impl Subscriptions {
         self.names.get(&(Arc::clone(topic), kind)).map(Vec::as_slice).unwrap_or_default()
     }
 
-    /// Applies an event to the stage, if it is one that changes the scene: a message, transforms, a parameter, a publisher
-    /// that left, time that jumped back. `now` is ROS time.
+    /// Applies an event to the stage, if it is one that changes the scene: a message, transforms, a parameter, a
+    /// publisher that left, time that jumped back. `now` is ROS time.
     pub(crate) fn apply(&self, event: NodeEvent, stage: &mut Stage, now: Time) {
         match event {
             NodeEvent::Message { topic, message, received, .. } => {

@@ -1,7 +1,7 @@
 //! Which cameras cannot show a display: because their Visibility hides it, or because it lies outside their view.
 //!
-//! A projector that stays black is often one of the two. Being hidden is what the config asks for, so that is no problem;
-//! a display that has something to show and is in view of no camera that would show it is warned about.
+//! A projector that stays black is often one of the two. Being hidden is what the config asks for, so that is no
+//! problem; a display that has something to show and is in view of no camera that would show it is warned about.
 
 use rcs_displays::{CameraView, DisplaySet, InView, Level};
 use rcs_scene::{Camera, DisplayId};

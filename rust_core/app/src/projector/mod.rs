@@ -18,8 +18,8 @@ const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 
 /// Publishes a projector's geometry as a latched sensor_msgs/CameraInfo, and its frames on /tf_static.
 ///
-/// The YAML file holds a CameraInfo as rostopic echo prints it, or as camera_calibration saves it (camera_matrix: {rows,
-/// cols, data}), and optionally the keys frame_id, camera_info_topic and frames (a list of {parent, child,
+/// The YAML file holds a CameraInfo as rostopic echo prints it, or as camera_calibration saves it (camera_matrix:
+/// {rows, cols, data}), and optionally the keys frame_id, camera_info_topic and frames (a list of {parent, child,
 /// translation: [x, y, z], rotation_rpy: [roll, pitch, yaw]} or of static_transform_publisher's arguments).
 #[derive(Parser)]
 #[command(

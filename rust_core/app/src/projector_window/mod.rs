@@ -20,8 +20,8 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
 
 /// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
 ///
-/// Picture pixel (u, v) is screen pixel (u, v). A warning is printed if picture and monitor differ in size; the picture is
-/// then at the top left, on black. Encodings: rgb8, rgba8, bgr8, bgra8, mono8, mono16. Escape or q ends.
+/// Picture pixel (u, v) is screen pixel (u, v). A warning is printed if picture and monitor differ in size; the picture
+/// is then at the top left, on black. Encodings: rgb8, rgba8, bgr8, bgra8, mono8, mono16. Escape or q ends.
 #[derive(Parser)]
 #[command(
     name = "projector_window",

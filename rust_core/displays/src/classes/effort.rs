@@ -1,9 +1,9 @@
 //! `rviz/Effort`: an open circle around each joint, the larger the nearer its effort is to the joint's limit, with an
 //! arrow's head that shows the direction.
 //!
-//! Only revolute joints are shown. A message is shown where the joints were when it came, and stays there. The oldest of
-//! the shown messages is not replaced but overwritten: a joint that the new message does not name keeps the circle that
-//! it has there. The display's opacity has no effect.
+//! Only revolute joints are shown. A message is shown where the joints were when it came, and stays there. The oldest
+//! of the shown messages is not replaced but overwritten: a joint that the new message does not name keeps the circle
+//! that it has there. The display's opacity has no effect.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::f64::consts::TAU;

@@ -1,12 +1,12 @@
 //! `rviz/LaserScan`: the points that a `sensor_msgs/LaserScan` hit, each where the scanner was when it measured it.
 //!
-//! Reproduces `laser_geometry`'s projection with TF: the scanner's poses at the first and at the last ray are looked up,
-//! and each ray in between is taken from a pose in between (straight in translation, the shorter way in rotation). The
-//! points are then in the fixed frame, and so are the sides of squares and boxes and the positions that colour them. Rays
-//! count when `range_min ≤ range < range_max`.
+//! Reproduces `laser_geometry`'s projection with TF: the scanner's poses at the first and at the last ray are looked
+//! up, and each ray in between is taken from a pose in between (straight in translation, the shorter way in rotation).
+//! The points are then in the fixed frame, and so are the sides of squares and boxes and the positions that colour
+//! them. Rays count when `range_min ≤ range < range_max`.
 //!
-//! rviz lets the first scan of a longer duration pass as soon as its first ray can be placed, and loses it where the last
-//! one cannot be yet; here a scan waits until both can.
+//! rviz lets the first scan of a longer duration pass as soon as its first ray can be placed, and loses it where the
+//! last one cannot be yet; here a scan waits until both can.
 
 use std::sync::Arc;
 
@@ -196,7 +196,8 @@ mod tests {
         let mut bench = Bench::new(CloudSettings::default());
         bench.place(10, [0.0, 0.0, 0.0], 0.0);
         assert!(bench.show(Some(LaserScan { time_increment: 1.0, ..scan(10, &[1.0, 1.0]) })).is_none());
-        let level = |statuses: &Statuses| statuses.iter().find(|(name, _)| *name == Statuses::TRANSFORM).map(|(_, s)| s.level);
+        let level =
+            |statuses: &Statuses| statuses.iter().find(|(name, _)| *name == Statuses::TRANSFORM).map(|(_, s)| s.level);
         assert_eq!(level(bench.display.statuses()), Some(Level::Warn));
         bench.place(11, [1.0, 0.0, 0.0], 0.0);
         assert_near(&bench.show(None).unwrap().positions, &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);

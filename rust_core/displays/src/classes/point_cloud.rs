@@ -32,8 +32,8 @@ impl CloudSource for PointCloudSource {
     }
 }
 
-/// The points with those channels that fit them; the others share one column of zeros, so that many empty channels do not
-/// make a large cloud.
+/// The points with those channels that fit them; the others share one column of zeros, so that many empty channels do
+/// not make a large cloud.
 fn converted(cloud: &PointCloud) -> PointCloud2 {
     let field = |name, column: usize| (name, column as u32 * 4, PointField::FLOAT32);
     let mut fields = vec![field("x", 0), field("y", 1), field("z", 2)];

@@ -1,7 +1,7 @@
 //! `rviz/Range`: a cone from the sensor to what it measured, as wide as its field of view.
 //!
-//! A cone stands where its frame was at the message's stamp. A measurement out of the sensor's range shows nothing, except
-//! that a sensor of one fixed distance shows that distance for minus infinity ("something is there").
+//! A cone stands where its frame was at the message's stamp. A measurement out of the sensor's range shows nothing,
+//! except that a sensor of one fixed distance shows that distance for minus infinity ("something is there").
 
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
-//! Frames of displays: following a reference frame (Grid, Axes), and rviz's status texts for frames that cannot be found.
+//! Frames of displays: following a reference frame (Grid, Axes), and rviz's status texts for frames that cannot be
+//! found.
 
 use nalgebra::Isometry3;
 use rcs_transforms::{Dropped, LookupError, LookupProblem, Time, WaitingQueue};
@@ -27,8 +28,8 @@ pub(crate) fn follow(
     }
 }
 
-/// Why something cannot be placed in the fixed frame, in the words of rviz's statuses: a frame that does not exist at all
-/// comes first.
+/// Why something cannot be placed in the fixed frame, in the words of rviz's statuses: a frame that does not exist at
+/// all comes first.
 pub(crate) fn problem(error: &LookupError, fixed_frame: &str) -> StatusText {
     let (LookupError::Lookup { source: frame, .. }
     | LookupError::Connectivity { source: frame, .. }

@@ -1,8 +1,9 @@
 //! Whether anything of a display lies in a camera's view.
 //!
-//! Each drawable is enclosed in a box in its own frame (a cube about its origin where it turns to the eye). It is outside
-//! when all eight corners lie beyond the same plane of the view's frustum, so `Outside` is certain, while a box beyond an
-//! edge of the frustum may still count as inside. Clouds are enclosed without the size of their points, as Ogre culls them.
+//! Each drawable is enclosed in a box in its own frame (a cube about its origin where it turns to the eye). It is
+//! outside when all eight corners lie beyond the same plane of the view's frustum, so `Outside` is certain, while a box
+//! beyond an edge of the frustum may still count as inside. Clouds are enclosed without the size of their points, as
+//! Ogre culls them.
 
 use nalgebra::{Matrix4, Point3, Vector4};
 use rcs_scene::{Camera, Drawable, Geometry};

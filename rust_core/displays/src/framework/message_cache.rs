@@ -1,9 +1,9 @@
 //! The last messages of each topic, for displays that are recreated.
 //!
 //! When a config is read again, a display whose settings changed is recreated while its topics stay subscribed, so that
-//! no publisher sends it its latched message again. So the last message of each topic is kept, and of markers, map updates and
-//! interactive markers all those that later ones do not replace, within limits. The messages share their memory with the
-//! displays that draw them.
+//! no publisher sends it its latched message again. So the last message of each topic is kept, and of markers, map
+//! updates and interactive markers all those that later ones do not replace, within limits. The messages share their
+//! memory with the displays that draw them.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::Arc;
@@ -94,7 +94,8 @@ impl MessageCache {
         }
     }
 
-    /// The messages of these topics in the order of arrival, each with its topic, without markers whose lifetime is over.
+    /// The messages of these topics in the order of arrival, each with its topic, without markers whose lifetime is
+    /// over.
     pub(crate) fn messages<'a>(&self, requests: &'a [TopicRequest], now: Time) -> Vec<(&'a str, AnyMessage)> {
         let of = |request: &'a TopicRequest| {
             let kept = self.topics.get(&(request.topic.clone(), request.kind));

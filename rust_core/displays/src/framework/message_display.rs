@@ -1,8 +1,8 @@
 //! Displays that draw each message where its frame was at its stamp.
 //!
 //! Reproduces what `rviz::MessageFilterDisplay` does for the small displays: a message waits for its frame, is checked,
-//! and is drawn at the place that its frame had at its stamp, wherever the frame goes afterwards. A message with a number
-//! that is NaN or infinite becomes an error, and what was shown before it stays.
+//! and is drawn at the place that its frame had at its stamp, wherever the frame goes afterwards. A message with a
+//! number that is NaN or infinite becomes an error, and what was shown before it stays.
 
 use nalgebra::Isometry3;
 use rcs_messages::{AnyMessage, TypedMessage};
@@ -45,8 +45,8 @@ pub(crate) struct MessageDisplay<V: MessageVisual> {
 }
 
 impl<V: MessageVisual> MessageDisplay<V> {
-    /// A display that subscribes to a topic (none when it is empty); at most `queue_size` messages wait for their frames, 0
-    /// sets no limit.
+    /// A display that subscribes to a topic (none when it is empty); at most `queue_size` messages wait for their
+    /// frames, 0 sets no limit.
     pub(crate) fn new(topic: &str, queue_size: u32, visual: V) -> Self {
         Self {
             visual,

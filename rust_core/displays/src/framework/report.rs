@@ -1,7 +1,7 @@
 //! The statuses of a display for those who cannot see rviz's tree.
 //!
-//! A display has statuses about the messages that it has taken. What rviz reports of every display with a topic before the
-//! first message is added here for all of them.
+//! A display has statuses about the messages that it has taken. What rviz reports of every display with a topic before
+//! the first message is added here for all of them.
 
 use std::borrow::Cow;
 

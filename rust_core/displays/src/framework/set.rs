@@ -282,8 +282,8 @@ impl DisplaySet {
         }
     }
 
-    /// Whether anything of a display lies in a camera's view, since the last update. [`InView::Empty`] for an id that no
-    /// display has. Meant for reports: for a cloud outside the view it reads all points.
+    /// Whether anything of a display lies in a camera's view, since the last update. [`InView::Empty`] for an id that
+    /// no display has. Meant for reports: for a cloud outside the view it reads all points.
     pub fn in_view(&self, display: DisplayId, camera: &Camera) -> InView {
         let entry = self.entries.iter().find(|entry| entry.id == display);
         entry.map_or(InView::Empty, |entry| InView::of(entry.display.drawables(), camera))

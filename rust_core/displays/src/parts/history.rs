@@ -57,7 +57,8 @@ mod tests {
     use crate::parts::solids::solid;
     use crate::Shape;
 
-    /// Adds messages of so many drawables, each of which has the message's number, and returns the numbers that are left.
+    /// Adds messages of so many drawables, each of which has the message's number, and returns the numbers that are
+    /// left.
     fn shown(length: Option<u32>, counts: &[u32]) -> Vec<u32> {
         let material = Arc::new(Material::lit(Rgba::from_rgb8([255; 3], 1.0)));
         let mut history = History::new(length);

@@ -1,7 +1,7 @@
 //! The parameter with a robot's description, with rviz's statuses for it.
 //!
-//! rviz polls the parameter when the display starts and once a second until it is set. After that it reads it no more, so
-//! a robot does not change while the display lives.
+//! rviz polls the parameter when the display starts and once a second until it is set. After that it reads it no more,
+//! so a robot does not change while the display lives.
 
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 //!
 //! [`PcdCloud::read`] reads all three encodings (`ascii`, `binary`, `binary_compressed`) with any fields, types, counts
 //! and sizes into points that lie one after another, little-endian, in rows. A packed colour (`rgb`, `rgba`) is a field
-//! like any other. What a PointCloud2 cannot express is converted: integers of 8 bytes become `FLOAT64` (exact up to 2^53),
-//! and PCL's padding fields (`_`) become bytes that no field names.
+//! like any other. What a PointCloud2 cannot express is converted: integers of 8 bytes become `FLOAT64` (exact up to
+//! 2^53), and PCL's padding fields (`_`) become bytes that no field names.
 //!
 //! The crates that read PCD files decode each point into a list of typed values. Here the bytes are needed, errors name
 //! line or offset, and a damaged header allocates no memory that the file does not fill.

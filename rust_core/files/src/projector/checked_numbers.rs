@@ -1,5 +1,5 @@
-//! Numbers of the file, checked while they are read: ranges, finiteness, how many. The checks are made in serde's visitors,
-//! because an error has a line only if a visitor returns it.
+//! Numbers of the file, checked while they are read: ranges, finiteness, how many. The checks are made in serde's
+//! visitors, because an error has a line only if a visitor returns it.
 
 use std::fmt;
 

@@ -1,7 +1,7 @@
 //! Lens distortion as a CameraInfo describes it: a model's name, and so many coefficients as the model has.
 //!
-//! The names are those of `sensor_msgs/distortion_models.h`; the numbers of coefficients are those that OpenCV's functions
-//! take, which image_geometry hands them to.
+//! The names are those of `sensor_msgs/distortion_models.h`; the numbers of coefficients are those that OpenCV's
+//! functions take, which image_geometry hands them to.
 
 use std::fmt;
 

@@ -15,10 +15,10 @@
 //! P: [1900, 0, 640, 0, 0, 1900, 750, 0, 0, 0, 1, 0]
 //! ```
 //!
-//! and the file of `camera_calibration` and `camera_info_manager` (`image_width`, `image_height`, `camera_matrix: {rows,
-//! cols, data}`, `distortion_coefficients`, `rectification_matrix`, `projection_matrix`). What is missing is filled in: P
-//! from K, K from P, R with the identity, D with five zeros, `distortion_model` with `plumb_bob`. Three keys are this
-//! project's own, in either form:
+//! and the file of `camera_calibration` and `camera_info_manager` (`image_width`, `image_height`, `camera_matrix:
+//! {rows, cols, data}`, `distortion_coefficients`, `rectification_matrix`, `projection_matrix`). What is missing is
+//! filled in: P from K, K from P, R with the identity, D with five zeros, `distortion_model` with `plumb_bob`. Three
+//! keys are this project's own, in either form:
 //!
 //! ```yaml
 //! frame_id: proj_view                       # wins over header.frame_id
@@ -159,8 +159,8 @@ impl ProjectorFile {
         Ok(Self { camera_info: raw.camera_info().map_err(key_error)?, camera_info_topic, frames, ignored_keys })
     }
 
-    /// What is not wrong enough for an error: keys without a meaning, and a distortion that no lens model can have. Each
-    /// is a phrase without the file's name.
+    /// What is not wrong enough for an error: keys without a meaning, and a distortion that no lens model can have.
+    /// Each is a phrase without the file's name.
     pub fn warnings(&self) -> Vec<String> {
         let ignored = self.ignored_keys.iter().map(|key| format!("key '{key}' is not known and is ignored"));
         let distortion = distortion::check(&self.camera_info.distortion_model, &self.camera_info.D);

@@ -1,8 +1,8 @@
 //! Writing a projector's file, in the project's own form: a CameraInfo's keys, `frame_id`, `camera_info_topic`, and
 //! `frames` with quaternions.
 //!
-//! Numbers have as many digits as it takes to read the same `f64` back, in a form that YAML 1.1 readers take for numbers,
-//! too (to PyYAML, `1e-7` is a string). Strings are quoted.
+//! Numbers have as many digits as it takes to read the same `f64` back, in a form that YAML 1.1 readers take for
+//! numbers, too (to PyYAML, `1e-7` is a string). Strings are quoted.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -23,8 +23,8 @@ impl ProjectorFile {
     /// written, and neither are sequence number and stamp.
     ///
     /// # Errors
-    /// [`ProjectorFileError`] with the file and, where there is one, the key: for values that could not be read again, and
-    /// if the file cannot be written.
+    /// [`ProjectorFileError`] with the file and, where there is one, the key: for values that could not be read again,
+    /// and if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), ProjectorFileError> {
         let text = self.to_yaml(path)?;
         write_atomically(
@@ -42,8 +42,8 @@ impl ProjectorFile {
     /// The text of the file; `path` only names it in errors.
     ///
     /// # Errors
-    /// [`ProjectorFileError::Key`] for numbers that are not finite, a size or a focal length of zero, a distortion model
-    /// with a number of coefficients that it cannot have, frames without names or with two parents.
+    /// [`ProjectorFileError::Key`] for numbers that are not finite, a size or a focal length of zero, a distortion
+    /// model with a number of coefficients that it cannot have, frames without names or with two parents.
     pub fn to_yaml(&self, path: &Path) -> Result<String, ProjectorFileError> {
         self.yaml().map_err(|(key, reason)| ProjectorFileError::Key {
             path: path.to_owned(),

@@ -5,8 +5,8 @@
 //! runs is chosen at run time. All do the same arithmetic in the same order, so the picture is the same on each.
 //!
 //! For that everything between [`fearless_simd::dispatch!`] and the arithmetic has to be `#[inline(always)]`, closures
-//! included: a function that is compiled on its own is compiled for the oldest processor. So lanes go through [`map`] and [`inlined`]
-//! instead of an array's `map` and plain closures.
+//! included: a function that is compiled on its own is compiled for the oldest processor. So lanes go through [`map`]
+//! and [`inlined`] instead of an array's `map` and plain closures.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, i32x8, mask32x8, u32x8};

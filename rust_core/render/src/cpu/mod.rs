@@ -2,8 +2,8 @@
 //!
 //! A picture is made in two steps, each spread over the cores:
 //!
-//! 1. The scene is cut into jobs (see [`frame_plan`]). A job projects points, or transforms, lights and clips triangles and
-//!    lines, drops what is out of view, and sorts the rest into the picture's *bands*, a few dozen rows each.
+//! 1. The scene is cut into jobs (see [`frame_plan`]). A job projects points, or transforms, lights and clips triangles
+//!    and lines, drops what is out of view, and sorts the rest into the picture's *bands*, a few dozen rows each.
 //! 2. Each band is drawn: whatever the jobs have sorted into it, job after job, so in the scene's order. A band's
 //!    colours and depths fit into a core's cache, belong to one thread, and are encoded into the picture when the band
 //!    is done. There is no frame buffer of the whole picture, and no two threads write to the same pixel, so that the

@@ -135,7 +135,8 @@ fn with_rgb([r, g, b, a]: [f32; 4], change: impl Fn(f32) -> f32) -> [u8; 4] {
     [change(r), change(g), change(b), a].map(unorm8)
 }
 
-/// The colour of the cell at a place. The cells repeat outside of 0 to 1, which shows where an edge runs through a pixel.
+/// The colour of the cell at a place. The cells repeat outside of 0 to 1, which shows where an edge runs through a
+/// pixel.
 #[inline]
 fn cell_color(sheet: &CellSheet, [u, v]: [f32; 2]) -> [u8; 4] {
     let index = |place: f32, count: u32| {

@@ -1,9 +1,10 @@
 //! Triangles, from clip coordinates to fragments.
 //!
 //! A pixel belongs to a triangle where its centre lies inside, or on a left or top edge, of the triangle whose corners
-//! are snapped to 1/256 pixel. All of that is decided in whole numbers, so that triangles which share an edge draw every
-//! pixel along it once. For each row the three edges give the first and the last pixel; between them depth is linear
-//! in the window, and everything else is linear in space: it is carried divided by w, and divided by 1/w per pixel.
+//! are snapped to 1/256 pixel. All of that is decided in whole numbers, so that triangles which share an edge draw
+//! every pixel along it once. For each row the three edges give the first and the last pixel; between them depth is
+//! linear in the window, and everything else is linear in space: it is carried divided by w, and divided by 1/w per
+//! pixel.
 
 use rcs_scene::CullMode;
 use wide::{f32x4, i32x4};
@@ -51,7 +52,8 @@ impl ScreenPosition {
     }
 }
 
-/// Twice the area in snapped places. Window y points down, so what runs counter-clockwise to the eye has a negative one.
+/// Twice the area in snapped places. Window y points down, so what runs counter-clockwise to the eye has a negative
+/// one.
 #[inline]
 fn doubled_area([a, b, c]: [&ScreenPosition; 3]) -> i64 {
     i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
@@ -67,8 +69,8 @@ fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
     }
 }
 
-/// Whether a triangle that needs no cutting may touch the centre of a pixel of the picture with a side that is drawn. Of a
-/// detailed mesh most do not, and are spared the light on their corners.
+/// Whether a triangle that needs no cutting may touch the centre of a pixel of the picture with a side that is drawn.
+/// Of a detailed mesh most do not, and are spared the light on their corners.
 #[inline]
 pub(super) fn may_be_seen([a, b, c]: [&ScreenPosition; 3], surface: &Surface, screen: &Screen) -> bool {
     let touches = |a: i32, b: i32, c: i32, end: u32| {

@@ -1,7 +1,7 @@
 //! Cells: a rectangle with a byte a cell in an array texture, coloured by a palette in the shader.
 //!
-//! A tile of the cells is a part of a layer. Where the cells of a display change, the old ones have been dropped by then;
-//! their texture is reused, and only the tiles that changed are uploaded.
+//! A tile of the cells is a part of a layer. Where the cells of a display change, the old ones have been dropped by
+//! then; their texture is reused, and only the tiles that changed are uploaded.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
@@ -92,7 +92,8 @@ struct Sheet {
 }
 
 impl Layers {
-    /// With the smallest layers that are not too many; `None` for no cells, and where the device has no room for so many.
+    /// With the smallest layers that are not too many; `None` for no cells, and where the device has no room for so
+    /// many.
     fn of(cells: &Cells, limits: &wgpu::Limits) -> Option<Self> {
         let (width, height) = (cells.width(), cells.height());
         let sides = (1..=limits.max_texture_dimension_2d / TILE_SIDE).map(|tiles| tiles * TILE_SIDE);

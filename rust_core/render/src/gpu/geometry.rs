@@ -9,8 +9,8 @@ pub(super) const MAX_CHUNK_BYTES: usize = 32 << 20;
 
 /// Values made from the contents of an `Arc`.
 ///
-/// The key is the `Arc`'s address. A [`Weak`] beside the value keeps that address from being reused, so one address always
-/// means one geometry.
+/// The key is the `Arc`'s address. A [`Weak`] beside the value keeps that address from being reused, so one address
+/// always means one geometry.
 pub(super) struct Derived<K, V> {
     entries: HashMap<usize, (Weak<K>, V)>,
 }

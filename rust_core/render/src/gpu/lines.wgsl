@@ -93,7 +93,8 @@ fn vertex_line(@builtin(vertex_index) index: u32, segment: Segment) -> Corner {
     }
     let is_start = index < 2u;
     var at = end_in_pixels(select(end_px, start_px, is_start), direction, is_start);
-    // What is linear in the picture is extended to where the end was moved, so that each pixel keeps its depth and colour.
+    // What is linear in the picture is extended to where the end was moved, so that each pixel keeps its depth and
+    // colour.
     let along = (at.x - start_px.x) / direction.x;
     let inverse_w = 1.0 / vec2f(visible_start.w, visible_end.w);
     let depth_there = mix(visible_start.z * inverse_w.x, visible_end.z * inverse_w.y, along);

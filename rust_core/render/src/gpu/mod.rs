@@ -15,9 +15,9 @@
 //! stats      how often and how long things were done
 //! ```
 //!
-//! A picture goes in two halves. The first uploads what is new, and hands the GPU the commands that draw the picture and
-//! copy it to memory; from then on it is in flight, and the CPU is free, for example for the next picture's first half. The
-//! second half waits for that one submission and encodes what came back. Nothing is set up during the first
+//! A picture goes in two halves. The first uploads what is new, and hands the GPU the commands that draw the picture
+//! and copy it to memory; from then on it is in flight, and the CPU is free, for example for the next picture's first
+//! half. The second half waits for that one submission and encodes what came back. Nothing is set up during the first
 //! picture: pipelines are built with the device, and buffers and textures are used again.
 //!
 //! It stays within WebGL 2's limits (no storage buffers, no compute), so that GL 3.3-class graphics do. Depth is

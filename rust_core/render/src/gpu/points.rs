@@ -2,8 +2,8 @@
 //! half of a box.
 //!
 //! A cloud's positions and its colours, the ones after the others as they come, are one vertex buffer that is made once
-//! (several for millions of points); style, size and opacity are uniforms, so that changing them costs nothing. There is
-//! a pipeline for each style, opaque and blended.
+//! (several for millions of points); style, size and opacity are uniforms, so that changing them costs nothing. There
+//! is a pipeline for each style, opaque and blended.
 //!
 //! Reproduces the shaders that rviz takes without geometry shaders, as it does on Mesa: squares turn to the eye around
 //! the cloud's y axis, they are not parallel to the picture plane. GL 3.3 has no storage buffers, from

@@ -44,8 +44,8 @@ fn scale(position: vec3f) -> f32 {
 // A triangle around a circle of diameter 1.
 const AROUND_DISC = array(vec2f(0.0, 1.0), vec2f(-0.866025404, -0.5), vec2f(0.866025404, -0.5));
 
-// A triangle of pixels with the depth of its centre. A point is dropped when its centre is off the picture. The circle in
-// the triangle is a pixel too large, so that the fragment shader decides which pixels are drawn.
+// A triangle of pixels with the depth of its centre. A point is dropped when its centre is off the picture. The circle
+// in the triangle is a pixel too large, so that the fragment shader decides which pixels are drawn.
 @vertex
 fn vertex_sprite(@builtin(vertex_index) index: u32, point: Point) -> Sprite {
     let clip = cloud.clip_from_object * vec4f(point.position, 1.0);

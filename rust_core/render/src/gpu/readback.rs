@@ -1,7 +1,7 @@
 //! Reading a picture back: from the GPU's texture through mapped memory into a message's bytes.
 //!
-//! The copy on the GPU is part of the picture's commands. Its memory is mapped when these are submitted and is
-//! ready with their end, so that this one submission is all that has to be waited for. The rows there are 256-byte-aligned
+//! The copy on the GPU is part of the picture's commands. Its memory is mapped when these are submitted and is ready
+//! with their end, so that this one submission is all that has to be waited for. The rows there are 256-byte-aligned
 //! RGBA; all cores encode them, each byte read once.
 //!
 //! The memory is cut into bands of rows, since a picture of 16384×16384 is larger than a buffer may be; the usual sizes

@@ -1,7 +1,7 @@
 //! The picture on the GPU.
 //!
-//! The colour is plain 8 bits (rviz does not correct gamma), the depth is OpenGL's usual 24 bits. Every picture in flight has a
-//! target of its own; a finished picture's target is reused for the next of its size.
+//! The colour is plain 8 bits (rviz does not correct gamma), the depth is OpenGL's usual 24 bits. Every picture in
+//! flight has a target of its own; a finished picture's target is reused for the next of its size.
 
 use super::device::Device;
 use super::readback::Readback;

@@ -1,8 +1,8 @@
 //! Triangles: meshes, wide lines and text, with rviz's fixed-function materials.
 //!
 //! A mesh is indexed vertices on the GPU, made once. Wide lines are turned to the eye on the CPU and uploaded again
-//! when the eye has moved. Each fixed state that materials ask for (blending, depth, culling, bias) is a pipeline of its
-//! own; the rest is uniforms. Surfaces without a texture have a white one.
+//! when the eye has moved. Each fixed state that materials ask for (blending, depth, culling, bias) is a pipeline of
+//! its own; the rest is uniforms. Surfaces without a texture have a white one.
 
 use std::sync::Arc;
 
@@ -238,8 +238,8 @@ fn fixed_state(material: &Material, mirrored: bool) -> FixedState {
     FixedState { blended: material.blending == Blending::Alpha, depth, cull, bias }
 }
 
-/// The states of all materials that displays have: opaque, translucent and painted over, of surfaces with one side, with
-/// both, and mirrored; and texts. Others get their pipeline when they are first seen.
+/// The states of all materials that displays have: opaque, translucent and painted over, of surfaces with one side,
+/// with both, and mirrored; and texts. Others get their pipeline when they are first seen.
 fn usual_states() -> impl Iterator<Item = FixedState> {
     let depth_uses = [(false, DepthUse::TestAndWrite), (true, DepthUse::Test), (true, DepthUse::TestAndWrite)];
     let sides = [Some(wgpu::Face::Back), Some(wgpu::Face::Front), None];

@@ -1,5 +1,5 @@
-// Triangles: meshes, wide lines and text. Light is computed for each vertex. See triangles.rs; constants and formulas of
-// shading come from shading.rs.
+// Triangles: meshes, wide lines and text. Light is computed for each vertex. See triangles.rs; constants and formulas
+// of shading come from shading.rs.
 
 struct Surface {
     clip_from_object: mat4x4f,

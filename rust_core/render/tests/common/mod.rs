@@ -89,9 +89,9 @@ pub(crate) fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
     (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0)
 }
 
-/// How far two RGBA pictures of one size agree where either differs from the background: the number of those pixels, and
-/// which of them have channels that differ by more than `levels`, a match being allowed `reach` pixels away, in both
-/// directions.
+/// How far two RGBA pictures of one size agree where either differs from the background: the number of those pixels,
+/// and which of them have channels that differ by more than `levels`, a match being allowed `reach` pixels away, in
+/// both directions.
 pub(crate) fn differing(
     a: &Picture,
     b: &Picture,

@@ -3,7 +3,8 @@
 //! As Assimp reads it: each object, group and change of material begins a mesh; faces before the first `usemtl` have
 //! the material that was defined last; a material that no library defines is grey 0.6; a mesh whose faces lack some
 //! normals gets its faces' own; an index of a vertex that does not exist refuses the file, one of a normal or texture
-//! coordinate takes them from the whole mesh. Vertex colours are not used. `l` and `p` statements make lines and points.
+//! coordinate takes them from the whole mesh. Vertex colours are not used. `l` and `p` statements make lines and
+//! points.
 
 use std::{fs, path::Path};
 

@@ -1,6 +1,6 @@
 //! The displays that show their messages as clouds of points: PointCloud2, PointCloud, LaserScan, and those of single
-//! values (FluidPressure, Illuminance, RelativeHumidity, Temperature). Points are drawn in one of five styles and coloured
-//! in one of six ways.
+//! values (FluidPressure, Illuminance, RelativeHumidity, Temperature). Points are drawn in one of five styles and
+//! coloured in one of six ways.
 //!
 //! All of them have the same properties; those of single values begin with other bounds and name their own channel.
 //!
@@ -156,8 +156,8 @@ pub struct CloudSettings {
     pub topic: String,
     /// How many messages may wait for their transform.
     pub queue_size: u32,
-    /// How a point is drawn, and how large: at least 1 pixel for [`PointStyle::Points`], at least 0.0001 m for all other
-    /// styles. Never [`PointStyle::Tiles`].
+    /// How a point is drawn, and how large: at least 1 pixel for [`PointStyle::Points`], at least 0.0001 m for all
+    /// other styles. Never [`PointStyle::Tiles`].
     pub style: PointStyle,
     /// Opacity, 0 to 1.
     pub alpha: f32,

@@ -8,7 +8,8 @@ use crate::section::{at_least, Section, ANY};
 pub struct DepthCloudSettings {
     /// How points are drawn. Its queue size, at least 1, is that of the images; its topic is not used.
     pub cloud: CloudSettings,
-    /// Topic of the depth image; empty when none is chosen. Its `CameraInfo` comes on the topic `camera_info` beside it.
+    /// Topic of the depth image; empty when none is chosen. Its `CameraInfo` comes on the topic `camera_info` beside
+    /// it.
     pub depth_topic: String,
     /// The image transport of the depth image: `raw`, `compressed` or `compressedDepth`.
     pub depth_transport: String,

@@ -1,8 +1,8 @@
 //! The displays of a config: which class each is, what every display has, and the reader of each class.
 //!
 //! A display class has a file here with its settings, their defaults and their reading, and one row in the table
-//! [`display_classes`](crate::display_classes). The modules of this folder, [`DisplaySettings`], the readers by class name
-//! and the list [`classes`] are made from that table, and so are the displays that draw the classes.
+//! [`display_classes`](crate::display_classes). The modules of this folder, [`DisplaySettings`], the readers by class
+//! name and the list [`classes`] are made from that table, and so are the displays that draw the classes.
 
 pub(crate) mod covariance;
 pub(crate) mod pose_symbol;
@@ -17,8 +17,8 @@ use crate::section::{join, Property, Report, Section};
 /// Each row has
 ///
 /// - the name of its [`DisplaySettings`] variant and the class as a config names it;
-/// - its settings' module in `rviz_config/src/displays` (`mod` declares the module, `use` takes that of another row), the
-///   type of the settings and the function that reads them;
+/// - its settings' module in `rviz_config/src/displays` (`mod` declares the module, `use` takes that of another row),
+///   the type of the settings and the function that reads them;
 /// - in brackets the field of the settings that holds its topic, if there is one;
 /// - its [`Role`], and in parentheses its module in `displays/src/classes`, which has the function
 ///   `create(DisplayId, &Settings) -> Box<dyn Display>`.
@@ -159,9 +159,9 @@ pub struct ClassInfo {
     pub role: Role,
 }
 
-/// The properties that a class reads, in the order of reading, with their defaults. Those that every display has (its name,
-/// its class, whether it is enabled) are not among them, nor are those that are accepted without effect. Empty for a class
-/// that is not known.
+/// The properties that a class reads, in the order of reading, with their defaults. Those that every display has (its
+/// name, its class, whether it is enabled) are not among them, nor are those that are accepted without effect. Empty
+/// for a class that is not known.
 ///
 /// ```
 /// let properties = rcs_rviz_config::properties("rviz/Axes");

@@ -1,5 +1,5 @@
-//! `camera_stream check --live`: a config against a running ROS. Subscribes for a few seconds as the node would, and prints
-//! the status of each display and camera.
+//! `camera_stream check --live`: a config against a running ROS. Subscribes for a few seconds as the node would, and
+//! prints the status of each display and camera.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! The name of the node that makes a live check: not the name of the node that it checks.
 //!
-//! A launch line may hold `__name:=X`, and two nodes of one name cannot run: the master ends the first. rosrust reads the
-//! name from the process's arguments, so the process starts itself again with another name in them.
+//! A launch line may hold `__name:=X`, and two nodes of one name cannot run: the master ends the first. rosrust reads
+//! the name from the process's arguments, so the process starts itself again with another name in them.
 
 use std::ffi::OsString;
 use std::io;
@@ -22,8 +22,8 @@ pub(crate) struct NodeName {
 }
 
 impl NodeName {
-    /// The names for this process. Where its arguments hold the other node's name, the process starts itself again with its
-    /// own name in that place.
+    /// The names for this process. Where its arguments hold the other node's name, the process starts itself again with
+    /// its own name in that place.
     ///
     /// # Errors
     /// When the process cannot start itself again.

@@ -1,7 +1,7 @@
 //! One camera of the node: draws its pictures when they are due and hands them to its outputs.
 //!
-//! Its parts: [`Schedule`] decides when a picture is due, [`RuntimeSettings`] holds the settings, [`Outputs`] receive the
-//! pictures, [`CameraHealth`] records problems and figures.
+//! Its parts: [`Schedule`] decides when a picture is due, [`RuntimeSettings`] holds the settings, [`Outputs`] receive
+//! the pictures, [`CameraHealth`] records problems and figures.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -2,8 +2,8 @@
 //!
 //! The file's metadata is polled a few times a second. That also covers a file that an editor replaces, one behind a
 //! symbolic link and one on a network share, of which the kernel sends no notification. A change counts once two
-//! consecutive polls agree, so that a file is not read while it is being written; a file that is missing for a moment is
-//! waited for.
+//! consecutive polls agree, so that a file is not read while it is being written; a file that is missing for a moment
+//! is waited for.
 
 use std::io;
 use std::os::unix::fs::MetadataExt;
@@ -65,8 +65,8 @@ pub(super) struct FileWatch {
 }
 
 impl FileWatch {
-    /// Starts watching. The first state counts as a change, as it may be newer than what was read before. `wake` is called
-    /// for each change, on a separate thread.
+    /// Starts watching. The first state counts as a change, as it may be newer than what was read before. `wake` is
+    /// called for each change, on a separate thread.
     ///
     /// # Errors
     /// When the thread cannot be started.

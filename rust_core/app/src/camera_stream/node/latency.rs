@@ -5,10 +5,10 @@
 //! ```
 //!
 //! Only new pictures are measured, each by one message. Of every display that shows another message than in the picture
-//! before, the newest one counts; the older ones that it replaced delayed nothing. Where several displays changed in one
-//! picture, the message that was received first counts, so that a slow display is not hidden by a fast one. A picture that
-//! is new only because frames moved counts from the last transforms. One without either, such as the first for a
-//! subscriber or one in which something faded, is not measured.
+//! before, the newest one counts; the older ones that it replaced delayed nothing. Where several displays changed in
+//! one picture, the message that was received first counts, so that a slow display is not hidden by a fast one. A
+//! picture that is new only because frames moved counts from the last transforms. One without either, such as the first
+//! for a subscriber or one in which something faded, is not measured.
 
 use std::time::Instant;
 

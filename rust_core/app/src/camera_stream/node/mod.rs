@@ -211,7 +211,8 @@ impl<'a> Node<'a> {
     /// Applies an event that changes the scene.
     fn apply(&mut self, event: NodeEvent) {
         match &event {
-            // The scene is put together again. Dropped here already, it holds no clouds whose memory the next ones can use.
+            // The scene is put together again. Dropped here already, it holds no clouds whose memory the next ones can
+            // use.
             NodeEvent::Message { .. } => self.scene = None,
             NodeEvent::Transforms { received, .. } => self.transforms_received = Some(*received),
             NodeEvent::TimeJumpedBack { from, to } => {
@@ -229,8 +230,8 @@ impl<'a> Node<'a> {
         self.subscriptions.apply(event, &mut self.stage, now);
     }
 
-    /// Draws and publishes what is due: as many pictures are begun as the renderer works on at once, and each is published
-    /// as soon as it is finished.
+    /// Draws and publishes what is due: as many pictures are begun as the renderer works on at once, and each is
+    /// published as soon as it is finished.
     fn publish(&mut self) {
         let mut in_flight = VecDeque::new();
         for index in 0..self.cameras.len() {
@@ -265,8 +266,8 @@ impl<'a> Node<'a> {
         self.record_result(index, result);
     }
 
-    /// Records the result of rendering and publishing a camera's picture. An error is logged once and does not end the node. A GPU that
-    /// `auto` chose and that fails is replaced by the CPU.
+    /// Records the result of rendering and publishing a camera's picture. An error is logged once and does not end the
+    /// node. A GPU that `auto` chose and that fails is replaced by the CPU.
     fn record_result(&mut self, index: usize, result: Result<()>) {
         let gpu_failed = matches!(&result, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })));
         if let Some(camera) = self.cameras.get_mut(index) {

@@ -1,7 +1,7 @@
 //! Reloading the config while the node runs.
 //!
-//! Only what differs changes: subscriptions, publishers and services that are kept are not touched, and displays that are
-//! kept show what they did. If the file cannot be read, nothing changes.
+//! Only what differs changes: subscriptions, publishers and services that are kept are not touched, and displays that
+//! are kept show what they did. If the file cannot be read, nothing changes.
 
 use anyhow::{Context, Result};
 use rcs_displays::Reconfigured;

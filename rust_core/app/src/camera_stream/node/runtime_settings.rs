@@ -1,7 +1,7 @@
 //! The settings of a camera that can be changed while the node runs: the config's, and dynamic_reconfigure's over them.
 //!
-//! At the start the config's values apply. A user's values replace them until the value in the file changes. Values that
-//! an earlier run left on the parameter server are ignored: the `.rviz` file is what the user sees and edits.
+//! At the start the config's values apply. A user's values replace them until the value in the file changes. Values
+//! that an earlier run left on the parameter server are ignored: the `.rviz` file is what the user sees and edits.
 
 use std::sync::Arc;
 

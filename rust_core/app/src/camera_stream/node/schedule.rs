@@ -53,8 +53,8 @@ impl Schedule {
         self.pace.until_due(self.last, now)
     }
 
-    /// Records that a picture was begun. The next one is timed from here, also when drawing fails, so that it is retried
-    /// at the frame rate and not at once.
+    /// Records that a picture was begun. The next one is timed from here, also when drawing fails, so that it is
+    /// retried at the frame rate and not at once.
     pub(super) fn begin(&mut self, now: Instant, changed: bool) {
         self.last = Some(LastBegun { at: now, changed });
     }

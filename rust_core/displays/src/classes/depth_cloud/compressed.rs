@@ -1,5 +1,5 @@
-//! Images as the transports `compressed` (JPEG and PNG) and `compressedDepth` (PNG and RVL) of ROS's `image_transport` send
-//! them.
+//! Images as the transports `compressed` (JPEG and PNG) and `compressedDepth` (PNG and RVL) of ROS's `image_transport`
+//! send them.
 //!
 //! The format's first word is the encoding of the image that was compressed. Depth of 32-bit floats comes as 16-bit
 //! numbers that grow with the inverse of the depth, with two parameters before the data.

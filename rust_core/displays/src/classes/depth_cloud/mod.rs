@@ -1,8 +1,8 @@
 //! `rviz/DepthCloud`: a depth image as a cloud of points, coloured by a second image of the same camera.
 //!
-//! The depth image waits until its frame is known, then for the colour image whose stamp is nearest, and becomes a cloud
-//! with the camera's last CameraInfo. The cloud is one like those of PointCloud2: it stands where its frame was at its
-//! stamp.
+//! The depth image waits until its frame is known, then for the colour image whose stamp is nearest, and becomes a
+//! cloud with the camera's last CameraInfo. The cloud is one like those of PointCloud2: it stands where its frame was
+//! at its stamp.
 
 mod compressed;
 mod encoding;

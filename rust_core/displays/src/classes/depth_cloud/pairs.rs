@@ -12,10 +12,10 @@
 //!           ▲
 //! ```
 //!
-//! The later image of the first pair of a search is its pivot: a pair without it belongs to the next search. So the search
-//! ends when the pivot would be passed, or when a pair that ends later would have to begin after the pivot to be better.
-//! Where one queue has run out, rviz relies on the images of a topic being half a second apart, so that most pairs
-//! are known at once instead of one image later.
+//! The later image of the first pair of a search is its pivot: a pair without it belongs to the next search. So the
+//! search ends when the pivot would be passed, or when a pair that ends later would have to begin after the pivot to be
+//! better. Where one queue has run out, rviz relies on the images of a topic being half a second apart, so that most
+//! pairs are known at once instead of one image later.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -127,7 +127,8 @@ impl Pairs {
         self.limit(topic, out);
     }
 
-    /// Drops the oldest image of a queue that is too long; if a search was under way, it starts again without that image.
+    /// Drops the oldest image of a queue that is too long; if a search was under way, it starts again without that
+    /// image.
     fn limit(&mut self, topic: usize, out: &mut Vec<[Arc<Image>; 2]>) {
         if self.queues[topic].images.len() <= self.queue_size {
             return;

@@ -1,8 +1,8 @@
 //! The client of all interactive marker servers that share a topic.
 //!
-//! Each server has an id in its messages. rviz's client subscribes to the topic of all markers only while it waits for a
-//! server's first list; that topic is latched, so whenever it subscribes again it gets each server's last message. Here that
-//! message is kept.
+//! Each server has an id in its messages. rviz's client subscribes to the topic of all markers only while it waits for
+//! a server's first list; that topic is latched, so whenever it subscribes again it gets each server's last message.
+//! Here that message is kept.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! The controls that rviz's client makes: handles for a control that has no markers of its own, and the title.
 //!
-//! Reproduces the sizes and colours of the `interactive_markers` library: two arrows for what moves along an axis, a ring
-//! of bright and dark teeth for what turns, a plain ring for a plane. A handle lies along the x axis of its control's
-//! orientation and is as red, green and blue as that axis goes along x, y and z, at half opacity.
+//! Reproduces the sizes and colours of the `interactive_markers` library: two arrows for what moves along an axis, a
+//! ring of bright and dark teeth for what turns, a plain ring for a plane. A handle lies along the x axis of its
+//! control's orientation and is as red, green and blue as that axis goes along x, y and z, at half opacity.
 
 use std::f64::consts::TAU;
 
@@ -35,7 +35,8 @@ const BUTTON_SHIFT: f64 = -0.1;
 const TITLE_SIZE: f64 = 0.15;
 const TITLE_HEIGHT: f64 = 1.4;
 
-/// Gives a control without markers the handle for what it does. One that opens a menu becomes a text that faces the view.
+/// Gives a control without markers the handle for what it does. One that opens a menu becomes a text that faces the
+/// view.
 pub(super) fn add_default(size: f64, control: &mut InteractiveMarkerControl) {
     match control.interaction_mode {
         InteractiveMarkerControl::MOVE_AXIS => {

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The [`client`] speaks the protocol, [`complete`] and [`handles`] fill in what messages leave out, [`shown`] and
-//! [`control`] place the markers of the controls, which are those of the Marker display. A marker without a stamp follows
-//! its frame, one with a stamp stays. Controls that face the view turn to each camera ([`rcs_scene::Facing`]).
+//! [`control`] place the markers of the controls, which are those of the Marker display. A marker without a stamp
+//! follows its frame, one with a stamp stays. Controls that face the view turn to each camera ([`rcs_scene::Facing`]).
 //!
 //! As in rviz a marker without controls, or a pose for a marker that does not exist, stops the display: it then shows
 //! nothing until it is reset.
@@ -212,8 +212,8 @@ impl Display for InteractiveMarkersDisplay {
         }
     }
 
-    /// As in rviz, the markers of all servers are then forgotten, and the servers that are left are started again. A display
-    /// that was stopped by an error stays stopped.
+    /// As in rviz, the markers of all servers are then forgotten, and the servers that are left are started again. A
+    /// display that was stopped by an error stays stopped.
     fn publisher_left(&mut self, topic: &str) {
         let is_update_topic = self.topics().first().is_some_and(|request| request.topic == topic);
         if is_update_topic && !self.client.is_stopped() {

@@ -1,8 +1,9 @@
 //! One interactive marker server, seen from the client: its messages, and whether one was lost.
 //!
-//! A server sends numbered updates, keep-alives that repeat the last number, and, on another topic, all its markers as of
-//! some number. The client starts from the latter once it has received an update or keep-alive of the same number or a
-//! later one, applies the updates that follow it, and starts again where a number is missing or a frame cannot be found.
+//! A server sends numbered updates, keep-alives that repeat the last number, and, on another topic, all its markers as
+//! of some number. The client starts from the latter once it has received an update or keep-alive of the same number or
+//! a later one, applies the updates that follow it, and starts again where a number is missing or a frame cannot be
+//! found.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -109,7 +110,8 @@ impl Server {
         self.updates.push_back(Batch::of_update(update, self.translucent));
     }
 
-    /// Processes the messages whose frames are known. Returns whether it starts again and needs the last list of all markers.
+    /// Processes the messages whose frames are known. Returns whether it starts again and needs the last list of all
+    /// markers.
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
         match self.state {
             State::Starting => {

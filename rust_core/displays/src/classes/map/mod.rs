@@ -1,8 +1,8 @@
 //! `rviz/Map`: an occupancy grid as a rectangle of coloured cells.
 //!
 //! A map is shown as soon as it comes. It follows its frame, or with "Use Timestamp" stands where the frame was at its
-//! stamp; while its frame is not known it lies at the fixed frame's origin, as in rviz. Of a map that changes in part only
-//! the tiles that change are copied.
+//! stamp; while its frame is not known it lies at the fixed frame's origin, as in rviz. Of a map that changes in part
+//! only the tiles that change are copied.
 
 mod palette;
 #[cfg(test)]

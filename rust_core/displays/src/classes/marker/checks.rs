@@ -1,8 +1,8 @@
 //! What is wrong with a marker, and whether it can be drawn all the same.
 //!
-//! A table ([`Needs`]) lists what each type of marker reads of its message; the fields are then checked one by one. What
-//! rviz calls an error is one here: it keeps a marker from being drawn and removes the one that it would have replaced. All
-//! else is a warning.
+//! A table ([`Needs`]) lists what each type of marker reads of its message; the fields are then checked one by one.
+//! What rviz calls an error is one here: it keeps a marker from being drawn and removes the one that it would have
+//! replaced. All else is a warning.
 
 use std::collections::BTreeSet;
 

@@ -61,8 +61,8 @@ impl Kind {
         })
     }
 
-    /// The marker's pose in the frame of its header; `None` when a number that counts is NaN or infinite. Text does not turn
-    /// with its pose, and its orientation may be anything.
+    /// The marker's pose in the frame of its header; `None` when a number that counts is NaN or infinite. Text does not
+    /// turn with its pose, and its orientation may be anything.
     pub(super) fn frame_from_marker(&self, marker: &Marker) -> Option<Isometry3<f64>> {
         let mut pose = PlainTransform::from(&marker.pose);
         if matches!(self, Self::Text) {

@@ -2,8 +2,8 @@
 //!
 //! With `mesh_use_embedded_materials` each part keeps the material of the file, takes the marker's alpha, and is drawn
 //! once more in the marker's colour with at most half opacity: a tint. A colour of all zeros stands for no tint and the
-//! file's own opacity, but only where the mesh is new: rviz does not check again when a later message changes the colour,
-//! and then shows a mesh of alpha zero.
+//! file's own opacity, but only where the mesh is new: rviz does not check again when a later message changes the
+//! colour, and then shows a mesh of alpha zero.
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! POINTS, CUBE_LIST and SPHERE_LIST: point clouds.
 //!
-//! Points are rviz's squares, cubes its boxes and spheres its shaded discs, all of one size. rviz puts such a cloud into
-//! Ogre's queue twice, once itself and once through its parts, so that a translucent list is drawn over itself. The
-//! marker's alpha counts twice within each drawing: it is in the points' colours and the whole cloud's.
+//! Points are rviz's squares, cubes its boxes and spheres its shaded discs, all of one size. rviz puts such a cloud
+//! into Ogre's queue twice, once itself and once through its parts, so that a translucent list is drawn over itself.
+//! The marker's alpha counts twice within each drawing: it is in the points' colours and the whole cloud's.
 
 use std::sync::Arc;
 

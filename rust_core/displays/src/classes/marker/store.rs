@@ -80,7 +80,8 @@ impl MarkerStore {
         }
     }
 
-    /// Reports a message that was dropped because its frame is not known. One that deletes needs no frame and is applied.
+    /// Reports a message that was dropped because its frame is not known. One that deletes needs no frame and is
+    /// applied.
     pub(super) fn drop_unplaced(
         &mut self,
         marker: &Marker,
@@ -143,8 +144,8 @@ impl MarkerStore {
         self.markers.insert(id, shown);
     }
 
-    /// Drops markers whose lifetime is over and moves those that follow their frames. Returns whether anything changed since
-    /// the last call.
+    /// Drops markers whose lifetime is over and moves those that follow their frames. Returns whether anything changed
+    /// since the last call.
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
         let before = self.markers.len();
         self.markers.retain(|id, shown| {

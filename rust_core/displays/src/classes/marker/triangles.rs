@@ -4,8 +4,8 @@
 //! each vertex or each triangle they are not lit. What blends is rviz's choice too: with colours of vertices it is the
 //! vertices' alpha that decides, else the marker's, although both are multiplied.
 //!
-//! A list that is sent again with as many points keeps the vertex format that it began with: if that had no colours, those
-//! that come later are not shown, and the triangles are white.
+//! A list that is sent again with as many points keeps the vertex format that it began with: if that had no colours,
+//! those that come later are not shown, and the triangles are white.
 
 use std::sync::Arc;
 

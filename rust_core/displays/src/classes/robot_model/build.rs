@@ -1,8 +1,8 @@
 //! A robot's links as pieces to draw: shapes, meshes and their materials.
 //!
-//! Which material a piece gets is rviz's rule. A mesh keeps the materials of its file, each with the link's opacity on top
-//! of its own; everything else has the last material that the link's visuals named before, in the order of the file and
-//! with the collision shapes at the end. Before any was named that is plain red.
+//! Which material a piece gets is rviz's rule. A mesh keeps the materials of its file, each with the link's opacity on
+//! top of its own; everything else has the last material that the link's visuals named before, in the order of the file
+//! and with the collision shapes at the end. Before any was named that is plain red.
 
 use std::collections::HashMap;
 use std::sync::Arc;

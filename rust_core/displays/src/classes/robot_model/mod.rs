@@ -1,8 +1,8 @@
 //! `rviz/RobotModel`: a robot's links where TF says that they are.
 //!
 //! The links follow TF at its latest time. One whose frame is not known stays where it was last (at first: in the fixed
-//! frame's origin) and is drawn in plain white without light, with its own materials no more, until its frame comes: that
-//! is how rviz shows that something is missing.
+//! frame's origin) and is drawn in plain white without light, with its own materials no more, until its frame comes:
+//! that is how rviz shows that something is missing.
 
 mod build;
 

@@ -1,16 +1,16 @@
 //! A pool of the buffers of replaced clouds, which new clouds are read into.
 //!
 //! A replaced cloud may still be in a scene that is being drawn, and renderers tell clouds apart by their `Arc`s. So a
-//! replaced cloud is kept until no one else holds it; then its vectors become part of another cloud, in another `Arc`. That is
-//! mostly so when the next cloud is read, so that one cloud's memory is in use.
+//! replaced cloud is kept until no one else holds it; then its vectors become part of another cloud, in another `Arc`.
+//! That is mostly so when the next cloud is read, so that one cloud's memory is in use.
 
 use std::sync::Arc;
 
 use rcs_messages::BufferPool;
 use rcs_scene::{Drawable, Geometry, PointBuffer, PointColors};
 
-/// How many clouds of the present size the pool may hold: a whole one, the pieces of another, and what both have room for on
-/// top.
+/// How many clouds of the present size the pool may hold: a whole one, the pieces of another, and what both have room
+/// for on top.
 const MAX_CLOUDS: usize = 3;
 
 /// Vectors that clouds are made of, and the scratch memory of reading one.

@@ -84,7 +84,8 @@ impl<'a> Coloring<'a> {
     }
 }
 
-/// A byte on its way through rviz, which makes a float of 0 to 1 of it and cuts that off to a byte again. Some lose one.
+/// A byte on its way through rviz, which makes a float of 0 to 1 of it and cuts that off to a byte again. Some lose
+/// one.
 #[inline(always)]
 fn packed_level(byte: u8) -> u8 {
     const LEVELS: [u8; 256] = {
@@ -117,7 +118,8 @@ fn packed(
 }
 
 /// The smallest and largest of the values as rviz finds them, one after the other, from bounds that an ordinary value
-/// replaces. A NaN replaces both bounds, and the next value replaces the NaN; so only what comes after the last NaN counts.
+/// replaces. A NaN replaces both bounds, and the next value replaces the NaN; so only what comes after the last NaN
+/// counts.
 fn bounds(values: &[f32], outermost: f32) -> (f32, f32) {
     let start = (outermost, -outermost);
     let add = |(min, max): (f32, f32), (low, high): (f32, f32)| {

@@ -31,8 +31,8 @@ pub(crate) struct Channel {
 }
 
 impl Channel {
-    /// The value in one point's bytes as a float, integers without their sign, as rviz reads them; 0 for a datatype that
-    /// does not exist.
+    /// The value in one point's bytes as a float, integers without their sign, as rviz reads them; 0 for a datatype
+    /// that does not exist.
     #[inline]
     pub(crate) fn value(&self, point: &[u8], big_endian: bool) -> f32 {
         macro_rules! read {

@@ -171,8 +171,8 @@ impl Clouds {
         // The order of the pieces does not show where nothing blends.
         let buffers = if blended { pieces::cut(buffer, &style, pool) } else { vec![buffer] };
         let drawable = |buffer: PointBuffer| {
-            // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed one.
-            // Opaque ones are not sorted.
+            // Ogre sorts translucent clouds by the middle of their box in their own frame, as if that were the fixed
+            // one. Opaque ones are not sorted.
             let sort_point = if blended { middle(buffer.positions.iter().copied()) } else { [0.0; 3] };
             let buffer = Arc::new(buffer);
             Drawable {

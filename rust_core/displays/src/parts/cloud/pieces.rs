@@ -1,4 +1,5 @@
-//! The pieces of at most [`MAX_VERTICES`] vertices that rviz cuts a cloud into; translucent ones are sorted piece by piece.
+//! The pieces of at most [`MAX_VERTICES`] vertices that rviz cuts a cloud into; translucent ones are sorted piece by
+//! piece.
 
 use rcs_scene::{PointBuffer, PointColors, PointStyle};
 

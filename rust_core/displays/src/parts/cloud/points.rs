@@ -81,7 +81,8 @@ impl PointBytes<'_> {
         self.shown.iter().sum()
     }
 
-    /// What becomes of each point, in their order, computed on all cores. `out` has as many elements as there are points.
+    /// What becomes of each point, in their order, computed on all cores. `out` has as many elements as there are
+    /// points.
     pub(super) fn map<T: Send>(&self, out: &mut [T], compute: impl Fn(&[u8]) -> T + Sync) {
         let compute_share = |points: &[u8], out: &mut [T]| {
             let points = points.chunks_exact(self.point_step);

@@ -1,9 +1,9 @@
 //! The covariance of a pose: an ellipsoid for its position, discs or a cone for its orientation.
 //!
 //! Reproduces `rviz::CovarianceVisual`. The ellipsoid has the axes of the message's frame. Of a pose in space, roll,
-//! pitch and yaw are a flat elliptic disc each: it stands out on the axis that it belongs to and shows how far the tip of
-//! that axis sways under turns about the other two (yaw's has these two the wrong way round, in rviz and here). Of a pose
-//! in the plane, the yaw is a flat cone from the pose along its x.
+//! pitch and yaw are a flat elliptic disc each: it stands out on the axis that it belongs to and shows how far the tip
+//! of that axis sways under turns about the other two (yaw's has these two the wrong way round, in rviz and here). Of a
+//! pose in the plane, the yaw is a flat cone from the pose along its x.
 
 mod principal_axes;
 mod shape;

@@ -1,19 +1,19 @@
 //! The principal axes of a covariance, in the order and with the signs that rviz's picture needs.
 //!
-//! Any solver finds the same axes, but which comes first and which way each points is left open, and both show: the sphere
-//! of an ellipsoid has its poles on the third axis, and its facets lie around them. So the axes are found with the symmetric
-//! QR algorithm as textbooks have it (Golub and Van Loan, Matrix Computations, 8.3), each rotation making what it leaves
-//! positive; then
+//! Any solver finds the same axes, but which comes first and which way each points is left open, and both show: the
+//! sphere of an ellipsoid has its poles on the third axis, and its facets lie around them. So the axes are found with
+//! the symmetric QR algorithm as textbooks have it (Golub and Van Loan, Matrix Computations, 8.3), each rotation making
+//! what it leaves positive; then
 //!
 //! * the variances rise,
-//! * where that is left-handed, the first two axes change places (as in rviz's `CovarianceVisual`, which makes a pair of
-//!   axes right-handed this way; their variances then fall).
+//! * where that is left-handed, the first two axes change places (as in rviz's `CovarianceVisual`, which makes a pair
+//!   of axes right-handed this way; their variances then fall).
 //!
 //! So the axes of a covariance without covariances are a right-handed order of x, y and z. nalgebra's `SymmetricEigen`
 //! finds the same axes, but others of them are swapped and turned over, which costs up to 2 % of strict score.
 //!
-//! Rounding may leave a variance of nothing a little below zero, where it would be taken for a fault of the message. So a
-//! negative variance that is within the rounding error of the largest one is zero.
+//! Rounding may leave a variance of nothing a little below zero, where it would be taken for a fault of the message. So
+//! a negative variance that is within the rounding error of the largest one is zero.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 

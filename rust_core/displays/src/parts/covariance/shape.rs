@@ -47,8 +47,8 @@ pub(super) enum OrientationShape {
     Cone(Option<f64>),
 }
 
-/// The sizes of the last covariance that had real standard deviations. One with a negative variance is turned by its own
-/// axes, but keeps the sizes of what was there before; the first ellipsoid has 1 m.
+/// The sizes of the last covariance that had real standard deviations. One with a negative variance is turned by its
+/// own axes, but keeps the sizes of what was there before; the first ellipsoid has 1 m.
 #[derive(Clone, Debug)]
 pub(crate) struct CovarianceScales {
     ellipsoid_m: Vector3<f64>,

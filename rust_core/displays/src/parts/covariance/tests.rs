@@ -35,8 +35,8 @@ fn the_ellipsoid_reaches_its_standard_deviations_and_discs_stand_on_their_axes()
     );
     let [ellipsoid, roll, pitch, yaw] = drawn.as_slice() else { panic!("{} solids", drawn.len()) };
     assert!((extent(ellipsoid) - Vector3::new(0.4, 0.2, 1.0)).norm() < 1e-6);
-    // The tip of x sways along y under yaw and along z under pitch, and that of y likewise; but rviz draws the disc of z
-    // with roll along x and pitch along y, where its tip would sway the other way round.
+    // The tip of x sways along y under yaw and along z under pitch, and that of y likewise; but rviz draws the disc of
+    // z with roll along x and pitch along y, where its tip would sway the other way round.
     let sway = |deviation_rad: f64| 2.0 * deviation_rad.tan();
     for (disc, at, size) in [
         (roll, Vector3::x(), [FLAT_M, sway(0.04), sway(0.03)]),

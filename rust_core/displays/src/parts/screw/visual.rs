@@ -1,8 +1,8 @@
 //! What one screw is drawn with.
 //!
 //! Reproduces rviz's `ScrewVisual`: an arrow for each part, whose shaft is as long as the scaled vector and whose head
-//! sticks out by three tenths of that. Around the middle of the angular arrow goes seven eighths of a circle that begins at
-//! a quarter turn and ends at a small arrow that shows the direction.
+//! sticks out by three tenths of that. Around the middle of the angular arrow goes seven eighths of a circle that
+//! begins at a quarter turn and ends at a small arrow that shows the direction.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

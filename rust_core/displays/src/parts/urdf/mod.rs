@@ -1,12 +1,12 @@
 //! A robot's description (URDF): its links with their shapes, and its joints.
 //!
 //! Reads what urdfdom 3.0 reads and refuses what it refuses, because rviz shows that: a shape that cannot be read takes
-//! with it the rest of its link, but not the link and not the robot; a joint that cannot be read takes the whole robot; a
-//! material belongs to the first definition of its name in the whole file; a colour of three numbers is black.
+//! with it the rest of its link, but not the link and not the robot; a joint that cannot be read takes the whole robot;
+//! a material belongs to the first definition of its name in the whole file; a colour of three numbers is black.
 //!
-//! The crate `urdf-rs` cannot do that: it refuses the robot for one shape or one incomplete `<inertial>`, has no lines in
-//! its errors (it sorts the elements into a new text and reads that), does not notice names that occur twice, and fills
-//! joints without limits with zeros.
+//! The crate `urdf-rs` cannot do that: it refuses the robot for one shape or one incomplete `<inertial>`, has no lines
+//! in its errors (it sorts the elements into a new text and reads that), does not notice names that occur twice, and
+//! fills joints without limits with zeros.
 
 mod attribute_values;
 mod elements;

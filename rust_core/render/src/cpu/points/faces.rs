@@ -3,8 +3,8 @@
 //! Squares and discs face the eye (they are not parallel to the picture plane) and stand upright to the y axis of the
 //! cloud's own frame: with `at` the direction to the eye, their sides run along `right = y × at` and `up = at × right`.
 //! So they are seen from their front, turned as the cloud's frame is, and their depth changes over the face; where the
-//! line of sight runs along that y axis there is no such direction and nothing is drawn. A tile is a rectangle of a fixed
-//! orientation, seen from both sides. A box has its edges along the axes of the cloud's frame.
+//! line of sight runs along that y axis there is no such direction and nothing is drawn. A tile is a rectangle of a
+//! fixed orientation, seen from both sides. A box has its edges along the axes of the cloud's frame.
 //!
 //! ```text
 //!         up
@@ -138,8 +138,8 @@ pub(super) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Half sides to the right (its x and z; its y is 0) and up of a face that faces the eye, given the vector to the eye and
-/// the half sides' lengths. NaN where the eye is straight above or below.
+/// Half sides to the right (its x and z; its y is 0) and up of a face that faces the eye, given the vector to the eye
+/// and the half sides' lengths. NaN where the eye is straight above or below.
 #[inline(always)]
 pub(super) fn upright<T: Number>([x, y, z]: [T; 3], [half_width, half_height]: [T; 2]) -> ([T; 2], [T; 3]) {
     let level = x * x + z * z;

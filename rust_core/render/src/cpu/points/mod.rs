@@ -12,8 +12,8 @@
 //!
 //! **Choosing** is done twice. Before drawing, a pass over all points drops those that are surely outside of the view
 //! and finds the rows that each of the others can touch, with a margin; the bands of these rows note the point's index.
-//! So a cloud costs little more than 4 bytes a point, however it is drawn. When a band is drawn, its points are gathered
-//! by their indices in blocks of [`BLOCK`], without those that are too faint.
+//! So a cloud costs little more than 4 bytes a point, however it is drawn. When a band is drawn, its points are
+//! gathered by their indices in blocks of [`BLOCK`], without those that are too faint.
 //!
 //! **Placing** projects a block's points and sets up what is linear in the window, several points at once; for that a
 //! block keeps its coordinates apart (all x, all y, …). **Painting** goes over the pixels of one face after another,

@@ -238,8 +238,8 @@ impl<S: Simd, const PAINT: u8> FacePaint<S, PAINT> {
 /// Levels of 0 to 255, to the nearest whole number, at the place that a channel has in a packed colour.
 #[inline(always)]
 fn in_channel<S: Simd>(level: F<S>, channel: usize) -> U<S> {
-    // At 2^23 there is no fraction left, so that the sum is rounded and its lowest byte is the whole number. The next two
-    // are zero, and the first is shifted out of the number where the last is shifted at all.
+    // At 2^23 there is no fraction left, so that the sum is rounded and its lowest byte is the whole number. The next
+    // two are zero, and the first is shifted out of the number where the last is shifted at all.
     const NO_FRACTION: f32 = 8_388_608.0;
     let bits = (level + NO_FRACTION).bitcast::<U<S>>();
     match channel_shift(channel) {

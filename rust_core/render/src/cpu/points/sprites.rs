@@ -1,9 +1,9 @@
 //! `Style: Points`: round points of a fixed size on the picture, drawn as OpenGL draws point sprites.
 //!
-//! A pixel belongs to a point where its centre lies less than half the size from the point's position, so that a point of
-//! 1 px can miss every pixel centre. No point is smaller than that: see [`drawn_point_size_px`]. A point whose position
-//! is outside of the picture is not drawn at all, however far its disc would reach inside. A disc has one depth, that of
-//! its point.
+//! A pixel belongs to a point where its centre lies less than half the size from the point's position, so that a point
+//! of 1 px can miss every pixel centre. No point is smaller than that: see [`drawn_point_size_px`]. A point whose
+//! position is outside of the picture is not drawn at all, however far its disc would reach inside. A disc has one
+//! depth, that of its point.
 
 use fearless_simd::prelude::*;
 use fearless_simd::Simd;
