@@ -7,6 +7,7 @@
 
 mod common;
 
+use std::env;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use common::{camera, differing, draw_on, square_mesh};
@@ -35,6 +36,9 @@ const SHIFT_PX: f64 = 0.02;
 /// than that is a share of: a single pixel of a side that is seen edge-on, whose colours are arbitrary.
 const MAX_DIFFERING: f64 = 0.005;
 const MAX_DIFFERING_PX: usize = 1;
+
+/// Scenes drawn by each test in a run.
+const CASES: u32 = 150;
 
 /// Scenes that once differed, one line each.
 const REGRESSIONS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gpu_cpu.proptest-regressions");
@@ -186,10 +190,10 @@ fn placed(geometry: impl Strategy<Value = Geometry>, max_turn_rad: f64) -> impl 
 }
 
 proptest! {
-    // Other scenes in each run; `PROPTEST_RNG_SEED=N` repeats a run. A scene that fails is kept and drawn first from
-    // then on.
+    // Other scenes in each run; `PROPTEST_RNG_SEED=N` repeats a run, `PROPTEST_CASES=N` draws more. A scene that fails
+    // is kept and drawn first from then on.
     #![proptest_config(ProptestConfig {
-        cases: 400,
+        cases: if env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { CASES },
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(REGRESSIONS))),
         ..ProptestConfig::default()
     })]
