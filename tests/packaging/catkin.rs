@@ -52,8 +52,8 @@ fn catkin_make_builds_what_rosrun_finds() {
     the_scripts_work_after(&at.join("devel/setup.bash"), at);
 }
 
-/// After `source SETUP`, which on Debian leaves the ROS in /usr out of all paths: `./demo` builds without generating
-/// the messages anew, and renders the sample scene.
+/// After `source SETUP`, which on Debian leaves the ROS in /usr out of all paths: `./demo` finds everything built, and
+/// renders the sample scene.
 fn the_scripts_work_after(setup: &Path, folder: &Path) {
     let shown = folder.join("shown.png");
     let printed = succeed(&format!(
@@ -61,7 +61,7 @@ fn the_scripts_work_after(setup: &Path, folder: &Path) {
         setup.display(),
         shown.display()
     ));
-    assert!(!printed.contains("Compiling rosrust_msg"), "{printed}");
+    assert!(!printed.contains("Compiling"), "{printed}");
     assert!(pixels(&shown) == pixels(&repository().join("docs/images/demo.png")), "{printed}");
 }
 
