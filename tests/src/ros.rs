@@ -89,6 +89,14 @@ impl RosMaster {
         self.run()
     }
 
+    /// Sends a signal, such as `STOP`, to the master's own process; roscore only watches over it.
+    pub fn signal(&self, name: &str) {
+        let Some(core) = &self.core else { return };
+        let parent = core.id().to_string();
+        // Fails where it has ended already.
+        let _ = Command::new("pkill").args([&format!("-{name}"), "-P", &parent, "-f", "rosmaster"]).status();
+    }
+
     /// Its address.
     pub fn uri(&self) -> String {
         format!("http://127.0.0.1:{}", self.port)

@@ -8,6 +8,7 @@ use std::fs;
 use std::io;
 use std::path::PathBuf;
 use std::process::Command;
+use std::time::Duration;
 
 /// A display of `/cloud`: the points are squares of 1 m in their own colour.
 pub const CLOUD: &str = "{Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /cloud, Style: Flat Squares, \
@@ -159,6 +160,21 @@ impl RosFixture {
             let received =
                 "(viewer.colors[-10:], viewer.images[-3:], viewer.infos[-3:]) if 'viewer' in globals() else None";
             panic!("not true after {PATIENCE:?}: {python}; the viewer received {:?}", self.python.run(received));
+        }
+    }
+
+    /// Has the Python node's `viewer` receive so many pictures more, and prints the longest time between two of them.
+    ///
+    /// # Panics
+    /// When that is over `limit`, or they do not come.
+    #[expect(clippy::panic, reason = "a test cannot go on")]
+    pub fn pictures_go_on(&self, count: usize, limit: Duration) {
+        self.python("viewer.forget()");
+        self.wait_for(format!("len(viewer.images) > {count}"));
+        let gap = self.python("max(b[0] - a[0] for a, b in zip(viewer.images, viewer.images[1:]))");
+        println!("{count} pictures, at most {gap} s apart");
+        if !gap.parse().is_ok_and(|secs: f64| secs < limit.as_secs_f64()) {
+            panic!("{gap} s without a picture");
         }
     }
 }

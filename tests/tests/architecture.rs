@@ -93,9 +93,6 @@ fn dependencies_point_downwards_only() {
     }
 }
 
-/// The one file that may have `unsafe` code; the rest of its crate denies it.
-const UNSAFE_FILE: &str = "rust_core/ros/src/foreign_sockets.rs";
-
 /// The folders of the repository that are generated.
 const GENERATED: [&str; 2] = ["target", "test_output"];
 
@@ -146,13 +143,11 @@ fn unsafe_code_is_recognised() {
 }
 
 #[test]
-fn only_one_file_of_ros_may_contain_unsafe_code() {
-    for (name, folder) in crate_folders() {
+fn no_file_contains_unsafe_code() {
+    for folder in crate_folders().values() {
         let root = folder.join("src/lib.rs");
         let text = fs::read_to_string(&root).unwrap_or_else(|error| panic!("{}: {error}", root.display()));
-        let is_allowed = name == "ros" && repository().join(UNSAFE_FILE).exists();
-        let wanted = if is_allowed { "#![deny(unsafe_code)]" } else { "#![forbid(unsafe_code)]" };
-        assert!(text.contains(wanted), "{} has no {wanted}", root.display());
+        assert!(text.contains("#![forbid(unsafe_code)]"), "{} does not forbid it", root.display());
     }
     // Programs, tests, benchmarks and examples have roots of their own.
     let files = rust_files(&repository());
@@ -160,7 +155,7 @@ fn only_one_file_of_ros_may_contain_unsafe_code() {
         files.iter().any(|file| file.ends_with("src/bin/camera_stream.rs")),
         "the programs are not among {files:?}"
     );
-    for file in files.iter().filter(|file| !file.ends_with(UNSAFE_FILE)) {
+    for file in &files {
         let text = fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         let found = text.lines().find(|line| allows_unsafe_code(line));
         assert_eq!(found, None, "{}", file.display());

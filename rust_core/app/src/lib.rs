@@ -6,5 +6,4 @@ pub mod logging;
 pub mod projector;
 pub mod projector_window;
 pub mod publish_cloud;
-mod restart;
 pub mod small_node;

@@ -61,11 +61,13 @@ pub struct EndRequest {
 }
 
 impl EndRequest {
-    /// Handles SIGINT and SIGTERM from now on.
+    /// Handles SIGINT and SIGTERM from now on, and prepares the process for its ROS node. To be called before any
+    /// thread is started, see [`rcs_ros::init`].
     ///
     /// # Errors
-    /// When the signal handlers cannot be installed.
+    /// When the signal handlers cannot be installed, or there is no port left.
     pub fn watch_signals() -> io::Result<Self> {
+        rcs_ros::init()?;
         let requested = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
             // In this order: the first signal sets the flag, a second one finds it set.

@@ -2,7 +2,10 @@
 
 use rcs_messages::Time;
 use std::sync::atomic::{AtomicI64, Ordering};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+/// How often a sleeper looks at the time.
+const POLL_PERIOD: Duration = Duration::from_millis(10);
 
 /// A clock that is read from any thread.
 #[derive(Debug)]
@@ -36,6 +39,24 @@ impl RosClock {
     pub fn set(&self, time: Time) -> Option<(Time, Time)> {
         let before = self.simulated_nanos.swap(time.nanos(), Ordering::AcqRel);
         (time.nanos() < before).then(|| (Time::from_nanos(before), time))
+    }
+}
+
+/// For rosrust's traits of messages.
+impl rosrust::Clock for RosClock {
+    fn now(&self) -> Time {
+        Self::now(self)
+    }
+
+    fn sleep(&self, duration: rosrust::Duration) {
+        let until = Self::now(self).nanos().saturating_add(duration.nanos());
+        self.wait_until(Time::from_nanos(until));
+    }
+
+    fn wait_until(&self, until: Time) {
+        while Self::now(self).nanos() < until.nanos() {
+            std::thread::sleep(POLL_PERIOD);
+        }
     }
 }
 

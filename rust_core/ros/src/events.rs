@@ -69,11 +69,6 @@ pub enum NodeEvent {
         /// The topic's whole name, after remapping.
         topic: Arc<str>,
     },
-    /// A topic that this node publishes has a new subscriber.
-    SubscriberConnected {
-        /// The topic's whole name.
-        topic: Arc<str>,
-    },
 }
 
 /// Answers a service call. If it is dropped unused, the caller gets an error.

@@ -2,46 +2,24 @@
 //! them.
 //!
 //! The CameraInfo goes out on the sibling topic `camera_info`: the image topic's name with another last part. Both have
-//! the same stamp, sequence number and frame.
-//!
-//! Sending never blocks: rosrust queues one frame for its writing thread and drops the older one. That thread writes to
-//! the subscribers one after the other, so a stopped one would block all others; [`crate::listeners`] sets a time
-//! limit.
+//! the same stamp, sequence number and frame. A picture's pixels are shared by all subscribers and never copied.
 
-use crate::listeners::tune_listeners;
+use crate::publisher::Publisher;
+use crate::tcpros::{Change, Observer};
+use crate::{NodeError, RosNode};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
-use rcs_messages::{Image, Serialized, SharedBytes, Time};
+use rcs_messages::{Image, SharedBytes, Time};
 use rcs_scene::Picture;
 use std::collections::BTreeSet;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
-use std::time::Duration;
 
-/// How often new subscribers are polled for. Each poll wakes a core, also when nothing else happens.
-const POLL_PERIOD: Duration = Duration::from_millis(50);
-/// A frame that is still queued for the writing thread is dropped for the next.
+/// A frame that is still queued for a subscriber is dropped for the next.
 const QUEUE_SIZE: usize = 1;
 
-/// Why something cannot be published.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PublishError {
-    /// The topic cannot be published.
-    #[error("cannot publish {topic}: {reason}")]
-    Advertise {
-        /// The topic.
-        topic: String,
-        /// rosrust's reason.
-        reason: String,
-    },
-    /// A message could not be sent.
-    #[error("cannot send on {topic}: {reason}")]
-    Send {
-        /// The topic.
-        topic: String,
-        /// rosrust's reason.
-        reason: String,
-    },
+/// Why a picture cannot be sent.
+#[derive(Debug, thiserror::Error)]
+pub enum SendError {
     /// The picture's bytes are not as many as its rows need.
     #[error("{topic}: {len} bytes of pixels for {height_px} rows of {step_bytes} bytes")]
     Size {
@@ -54,16 +32,21 @@ pub enum PublishError {
         /// Bytes of a row.
         step_bytes: usize,
     },
+    /// It has more bytes than a message can have.
+    #[error("cannot send on {topic}: {error}")]
+    TooLong {
+        /// The topic.
+        topic: String,
+        /// What is too long.
+        error: std::io::Error,
+    },
 }
 
 /// Publishes a camera's pictures until it is dropped, which unregisters both topics.
 pub struct ImagePublisher {
-    image: rosrust::Publisher<Image>,
-    info: rosrust::Publisher<Serialized<CameraInfo>>,
-    topic: String,
-    info_topic: String,
+    image: Publisher<Image>,
+    info: Publisher<CameraInfo>,
     next_seq: u32,
-    ended: Arc<AtomicBool>,
 }
 
 /// The topic of the CameraInfo that belongs to an image topic.
@@ -74,127 +57,82 @@ pub fn camera_info_topic(image_topic: &str) -> String {
     }
 }
 
-impl ImagePublisher {
-    /// Publishes on `topic` and its sibling, on the running rosrust node.
+impl RosNode {
+    /// Publishes pictures on `topic` and their CameraInfo on its sibling.
     ///
-    /// `on_subscriber` is called with the name of every node that newly subscribes to either, on a separate thread,
-    /// within some fifty milliseconds.
+    /// `on_change` is called with the name of every node that subscribes to either or leaves, on the thread of its
+    /// connection.
     ///
     /// # Errors
-    /// [`PublishError::Advertise`].
-    pub fn new(topic: &str, on_subscriber: impl Fn(&str) + Send + 'static) -> Result<Self, PublishError> {
-        let image = advertise::<Image>(topic, QUEUE_SIZE)?;
+    /// [`NodeError::Name`].
+    pub fn image_publisher(
+        &self,
+        topic: &str,
+        on_change: impl Fn(Change, &str) + Send + Sync + 'static,
+    ) -> Result<ImagePublisher, NodeError> {
+        let own_name = self.name().to_owned();
+        let observer: Observer = Arc::new(move |change, name| {
+            // Its own config may well subscribe to the topic that the CameraInfo is published on.
+            if name != own_name {
+                on_change(change, name);
+            }
+        });
         // image_transport takes the sibling of the name as it was given, and remaps the two separately.
-        let info_topic = camera_info_topic(topic);
-        let info = advertise::<Serialized<CameraInfo>>(&info_topic, QUEUE_SIZE)?;
-        tune_listeners();
-        let publisher = Self {
-            topic: resolved(topic),
-            info_topic: resolved(&info_topic),
-            image,
-            info,
-            next_seq: 0,
-            ended: Arc::default(),
-        };
-        publisher.watch_subscribers(on_subscriber);
-        Ok(publisher)
+        let (topic, info_topic) = (self.resolve(topic)?, self.resolve(&camera_info_topic(topic))?);
+        let image = Publisher::new(self.network(), &topic, QUEUE_SIZE, false, &observer);
+        let info = Publisher::new(self.network(), &info_topic, QUEUE_SIZE, false, &observer);
+        Ok(ImagePublisher { image, info, next_seq: 0 })
     }
+}
 
+impl ImagePublisher {
     /// The image topic's whole name, after remapping.
     pub fn topic(&self) -> &str {
-        &self.topic
+        self.image.topic()
     }
 
     /// The CameraInfo topic's whole name, after remapping.
     pub fn info_topic(&self) -> &str {
-        &self.info_topic
+        self.info.topic()
     }
 
-    /// How many nodes subscribe to the image or to the CameraInfo, this node itself not counted: its own config may
-    /// well subscribe to the topic that the CameraInfo is published on.
+    /// How many nodes subscribe to the image or to the CameraInfo, this node itself not counted.
     pub fn subscriber_count(&self) -> usize {
-        let mut names: BTreeSet<String> = self.image.subscriber_names().into_iter().collect();
-        names.extend(self.info.subscriber_names());
-        names.remove(&rosrust::name());
-        names.len()
+        let names: BTreeSet<String> = self.image.subscriber_names();
+        names.union(&self.info.subscriber_names()).count()
     }
 
-    /// Sends a picture and the CameraInfo it was drawn with, both with `stamp` and the CameraInfo's frame. Never waits;
-    /// the pixels are copied once, into the message.
+    /// Sends a picture and the CameraInfo it was drawn with, both with `stamp` and the CameraInfo's frame. Never waits
+    /// and copies no pixels.
     ///
     /// # Errors
-    /// [`PublishError::Size`] or [`PublishError::Send`].
-    pub fn publish(&mut self, picture: &Arc<Picture>, info: &CameraInfo, stamp: Time) -> Result<(), PublishError> {
-        let (step, height_px) = (picture.step(), picture.height_px);
-        let step_bytes = u32::try_from(step).ok().filter(|_| picture.data.len() == step * height_px as usize);
-        let Some(step_bytes) = step_bytes else {
-            return Err(PublishError::Size {
-                topic: self.topic.clone(),
-                len: picture.data.len(),
-                height_px,
-                step_bytes: step,
-            });
-        };
+    /// [`SendError`].
+    pub fn publish(&mut self, picture: &Arc<Picture>, info: &CameraInfo, stamp: Time) -> Result<(), SendError> {
         let header = Header { seq: self.next_seq, stamp, frame_id: info.header.frame_id.clone() };
         self.next_seq = self.next_seq.wrapping_add(1);
-        let (size_px, encoding) = ([picture.width_px, height_px], picture.encoding.name());
+        let too_long = |topic: &str, error| SendError::TooLong { topic: topic.to_owned(), error };
+        let beginning = self.beginning(picture, header.clone())?;
         let pixels: SharedBytes = Arc::<Picture>::clone(picture);
-        let image = Image::sharing(header.clone(), size_px, encoding, step_bytes, pixels);
+        self.image.send_parts(&beginning, pixels).map_err(|error| too_long(self.topic(), error))?;
         let info = CameraInfo { header, ..info.clone() };
-        // As it is: rosrust would put its own sequence number into a message that it knows.
-        let info = Serialized::new(rcs_messages::encode(&info));
-        self.image.send(image).map_err(|error| send_error(&self.topic, &error))?;
-        self.info.send(info).map_err(|error| send_error(&self.info_topic, &error))
+        self.info.send(&info).map_err(|error| too_long(self.info_topic(), error))
     }
 
-    fn watch_subscribers(&self, on_subscriber: impl Fn(&str) + Send + 'static) {
-        let (image, info, ended) = (self.image.clone(), self.info.clone(), Arc::downgrade(&self.ended));
-        let watching = move || {
-            let own_name = rosrust::name();
-            let mut known = BTreeSet::new();
-            while ended.upgrade().is_some_and(|ended| !ended.load(Ordering::Acquire)) {
-                let names = image.subscriber_names().into_iter().map(|name| (name, true));
-                let names = names.chain(info.subscriber_names().into_iter().map(|name| (name, false)));
-                let now: BTreeSet<(String, bool)> = names.filter(|(name, _)| *name != own_name).collect();
-                for (name, _) in now.difference(&known) {
-                    on_subscriber(name);
-                }
-                known = now;
-                std::thread::sleep(POLL_PERIOD);
-            }
+    /// What comes before the pixels of a picture's message.
+    fn beginning(&self, picture: &Picture, header: Header) -> Result<Vec<u8>, SendError> {
+        let (step_bytes, len, height_px) = (picture.step(), picture.data.len(), picture.height_px);
+        let (step, bytes) = (u32::try_from(step_bytes), u32::try_from(len));
+        let (Ok(step), Ok(bytes), true) = (step, bytes, len == step_bytes * height_px as usize) else {
+            return Err(SendError::Size { topic: self.topic().to_owned(), len, height_px, step_bytes });
         };
-        let spawned = std::thread::Builder::new().name("image-subscribers".to_owned()).spawn(watching);
-        if let Err(error) = spawned {
-            log::warn!("{}: new subscribers are not noticed at once: {error}", self.topic);
-        }
+        let size_px = [picture.width_px, height_px];
+        let empty = Image::new(header, size_px, picture.encoding.name(), step, Arc::default());
+        let mut beginning = rcs_messages::encode(&empty);
+        // The last field is the length of the pixels.
+        beginning.truncate(beginning.len() - 4);
+        beginning.extend_from_slice(&bytes.to_le_bytes());
+        Ok(beginning)
     }
-}
-
-impl Drop for ImagePublisher {
-    fn drop(&mut self) {
-        self.ended.store(true, Ordering::Release);
-    }
-}
-
-pub(crate) fn advertise<T: rosrust::Message>(
-    topic: &str,
-    queue_size: usize,
-) -> Result<rosrust::Publisher<T>, PublishError> {
-    rosrust::publish(topic, queue_size)
-        .map_err(|error| PublishError::Advertise { topic: topic.to_owned(), reason: reasons(&error) })
-}
-
-pub(crate) fn send_error(topic: &str, error: &rosrust::api::error::Error) -> PublishError {
-    PublishError::Send { topic: topic.to_owned(), reason: reasons(error) }
-}
-
-fn reasons(error: &rosrust::api::error::Error) -> String {
-    error.iter().map(ToString::to_string).collect::<Vec<_>>().join(": ")
-}
-
-/// The whole name of a topic, as rosrust makes it.
-fn resolved(topic: &str) -> String {
-    rosrust::param(topic).map_or_else(|| topic.to_owned(), |param| param.name().to_owned())
 }
 
 #[cfg(test)]

@@ -1,46 +1,48 @@
 //! A latched topic: late subscribers get its last message.
 
-use crate::image_topic::{advertise, send_error, PublishError};
-use crate::listeners::tune_listeners;
-use crate::RosNode;
+use crate::publisher::Publisher;
+use crate::{NodeError, RosClock, RosNode};
 use rcs_messages::Message;
+use std::io;
+use std::sync::atomic::AtomicUsize;
+use std::sync::Arc;
 
 /// Publishes a latched topic until it is dropped.
 pub struct LatchedPublisher<T: Message> {
-    publisher: rosrust::Publisher<T>,
-    topic: String,
+    publisher: Publisher<T>,
+    clock: Arc<dyn rosrust::Clock>,
+    next_seq: Arc<AtomicUsize>,
 }
 
 impl RosNode {
-    /// Publishes `topic`, latched. Up to `queue_size` messages wait for rosrust's writing thread.
+    /// Publishes `topic`, latched. Up to `queue_size` messages wait for a slow subscriber.
     ///
     /// # Errors
-    /// [`PublishError`] if the topic cannot be published.
+    /// [`NodeError::Name`].
     pub fn latched_publisher<T: Message>(
         &self,
         topic: &str,
         queue_size: usize,
-    ) -> Result<LatchedPublisher<T>, PublishError> {
-        let mut publisher = advertise::<T>(topic, queue_size)?;
-        publisher.set_latching(true);
-        tune_listeners();
-        let topic = self.resolve(topic).unwrap_or_else(|_| topic.to_owned());
-        Ok(LatchedPublisher { publisher, topic })
+    ) -> Result<LatchedPublisher<T>, NodeError> {
+        let publisher = Publisher::unobserved(self.network(), &self.resolve(topic)?, queue_size, true);
+        let clock: Arc<RosClock> = Arc::clone(self.clock());
+        Ok(LatchedPublisher { publisher, clock, next_seq: Arc::default() })
     }
 }
 
 impl<T: Message> LatchedPublisher<T> {
     /// The topic's whole name, after remapping.
     pub fn topic(&self) -> &str {
-        &self.topic
+        self.publisher.topic()
     }
 
-    /// Sends a message, which replaces the latched one. Never waits. rosrust fills in a header's sequence number
-    /// and stamp if they are zero.
+    /// Sends a message, which replaces the latched one. Never waits. A header's sequence number and stamp are filled in
+    /// if they are zero.
     ///
     /// # Errors
-    /// [`PublishError`] if the message cannot be sent.
-    pub fn send(&self, message: T) -> Result<(), PublishError> {
-        self.publisher.send(message).map_err(|error| send_error(&self.topic, &error))
+    /// `InvalidInput` for a message of more than 4 GB.
+    pub fn send(&self, mut message: T) -> io::Result<()> {
+        message.set_header(&self.clock, &self.next_seq);
+        self.publisher.send(&message)
     }
 }

@@ -1,51 +1,65 @@
-//! All that speaks ROS 1, through rosrust: no other crate uses its connections.
+//! All that speaks ROS 1: no other crate opens a connection.
 //!
 //! ```text
-//!   publishers ──► rosrust's threads (decode) ──► EventQueue ──► the one thread that owns the scene ──► publishers
+//!   publishers ──► a thread each (read, decode) ──► EventQueue ──► the one thread that owns the scene
+//!                                                                        │
+//!   subscribers ◄── a thread each ◄── queue of the newest ◄──────────────┘
 //! ```
 //!
-//! rosrust's threads never wait for the scene: each subscription has a queue of a fixed size, and the oldest message is
-//! dropped. A topic of queue size 1 is therefore always the latest message, however slow the scene is.
+//! Nobody waits for anybody else: each publisher and each subscriber has a thread of its own, each subscription and
+//! each subscriber a queue of a fixed size in which the oldest message is dropped, and every wait has a limit. A topic
+//! of queue size 1 is therefore always the latest message, however slow the scene or the subscriber is.
 //!
-//! Names, namespaces and remappings are rosrust's, which reads the process's arguments and environment as roscpp does.
+//! Names, namespaces, remappings, ROS's arguments and parameters are rosrust's. What the node is to others (its API,
+//! its topics and services, and their registration) is done here, because rosrust writes to subscribers one after the
+//! other, connects to publishers one after the other, and waits for both and for the master without limit.
 //!
 //! What is where:
 //!
 //! | Module | Holds |
 //! |---|---|
+//! | `startup` | [`init`]: what has to happen before the process has threads |
+//! | `waiting` | waiting for a master that is not there yet |
 //! | `node` | [`RosNode`]: connecting, subscribing, services, parameters, shutting down |
 //! | `events` | [`EventQueue`] and [`NodeEvent`]: what the node received, in one queue |
 //! | `topic` | [`TopicSubscription`]: several subscriptions of one topic in a process, latched messages included |
+//! | `publisher` | publishing a topic |
 //! | [`image_topic`] | a camera's picture with its CameraInfo |
 //! | `latched_publisher` | [`LatchedPublisher`]: a topic whose last message late subscribers get |
 //! | [`diagnostics_topic`] | `/diagnostics` |
 //! | `reconfigure` | [`ReconfigureServer`]: dynamic_reconfigure |
 //! | `parameters`, `param_writer` | parameters read and written without waiting for the master |
 //! | `clock` | [`RosClock`]: the computer's time or `/clock` |
-//! | `master` | waiting for a master that is not there yet |
-//! | `graph` | XML-RPC calls to the master and to other nodes |
-//! | `watchdog` | repairs: broken connections, a restarted master, nodes that do not answer |
-//! | `connections`, `listeners` | the process's TCP connections and ports, which rosrust does not expose |
-//! | `foreign_sockets` | the one module with `unsafe` code: duplicates of sockets that rosrust owns |
+//! | `network` | the node's ports, its API and its registrations, together |
+//! | `registrar` | what is registered with the master, and the thread that keeps it so |
+//! | `node_api` | what the master, other nodes and tools ask the node |
+//! | `rosrust_master` | what rosrust takes for the master |
+//! | `graph` | the master's API, and what it knows of the other nodes |
+//! | `tcpros` | connections with publishers, subscribers and services' callers |
+//! | `xmlrpc` | calls to the master and to nodes, and a server of them |
 
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 
 mod clock;
-mod connections;
 pub mod diagnostics_topic;
 mod events;
-mod foreign_sockets;
 mod graph;
 pub mod image_topic;
 mod latched_publisher;
-mod listeners;
-mod master;
+mod network;
 mod node;
+mod node_api;
 mod param_writer;
 mod parameters;
+mod publisher;
 mod reconfigure;
+mod registrar;
+mod rosrust_master;
+mod startup;
+mod tcpros;
 mod topic;
-mod watchdog;
+mod waiting;
+mod xmlrpc;
 
 pub use clock::RosClock;
 pub use events::{EventQueue, EventSender, NodeEvent, Reply, TriggerReply};
@@ -53,6 +67,8 @@ pub use graph::{Publication, Publications};
 pub use latched_publisher::LatchedPublisher;
 pub use node::{is_asked_to_end, plain_args, NodeError, RosNode};
 pub use reconfigure::ReconfigureServer;
+pub use startup::{init, restart};
+pub use tcpros::Change;
 pub use topic::TopicSubscription;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

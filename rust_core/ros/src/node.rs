@@ -1,23 +1,24 @@
 //! The process's node: connecting, subscribing, services, parameters, shutting down.
 //!
-//! What rosrust lacks is added from outside: several subscriptions of one topic ([`crate::topic`]), coming back to
-//! publishers whose connection broke and to a restarted master ([`crate::watchdog`]), and unregistering all of the
-//! node, also what rosrust never lets go of ([`RosNode::shutdown`]).
+//! rosrust is the node to the process: names, ROS's arguments, parameters. Its place in the network is
+//! [`crate::network`]'s.
 
 use crate::clock::RosClock;
 use crate::events::{EventQueue, EventSender, NodeEvent, TriggerReply};
-use crate::graph::{self, Graph, Publications};
+use crate::graph::Publications;
 use crate::lock;
-use crate::master::{check_master, wait_for_master};
+use crate::network::Network;
 use crate::param_writer::ParamWriter;
+use crate::startup::{startup, Startup};
+use crate::tcpros::Service;
 use crate::topic::{Received, Topic, TopicSubscription};
-use crate::watchdog::{self, Watchdog};
+use crate::waiting::{check_master, wait_for_master};
 use rcs_messages::rosgraph_msgs::Clock;
 use rcs_messages::std_srvs::{Trigger, TriggerRes};
-use rcs_messages::{AnyMessage, MessageKind, Time};
+use rcs_messages::{AnyMessage, MessageKind, ServicePair, Time};
 use std::collections::BTreeMap;
-use std::sync::mpsc::channel;
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::mpsc::{channel, RecvTimeoutError};
+use std::sync::{Arc, Mutex, MutexGuard, Weak};
 use std::time::Duration;
 
 /// Queue size of `/tf`. Robots send some hundred messages a second.
@@ -36,8 +37,24 @@ pub enum NodeError {
     #[error("gave up waiting for the ROS master at {0}")]
     Cancelled(String),
     /// There is no master.
-    #[error("no ROS master at {0}")]
-    NoMaster(String),
+    #[error("no ROS master at {uri}: {reason}")]
+    NoMaster {
+        /// Where it should be.
+        uri: String,
+        /// What is there instead.
+        reason: String,
+    },
+    /// [`init`](crate::init) was not called, or the process has its one node already.
+    #[error("the process is not prepared for a ROS node, or has one already")]
+    NotPrepared,
+    /// A port or a thread cannot be had.
+    #[error("cannot start {what}: {reason}")]
+    Start {
+        /// What was to be started.
+        what: &'static str,
+        /// The system's reason.
+        reason: String,
+    },
     /// The address of the master cannot be parsed.
     #[error("'{0}' is not the address of a ROS master")]
     MasterUri(String),
@@ -95,7 +112,6 @@ impl NodeError {
 /// ```
 pub struct RosNode {
     pub(crate) shared: Arc<Shared>,
-    services: Mutex<BTreeMap<Arc<str>, rosrust::Service>>,
     pub(crate) param_writer: ParamWriter,
     /// Subscriptions that last as long as the node.
     own_subscriptions: Mutex<Vec<TopicSubscription>>,
@@ -104,23 +120,15 @@ pub struct RosNode {
 /// What the node's threads share.
 pub(crate) struct Shared {
     name: String,
-    pub(crate) graph: Graph,
+    pub(crate) network: Arc<Network>,
     pub(crate) events: Arc<EventQueue>,
-    clock: RosClock,
+    clock: Arc<RosClock>,
     topics: Mutex<BTreeMap<String, Arc<Topic>>>,
-    pub(crate) watchdog: Watchdog,
-    publications: Mutex<Option<Arc<Publications>>>,
 }
 
 impl Shared {
     pub(crate) fn topics(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Topic>>> {
         lock(&self.topics)
-    }
-
-    pub(crate) fn update_publications(&self, state: &graph::State) {
-        if let Some(publications) = self.graph.publications(state) {
-            *lock(&self.publications) = Some(Arc::new(publications));
-        }
     }
 }
 
@@ -129,10 +137,13 @@ pub fn plain_args() -> Vec<String> {
     rosrust::args().into_iter().skip(1).collect()
 }
 
+/// The process's node, where there is one.
+static NODE: Mutex<Weak<Shared>> = Mutex::new(Weak::new());
+
 /// Whether the process's node was asked from outside to end, as [`RosNode::is_asked_to_end`]; false while there is
 /// none.
 pub fn is_asked_to_end() -> bool {
-    rosrust::is_initialized() && !rosrust::is_ok()
+    lock(&NODE).upgrade().is_some_and(|shared| shared.network.is_asked_to_end())
 }
 
 impl RosNode {
@@ -141,50 +152,73 @@ impl RosNode {
     /// `default_name` is the node's name unless `__name:=` gives another. `cancelled` is polled a few times a second,
     /// and ends the waiting when it returns true. That there is no master yet is logged once. With the parameter
     /// `/use_sim_time` set, the node's time is that of `/clock`. Signals are left to the caller.
+    ///
+    /// # Errors
+    /// [`NodeError::Cancelled`], or why the node cannot start.
     pub fn connect(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
-        let master_uri = rosrust::api::resolve::master();
-        wait_for_master(&master_uri, cancelled)?;
-        Self::start(&master_uri, default_name)
+        let startup = startup().ok_or(NodeError::NotPrepared)?;
+        wait_for_master(&startup.master_uri, cancelled)?;
+        // On a thread of its own: the master may stop answering at any time.
+        let (started, is_started) = channel();
+        let default_name = default_name.to_owned();
+        let starting = move || {
+            // Fails if the caller has given up.
+            let _ = started.send(Self::start(startup, &default_name));
+        };
+        let spawned = std::thread::Builder::new().name("ros-start".to_owned()).spawn(starting);
+        spawned.map_err(|error| NodeError::Start { what: "the node", reason: error.to_string() })?;
+        loop {
+            match is_started.recv_timeout(Duration::from_millis(50)) {
+                Ok(result) => return result,
+                Err(RecvTimeoutError::Timeout) if !cancelled() => {}
+                Err(_) => return Err(NodeError::Cancelled(startup.master_uri.clone())),
+            }
+        }
     }
 
     /// Starts the node as [`connect`](Self::connect) does, at a master that is there now.
     ///
     /// # Errors
-    /// [`NodeError::NoMaster`] if nothing listens at its address.
+    /// [`NodeError::NoMaster`] if no master answers at its address.
     pub fn connect_now(default_name: &str) -> Result<Self, NodeError> {
-        let master_uri = rosrust::api::resolve::master();
-        check_master(&master_uri)?;
-        Self::start(&master_uri, default_name)
+        let startup = startup().ok_or(NodeError::NotPrepared)?;
+        check_master(&startup.master_uri)?;
+        Self::start(startup, default_name)
     }
 
-    fn start(master_uri: &str, default_name: &str) -> Result<Self, NodeError> {
+    fn start(startup: &Startup, default_name: &str) -> Result<Self, NodeError> {
+        let rosrust_listener = startup.take_rosrust_listener().ok_or(NodeError::NotPrepared)?;
+        let events: Arc<EventQueue> = Arc::default();
+        let sender = events.sender(0);
+        let on_publisher_left = move |topic: &str| sender.push(NodeEvent::PublisherLeft { topic: topic.into() });
+        let network = Network::start(startup, rosrust_listener, &whole_name(default_name), on_publisher_left)
+            .map_err(|error| NodeError::Start { what: "the node's ports", reason: error.to_string() })?;
         with_wake_slack(|| rosrust::try_init_with_options(default_name, false))
             .map_err(|error| NodeError::ros(format!("cannot start node {default_name}"), &error))?;
         let simulated = rosrust::param("/use_sim_time").is_some_and(|param| param.get().unwrap_or(false));
-        let name = rosrust::name();
         let shared = Arc::new(Shared {
-            graph: Graph::new(master_uri, &name, &rosrust::uri()),
-            name,
-            events: Arc::default(),
-            clock: RosClock::new(simulated),
+            name: rosrust::name(),
+            network,
+            events,
+            clock: Arc::new(RosClock::new(simulated)),
             topics: Mutex::default(),
-            watchdog: Watchdog::default(),
-            publications: Mutex::default(),
         });
-        let node = Self {
-            shared: Arc::clone(&shared),
-            services: Mutex::default(),
-            param_writer: ParamWriter::default(),
-            own_subscriptions: Mutex::default(),
-        };
+        *lock(&NODE) = Arc::downgrade(&shared);
+        let node = Self { shared, param_writer: ParamWriter::default(), own_subscriptions: Mutex::default() };
         if simulated {
             node.follow_clock()?;
         }
-        let spawned = std::thread::Builder::new().name("ros-watchdog".to_owned()).spawn(move || watchdog::run(&shared));
-        if let Err(error) = spawned {
-            log::warn!("broken connections will not be repaired: {error}");
-        }
         Ok(node)
+    }
+
+    /// Its place in the network.
+    pub(crate) fn network(&self) -> &Arc<Network> {
+        &self.shared.network
+    }
+
+    /// Its clock.
+    pub(crate) fn clock(&self) -> &Arc<RosClock> {
+        &self.shared.clock
     }
 
     /// The node's whole name.
@@ -255,37 +289,44 @@ impl RosNode {
     pub fn serve_trigger(&self, name: &str) -> Result<Arc<str>, NodeError> {
         let service: Arc<str> = self.resolve(name)?.into();
         let (sender, name_of_handler) = (self.shared.events.sender(0), Arc::clone(&service));
-        let server = rosrust::service::<Trigger, _>(name, move |_| {
+        self.serve::<Trigger>(&service, move |_| {
             let (reply, answer) = TriggerReply::new();
             sender.push(NodeEvent::Trigger { service: Arc::clone(&name_of_handler), reply });
             // Also if the reply was dropped unused.
             let (success, message) =
                 answer.recv_timeout(REPLY_TIMEOUT).map_err(|_| format!("{name_of_handler}: the node is busy"))?;
             Ok(TriggerRes { success, message })
-        })
-        .map_err(|error| NodeError::ros(format!("cannot offer service {service}"), &error))?;
-        lock(&self.services).insert(Arc::clone(&service), server);
+        });
         Ok(service)
+    }
+
+    /// Offers a service by its whole name. `handler` is called on the threads of its callers.
+    pub(crate) fn serve<T: ServicePair>(
+        &self,
+        service: &str,
+        handler: impl Fn(T::Request) -> Result<T::Response, String> + Send + Sync + 'static,
+    ) {
+        let answer = move |request: &[u8]| {
+            let request = rcs_messages::decode(request).map_err(|error| format!("not a request: {error}"))?;
+            handler(request).map(|response| rcs_messages::encode(&response))
+        };
+        self.network().serve(Service::new(service, T::msg_type(), T::md5sum(), Box::new(answer)));
     }
 
     /// Ends the service of this whole name, if there is one.
     pub fn stop_serving(&self, service: &str) {
-        // Dropped without the lock: it waits for the master.
-        let server = lock(&self.services).remove(service);
-        drop(server);
+        self.network().stop_serving(service);
     }
 
     /// What other nodes published when the master was last asked, which is every two seconds; `None` before the first
     /// time.
     pub fn publications(&self) -> Option<Arc<Publications>> {
-        lock(&self.shared.publications).clone()
+        self.network().registrar().publications()
     }
 
     /// Asks the master what other nodes publish. `None` if it does not answer within seconds.
     pub fn query_publications(&self) -> Option<Arc<Publications>> {
-        let state = self.shared.graph.state()?;
-        self.shared.update_publications(&state);
-        self.publications()
+        self.network().registrar().query_publications()
     }
 
     /// A string parameter; none if it is not set or not a string.
@@ -300,7 +341,7 @@ impl RosNode {
 
     /// Whether the node was asked from outside to end (`rosnode kill`, or another node that took its name).
     pub fn is_asked_to_end(&self) -> bool {
-        !rosrust::is_ok()
+        self.network().is_asked_to_end()
     }
 
     /// Unregisters everything and closes all connections, within a second even if the master does not answer. The node
@@ -309,18 +350,15 @@ impl RosNode {
         let (done, is_done) = channel();
         let shared = Arc::clone(&self.shared);
         let subscriptions = std::mem::take(&mut *lock(&self.own_subscriptions));
-        let services = std::mem::take(&mut *lock(&self.services));
-        self.shared.watchdog.stop();
-        let spawned = std::thread::Builder::new().name("ros-shutdown".to_owned()).spawn(move || {
-            drop((subscriptions, services));
-            for topic in std::mem::take(&mut *shared.topics()).values() {
-                topic.close();
-            }
+        let ending = move || {
+            drop(subscriptions);
+            shared.topics().clear();
+            shared.network.end();
             rosrust::shutdown();
-            shared.graph.unregister_rest();
             // Fails if it took too long and the caller went on.
             let _ = done.send(());
-        });
+        };
+        let spawned = std::thread::Builder::new().name("ros-shutdown".to_owned()).spawn(ending);
         if spawned.is_err() || is_done.recv_timeout(SHUTDOWN_TIMEOUT).is_err() {
             log::warn!("could not unregister from the ROS master in time");
         }
@@ -349,19 +387,34 @@ impl RosNode {
         on_message: impl Fn(&Arc<str>, &Received<'_>) + Send + Sync + 'static,
     ) -> Result<TopicSubscription, NodeError> {
         let whole_name = self.resolve(name)?;
-        let topic = {
-            let mut topics = self.shared.topics();
-            let new = || Arc::new(Topic::new(&whole_name, name, kind, &self.shared.name));
-            Arc::clone(topics.entry(whole_name.clone()).or_insert_with(new))
+        // Under the lock from beginning to end: the last listener of the topic may be leaving.
+        let mut topics = self.shared.topics();
+        let topic = match topics.get(&whole_name) {
+            Some(topic) => Arc::clone(topic),
+            None => {
+                let topic = Arc::new(Topic::new(&whole_name, kind, self.network()));
+                topics.insert(whole_name, Arc::clone(&topic));
+                topic
+            }
         };
         topic.check_kind(kind)?;
         let listener = topic.add_listener(Box::new(on_message));
-        topic.open()?;
         Ok(TopicSubscription::new(topic, listener, sender, &self.shared))
     }
 
     fn keep(&self, subscription: TopicSubscription) {
         lock(&self.own_subscriptions).push(subscription);
+    }
+}
+
+/// The node's whole name, as rosrust makes it of ROS's arguments and variables.
+fn whole_name(default_name: &str) -> String {
+    let (namespace, name) = (rosrust::api::resolve::namespace(), rosrust::api::resolve::name(default_name));
+    let namespace = namespace.trim_matches('/');
+    if namespace.is_empty() {
+        format!("/{name}")
+    } else {
+        format!("/{namespace}/{name}")
     }
 }
 

@@ -5,13 +5,13 @@
 //! a [`NodeEvent::Reconfigure`], which the owner answers with the values that hold then, and a change is published with
 //! [`ReconfigureServer::set_config`].
 
-use crate::image_topic::PublishError;
+use crate::network::Network;
 use crate::node::REPLY_TIMEOUT;
+use crate::xmlrpc::Value;
 use crate::{LatchedPublisher, NodeError, NodeEvent, Reply, RosNode};
 use rcs_messages::dynamic_reconfigure::{Config, ConfigDescription, Reconfigure};
 use std::collections::HashMap;
 use std::sync::Arc;
-use xml_rpc::Value;
 
 /// Descriptions and values change seldom.
 const QUEUE_SIZE: usize = 10;
@@ -21,7 +21,7 @@ pub struct ReconfigureServer {
     name: Arc<str>,
     descriptions: LatchedPublisher<ConfigDescription>,
     updates: LatchedPublisher<Config>,
-    _service: rosrust::Service,
+    service: ServiceGuard,
     described: ConfigDescription,
     on_parameter_server: HashMap<String, Value>,
 }
@@ -30,7 +30,7 @@ impl RosNode {
     /// Starts a dynamic_reconfigure server in `namespace` and publishes its first values.
     ///
     /// # Errors
-    /// [`NodeError`] if the name is not valid, or the service or a topic cannot be registered.
+    /// [`NodeError::Name`].
     pub fn serve_reconfigure(
         &self,
         namespace: &str,
@@ -38,26 +38,37 @@ impl RosNode {
         config: Config,
     ) -> Result<ReconfigureServer, NodeError> {
         let name: Arc<str> = self.resolve(namespace)?.into();
-        let (sender, server) = (self.shared.events.sender(0), Arc::clone(&name));
-        let failed = || format!("cannot serve the parameters of {name}");
-        let unpublished = |error: PublishError| NodeError::Ros { what: failed(), reason: error.to_string() };
+        let sender = self.shared.events.sender(0);
         let (descriptions, updates) = (format!("{name}/parameter_descriptions"), format!("{name}/parameter_updates"));
-        let service = rosrust::service::<Reconfigure, _>(&format!("{name}/set_parameters"), move |request| {
-            let (reply, answer) = Reply::new();
-            sender.push(NodeEvent::Reconfigure { server: Arc::clone(&server), request, reply });
-            answer.recv_timeout(REPLY_TIMEOUT).map_err(|_| format!("{server}: the node is busy"))
-        });
         let mut server = ReconfigureServer {
-            descriptions: self.latched_publisher(&descriptions, QUEUE_SIZE).map_err(unpublished)?,
-            updates: self.latched_publisher(&updates, QUEUE_SIZE).map_err(unpublished)?,
-            _service: service.map_err(|error| NodeError::ros(failed(), &error))?,
+            descriptions: self.latched_publisher(&descriptions, QUEUE_SIZE)?,
+            updates: self.latched_publisher(&updates, QUEUE_SIZE)?,
+            service: ServiceGuard { name: format!("{name}/set_parameters"), network: Arc::clone(self.network()) },
             described: ConfigDescription::default(),
             on_parameter_server: HashMap::new(),
             name,
         };
+        let server_name = Arc::clone(&server.name);
+        self.serve::<Reconfigure>(&server.service.name, move |request| {
+            let (reply, answer) = Reply::new();
+            sender.push(NodeEvent::Reconfigure { server: Arc::clone(&server_name), request, reply });
+            answer.recv_timeout(REPLY_TIMEOUT).map_err(|_| format!("{server_name}: the node is busy"))
+        });
         server.set_description(description);
         server.set_config(self, config);
         Ok(server)
+    }
+}
+
+/// Ends the service when it is dropped.
+struct ServiceGuard {
+    name: String,
+    network: Arc<Network>,
+}
+
+impl Drop for ServiceGuard {
+    fn drop(&mut self) {
+        self.network.stop_serving(&self.name);
     }
 }
 
@@ -90,7 +101,7 @@ impl ReconfigureServer {
     pub fn set_config(&mut self, ros: &RosNode, config: Config) {
         for (name, value) in values(&config) {
             if self.on_parameter_server.get(name) != Some(&value) {
-                ros.param_writer.set(format!("{}/{name}", self.name), value.clone());
+                ros.param_writer.set(ros.network(), format!("{}/{name}", self.name), value.clone());
                 self.on_parameter_server.insert(name.clone(), value);
             }
         }

@@ -9,8 +9,7 @@
 
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{header, MessageKind};
-use rcs_ros::image_topic::ImagePublisher;
-use rcs_ros::{plain_args, NodeEvent, RosNode, TopicSubscription};
+use rcs_ros::{plain_args, Change, NodeEvent, RosNode, TopicSubscription};
 use rcs_scene::{Encoding, Picture};
 use std::error::Error;
 use std::io::Write;
@@ -21,6 +20,7 @@ use std::time::{Duration, Instant};
 fn main() -> Result<(), Box<dyn Error>> {
     log::set_logger(&StandardError)?;
     log::set_max_level(log::LevelFilter::Info);
+    rcs_ros::init()?;
     let ended = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
         signal_hook::flag::register(signal, Arc::clone(&ended))?;
@@ -54,7 +54,7 @@ fn listen(node: &RosNode, topics: &[&str], is_ended: &dyn Fn() -> bool) -> Resul
         for event in node.events().wait(Duration::from_millis(50)) {
             print_event(node, event);
         }
-        // Each round of the watchdog that the master answers gives another list.
+        // Each time that the master was asked gives another list.
         let latest = node.publications();
         if latest.as_ref().map(Arc::as_ptr) != publications.as_ref().map(Arc::as_ptr) {
             print_line("publications known");
@@ -104,7 +104,6 @@ fn print_event(node: &RosNode, event: NodeEvent) {
             reply.answer(request);
         }
         NodeEvent::PublisherLeft { topic } => print_line(&format!("left {topic}")),
-        NodeEvent::SubscriberConnected { topic } => print_line(&format!("connected {topic}")),
     }
 }
 
@@ -115,7 +114,12 @@ fn publish(
     rate: f64,
     is_ended: &dyn Fn() -> bool,
 ) -> Result<(), Box<dyn Error>> {
-    let mut publisher = ImagePublisher::new(topic, |name| print_line(&format!("subscriber {name}")))?;
+    let on_change = |change, name: &str| {
+        if change == Change::Joined {
+            print_line(&format!("subscriber {name}"));
+        }
+    };
+    let mut publisher = node.image_publisher(topic, on_change)?;
     let _own = node.subscribe(publisher.info_topic(), MessageKind::CameraInfo, 1)?;
     print_line(&format!("ready {} image {} info {}", node.name(), publisher.topic(), publisher.info_topic()));
     let [width, height] = size_px;

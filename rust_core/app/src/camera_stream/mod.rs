@@ -19,6 +19,7 @@ use std::process::ExitCode;
 use anyhow::{anyhow, Result};
 use clap::Parser;
 use rcs_resources::{MeshStore, PackageIndex};
+use rcs_ros::restart;
 use rcs_rviz_config::Config;
 
 use crate::camera_stream::check::live::LiveArgs;
@@ -26,7 +27,6 @@ use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
 use crate::camera_stream::offline::Target;
 use crate::camera_stream::stage::Stage;
 use crate::logging;
-use crate::restart::restart;
 use crate::small_node::own_arguments;
 
 /// The node's name where the command line gives none.

@@ -80,7 +80,7 @@ impl Subscriptions {
                 }
             }
             NodeEvent::TimeJumpedBack { .. } => stage.reset(),
-            NodeEvent::Trigger { .. } | NodeEvent::Reconfigure { .. } | NodeEvent::SubscriberConnected { .. } => {}
+            NodeEvent::Trigger { .. } | NodeEvent::Reconfigure { .. } => {}
         }
     }
 }

@@ -6,8 +6,9 @@
 use std::ffi::OsString;
 use std::io;
 
+use rcs_ros::restart;
+
 use crate::camera_stream::NODE_NAME;
-use crate::restart::restart;
 
 /// ROS's special argument for the name.
 const NAME_ARGUMENT: &str = "__name:=";
@@ -32,7 +33,7 @@ impl NodeName {
         let arguments: Vec<OsString> = std::env::args_os().collect();
         match renamed(&arguments, &suffix) {
             // Returns only if it fails. The process keeps its id, so it finds the name in place.
-            Some(arguments) => Err(restart(arguments.into_iter().skip(1), &[])),
+            Some(arguments) => Err(restart::<&str>(arguments.into_iter().skip(1), &[])),
             None => Ok(Self::from_arguments(&arguments, &suffix)),
         }
     }

@@ -33,8 +33,8 @@ pub(super) struct Diagnostics {
 
 impl Diagnostics {
     /// Opens the topic.
-    pub(super) fn start() -> Self {
-        let publisher = DiagnosticsPublisher::new().map_err(|error| log::error!("{error}")).ok();
+    pub(super) fn start(ros: &RosNode) -> Self {
+        let publisher = ros.diagnostics_publisher().map_err(|error| log::error!("{error}")).ok();
         Self { log: StatusLog::default(), publisher, started: Instant::now(), published: None, last_error: None }
     }
 

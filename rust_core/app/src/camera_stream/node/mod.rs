@@ -125,7 +125,7 @@ impl<'a> Node<'a> {
             scene_version: 0,
             scene: None,
             renderer_choice,
-            diagnostics: Diagnostics::start(),
+            diagnostics: Diagnostics::start(ros),
             transforms_received: None,
         })
     }

@@ -16,7 +16,7 @@ pub(super) struct RuntimeSettings {
     in_file: Parameters,
     current: Parameters,
     switches: Arc<[Switch]>,
-    /// `None` where rosrust cannot offer its services.
+    /// `None` where its services cannot be offered.
     server: Option<ReconfigureServer>,
 }
 

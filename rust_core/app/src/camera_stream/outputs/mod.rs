@@ -12,7 +12,7 @@ use std::sync::Arc;
 use rcs_files::picture_file::PngError;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
-use rcs_ros::image_topic::PublishError;
+use rcs_ros::image_topic::SendError;
 use rcs_scene::Picture;
 
 pub use png::{PngFile, PngSequence};
@@ -34,7 +34,7 @@ pub struct Frame {
 pub enum OutputError {
     /// A topic cannot be published on.
     #[error(transparent)]
-    Topic(#[from] PublishError),
+    Topic(#[from] SendError),
     /// A PNG file cannot be written.
     #[error(transparent)]
     Png(#[from] PngError),

@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
-use rcs_ros::image_topic::{ImagePublisher, PublishError};
-use rcs_ros::RosNode;
+use rcs_ros::image_topic::ImagePublisher;
+use rcs_ros::{Change, NodeError, RosNode};
 
 use super::{Frame, Output, OutputError};
 
@@ -22,15 +22,17 @@ impl TopicOutput {
     /// Advertises an image topic and its CameraInfo. A new subscriber wakes the node's thread.
     ///
     /// # Errors
-    /// When rosrust cannot advertise one of the two.
-    pub fn advertise(ros: &RosNode, topic: &str) -> Result<Self, PublishError> {
+    /// [`NodeError::Name`].
+    pub fn advertise(ros: &RosNode, topic: &str) -> Result<Self, NodeError> {
         let new_subscriber = Arc::new(AtomicBool::new(false));
         let (flag, events) = (Arc::clone(&new_subscriber), Arc::clone(ros.events()));
-        let on_subscriber = move |_: &str| {
-            flag.store(true, Ordering::Release);
-            events.wake();
+        let on_change = move |change: Change, _: &str| {
+            if change == Change::Joined {
+                flag.store(true, Ordering::Release);
+                events.wake();
+            }
         };
-        Ok(Self { publisher: ImagePublisher::new(topic, on_subscriber)?, new_subscriber })
+        Ok(Self { publisher: ros.image_publisher(topic, on_change)?, new_subscriber })
     }
 
     /// The image topic's whole name.
@@ -46,11 +48,6 @@ impl TopicOutput {
     /// How many other nodes subscribe to either topic.
     pub fn subscriber_count(&self) -> usize {
         self.publisher.subscriber_count()
-    }
-
-    fn shares_topic(&self, other: &Self) -> bool {
-        let others = other.names();
-        self.names().iter().any(|topic| others.contains(topic))
     }
 }
 
@@ -68,16 +65,10 @@ impl Output for TopicOutput {
     }
 }
 
-/// Keeps one output for each of the `wanted` names and closes all others. One that shares a topic with a closed one is
-/// closed, too, to be advertised again: rosrust ends a topic with the first of its publishers.
+/// Keeps one output for each of the `wanted` names and closes all others.
 pub fn retain(outputs: &mut Vec<TopicOutput>, mut wanted: Vec<&TopicNames>) {
-    let mut is_wanted = |output: &TopicOutput| {
+    outputs.retain(|output| {
         let found = wanted.iter().position(|names| **names == output.names());
         found.map(|index| wanted.swap_remove(index)).is_some()
-    };
-    let (mut kept, mut closed): (Vec<_>, Vec<_>) = outputs.drain(..).partition(|output| is_wanted(output));
-    while let Some(index) = kept.iter().position(|output| closed.iter().any(|other| output.shares_topic(other))) {
-        closed.push(kept.remove(index));
-    }
-    *outputs = kept;
+    });
 }

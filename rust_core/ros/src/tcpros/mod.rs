@@ -1,0 +1,45 @@
+//! TCPROS: the connections over which nodes send each other topics.
+//!
+//! `rosrust` writes to the subscribers of a topic one after the other and waits for each, and it connects to publishers
+//! one after the other without time limits. Here every connection has a thread of its own, so that nobody waits for
+//! anybody else:
+//!
+//! - [`header`]: the fields that both sides send first;
+//! - [`listener`]: the node's one port; it finds out what a connection is about and hands it to the publication;
+//! - [`publication`]: a topic that the node publishes, and a queue and a thread for each of its subscribers;
+//! - [`service`]: a service that the node offers;
+//! - [`subscription`]: a topic that the node subscribes to, and a thread for each of its publishers.
+//!
+//! Source: the ROS wiki's pages *ROS/TCPROS* and *ROS/Connection Header*.
+
+mod header;
+mod listener;
+mod publication;
+mod service;
+mod subscription;
+
+pub(crate) use listener::Listener;
+pub use publication::Change;
+pub(crate) use publication::{Description, Frame, Observer, Publication};
+pub(crate) use service::Service;
+pub(crate) use subscription::{Handler, Source, Subscription, Wanted};
+
+use std::io;
+use std::net::TcpStream;
+use std::time::Duration;
+
+use rustix::net::sockopt;
+
+/// A peer that has vanished without a word is noticed after some minutes of silence.
+const KEEP_ALIVE_IDLE: Duration = Duration::from_secs(60);
+const KEEP_ALIVE_PERIOD: Duration = Duration::from_secs(20);
+const KEEP_ALIVE_PROBES: u32 = 6;
+
+/// Has the system ask a silent peer now and then whether it is still there, and end the connection where it is not.
+fn keep_alive(stream: &TcpStream) -> io::Result<()> {
+    sockopt::set_socket_keepalive(stream, true)?;
+    sockopt::set_tcp_keepidle(stream, KEEP_ALIVE_IDLE)?;
+    sockopt::set_tcp_keepintvl(stream, KEEP_ALIVE_PERIOD)?;
+    sockopt::set_tcp_keepcnt(stream, KEEP_ALIVE_PROBES)?;
+    Ok(())
+}

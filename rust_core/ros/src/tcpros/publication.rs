@@ -1,0 +1,491 @@
+//! A topic that the node publishes: a queue and a thread for each subscriber.
+//!
+//! A message is encoded once and shared by all subscribers. Where a subscriber reads more slowly than messages come,
+//! the oldest in its queue gives way; the one that is being written is finished, however long that takes, because half
+//! a message cannot be taken back. A connection is closed only when the peer has closed it or does not answer any more
+//! (TCP's keep-alive), never for being slow.
+
+use std::collections::VecDeque;
+use std::io::{self, IoSlice, Read, Write};
+use std::net::{Shutdown, SocketAddr, TcpStream};
+use std::os::fd::OwnedFd;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, Weak};
+
+use rustix::event::{eventfd, poll, EventfdFlags, PollFd, PollFlags};
+use rustix::net::sockopt;
+
+use rcs_messages::SharedBytes;
+
+use super::header::Header;
+use super::keep_alive;
+use crate::lock;
+
+/// What waits in the kernel for a subscriber that does not read is old when it goes on, so it is kept small.
+const SEND_BUFFER_BYTES: usize = 512 * 1024;
+
+/// What a topic's messages are.
+#[derive(Clone, Debug)]
+pub(crate) struct Description {
+    /// The whole name.
+    pub(crate) topic: String,
+    /// `package/Name`.
+    pub(crate) ros_type: String,
+    /// Checksum of the definition.
+    pub(crate) md5sum: String,
+    /// The whole text of the definition.
+    pub(crate) definition: String,
+    /// Whether the last message is sent to later subscribers, too.
+    pub(crate) is_latching: bool,
+    /// How many messages may wait for a subscriber, at least 1; the oldest gives way.
+    pub(crate) queue_size: usize,
+}
+
+impl Description {
+    /// Whether this is what a subscriber wants.
+    pub(super) fn check(&self, wanted: &Header) -> Result<(), String> {
+        if wanted.get("callerid").is_none() {
+            return Err("the header has no callerid".to_owned());
+        }
+        for (name, own) in [("md5sum", &self.md5sum), ("type", &self.ros_type)] {
+            match wanted.get(name) {
+                // Some clients leave the type out.
+                None if name == "type" => {}
+                Some("*") => {}
+                Some(theirs) if theirs == own => {}
+                theirs => {
+                    let theirs = theirs.unwrap_or("none");
+                    return Err(format!("topic [{}] has {name} {own}, not {theirs}", self.topic));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What a subscriber is answered.
+    pub(super) fn answer(&self, node_name: &str) -> Header {
+        Header::new([
+            ("callerid", node_name),
+            ("topic", &self.topic),
+            ("type", &self.ros_type),
+            ("md5sum", &self.md5sum),
+            ("message_definition", &self.definition),
+            ("latching", if self.is_latching { "1" } else { "0" }),
+        ])
+    }
+}
+
+/// A message as it is sent, shared by all subscribers.
+#[derive(Clone)]
+pub(crate) struct Frame {
+    /// The message's length and its beginning.
+    head: Arc<[u8]>,
+    /// The rest of it: the pixels of a picture, which are nobody's copy.
+    body: SharedBytes,
+}
+
+impl Frame {
+    /// A message in two parts, of which the second is shared and not copied.
+    ///
+    /// # Errors
+    /// `InvalidInput` for more bytes than a message can have.
+    pub(crate) fn new(beginning: &[u8], body: SharedBytes) -> io::Result<Self> {
+        let len = u32::try_from(beginning.len() + (*body).as_ref().len())
+            .map_err(|_| io::Error::new(io::ErrorKind::InvalidInput, "a message of more than 4 GB"))?;
+        let mut head = Vec::with_capacity(4 + beginning.len());
+        head.extend_from_slice(&len.to_le_bytes());
+        head.extend_from_slice(beginning);
+        Ok(Self { head: head.into(), body })
+    }
+
+    fn len(&self) -> usize {
+        self.head.len() + (*self.body).as_ref().len()
+    }
+
+    /// What is left of it behind the first `written` bytes.
+    fn rest(&self, written: usize) -> [IoSlice<'_>; 2] {
+        let head = self.head.get(written..).unwrap_or_default();
+        let body = (*self.body).as_ref().get(written.saturating_sub(self.head.len())..).unwrap_or_default();
+        [IoSlice::new(head), IoSlice::new(body)]
+    }
+}
+
+/// What happens to a publication's subscribers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// A node subscribed.
+    Joined,
+    /// A node's connection ended.
+    Left,
+}
+
+/// Gets what happened and the subscriber's name, on the subscriber's thread.
+pub(crate) type Observer = Arc<dyn Fn(Change, &str) + Send + Sync>;
+
+/// A topic that is published.
+pub(crate) struct Publication {
+    description: Description,
+    subscribers: Mutex<Vec<Arc<Subscriber>>>,
+    latched: Mutex<Option<Frame>>,
+    is_closed: AtomicBool,
+    /// Each with the number by which it is taken away.
+    observers: Mutex<Vec<(u64, Observer)>>,
+    next_observer: AtomicU64,
+}
+
+/// A connection with a subscriber.
+pub(crate) struct Subscriber {
+    /// The node's name.
+    pub(crate) name: String,
+    /// Its end of the connection.
+    pub(crate) peer: SocketAddr,
+    /// Bytes and messages that were written.
+    pub(crate) sent_bytes: AtomicU64,
+    pub(crate) sent_messages: AtomicU64,
+    queue: Mutex<VecDeque<Frame>>,
+    /// Readable when the queue has something new, or the connection is to end.
+    wake: OwnedFd,
+    stream: TcpStream,
+}
+
+impl Subscriber {
+    fn wake(&self) {
+        // Fails only where it is set as high as it goes, which wakes as well.
+        let _ = rustix::io::write(&self.wake, &1_u64.to_ne_bytes());
+    }
+
+    fn push(&self, frame: Frame, queue_size: usize) {
+        {
+            let mut queue = lock(&self.queue);
+            while queue.len() >= queue_size {
+                queue.pop_front();
+            }
+            queue.push_back(frame);
+        }
+        self.wake();
+    }
+}
+
+impl Publication {
+    /// A topic without subscribers.
+    pub(crate) fn new(description: Description) -> Arc<Self> {
+        Arc::new(Self {
+            description,
+            subscribers: Mutex::default(),
+            latched: Mutex::default(),
+            is_closed: AtomicBool::new(false),
+            observers: Mutex::default(),
+            next_observer: AtomicU64::new(0),
+        })
+    }
+
+    /// What it publishes.
+    pub(crate) fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// Calls `observer` for each subscriber that comes and goes from now on, and at once for those that are there.
+    /// Returns the number by which it is taken away.
+    pub(crate) fn observe(&self, observer: &Observer) -> u64 {
+        let id = self.next_observer.fetch_add(1, Ordering::Relaxed);
+        lock(&self.observers).push((id, Arc::clone(observer)));
+        // Afterwards: one that joins in between is reported twice rather than not at all.
+        self.subscribers().iter().for_each(|subscriber| observer(Change::Joined, &subscriber.name));
+        id
+    }
+
+    /// Takes an observer away; true when none is left.
+    pub(crate) fn forget(&self, id: u64) -> bool {
+        let mut observers = lock(&self.observers);
+        observers.retain(|(known, _)| *known != id);
+        observers.is_empty()
+    }
+
+    fn report(&self, change: Change, name: &str) {
+        // Called without the lock: an observer may publish.
+        let observers: Vec<Observer> = lock(&self.observers).iter().map(|(_, observer)| Arc::clone(observer)).collect();
+        observers.iter().for_each(|observer| observer(change, name));
+    }
+
+    /// The present subscribers.
+    pub(crate) fn subscribers(&self) -> Vec<Arc<Subscriber>> {
+        lock(&self.subscribers).clone()
+    }
+
+    /// Sends a message to all subscribers. Never waits.
+    pub(crate) fn send(&self, frame: &Frame) {
+        if self.description.is_latching {
+            // Under the lock, or a subscriber that joins now gets it twice or not at all.
+            let mut latched = lock(&self.latched);
+            *latched = Some(frame.clone());
+            self.push_to_all(frame);
+        } else {
+            self.push_to_all(frame);
+        }
+    }
+
+    fn push_to_all(&self, frame: &Frame) {
+        for subscriber in &*lock(&self.subscribers) {
+            subscriber.push(frame.clone(), self.description.queue_size);
+        }
+    }
+
+    /// Ends the connections of all subscribers.
+    pub(crate) fn close(&self) {
+        self.is_closed.store(true, Ordering::Release);
+        for subscriber in self.subscribers() {
+            // Fails where it has ended already.
+            let _ = subscriber.stream.shutdown(Shutdown::Both);
+            subscriber.wake();
+        }
+    }
+
+    /// Sends the messages of this topic over a connection until it ends.
+    pub(super) fn serve(self: &Arc<Self>, stream: TcpStream, name: &str) -> io::Result<()> {
+        keep_alive(&stream)?;
+        sockopt::set_socket_send_buffer_size(&stream, SEND_BUFFER_BYTES)?;
+        stream.set_nonblocking(true)?;
+        let subscriber = Arc::new(Subscriber {
+            name: name.to_owned(),
+            peer: stream.peer_addr()?,
+            sent_bytes: AtomicU64::new(0),
+            sent_messages: AtomicU64::new(0),
+            queue: Mutex::default(),
+            wake: eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)?,
+            stream,
+        });
+        {
+            let latched = lock(&self.latched);
+            if let Some(frame) = &*latched {
+                lock(&subscriber.queue).push_back(frame.clone());
+            }
+            lock(&self.subscribers).push(Arc::clone(&subscriber));
+        }
+        self.report(Change::Joined, name);
+        let publication: Weak<Self> = Arc::downgrade(self);
+        let result = write_messages(&subscriber, &self.is_closed);
+        // Only now: while it was served, the publication was known to live.
+        if let Some(publication) = publication.upgrade() {
+            lock(&publication.subscribers).retain(|known| !Arc::ptr_eq(known, &subscriber));
+            publication.report(Change::Left, name);
+        }
+        result
+    }
+}
+
+/// Why the thread of a connection wakes up.
+struct Woken {
+    is_writable: bool,
+    /// The peer sent something, or has closed.
+    is_readable: bool,
+}
+
+/// Waits for something to send, for room to send it if `wants_room`, or for the connection's end.
+fn wait(subscriber: &Subscriber, wants_room: bool) -> io::Result<Woken> {
+    let interest = if wants_room { PollFlags::IN | PollFlags::OUT } else { PollFlags::IN };
+    let mut descriptors =
+        [PollFd::new(&subscriber.stream, interest | PollFlags::RDHUP), PollFd::new(&subscriber.wake, PollFlags::IN)];
+    match poll(&mut descriptors, None) {
+        Ok(_) | Err(rustix::io::Errno::INTR) => {}
+        Err(error) => return Err(error.into()),
+    }
+    let [stream, wake] = descriptors.map(|descriptor| descriptor.revents());
+    if wake.contains(PollFlags::IN) {
+        // Back to zero; it wakes again with the next message.
+        let _ = rustix::io::read(&subscriber.wake, &mut [0_u8; 8]);
+    }
+    let ended = PollFlags::RDHUP | PollFlags::HUP | PollFlags::ERR;
+    Ok(Woken { is_writable: stream.contains(PollFlags::OUT), is_readable: stream.intersects(ended | PollFlags::IN) })
+}
+
+/// Reads what a subscriber sends, which means nothing, and finds out whether it has closed.
+fn drain(mut stream: &TcpStream) -> io::Result<()> {
+    let mut bytes = [0; 1024];
+    loop {
+        match stream.read(&mut bytes) {
+            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(_) => {}
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(()),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+fn write_messages(subscriber: &Subscriber, is_closed: &AtomicBool) -> io::Result<()> {
+    let mut stream = &subscriber.stream;
+    while !is_closed.load(Ordering::Acquire) {
+        let frame = lock(&subscriber.queue).pop_front();
+        let Some(frame) = frame else {
+            if wait(subscriber, false)?.is_readable {
+                drain(stream)?;
+            }
+            continue;
+        };
+        let mut written = 0;
+        while written < frame.len() {
+            match stream.write_vectored(&frame.rest(written)) {
+                Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
+                Ok(len) => {
+                    written += len;
+                    subscriber.sent_bytes.fetch_add(len as u64, Ordering::Relaxed);
+                }
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    while !is_closed.load(Ordering::Acquire) {
+                        let woken = wait(subscriber, true)?;
+                        if woken.is_readable {
+                            drain(stream)?;
+                        }
+                        if woken.is_writable {
+                            break;
+                        }
+                    }
+                    if is_closed.load(Ordering::Acquire) {
+                        return Ok(());
+                    }
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        subscriber.sent_messages.fetch_add(1, Ordering::Relaxed);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::listener::Listener;
+    use super::*;
+    use std::sync::mpsc::{channel, Receiver};
+    use std::time::{Duration, Instant};
+
+    fn description(is_latching: bool) -> Description {
+        Description {
+            topic: "/view/image".to_owned(),
+            ros_type: "sensor_msgs/Image".to_owned(),
+            md5sum: "060021388200f6f0f447d0fcd9c64743".to_owned(),
+            definition: "uint32 x".to_owned(),
+            is_latching,
+            queue_size: 1,
+        }
+    }
+
+    struct Bench {
+        listener: Listener,
+        publication: Arc<Publication>,
+        changes: Receiver<(Change, String)>,
+    }
+
+    impl Bench {
+        fn start(is_latching: bool) -> Self {
+            let listener = Listener::start("127.0.0.1:0".parse().unwrap(), "/camera_stream").unwrap();
+            let (sender, changes) = channel();
+            let publication = Publication::new(description(is_latching));
+            let sender = Mutex::new(sender);
+            let observer: Observer = Arc::new(move |change, name: &str| {
+                let _ = lock(&sender).send((change, name.to_owned()));
+            });
+            publication.observe(&observer);
+            listener.add(Arc::clone(&publication));
+            Self { listener, publication, changes }
+        }
+
+        fn connect(&self, name: &str, md5sum: &str) -> (TcpStream, Header) {
+            let mut stream = TcpStream::connect(("127.0.0.1", self.listener.port())).unwrap();
+            let fields =
+                [("callerid", name), ("topic", "/view/image"), ("md5sum", md5sum), ("type", "sensor_msgs/Image")];
+            Header::new(fields).write(&mut stream, Duration::from_secs(1)).unwrap();
+            let answer = Header::read(&mut stream, Instant::now() + Duration::from_secs(5)).unwrap();
+            stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+            (stream, answer)
+        }
+
+        fn subscribe(&self, name: &str) -> TcpStream {
+            let stream = self.connect(name, "*").0;
+            let joined = self.changes.recv_timeout(Duration::from_secs(5)).unwrap();
+            assert_eq!(joined, (Change::Joined, name.to_owned()));
+            stream
+        }
+
+        /// Sends a message of so many bytes, all of the same value.
+        fn send(&self, value: u8, len: usize) {
+            self.publication.send(&Frame::new(&[value], Arc::new(vec![value; len - 1])).unwrap());
+        }
+    }
+
+    fn receive(stream: &mut TcpStream) -> Vec<u8> {
+        let mut len = [0; 4];
+        stream.read_exact(&mut len).unwrap();
+        let mut bytes = vec![0; u32::from_le_bytes(len) as usize];
+        stream.read_exact(&mut bytes).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn a_message_reaches_every_subscriber_and_wrong_ones_are_told_why() {
+        let bench = Bench::start(false);
+        let mut viewers: Vec<TcpStream> = (0..50).map(|index| bench.subscribe(&format!("/viewer{index}"))).collect();
+        bench.send(7, 100_000);
+        for viewer in &mut viewers {
+            assert_eq!(receive(viewer), vec![7; 100_000]);
+        }
+        let (_, answer) = bench.connect("/wrong", "0123");
+        assert!(answer.get("error").unwrap().contains("md5sum"), "{answer:?}");
+        let (_, answer) = bench.connect("/right", "060021388200f6f0f447d0fcd9c64743");
+        assert_eq!(answer.get("latching"), Some("0"));
+    }
+
+    #[test]
+    fn one_that_does_not_read_holds_up_nobody_and_then_gets_the_newest() {
+        const LEN: usize = 3_000_000;
+        let bench = Bench::start(false);
+        let (mut stopped, mut good) = (bench.subscribe("/stopped"), bench.subscribe("/good"));
+        for value in 0..40 {
+            let begin = Instant::now();
+            bench.send(value, LEN);
+            assert_eq!(receive(&mut good)[0], value);
+            assert!(begin.elapsed() < Duration::from_secs(1), "picture {value} was held up");
+        }
+        // What the kernel had buffered comes first, and then what is new.
+        let values: Vec<u8> =
+            std::iter::repeat_with(|| receive(&mut stopped)[0]).take_while(|value| *value != 39).collect();
+        assert!(values.len() <= 4, "{values:?}");
+    }
+
+    #[test]
+    fn a_subscriber_that_leaves_is_noticed_at_once() {
+        let bench = Bench::start(false);
+        drop(bench.subscribe("/viewer"));
+        assert_eq!(bench.changes.recv_timeout(Duration::from_secs(5)), Ok((Change::Left, "/viewer".to_owned())));
+        assert!(bench.publication.subscribers().is_empty());
+        // Also while it is being sent to.
+        let viewer = bench.subscribe("/busy");
+        bench.send(1, 50_000_000);
+        drop(viewer);
+        assert_eq!(bench.changes.recv_timeout(Duration::from_secs(5)), Ok((Change::Left, "/busy".to_owned())));
+    }
+
+    #[test]
+    fn a_late_subscriber_gets_what_is_latched() {
+        let bench = Bench::start(true);
+        bench.send(1, 10);
+        bench.send(2, 10);
+        let (mut viewer, answer) = bench.connect("/late", "*");
+        assert!(answer.is_on("latching"));
+        assert_eq!(receive(&mut viewer), [2; 10]);
+    }
+
+    #[test]
+    fn closing_ends_connections_also_of_those_that_do_not_read() {
+        let bench = Bench::start(false);
+        let mut stopped = bench.subscribe("/stopped");
+        bench.send(1, 50_000_000);
+        let begin = Instant::now();
+        bench.listener.remove("/view/image");
+        assert_eq!(bench.changes.recv_timeout(Duration::from_secs(5)).unwrap().0, Change::Left);
+        drop(bench.listener);
+        assert!(begin.elapsed() < Duration::from_secs(2));
+        while stopped.read(&mut [0; 65536]).is_ok_and(|len| len > 0) {}
+    }
+}

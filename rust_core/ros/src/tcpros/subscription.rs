@@ -1,0 +1,437 @@
+//! A topic that the node subscribes to: a thread for each of its publishers.
+//!
+//! A publisher is known by the address of its node. Its thread asks the node where the topic is sent from, connects,
+//! and reads; whatever fails or breaks is tried again, at first after a quarter of a second and then less often, at
+//! least every other second, for as long as the master names the publisher.
+
+use std::collections::BTreeMap;
+use std::io::{self, Read};
+use std::net::{Shutdown, SocketAddr, TcpStream, ToSocketAddrs};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::header::Header;
+use super::keep_alive;
+use crate::lock;
+use crate::xmlrpc::client::connect;
+use crate::xmlrpc::{call, CallError, Value};
+
+/// How long another node may take to answer.
+const ANSWER_TIMEOUT: Duration = Duration::from_millis(1500);
+const FIRST_RETRY: Duration = Duration::from_millis(250);
+const LONGEST_RETRY: Duration = Duration::from_secs(2);
+/// A connection that has stood for so long was a good one: the next break is repaired quickly again.
+const SETTLED: Duration = Duration::from_secs(5);
+/// Longer messages are taken for damage. ROS's own limit is the same.
+const MAX_MESSAGE_BYTES: u32 = 1_000_000_000;
+/// What is made room for before the bytes are there, whatever length is announced.
+const FIRST_ROOM_BYTES: usize = 16 << 20;
+const STACK_BYTES: usize = 1 << 20;
+
+/// What a subscription is for.
+#[derive(Clone, Debug)]
+pub(crate) struct Wanted {
+    /// The topic's whole name.
+    pub(crate) topic: Arc<str>,
+    /// `package/Name`.
+    pub(crate) ros_type: String,
+    /// Checksum of the definition.
+    pub(crate) md5sum: String,
+    /// The whole text of the definition.
+    pub(crate) definition: String,
+    /// The subscribing node's name.
+    pub(crate) node_name: String,
+}
+
+/// A publisher as its connection's header describes it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Source {
+    /// The node's name.
+    pub(crate) name: Arc<str>,
+    /// Whether what it sends is latched.
+    pub(crate) is_latching: bool,
+}
+
+/// Takes what comes, on the publisher's thread.
+pub(crate) trait Handler: Send + Sync {
+    /// A publisher was connected with.
+    fn connected(&self, source: &Source);
+
+    /// A message, its length not among the bytes.
+    fn message(&self, bytes: Vec<u8>, source: &Source);
+}
+
+/// A subscribed topic, until it is dropped.
+pub(crate) struct Subscription {
+    wanted: Arc<Wanted>,
+    handler: Arc<dyn Handler>,
+    links: Mutex<BTreeMap<String, Arc<Link>>>,
+}
+
+/// The connection with one publisher, or the attempts to have one.
+pub(crate) struct Link {
+    /// Where the publisher's node is asked.
+    pub(crate) uri: String,
+    /// Bytes and messages that came.
+    pub(crate) received_bytes: AtomicU64,
+    pub(crate) received_messages: AtomicU64,
+    /// The connection and the publisher, while there is one.
+    connection: Mutex<Option<(TcpStream, Source)>>,
+    is_ended: AtomicBool,
+    ended: Condvar,
+    waiting: Mutex<()>,
+}
+
+/// Why there is no connection.
+#[derive(Debug, thiserror::Error)]
+enum LinkError {
+    #[error("its node at {uri} does not say where it publishes: {error}")]
+    Ask { uri: String, error: CallError },
+    #[error("cannot connect to {address}: {error}")]
+    Connect { address: String, error: io::Error },
+    #[error("no connection header from {address}: {error}")]
+    Header { address: String, error: io::Error },
+    #[error("{0}")]
+    Refused(String),
+    #[error("the connection broke: {0}")]
+    Broken(io::Error),
+}
+
+impl Link {
+    /// The publisher's name and its end of the connection, while there is one.
+    pub(crate) fn connected(&self) -> Option<(Arc<str>, SocketAddr)> {
+        let connection = lock(&self.connection);
+        let (stream, source) = connection.as_ref()?;
+        Some((Arc::clone(&source.name), stream.peer_addr().ok()?))
+    }
+
+    fn is_ended(&self) -> bool {
+        self.is_ended.load(Ordering::Acquire)
+    }
+
+    fn end(&self) {
+        self.is_ended.store(true, Ordering::Release);
+        if let Some((stream, _)) = &*lock(&self.connection) {
+            // Fails where it has ended already.
+            let _ = stream.shutdown(Shutdown::Both);
+        }
+        drop(lock(&self.waiting));
+        self.ended.notify_all();
+    }
+
+    /// Waits, unless the link ends before.
+    fn sleep(&self, duration: Duration) {
+        let waited = self.ended.wait_timeout_while(lock(&self.waiting), duration, |()| !self.is_ended());
+        drop(waited.unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+impl Subscription {
+    /// A topic without publishers.
+    pub(crate) fn new(wanted: Wanted, handler: Arc<dyn Handler>) -> Self {
+        Self { wanted: Arc::new(wanted), handler, links: Mutex::default() }
+    }
+
+    /// The topic and its type.
+    pub(crate) fn wanted(&self) -> &Wanted {
+        &self.wanted
+    }
+
+    /// The connections there are or should be.
+    pub(crate) fn links(&self) -> Vec<Arc<Link>> {
+        lock(&self.links).values().cloned().collect()
+    }
+
+    /// Connects with the publishers that the master names, and ends the connections with all others.
+    pub(crate) fn set_publishers(&self, uris: &[String]) {
+        let mut links = lock(&self.links);
+        links.retain(|uri, link| {
+            let stays = uris.contains(uri);
+            if !stays {
+                link.end();
+            }
+            stays
+        });
+        for uri in uris {
+            if !links.contains_key(uri) {
+                if let Some(link) = self.start(uri) {
+                    links.insert(uri.clone(), link);
+                }
+            }
+        }
+    }
+
+    fn start(&self, uri: &str) -> Option<Arc<Link>> {
+        let link = Arc::new(Link {
+            uri: uri.to_owned(),
+            received_bytes: AtomicU64::new(0),
+            received_messages: AtomicU64::new(0),
+            connection: Mutex::default(),
+            is_ended: AtomicBool::new(false),
+            ended: Condvar::new(),
+            waiting: Mutex::default(),
+        });
+        let (own, wanted, handler) = (Arc::clone(&link), Arc::clone(&self.wanted), Arc::clone(&self.handler));
+        let reading = move || keep_connected(&own, &wanted, &*handler);
+        let builder = std::thread::Builder::new().name("tcpros-pub".to_owned()).stack_size(STACK_BYTES);
+        match builder.spawn(reading) {
+            Ok(_) => Some(link),
+            Err(error) => {
+                log::error!("{}: no thread to read from {uri}: {error}", self.wanted.topic);
+                None
+            }
+        }
+    }
+}
+
+impl Drop for Subscription {
+    fn drop(&mut self) {
+        for link in self.links() {
+            link.end();
+        }
+    }
+}
+
+fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
+    let mut retry = FIRST_RETRY;
+    let mut is_logged = false;
+    while !link.is_ended() {
+        let begin = Instant::now();
+        let error = match read_messages(link, wanted, handler, &mut is_logged) {
+            Ok(()) => return,
+            Err(error) => error,
+        };
+        lock(&link.connection).take();
+        if link.is_ended() {
+            return;
+        }
+        if begin.elapsed() >= SETTLED {
+            retry = FIRST_RETRY;
+        }
+        match &error {
+            // The publisher may just be ending, of which the master tells in a moment.
+            LinkError::Broken(_) => log::debug!("{}: {error}", wanted.topic),
+            _ if retry > FIRST_RETRY && !is_logged => {
+                log::warn!("{}: no connection with the publisher: {error}", wanted.topic);
+                is_logged = true;
+            }
+            _ => log::debug!("{}: {error}", wanted.topic),
+        }
+        link.sleep(retry);
+        retry = (retry * 2).min(LONGEST_RETRY);
+    }
+}
+
+/// Where a node says that it publishes a topic.
+fn ask(uri: &str, wanted: &Wanted) -> Result<(String, u16), CallError> {
+    let protocols = Value::Array(vec![Value::Array(vec!["TCPROS".into()])]);
+    let params = [wanted.node_name.as_str().into(), (&*wanted.topic).into(), protocols];
+    let answer = call(uri, "requestTopic", &params, ANSWER_TIMEOUT)?;
+    match answer.as_array() {
+        Some([Value::String(protocol), Value::String(host), Value::Int(port)]) if protocol == "TCPROS" => {
+            match u16::try_from(*port) {
+                Ok(port) => Ok((host.clone(), port)),
+                Err(_) => Err(CallError::Refused(format!("port {port}"))),
+            }
+        }
+        _ => Err(CallError::Refused("it offers no TCPROS".to_owned())),
+    }
+}
+
+fn connect_to(link: &Link, wanted: &Wanted) -> Result<(TcpStream, Source), LinkError> {
+    let (host, port) = ask(&link.uri, wanted).map_err(|error| LinkError::Ask { uri: link.uri.clone(), error })?;
+    let address = format!("{host}:{port}");
+    let failed = |error| LinkError::Connect { address: address.clone(), error };
+    let addresses: Vec<SocketAddr> = (host.as_str(), port).to_socket_addrs().map_err(failed)?.collect();
+    let mut stream = connect(&addresses, Instant::now() + ANSWER_TIMEOUT).map_err(failed)?;
+    let request = Header::new([
+        ("callerid", wanted.node_name.as_str()),
+        ("topic", &wanted.topic),
+        ("type", &wanted.ros_type),
+        ("md5sum", &wanted.md5sum),
+        ("message_definition", &wanted.definition),
+        ("tcp_nodelay", "1"),
+    ]);
+    let failed = |error| LinkError::Header { address: address.clone(), error };
+    request.write(&mut stream, ANSWER_TIMEOUT).map_err(failed)?;
+    let answer = Header::read(&mut stream, Instant::now() + ANSWER_TIMEOUT).map_err(failed)?;
+    if let Some(error) = answer.get("error") {
+        return Err(LinkError::Refused(error.to_owned()));
+    }
+    for (name, own) in [("md5sum", &wanted.md5sum), ("type", &wanted.ros_type)] {
+        match answer.get(name) {
+            None | Some("*") => {}
+            Some(theirs) if theirs == own => {}
+            Some(theirs) => {
+                let publisher = answer.get("callerid").unwrap_or(&address);
+                return Err(LinkError::Refused(format!("{publisher} publishes {name} {theirs}, not {own}")));
+            }
+        }
+    }
+    let name = answer.get("callerid").unwrap_or_default().into();
+    Ok((stream, Source { name, is_latching: answer.is_on("latching") }))
+}
+
+/// Connects and reads until the link ends (which is no error) or the connection does.
+fn read_messages(link: &Link, wanted: &Wanted, handler: &dyn Handler, is_logged: &mut bool) -> Result<(), LinkError> {
+    let (mut stream, source) = connect_to(link, wanted)?;
+    stream.set_read_timeout(None).map_err(LinkError::Broken)?;
+    keep_alive(&stream).map_err(LinkError::Broken)?;
+    let shared = stream.try_clone().map_err(LinkError::Broken)?;
+    *lock(&link.connection) = Some((shared, source.clone()));
+    if std::mem::take(is_logged) {
+        log::info!("{}: connected with {}", wanted.topic, source.name);
+    }
+    handler.connected(&source);
+    while !link.is_ended() {
+        let bytes = match read_message(&mut stream) {
+            Ok(bytes) => bytes,
+            Err(_) if link.is_ended() => return Ok(()),
+            Err(error) => return Err(LinkError::Broken(error)),
+        };
+        link.received_bytes.fetch_add(bytes.len() as u64 + 4, Ordering::Relaxed);
+        link.received_messages.fetch_add(1, Ordering::Relaxed);
+        handler.message(bytes, &source);
+    }
+    Ok(())
+}
+
+fn read_message(stream: &mut impl Read) -> io::Result<Vec<u8>> {
+    let mut len = [0; 4];
+    stream.read_exact(&mut len)?;
+    let len = u32::from_le_bytes(len);
+    if len > MAX_MESSAGE_BYTES {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, format!("a message of {len} bytes is announced")));
+    }
+    let mut bytes = rcs_messages::pooled_bytes((len as usize).min(FIRST_ROOM_BYTES));
+    let read = stream.take(u64::from(len)).read_to_end(&mut bytes)?;
+    if read < len as usize {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::xmlrpc::{parse_call, Answer, Server};
+    use std::io::Write;
+    use std::net::TcpListener;
+    use std::sync::mpsc::{channel, Receiver, Sender};
+
+    /// A publisher whose behaviour a test decides: an address to ask, and a port that is accepted from by hand.
+    struct Publisher {
+        server: Server,
+        listener: TcpListener,
+    }
+
+    impl Publisher {
+        fn start() -> Self {
+            let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+            let port = i32::from(listener.local_addr().unwrap().port());
+            let server = Server::start("publisher", "127.0.0.1:0".parse().unwrap(), move |text| {
+                assert_eq!(parse_call(text).unwrap().0, "requestTopic");
+                let place = vec!["TCPROS".into(), "127.0.0.1".into(), Value::Int(port)];
+                Answer::Value(Value::Array(vec![Value::Int(1), "".into(), Value::Array(place)]))
+            });
+            Self { server: server.unwrap(), listener }
+        }
+
+        fn uri(&self) -> String {
+            format!("http://{}/", self.server.address())
+        }
+
+        fn accept(&self) -> TcpStream {
+            let (mut stream, _) = self.listener.accept().unwrap();
+            Header::read(&mut stream, Instant::now() + Duration::from_secs(5)).unwrap();
+            Header::new([("callerid", "/talker"), ("md5sum", "abc"), ("type", "a/B"), ("latching", "1")])
+                .write(&mut stream, Duration::from_secs(1))
+                .unwrap();
+            stream
+        }
+    }
+
+    struct Collect(Mutex<Sender<(Vec<u8>, Source)>>);
+
+    impl Handler for Collect {
+        fn connected(&self, _source: &Source) {}
+
+        fn message(&self, bytes: Vec<u8>, source: &Source) {
+            let _ = lock(&self.0).send((bytes, source.clone()));
+        }
+    }
+
+    fn subscribe() -> (Subscription, Receiver<(Vec<u8>, Source)>) {
+        let (sender, messages) = channel();
+        let wanted = Wanted {
+            topic: "/a".into(),
+            ros_type: "a/B".to_owned(),
+            md5sum: "abc".to_owned(),
+            definition: String::new(),
+            node_name: "/listener".to_owned(),
+        };
+        (Subscription::new(wanted, Arc::new(Collect(Mutex::new(sender)))), messages)
+    }
+
+    fn send(stream: &mut TcpStream, bytes: &[u8]) {
+        stream.write_all(&(bytes.len() as u32).to_le_bytes()).unwrap();
+        stream.write_all(bytes).unwrap();
+    }
+
+    const PATIENCE: Duration = Duration::from_secs(5);
+
+    #[test]
+    fn messages_come_with_their_publisher_and_again_after_each_break() {
+        let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
+        subscription.set_publishers(&[publisher.uri()]);
+        let source = Source { name: "/talker".into(), is_latching: true };
+        for value in 0..4 {
+            let begin = Instant::now();
+            let mut stream = publisher.accept();
+            assert!(begin.elapsed() < Duration::from_millis(2500), "broken for {:?}", begin.elapsed());
+            send(&mut stream, &[value; 3]);
+            assert_eq!(messages.recv_timeout(PATIENCE).unwrap(), (vec![value; 3], source.clone()));
+        }
+        assert_eq!(subscription.links()[0].received_messages.load(Ordering::Relaxed), 4);
+    }
+
+    #[test]
+    fn publishers_that_hang_hold_up_no_other() {
+        let (good, (subscription, messages)) = (Publisher::start(), subscribe());
+        // These accept, and then say nothing: the first ones on the way to the topic, the others in its handshake.
+        let silent: Vec<TcpListener> = (0..5).map(|_| TcpListener::bind("127.0.0.1:0").unwrap()).collect();
+        let hanging: Vec<Publisher> = (0..5).map(|_| Publisher::start()).collect();
+        let mut uris: Vec<String> = silent.iter().map(|one| format!("http://{}/", one.local_addr().unwrap())).collect();
+        uris.extend(hanging.iter().map(Publisher::uri));
+        uris.push(good.uri());
+        let begin = Instant::now();
+        subscription.set_publishers(&uris);
+        let mut stream = good.accept();
+        send(&mut stream, b"x");
+        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"x");
+        assert!(begin.elapsed() < Duration::from_secs(1));
+        drop(subscription);
+        assert!(begin.elapsed() < Duration::from_secs(2), "ending waits for nobody");
+    }
+
+    #[test]
+    fn a_length_that_no_message_has_ends_the_connection() {
+        let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
+        subscription.set_publishers(&[publisher.uri()]);
+        publisher.accept().write_all(&[0xff; 8]).unwrap();
+        let mut stream = publisher.accept();
+        send(&mut stream, b"");
+        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"");
+    }
+
+    #[test]
+    fn a_publisher_that_the_master_names_no_more_is_left() {
+        let (publisher, (subscription, _messages)) = (Publisher::start(), subscribe());
+        subscription.set_publishers(&[publisher.uri()]);
+        let mut stream = publisher.accept();
+        subscription.set_publishers(&[]);
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        assert_eq!(stream.read(&mut [0]).unwrap(), 0);
+    }
+}

@@ -1,0 +1,86 @@
+//! Waiting for a ROS master. rosrust gives up at once if there is none, so it is started only once one answers.
+
+use std::sync::mpsc::{channel, RecvTimeoutError};
+use std::time::Duration;
+
+use crate::graph::ping;
+use crate::xmlrpc::client::host_and_port;
+use crate::NodeError;
+
+/// How often a master that is not there yet is tried.
+const WAIT_PERIOD: Duration = Duration::from_millis(300);
+
+fn check_uri(uri: &str) -> Result<(), NodeError> {
+    host_and_port(uri).map(drop).ok_or_else(|| NodeError::MasterUri(uri.to_owned()))
+}
+
+/// Fails unless a ROS master answers now.
+pub(crate) fn check_master(uri: &str) -> Result<(), NodeError> {
+    check_uri(uri)?;
+    ping(uri).map_err(|error| NodeError::NoMaster { uri: uri.to_owned(), reason: error.to_string() })
+}
+
+/// Waits until a ROS master answers, or `cancelled` returns true. Why there is none yet is logged once.
+///
+/// Calls it on a thread of its own, so that cancelling never waits for the network.
+pub(crate) fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result<(), NodeError> {
+    check_uri(uri)?;
+    let (found, is_found) = channel();
+    let uri_of_thread = uri.to_owned();
+    let trying = move || {
+        let mut logged = None;
+        loop {
+            let result = ping(&uri_of_thread);
+            // Sending fails once the caller has given up.
+            if found.send(result.is_ok()).is_err() {
+                return;
+            }
+            let Err(error) = result else { return };
+            let reason = error.to_string();
+            if logged.as_ref() == Some(&reason) {
+                log::debug!("still no ROS master at {uri_of_thread}: {reason}");
+            } else {
+                log::warn!("no ROS master at {uri_of_thread} yet, waiting for it: {reason}");
+                logged = Some(reason);
+            }
+            std::thread::sleep(WAIT_PERIOD);
+        }
+    };
+    let no_thread =
+        |error: std::io::Error| NodeError::Start { what: "the search for a master", reason: error.to_string() };
+    std::thread::Builder::new().name("ros-wait".to_owned()).spawn(trying).map_err(no_thread)?;
+    loop {
+        match is_found.recv_timeout(Duration::from_millis(50)) {
+            Ok(true) => return Ok(()),
+            Ok(false) | Err(RecvTimeoutError::Timeout) if !cancelled() => {}
+            _ => return Err(NodeError::Cancelled(uri.to_owned())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waiting_for_a_master_can_be_cancelled_at_once() {
+        let started = std::time::Instant::now();
+        // Port 1 of this machine: nothing listens there.
+        let result = wait_for_master("http://127.0.0.1:1/", &|| started.elapsed() > Duration::from_millis(100));
+        assert_eq!(result, Err(NodeError::Cancelled("http://127.0.0.1:1/".to_owned())));
+        assert!(started.elapsed() < Duration::from_secs(1));
+    }
+
+    #[test]
+    fn what_answers_but_is_no_master_is_none() {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+        let uri = format!("http://{}/", listener.local_addr().unwrap());
+        let answering = std::thread::spawn(move || {
+            let (mut stream, _) = listener.accept().unwrap();
+            std::io::Write::write_all(&mut stream, b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n").unwrap();
+        });
+        let error = check_master(&uri).unwrap_err().to_string();
+        assert!(error.contains("404") && !error.contains('\n'), "{error}");
+        answering.join().unwrap();
+    }
+}

@@ -1,0 +1,169 @@
+//! Calls with a deadline.
+
+use std::io;
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
+use std::time::{Duration, Instant};
+
+use super::http::{self, Side};
+use super::value::{self, Value, XmlError};
+
+/// Why a call has no answer.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CallError {
+    /// The address is none of the form `http://host:port/`.
+    #[error("'{0}' is not an address of the form http://host:port/")]
+    Uri(String),
+    /// The host's name is not known.
+    #[error("unknown host {host}: {source}")]
+    Host { host: String, source: io::Error },
+    /// Nobody listens, the connection broke, or no whole answer came in time.
+    #[error("{0}")]
+    Connection(io::Error),
+    /// The answer is no XML-RPC, or a fault.
+    #[error("{0}")]
+    Answer(XmlError),
+    /// ROS's own refusal: an answer with a status other than 1.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl CallError {
+    /// Whether the other side answered at all.
+    pub(crate) fn is_answer(&self) -> bool {
+        matches!(self, Self::Refused(_) | Self::Answer(XmlError::Fault { .. }))
+    }
+}
+
+/// Host and port of a URI such as `http://localhost:11311/`.
+pub(crate) fn host_and_port(uri: &str) -> Option<(String, u16)> {
+    let rest = uri.strip_prefix("http://")?;
+    let authority = rest.split_once('/').map_or(rest, |(authority, _)| authority);
+    let (host, port) = authority.rsplit_once(':')?;
+    let host = host.trim_matches(['[', ']']);
+    (!host.is_empty()).then_some((host.to_owned(), port.parse().ok()?))
+}
+
+/// The addresses of a URI.
+///
+/// # Errors
+/// [`CallError::Uri`], [`CallError::Host`].
+pub(crate) fn addresses(uri: &str) -> Result<Vec<SocketAddr>, CallError> {
+    let (host, port) = host_and_port(uri).ok_or_else(|| CallError::Uri(uri.to_owned()))?;
+    match (host.as_str(), port).to_socket_addrs() {
+        Ok(addresses) => Ok(addresses.collect()),
+        Err(source) => Err(CallError::Host { host, source }),
+    }
+}
+
+/// Connects to the first of some addresses that accepts before the deadline.
+pub(crate) fn connect(addresses: &[SocketAddr], deadline: Instant) -> io::Result<TcpStream> {
+    let mut last = io::Error::from(io::ErrorKind::AddrNotAvailable);
+    for address in addresses {
+        let left = deadline.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        match TcpStream::connect_timeout(address, left) {
+            Ok(stream) => {
+                let _ = stream.set_nodelay(true);
+                return Ok(stream);
+            }
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+/// Posts a body and reads the answer's.
+pub(crate) fn post(uri: &str, body: &str, timeout: Duration) -> Result<String, CallError> {
+    let deadline = Instant::now() + timeout;
+    let addresses = addresses(uri)?;
+    let (host, port) = host_and_port(uri).ok_or_else(|| CallError::Uri(uri.to_owned()))?;
+    let mut stream = connect(&addresses, deadline).map_err(CallError::Connection)?;
+    // HTTP 1.0, because its answers come in one piece.
+    let head = format!(
+        "POST / HTTP/1.0\r\nHost: {host}:{port}\r\nUser-Agent: rviz_camera_stream\r\nContent-Type: text/xml\r\n\
+         Content-Length: {}\r\n\r\n",
+        body.len()
+    );
+    http::write_all(&mut stream, format!("{head}{body}").as_bytes(), deadline).map_err(CallError::Connection)?;
+    let answer = http::read_body(&mut stream, Side::Response, deadline).map_err(CallError::Connection)?;
+    Ok(String::from_utf8_lossy(&answer).into_owned())
+}
+
+/// Calls a method of ROS's APIs, whose answers are `[status, text, value]`; gives the value.
+///
+/// # Errors
+/// [`CallError`]; nothing takes longer than `timeout`, except where the system resolves a host's name.
+pub(crate) fn call(uri: &str, method: &str, params: &[Value], timeout: Duration) -> Result<Value, CallError> {
+    let answer = post(uri, &value::request(method, params), timeout)?;
+    match value::parse_response(&answer).map_err(CallError::Answer)? {
+        Value::Array(items) => match <[Value; 3]>::try_from(items) {
+            Ok([Value::Int(1), _, value]) => Ok(value),
+            Ok([Value::Int(_), Value::String(text), _]) => Err(CallError::Refused(text)),
+            _ => Err(CallError::Answer(XmlError::Value("not [status, text, value]".to_owned()))),
+        },
+        other => Err(CallError::Answer(XmlError::Value(format!("{other:?}").chars().take(40).collect()))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Read, Write};
+    use std::net::TcpListener;
+
+    /// A server that reads a little and then sends some bytes, or stays silent.
+    fn server(answer: Option<&'static str>) -> String {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let uri = format!("http://{}/", listener.local_addr().unwrap());
+        std::thread::spawn(move || {
+            let (mut stream, _) = listener.accept().unwrap();
+            let _ = stream.read(&mut [0; 4096]);
+            if let Some(answer) = answer {
+                stream.write_all(answer.as_bytes()).unwrap();
+            } else {
+                let _ = stream.read(&mut [0; 4096]);
+            }
+        });
+        uri
+    }
+
+    fn ask(answer: Option<&'static str>) -> Result<Value, CallError> {
+        call(&server(answer), "getPid", &["/x".into()], Duration::from_millis(300))
+    }
+
+    #[test]
+    fn an_address_has_host_and_port() {
+        let robot = Some(("robot".to_owned(), 11311));
+        assert_eq!(host_and_port("http://robot:11311/"), robot);
+        assert_eq!(host_and_port("http://robot:11311"), robot);
+        assert_eq!(host_and_port("http://[::1]:5/"), Some(("::1".to_owned(), 5)));
+        for wrong in ["robot:11311", "http://robot/", "http://:1/", "http://robot:x/"] {
+            assert_eq!(host_and_port(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_silent_server_costs_no_more_than_the_timeout() {
+        let begin = Instant::now();
+        assert!(matches!(ask(None), Err(CallError::Connection(error)) if error.kind() == io::ErrorKind::TimedOut));
+        assert!(begin.elapsed() < Duration::from_secs(2));
+    }
+
+    #[test]
+    fn answers_of_any_kind_are_values_or_errors() {
+        let whole = "HTTP/1.1 200 OK\r\nContent-Length: 216\r\n\r\n<?xml version='1.0'?><methodResponse><params><param>\
+                     <value><array><data><value><int>1</int></value><value><string></string></value><value><int>42</int></value>\
+                     </data></array></value></param></params></methodResponse>   ";
+        let len = whole.split_once("\r\n\r\n").unwrap().1.len();
+        let whole: &'static str = Box::leak(whole.replace("216", &len.to_string()).into_boxed_str());
+        assert!(matches!(ask(Some(whole)), Ok(Value::Int(42))));
+        let chunked = "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n5\r\n<meth\r\n0\r\n\r\n";
+        assert!(matches!(ask(Some(chunked)), Err(CallError::Answer(_))));
+        assert!(matches!(ask(Some("HTTP/1.1 404 Not Found\r\n\r\n")), Err(CallError::Connection(_))));
+        assert!(matches!(ask(Some("garbage\r\n\r\n")), Err(CallError::Connection(_))));
+        assert!(ask(Some("HTTP/1.1 200 OK\r\nContent-Length: 999999999999\r\n\r\n")).is_err());
+        assert!(matches!(ask(Some("")), Err(CallError::Connection(_))));
+    }
+}

@@ -1,0 +1,183 @@
+//! One HTTP message on a connection, read within limits of size and time.
+
+use std::io::{self, Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+/// No client of ROS sends a longer head.
+const MAX_HEAD_BYTES: usize = 16 * 1024;
+/// The longest body: a robot description of 64 MB fits.
+pub(super) const MAX_BODY_BYTES: usize = 128 * 1024 * 1024;
+const MAX_HEADERS: usize = 64;
+
+/// Which message is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Request,
+    Response,
+}
+
+/// What a head says.
+struct Head {
+    len: usize,
+    /// None where the message ends with the connection.
+    body_bytes: Option<usize>,
+    is_chunked: bool,
+    expects_continue: bool,
+}
+
+fn bad(text: impl Into<String>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, text.into())
+}
+
+/// Reads what is there, at the latest at the deadline.
+fn read_some(stream: &mut TcpStream, bytes: &mut Vec<u8>, deadline: Instant) -> io::Result<usize> {
+    let left = deadline.saturating_duration_since(Instant::now());
+    if left.is_zero() {
+        return Err(io::ErrorKind::TimedOut.into());
+    }
+    stream.set_read_timeout(Some(left.max(Duration::from_millis(1))))?;
+    let mut piece = [0; 16 * 1024];
+    let len = stream.read(&mut piece).map_err(|error| match error.kind() {
+        io::ErrorKind::WouldBlock => io::ErrorKind::TimedOut.into(),
+        _ => error,
+    })?;
+    bytes.extend_from_slice(piece.get(..len).unwrap_or_default());
+    Ok(len)
+}
+
+/// The head at the beginning of `bytes`; none while it is not complete.
+fn head(bytes: &[u8], side: Side) -> io::Result<Option<Head>> {
+    let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
+    let (status, headers, code) = match side {
+        Side::Request => {
+            let mut request = httparse::Request::new(&mut headers);
+            let status = request.parse(bytes).map_err(|error| bad(format!("not HTTP: {error}")))?;
+            (status, &*request.headers, None)
+        }
+        Side::Response => {
+            let mut response = httparse::Response::new(&mut headers);
+            let status = response.parse(bytes).map_err(|error| bad(format!("not HTTP: {error}")))?;
+            (status, &*response.headers, response.code)
+        }
+    };
+    let httparse::Status::Complete(len) = status else {
+        return if bytes.len() > MAX_HEAD_BYTES { Err(bad("the HTTP head is too long")) } else { Ok(None) };
+    };
+    if let Some(code) = code.filter(|code| *code != 200) {
+        return Err(bad(format!("HTTP status {code}")));
+    }
+    let named = |name: &str| {
+        let header = headers.iter().find(|header| header.name.eq_ignore_ascii_case(name));
+        header.map(|header| String::from_utf8_lossy(header.value).trim().to_ascii_lowercase())
+    };
+    let body_bytes = match named("content-length") {
+        Some(text) => Some(text.parse().map_err(|_| bad("Content-Length is no number"))?),
+        None => None,
+    };
+    if body_bytes.is_some_and(|len| len > MAX_BODY_BYTES) {
+        return Err(bad("the HTTP body is too long"));
+    }
+    Ok(Some(Head {
+        len,
+        body_bytes,
+        is_chunked: named("transfer-encoding").is_some_and(|coding| coding == "chunked"),
+        expects_continue: named("expect").is_some_and(|expected| expected == "100-continue"),
+    }))
+}
+
+/// The body of a chunked message, once it is complete.
+fn dechunked(mut bytes: &[u8]) -> io::Result<Option<Vec<u8>>> {
+    let mut body = Vec::new();
+    loop {
+        let (at, size) = match httparse::parse_chunk_size(bytes) {
+            Ok(httparse::Status::Complete((at, size))) => (at, size as usize),
+            Ok(httparse::Status::Partial) => return Ok(None),
+            Err(_) => return Err(bad("a chunk of no valid size")),
+        };
+        if size == 0 {
+            return Ok(Some(body));
+        }
+        if body.len().saturating_add(size) > MAX_BODY_BYTES {
+            return Err(bad("the HTTP body is too long"));
+        }
+        let (Some(chunk), Some(rest)) = (bytes.get(at..at + size), bytes.get(at + size + 2..)) else {
+            return Ok(None);
+        };
+        body.extend_from_slice(chunk);
+        bytes = rest;
+    }
+}
+
+/// Reads a message's body.
+///
+/// # Errors
+/// The connection's; `TimedOut` at the deadline, `UnexpectedEof` where it ends early, `InvalidData` for what is no
+/// HTTP, an answer other than 200 included.
+pub(super) fn read_body(stream: &mut TcpStream, side: Side, deadline: Instant) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let head = loop {
+        if read_some(stream, &mut bytes, deadline)? == 0 {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        if let Some(head) = head(&bytes, side)? {
+            break head;
+        }
+    };
+    if head.expects_continue {
+        stream.write_all(b"HTTP/1.1 100 Continue\r\n\r\n")?;
+    }
+    let mut body = bytes.split_off(head.len);
+    if head.is_chunked {
+        loop {
+            if let Some(whole) = dechunked(&body)? {
+                return Ok(whole);
+            }
+            if read_some(stream, &mut body, deadline)? == 0 {
+                return Err(io::ErrorKind::UnexpectedEof.into());
+            }
+            if body.len() > 2 * MAX_BODY_BYTES {
+                return Err(bad("the HTTP body is too long"));
+            }
+        }
+    }
+    match head.body_bytes {
+        Some(len) => {
+            while body.len() < len {
+                if read_some(stream, &mut body, deadline)? == 0 {
+                    return Err(io::ErrorKind::UnexpectedEof.into());
+                }
+            }
+            body.truncate(len);
+        }
+        None if side == Side::Request => return Err(bad("a request without Content-Length")),
+        None => {
+            while read_some(stream, &mut body, deadline)? > 0 {
+                if body.len() > MAX_BODY_BYTES {
+                    return Err(bad("the HTTP body is too long"));
+                }
+            }
+        }
+    }
+    Ok(body)
+}
+
+/// Writes a whole message, at the latest by the deadline.
+pub(super) fn write_all(stream: &mut TcpStream, bytes: &[u8], deadline: Instant) -> io::Result<()> {
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        let left = deadline.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        stream.set_write_timeout(Some(left.max(Duration::from_millis(1))))?;
+        match stream.write(rest) {
+            Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
+            Ok(len) => rest = rest.get(len..).unwrap_or_default(),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Err(io::ErrorKind::TimedOut.into()),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}
