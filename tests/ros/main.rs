@@ -2,9 +2,12 @@
 #![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
 
 mod bags;
+mod faults;
 mod images;
 mod messages;
 mod node;
+mod raw;
+mod subscribers;
 
 use rcs_tests::ros::{RosMaster, Running};
 use std::process::Command;

@@ -62,6 +62,32 @@ fn links_lead_to_files_and_headings() {
     assert!(checked > 40, "only {checked} links were found");
 }
 
+/// All functions of the tests.
+fn functions(folder: &Path) -> String {
+    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let text = |path: PathBuf| {
+        if path.is_dir() && !path.ends_with("conformance") {
+            functions(&path)
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+        } else {
+            String::new()
+        }
+    };
+    entries.flatten().map(|entry| text(entry.path())).collect()
+}
+
+#[test]
+fn each_fault_has_a_test_of_the_name_that_is_given() {
+    let page = prose(&repository().join("docs/reliability.md"));
+    let functions = functions(&repository().join("tests")) + &functions(&repository().join("rust_core"));
+    let rows = page.lines().filter(|line| line.starts_with("| ") && line.ends_with("` |"));
+    let names: Vec<&str> = rows.filter_map(|row| row.trim_end_matches("` |").rsplit('`').next()).collect();
+    assert!(names.len() > 10, "only {names:?} were found");
+    let missing: Vec<_> = names.iter().filter(|name| !functions.contains(&format!("fn {name}("))).collect();
+    assert!(missing.is_empty(), "there is no test {missing:?}");
+}
+
 #[test]
 fn headings_have_the_anchors_that_links_use() {
     assert_eq!(anchor(" How late is the picture?"), "how-late-is-the-picture");

@@ -38,8 +38,7 @@ fn fixture(config: &str, args: &[&str]) -> RosFixture {
 fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() {
     let grouped = format!("{{Class: rviz/Group, Name: My sensors, Enabled: true, Displays: [{CLOUD}]}}");
     let fixture = fixture(&config(&[&grouped], &[camera()]), &["--no-watch"]);
-    let listed = fixture.python("__import__('dynamic_reconfigure').find_reconfigure_services()");
-    assert_eq!(listed, "['/camera_stream/CameraPub']");
+    fixture.wait_for("__import__('dynamic_reconfigure').find_reconfigure_services() == ['/camera_stream/CameraPub']");
     fixture.python("c = client(); updates = []; c.set_config_callback(lambda config: updates.append(config))");
 
     let names = "frame_rate background_red background_green background_blue image_encoding near_clip visibility \
@@ -164,8 +163,23 @@ fn a_reconfigured_value_lasts_until_the_file_changes_it() {
     assert_eq!(fixture.python("client('Second_eye').get_configuration(30)['background_green']"), "0");
     fixture.rewrite(&config(&[CLOUD, grid], &[green]));
     assert!(fixture.python(RELOAD).starts_with("(True, "));
-    let listed = fixture.python("__import__('dynamic_reconfigure').find_reconfigure_services()");
-    assert_eq!(listed, "['/camera_stream/CameraPub']");
+    fixture.wait_for("__import__('dynamic_reconfigure').find_reconfigure_services() == ['/camera_stream/CameraPub']");
+}
+
+#[test]
+fn pictures_go_on_when_the_file_changes_while_the_master_hangs() {
+    let fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
+    fixture.master.signal("STOP");
+    // Another subscription, another topic and another service: all of it is for the master to know.
+    let other = CLOUD.replace("Name: cloud", "Name: other").replace("/cloud", "/other");
+    let second = CameraPub { name: "Second eye", image: "/second/image", namespace: "second", ..camera() };
+    fixture.rewrite(&config(&[CLOUD, &other], &[blue(), second]));
+    fixture.pictures_go_on(90, Duration::from_secs(1));
+    fixture.wait_for(format!("corner() == {BLUE}"));
+    // It is told as soon as it answers.
+    fixture.master.signal("CONT");
+    fixture.python("second = Viewer('/second/image')");
+    fixture.wait_for(format!("second.middle() == {RED}"));
 }
 
 #[test]

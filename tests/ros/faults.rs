@@ -1,0 +1,199 @@
+//! Publishers and masters that hang, break or come back; peers that send garbage.
+
+use crate::probe;
+use crate::raw::{call, hanging_publisher, header, node_uri, topic_port};
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
+use std::fs;
+use std::io::Write;
+use std::net::{TcpListener, TcpStream};
+use std::time::{Duration, Instant};
+
+const POINT: &str = "geometry_msgs/PointStamped";
+
+fn publish_points(master: &RosMaster, topic: &str, frame: &str) -> Running {
+    let message = format!("{{header: {{frame_id: {frame}}}}}");
+    Running::start(master.command("rostopic").args(["pub", "-r", "20", topic, POINT, &message])).unwrap()
+}
+
+/// Whether a program ends so soon after a signal.
+fn ends_within(program: &mut Running, signal: &str, limit: Duration) -> Duration {
+    let begin = Instant::now();
+    program.signal(signal);
+    assert!(program.wait(limit).is_some(), "still runs {limit:?} after SIG{signal}: {:?}", program.errors());
+    begin.elapsed()
+}
+
+fn descriptors_and_threads(program: &Running) -> [usize; 2] {
+    ["fd", "task"].map(|kind| fs::read_dir(format!("/proc/{}/{kind}", program.id())).unwrap().count())
+}
+
+#[test]
+fn publishers_that_hang_in_the_handshake_delay_nobody() {
+    let master = RosMaster::start().unwrap();
+    let _hanging: Vec<TcpListener> =
+        (0..10).map(|index| hanging_publisher(&master, &format!("/hangs{index}"), "/a", POINT)).collect();
+    let mut probe = probe(&master, &["listen", "/a", POINT, "1", "/b", POINT, "1"]);
+    assert!(probe.line_with("ready").is_some(), "{:?}", probe.errors());
+    for (topic, frame) in [("/a", "beside"), ("/b", "elsewhere")] {
+        let publisher = publish_points(&master, topic, frame);
+        let is_known = || master.output("rostopic", &["info", topic]).unwrap().contains("/rostopic_");
+        assert!(wait_until(PATIENCE, is_known));
+        assert!(probe.prints_again(&format!("frame {frame}"), Duration::from_secs(1)), "{:?}", probe.errors());
+        drop(publisher);
+    }
+    let took = ends_within(&mut probe, "TERM", Duration::from_secs(1));
+    println!("ended in {took:.0?} beside ten publishers that hang");
+}
+
+#[test]
+fn a_dead_publishers_name_is_one_warning() {
+    let master = RosMaster::start().unwrap();
+    drop(hanging_publisher(&master, "/dead", "/a", POINT));
+    let probe = probe(&master, &["listen", "/a", POINT, "1"]);
+    let warnings = || probe.errors().iter().filter(|line| line.starts_with("WARN")).count();
+    assert!(wait_until(PATIENCE, || warnings() > 0));
+    std::thread::sleep(Duration::from_secs(4));
+    assert_eq!(warnings(), 1, "{:?}", probe.errors());
+    assert!(probe.errors().iter().all(|line| !line.starts_with("ERROR")), "{:?}", probe.errors());
+}
+
+#[test]
+fn a_master_that_hangs_stops_neither_messages_nor_the_end() {
+    let master = RosMaster::start().unwrap();
+    let mut probe = probe(&master, &["listen", "/a", POINT, "1"]);
+    let _points = publish_points(&master, "/a", "seen");
+    assert!(probe.line_with("frame seen").is_some());
+    master.signal("STOP");
+    std::thread::sleep(Duration::from_secs(3));
+    assert!(probe.prints_again("frame seen", Duration::from_millis(500)));
+    let took = ends_within(&mut probe, "TERM", Duration::from_secs(2));
+    println!("ended in {took:.0?} at a master that hangs");
+    master.signal("CONT");
+}
+
+#[test]
+fn a_node_that_starts_at_a_master_that_hangs_can_be_ended() {
+    let master = RosMaster::start().unwrap();
+    master.signal("STOP");
+    let mut probe = probe(&master, &["listen"]);
+    std::thread::sleep(Duration::from_secs(1));
+    ends_within(&mut probe, "INT", Duration::from_secs(2));
+    master.signal("CONT");
+}
+
+#[test]
+fn what_is_no_master_is_one_line() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let uri = format!("http://{}/", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let _ = stream.unwrap().write_all(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n");
+        }
+    });
+    let master = RosMaster::reserve().unwrap();
+    let mut command = master.environment(std::process::Command::new(env!("CARGO_BIN_EXE_ros_probe")));
+    let mut probe = Running::start(command.arg("listen").env("ROS_MASTER_URI", &uri)).unwrap();
+    assert!(wait_until(PATIENCE, || !probe.errors().is_empty()));
+    std::thread::sleep(Duration::from_secs(2));
+    let errors = probe.errors();
+    assert!(errors.len() == 1 && errors[0].contains("404") && errors[0].contains(&uri), "{errors:?}");
+    ends_within(&mut probe, "TERM", Duration::from_secs(1));
+}
+
+#[test]
+fn a_restarted_master_knows_everything_within_two_seconds_and_costs_nothing() {
+    let mut master = RosMaster::start().unwrap();
+    let probe = probe(&master, &["listen", "/a", POINT, "1"]);
+    assert!(probe.line_with("ready").is_some());
+    let is_known = |master: &RosMaster| {
+        let answer = call(&master.uri(), "lookupService", &["/raw", "/probe_trigger"]);
+        answer.is_ok_and(|xml| xml.contains("rosrpc://"))
+    };
+    assert!(wait_until(PATIENCE, || is_known(&master)));
+    let mut counts = Vec::new();
+    for _ in 0..3 {
+        master.restart().unwrap();
+        let begin = Instant::now();
+        assert!(wait_until(PATIENCE, || is_known(&master)), "{:?}", probe.errors());
+        let took = begin.elapsed();
+        assert!(took < Duration::from_secs(2), "{took:?}");
+        counts.push(descriptors_and_threads(&probe));
+        println!("registered again after {took:.0?}, descriptors and threads: {:?}", counts.last());
+    }
+    let points = publish_points(&master, "/a", "after");
+    assert!(probe.line_with("frame after").is_some(), "{:?}", probe.errors());
+    drop(points);
+    assert!(counts[2][0] <= counts[0][0] + 1 && counts[2][1] <= counts[0][1] + 1, "{counts:?}");
+}
+
+#[test]
+fn a_second_node_of_the_name_has_its_services_when_the_first_has_ended() {
+    let master = RosMaster::start().unwrap();
+    let mut first = probe(&master, &["listen"]);
+    assert!(first.line_with("ready").is_some());
+    assert!(wait_until(PATIENCE, || master.output("rosservice", &["list"]).unwrap().contains("/probe_trigger")));
+    let second = probe(&master, &["listen"]);
+    assert!(second.line_with("ready").is_some());
+    assert!(first.wait(PATIENCE).is_some(), "the first node still runs");
+    assert!(
+        first.errors().iter().any(|line| line.contains("new node registered with same name")),
+        "{:?}",
+        first.errors()
+    );
+    let printed = master.output("rosservice", &["call", "/probe_trigger", "{}"]).unwrap();
+    assert!(printed.contains("success: True"), "{printed}");
+}
+
+#[test]
+fn rosnode_info_lists_the_connections() {
+    let master = RosMaster::start().unwrap();
+    let probe = probe(&master, &["image", "/view/image", "64", "48", "10"]);
+    let _viewer = crate::raw::subscribe(&master, "/probe", "/view/image", "/viewer");
+    assert!(probe.line_with("subscriber /viewer").is_some());
+    let printed = master.output("rosnode", &["info", "/probe"]).unwrap();
+    for text in ["Connections:", "topic: /view/image", "to: /viewer", "direction: outbound", "transport: TCPROS"] {
+        assert!(printed.contains(text), "{text}: {printed}");
+    }
+    let stats = call(&node_uri(&master, "/probe"), "getBusStats", &["/raw"]).unwrap();
+    assert!(stats.contains("/view/image"), "{stats}");
+}
+
+#[test]
+fn garbage_on_its_ports_leaves_nothing_behind() {
+    let master = RosMaster::start().unwrap();
+    let probe = probe(&master, &["image", "/view/image", "64", "48", "10"]);
+    assert!(probe.line_with("ready").is_some());
+    let topics = topic_port(&master, "/probe", "/view/image");
+    let api: u16 = node_uri(&master, "/probe").trim_end_matches('/').rsplit(':').next().unwrap().parse().unwrap();
+    let before = descriptors_and_threads(&probe);
+    let deep = format!("<methodCall>{}", "<value><array><data>".repeat(20_000));
+    let deep = format!("POST / HTTP/1.1\r\nContent-Length: {}\r\n\r\n{deep}", deep.len());
+    let half = header(&[("callerid", "/x"), ("topic", "/view/image")]);
+    let garbage: [(u16, &[u8]); 7] = [
+        (topics, &u32::MAX.to_le_bytes()),
+        (topics, &half[..half.len() / 2]),
+        (topics, &[0, 0, 0]),
+        (topics, &header(&[("service", "/none"), ("md5sum", "*")])),
+        (api, deep.as_bytes()),
+        (api, b"POST / HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n"),
+        (api, b"\x16\x03\x01\x02\0\x01\0\x01\xfc"),
+    ];
+    for _ in 0..20 {
+        for (port, bytes) in garbage {
+            // It may be refused before all of it is written.
+            let _ = TcpStream::connect(("127.0.0.1", port)).unwrap().write_all(bytes);
+        }
+    }
+    // As many more that stay open and say nothing, longer than anything waits for them.
+    let silent: Vec<TcpStream> =
+        (0..200).map(|index| TcpStream::connect(("127.0.0.1", [topics, api][index % 2])).unwrap()).collect();
+    assert!(probe.prints_again("published", Duration::from_secs(1)));
+    let is_clean = || {
+        let now = descriptors_and_threads(&probe);
+        now[0] <= before[0] + 1 && now[1] <= before[1] + 1
+    };
+    assert!(wait_until(Duration::from_secs(20), is_clean), "{before:?} {:?}", descriptors_and_threads(&probe));
+    drop(silent);
+    let mut viewer = crate::raw::subscribe(&master, "/probe", "/view/image", "/viewer");
+    crate::raw::read_framed(&mut viewer).unwrap();
+}
