@@ -110,6 +110,9 @@ fn a_restarted_master_knows_everything_within_two_seconds_and_costs_nothing() {
         answer.is_ok_and(|xml| xml.contains("rosrpc://"))
     };
     assert!(wait_until(PATIENCE, || is_known(&master)));
+    // It does not register again, as no node of roscpp or rospy does, and its connection is kept all the same.
+    let _before = publish_points(&master, "/a", "before");
+    assert!(probe.line_with("frame before").is_some(), "{:?}", probe.errors());
     let mut counts = Vec::new();
     for _ in 0..3 {
         master.restart().unwrap();
@@ -117,6 +120,7 @@ fn a_restarted_master_knows_everything_within_two_seconds_and_costs_nothing() {
         assert!(wait_until(PATIENCE, || is_known(&master)), "{:?}", probe.errors());
         let took = begin.elapsed();
         assert!(took < Duration::from_secs(2), "{took:?}");
+        assert!(probe.prints_again("frame before", Duration::from_secs(1)), "{:?}", probe.errors());
         counts.push(descriptors_and_threads(&probe));
         println!("registered again after {took:.0?}, descriptors and threads: {:?}", counts.last());
     }

@@ -1,6 +1,7 @@
 //! The bytes of a big message: shared while they are needed, and then memory for the next message.
 //!
-//! Messages are made on rosrust's threads and dropped on the thread of their displays, so the process has one pool.
+//! Messages are made on the threads of connections and dropped on the thread of their displays, so the process has one
+//! pool.
 
 use std::fmt;
 use std::ops::Deref;

@@ -1,133 +1,10 @@
 //! The messages of `dynamic_reconfigure`, by which rqt_reconfigure and dynparam change a running node's settings.
 //!
-//! They are types of our own, so that the programs can be built where that package is not installed. Requests are read
-//! from the connection itself, whose end is unknown: a string or an array grows with the bytes received, never by the
-//! count that announces them, and a request longer than [`MAX_BYTES`] is an error.
+//! They are types of our own, so that the programs can be built where that package is not installed.
 
-use crate::wire::{write_count, write_string, write_u32};
+use crate::fields::fields_in_order;
 use rosrust::{Message, RosMsg, ServicePair};
-use std::io::{self, Read};
-
-/// No node has settings that take more than a small part of this.
-const MAX_BYTES: u64 = 4 << 20;
-
-/// A value that can be a field of these messages.
-trait Field: Sized {
-    fn put(&self, out: &mut Vec<u8>);
-    fn get(from: &mut dyn Read) -> io::Result<Self>;
-}
-
-fn bytes<const N: usize>(from: &mut dyn Read) -> io::Result<[u8; N]> {
-    let mut bytes = [0; N];
-    from.read_exact(&mut bytes)?;
-    Ok(bytes)
-}
-
-impl Field for bool {
-    fn put(&self, out: &mut Vec<u8>) {
-        out.push(u8::from(*self));
-    }
-
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        Ok(bytes::<1>(from)? != [0])
-    }
-}
-
-impl Field for i32 {
-    fn put(&self, out: &mut Vec<u8>) {
-        out.extend_from_slice(&self.to_le_bytes());
-    }
-
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        bytes(from).map(Self::from_le_bytes)
-    }
-}
-
-impl Field for u32 {
-    fn put(&self, out: &mut Vec<u8>) {
-        write_u32(*self, out);
-    }
-
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        bytes(from).map(Self::from_le_bytes)
-    }
-}
-
-impl Field for f64 {
-    fn put(&self, out: &mut Vec<u8>) {
-        out.extend_from_slice(&self.to_le_bytes());
-    }
-
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        bytes(from).map(Self::from_le_bytes)
-    }
-}
-
-impl Field for String {
-    fn put(&self, out: &mut Vec<u8>) {
-        write_string(self, out);
-    }
-
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        let len = u64::from(u32::get(from)?);
-        let mut text = Vec::new();
-        from.take(len).read_to_end(&mut text)?;
-        if text.len() as u64 != len {
-            return Err(io::ErrorKind::UnexpectedEof.into());
-        }
-        Ok(Self::from_utf8_lossy(&text).into_owned())
-    }
-}
-
-impl<T: Field> Field for Vec<T> {
-    fn put(&self, out: &mut Vec<u8>) {
-        write_count(self.len(), out);
-        self.iter().for_each(|element| element.put(out));
-    }
-
-    fn get(from: &mut dyn Read) -> io::Result<Self> {
-        let mut elements = Self::new();
-        for _ in 0..u32::get(from)? {
-            elements.push(T::get(from)?);
-        }
-        Ok(elements)
-    }
-}
-
-/// Structs whose fields are serialised in the order in which they are declared here.
-macro_rules! fields_in_order {
-    ($($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
-        $(
-            $(#[$doc])*
-            #[derive(Clone, Debug, Default, PartialEq)]
-            pub struct $name {
-                $($(#[$field_doc])* pub $field: $type,)*
-            }
-
-            impl Field for $name {
-                fn put(&self, out: &mut Vec<u8>) {
-                    $(self.$field.put(out);)*
-                }
-
-                fn get(from: &mut dyn Read) -> io::Result<Self> {
-                    Ok(Self { $($field: Field::get(from)?,)* })
-                }
-            }
-
-            impl RosMsg for $name {
-                fn encode<W: io::Write>(&self, mut w: W) -> io::Result<()> {
-                    let mut out = Vec::new();
-                    self.put(&mut out);
-                    w.write_all(&out)
-                }
-
-                fn decode<R: io::Read>(mut r: R) -> io::Result<Self> {
-                    Self::get(&mut r.by_ref().take(MAX_BYTES))
-                }
-            }
-        )*
-    };
-}
+use std::io;
 
 fields_in_order! {
     /// `dynamic_reconfigure/BoolParameter`
@@ -310,6 +187,7 @@ impl Message for Reconfigure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Read as _;
 
     fn config() -> Config {
         Config {

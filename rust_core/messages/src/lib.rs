@@ -19,6 +19,7 @@ mod any;
 mod buffer_pool;
 mod bytes;
 mod convert;
+mod fields;
 mod image;
 mod layout;
 mod occupancy_grid;
@@ -28,6 +29,7 @@ mod wire;
 
 pub mod dynamic_reconfigure;
 pub mod nav_msgs;
+pub mod roscpp;
 pub mod sensor_msgs;
 
 pub use any::{header, AnyMessage, MessageKind, MessageVisitor, TypedMessage};

@@ -20,7 +20,7 @@ pub enum NodeEvent {
         message: AnyMessage,
         /// Name of the node that sent it.
         publisher: Arc<str>,
-        /// When rosrust handed it over, before it was decoded.
+        /// When its bytes were there, before it was decoded.
         received: Instant,
     },
     /// Transforms of `/tf` or `/tf_static`.
@@ -31,7 +31,7 @@ pub enum NodeEvent {
         is_static: bool,
         /// Name of the node that sent them.
         authority: Arc<str>,
-        /// When rosrust handed them over, before they were decoded.
+        /// When their bytes were there, before they were decoded.
         received: Instant,
     },
     /// The simulation's time went back.

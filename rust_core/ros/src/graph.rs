@@ -1,12 +1,14 @@
 //! The ROS master's API as a node uses it, and what the master knows of the other nodes.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::time::Duration;
 
 use crate::xmlrpc::{call, CallError, Value};
 
 /// A master that takes longer is treated as one that does not answer.
 const CALL_TIMEOUT: Duration = Duration::from_millis(1500);
+/// A robot's description takes longer.
+const PARAM_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Calls the master in this node's name.
 #[derive(Clone, Debug)]
@@ -38,6 +40,17 @@ impl Publication {
     }
 }
 
+/// What the master has on its list.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SystemState {
+    /// What other nodes publish.
+    pub(crate) publications: Publications,
+    /// The whole names of what this node publishes, subscribes to and serves.
+    pub(crate) own_publications: BTreeSet<String>,
+    pub(crate) own_subscriptions: BTreeSet<String>,
+    pub(crate) own_services: BTreeSet<String>,
+}
+
 impl Master {
     /// Calls a method with the node's name and these parameters.
     ///
@@ -57,19 +70,43 @@ impl Master {
         call(&self.uri, "setParam", &[self.node_name.as_str().into(), name.into(), value], CALL_TIMEOUT).map(drop)
     }
 
-    /// What the other nodes publish.
+    /// A parameter's value by its whole name; none if it is not set.
+    ///
+    /// # Errors
+    /// [`CallError`] if the master does not answer within seconds: a robot's description is long.
+    pub(crate) fn param(&self, name: &str) -> Result<Option<Value>, CallError> {
+        match call(&self.uri, "getParam", &[self.node_name.as_str().into(), name.into()], PARAM_TIMEOUT) {
+            Ok(value) => Ok(Some(value)),
+            Err(error) if error.is_answer() => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// What the master has on its list.
     ///
     /// # Errors
     /// [`CallError`].
-    pub(crate) fn publications(&self) -> Result<Publications, CallError> {
+    pub(crate) fn system_state(&self) -> Result<SystemState, CallError> {
         let state = self.call("getSystemState", &[])?;
         let types = self.call("getTopicTypes", &[])?;
+        let lists: Vec<&[Value]> =
+            state.as_array().unwrap_or_default().iter().filter_map(|list| list.as_array()).collect();
+        let [publishers, subscribers, services] = lists.as_slice() else {
+            return Err(CallError::Refused("its state is not three lists".to_owned()));
+        };
+        let is_own = |nodes: &[Value]| nodes.iter().any(|node| node.as_str() == Some(&self.node_name));
+        let own = |list: &[Value]| -> BTreeSet<String> {
+            let name = |entry: &Value| match entry.as_array() {
+                Some([Value::String(name), Value::Array(nodes)]) => is_own(nodes).then(|| name.clone()),
+                _ => None,
+            };
+            list.iter().filter_map(name).collect()
+        };
         let entry = |entry: &Value| match entry.as_array() {
             Some([Value::String(topic), Value::String(ros_type)]) => Some((topic.clone(), ros_type.clone())),
             _ => None,
         };
         let types: HashMap<String, String> = types.as_array().unwrap_or_default().iter().filter_map(entry).collect();
-        let publishers = state.as_array().and_then(|lists| lists.first()?.as_array()).unwrap_or_default();
         let publication = |entry: &Value| {
             let Some([Value::String(topic), Value::Array(nodes)]) = entry.as_array() else { return None };
             let nodes = nodes.iter().filter_map(Value::as_str).filter(|node| *node != self.node_name);
@@ -77,7 +114,12 @@ impl Master {
             let ros_type = types.get(topic).cloned().unwrap_or_else(|| "*".to_owned());
             (!nodes.is_empty()).then(|| (topic.clone(), Publication { nodes, ros_type }))
         };
-        Ok(publishers.iter().filter_map(publication).collect())
+        Ok(SystemState {
+            publications: publishers.iter().filter_map(publication).collect(),
+            own_publications: own(publishers),
+            own_subscriptions: own(subscribers),
+            own_services: own(services),
+        })
     }
 }
 

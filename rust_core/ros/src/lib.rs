@@ -7,12 +7,12 @@
 //! ```
 //!
 //! Nobody waits for anybody else: each publisher and each subscriber has a thread of its own, each subscription and
-//! each subscriber a queue of a fixed size in which the oldest message is dropped, and every wait has a limit. A topic
+//! each subscriber a queue of a fixed size in which the oldest message is dropped, and every call has a limit. A topic
 //! of queue size 1 is therefore always the latest message, however slow the scene or the subscriber is.
 //!
-//! Names, namespaces, remappings, ROS's arguments and parameters are rosrust's. What the node is to others (its API,
-//! its topics and services, and their registration) is done here, because rosrust writes to subscribers one after the
-//! other, connects to publishers one after the other, and waits for both and for the master without limit.
+//! Names, namespaces, remappings and ROS's arguments are rosrust's. What the node is to others (its API, its topics and
+//! services, and their registration) is done here, because rosrust writes to subscribers one after the other, connects
+//! to publishers one after the other, and waits for both and for the master without limit.
 //!
 //! What is where:
 //!
@@ -27,6 +27,7 @@
 //! | [`image_topic`] | a camera's picture with its CameraInfo |
 //! | `latched_publisher` | [`LatchedPublisher`]: a topic whose last message late subscribers get |
 //! | [`diagnostics_topic`] | `/diagnostics` |
+//! | `rosout` | the log on `/rosout`, and the services that change its level |
 //! | `reconfigure` | [`ReconfigureServer`]: dynamic_reconfigure |
 //! | `parameters`, `param_writer` | parameters read and written without waiting for the master |
 //! | `clock` | [`RosClock`]: the computer's time or `/clock` |
@@ -54,6 +55,7 @@ mod parameters;
 mod publisher;
 mod reconfigure;
 mod registrar;
+mod rosout;
 mod rosrust_master;
 mod startup;
 mod tcpros;
@@ -65,8 +67,9 @@ pub use clock::RosClock;
 pub use events::{EventQueue, EventSender, NodeEvent, Reply, TriggerReply};
 pub use graph::{Publication, Publications};
 pub use latched_publisher::LatchedPublisher;
-pub use node::{is_asked_to_end, plain_args, NodeError, RosNode};
+pub use node::{is_asked_to_end, node_time, plain_args, NodeError, NodeTime, RosNode};
 pub use reconfigure::ReconfigureServer;
+pub use rosout::{log_line, LogLine, Loggers};
 pub use startup::{init, restart};
 pub use tcpros::Change;
 pub use topic::TopicSubscription;

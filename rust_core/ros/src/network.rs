@@ -1,9 +1,10 @@
 //! The node's place in the network: its ports, its API, its registrations.
 
 use std::io;
-use std::net::{IpAddr, SocketAddr, TcpListener, ToSocketAddrs};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, ToSocketAddrs};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use crate::graph::Master;
 use crate::lock;
@@ -14,6 +15,10 @@ use crate::rosrust_master;
 use crate::startup::Startup;
 use crate::tcpros::{Description, Listener, Observer, Publication, Service};
 use crate::xmlrpc::Server;
+
+/// How long the master may be silent when the node ends, and how long unregistering may take in all.
+const MASTER_PATIENCE: Duration = Duration::from_millis(800);
+const UNREGISTER_LIMIT: Duration = Duration::from_secs(3);
 
 /// Everything that listens and everything that is registered. Dropped, it closes all connections.
 pub(crate) struct Network {
@@ -27,24 +32,27 @@ pub(crate) struct Network {
     _servers: [Server; 2],
 }
 
-/// The address to listen at: the one of the host name that others are given, where it is this machine's.
+/// The address to listen at, for the host name that others are given.
 ///
-/// So with ROS_IP or ROS_HOSTNAME set, the node listens there and nowhere else. A name of an address that is not this
-/// machine's own (a router's, a container's host's) leaves all of them.
+/// With an address in ROS_IP or ROS_HOSTNAME, or a name of one that other machines reach, the node listens there and
+/// nowhere else; for `localhost`, at this machine only. Names often lead to a loopback address on the machine itself,
+/// or to an address that it does not have (a router's, a container's host's): then it listens at all addresses.
 fn listening_address(host: &str, is_chosen: bool) -> IpAddr {
-    let every = IpAddr::from(std::net::Ipv4Addr::UNSPECIFIED);
+    let every = IpAddr::from(Ipv4Addr::UNSPECIFIED);
     if !is_chosen {
         return every;
     }
-    let addresses = (host, 0).to_socket_addrs().map(Vec::from_iter).unwrap_or_default();
-    let is_own = |address: &SocketAddr| TcpListener::bind((address.ip(), 0)).is_ok();
-    match addresses.iter().find(|address| is_own(address)) {
-        Some(address) => address.ip(),
-        None => {
-            log::warn!("{host} is not an address of this machine, listening at all of its addresses");
-            every
-        }
+    if host == "localhost" {
+        return Ipv4Addr::LOCALHOST.into();
     }
+    let is_own = |ip: &IpAddr| TcpListener::bind((*ip, 0)).is_ok();
+    if let Ok(ip) = host.parse::<IpAddr>() {
+        return if is_own(&ip) { ip } else { every };
+    }
+    let addresses = (host, 0).to_socket_addrs().map(Vec::from_iter).unwrap_or_default();
+    // Other nodes use version 4.
+    let reachable = addresses.iter().map(SocketAddr::ip).filter(|ip| ip.is_ipv4() && !ip.is_loopback());
+    reachable.into_iter().find(is_own).unwrap_or(every)
 }
 
 impl Network {
@@ -68,16 +76,15 @@ impl Network {
             node_name: node_name.to_owned(),
             node_uri: format!("http://{}:{}/", bracketed(host), api.address().port()),
         };
-        let registrar = Registrar::new(master, on_publisher_left);
-        let (rosrust_uri, is_asked_to_end) = (Arc::new(Mutex::new(None)), Arc::new(AtomicBool::new(false)));
+        let is_asked_to_end = Arc::new(AtomicBool::new(false));
+        let registrar = Registrar::new(master, Arc::clone(&is_asked_to_end), on_publisher_left);
         *lock(&state) = Some(Arc::new(NodeState {
             host: host.clone(),
             listener: Arc::clone(&listener),
             registrar: Arc::clone(&registrar),
-            rosrust_uri: Arc::clone(&rosrust_uri),
             is_asked_to_end: Arc::clone(&is_asked_to_end),
         }));
-        let rosrust_master = rosrust_master::start(rosrust_listener, Arc::clone(&registrar), rosrust_uri)?;
+        let rosrust_master = rosrust_master::start(rosrust_listener, Arc::clone(&registrar))?;
         let running = Arc::clone(&registrar);
         std::thread::Builder::new().name("ros-registrar".to_owned()).spawn(move || running.run())?;
         Ok(Arc::new(Self {
@@ -102,7 +109,7 @@ impl Network {
 
     /// Publishes a topic, together with those who publish it already. Returns the observer's number, too.
     pub(crate) fn publish(&self, description: Description, observer: &Observer) -> (Arc<Publication>, u64) {
-        let _publishing = lock(&self.publishing);
+        let publishing = lock(&self.publishing);
         let shared = self.listener.publication(&description.topic);
         let publication = match shared.filter(|shared| shared.description().ros_type == description.ros_type) {
             Some(shared) => shared,
@@ -114,6 +121,9 @@ impl Network {
             }
         };
         let id = publication.observe(observer);
+        drop(publishing);
+        // Without the lock: an observer may publish.
+        publication.report_present(observer);
         (publication, id)
     }
 
@@ -129,29 +139,42 @@ impl Network {
         }
     }
 
+    /// The whole names of the topics that the node publishes.
+    pub(crate) fn topics(&self) -> Vec<String> {
+        self.listener.publications().iter().map(|publication| publication.description().topic.clone()).collect()
+    }
+
     /// Offers a service until [`stop_serving`](Self::stop_serving).
     pub(crate) fn serve(&self, service: Arc<Service>) {
-        self.registrar.add(self.service_entry(&service.name));
+        let entry = self.service_entry(&service);
+        // Served before anybody can know of it.
         self.listener.add_service(service);
+        self.registrar.add(entry);
     }
 
     /// Offers a service no more.
     pub(crate) fn stop_serving(&self, name: &str) {
-        self.registrar.remove(&self.service_entry(name));
-        self.listener.remove_service(name);
+        if let Some(service) = self.listener.remove_service(name) {
+            self.registrar.remove(&self.service_entry(&service));
+        }
     }
 
-    fn service_entry(&self, name: &str) -> Entry {
+    fn service_entry(&self, service: &Service) -> Entry {
         let api = format!("rosrpc://{}:{}", bracketed(&self.host), self.listener.port());
-        Entry::Service { service: name.to_owned(), api }
+        Entry::Service { service: service.name.clone(), api, number: service.number }
+    }
+
+    /// Whether [`end`](Self::end) was called.
+    pub(crate) fn is_ended(&self) -> bool {
+        self.registrar.is_ended()
     }
 
     /// Unregisters everything, for as long as the master answers, and closes all connections.
     pub(crate) fn end(&self) {
+        self.registrar.end(MASTER_PATIENCE, UNREGISTER_LIMIT);
         for publication in self.listener.publications() {
             publication.close();
         }
-        self.registrar.end();
     }
 }
 

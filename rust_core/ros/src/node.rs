@@ -1,6 +1,6 @@
 //! The process's node: connecting, subscribing, services, parameters, shutting down.
 //!
-//! rosrust is the node to the process: names, ROS's arguments, parameters. Its place in the network is
+//! rosrust is the node to the process: names, ROS's arguments. Its place in the network is
 //! [`crate::network`]'s.
 
 use crate::clock::RosClock;
@@ -12,11 +12,13 @@ use crate::param_writer::ParamWriter;
 use crate::startup::{startup, Startup};
 use crate::tcpros::Service;
 use crate::topic::{Received, Topic, TopicSubscription};
-use crate::waiting::{check_master, wait_for_master};
+use crate::waiting::{ask_until_answered, check_master, wait_for_master};
+use crate::xmlrpc::Value;
 use rcs_messages::rosgraph_msgs::Clock;
 use rcs_messages::std_srvs::{Trigger, TriggerRes};
 use rcs_messages::{AnyMessage, MessageKind, ServicePair, Time};
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{channel, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard, Weak};
 use std::time::Duration;
@@ -27,8 +29,8 @@ const TF_QUEUE_SIZE: usize = 1000;
 pub(crate) const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
 /// By how much rosrust's own threads may wake up late.
 const WAKE_SLACK: Duration = Duration::from_millis(20);
-/// How long the node may take to unregister before the process ends without that.
-const SHUTDOWN_TIMEOUT: Duration = Duration::from_millis(800);
+/// How long the node may take to end before the process ends without that. The master's part has limits of its own.
+const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(4);
 
 /// Why the node could not do something.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -113,6 +115,8 @@ impl NodeError {
 pub struct RosNode {
     pub(crate) shared: Arc<Shared>,
     pub(crate) param_writer: ParamWriter,
+    /// The node's private parameters, as they were when it started.
+    private: BTreeMap<String, Value>,
     /// Subscriptions that last as long as the node.
     own_subscriptions: Mutex<Vec<TopicSubscription>>,
 }
@@ -124,11 +128,28 @@ pub(crate) struct Shared {
     pub(crate) events: Arc<EventQueue>,
     clock: Arc<RosClock>,
     topics: Mutex<BTreeMap<String, Arc<Topic>>>,
+    /// The parameters that are polled, and whether it was reported that they are not set.
+    pub(crate) followed_parameters: Mutex<BTreeMap<String, bool>>,
+}
+
+/// The process's node, as a line of the log names it.
+#[derive(Clone, Debug)]
+pub struct NodeTime {
+    /// The node's whole name.
+    pub name: String,
+    /// Its present time.
+    pub stamp: Time,
+    /// Whether that is a simulation's.
+    pub is_simulated: bool,
 }
 
 impl Shared {
     pub(crate) fn topics(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Topic>>> {
         lock(&self.topics)
+    }
+
+    pub(crate) fn clock(&self) -> &Arc<RosClock> {
+        &self.clock
     }
 }
 
@@ -146,6 +167,13 @@ pub fn is_asked_to_end() -> bool {
     lock(&NODE).upgrade().is_some_and(|shared| shared.network.is_asked_to_end())
 }
 
+/// Name and time of the process's node; none while there is none.
+pub fn node_time() -> Option<NodeTime> {
+    let shared = lock(&NODE).upgrade()?;
+    let (stamp, is_simulated) = (shared.clock.now(), shared.clock.is_simulated());
+    Some(NodeTime { name: shared.name.clone(), stamp, is_simulated })
+}
+
 impl RosNode {
     /// Waits for a master, however long that takes, and starts the node.
     ///
@@ -161,9 +189,11 @@ impl RosNode {
         // On a thread of its own: the master may stop answering at any time.
         let (started, is_started) = channel();
         let default_name = default_name.to_owned();
+        let is_abandoned = Arc::new(AtomicBool::new(false));
+        let given_up = Arc::clone(&is_abandoned);
         let starting = move || {
             // Fails if the caller has given up.
-            let _ = started.send(Self::start(startup, &default_name));
+            let _ = started.send(Self::start(startup, &default_name, &|| given_up.load(Ordering::Acquire)));
         };
         let spawned = std::thread::Builder::new().name("ros-start".to_owned()).spawn(starting);
         spawned.map_err(|error| NodeError::Start { what: "the node", reason: error.to_string() })?;
@@ -171,7 +201,10 @@ impl RosNode {
             match is_started.recv_timeout(Duration::from_millis(50)) {
                 Ok(result) => return result,
                 Err(RecvTimeoutError::Timeout) if !cancelled() => {}
-                Err(_) => return Err(NodeError::Cancelled(startup.master_uri.clone())),
+                Err(_) => {
+                    is_abandoned.store(true, Ordering::Release);
+                    return Err(NodeError::Cancelled(startup.master_uri.clone()));
+                }
             }
         }
     }
@@ -183,28 +216,40 @@ impl RosNode {
     pub fn connect_now(default_name: &str) -> Result<Self, NodeError> {
         let startup = startup().ok_or(NodeError::NotPrepared)?;
         check_master(&startup.master_uri)?;
-        Self::start(startup, default_name)
+        Self::start(startup, default_name, &|| false)
     }
 
-    fn start(startup: &Startup, default_name: &str) -> Result<Self, NodeError> {
+    fn start(startup: &Startup, default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
         let rosrust_listener = startup.take_rosrust_listener().ok_or(NodeError::NotPrepared)?;
         let events: Arc<EventQueue> = Arc::default();
         let sender = events.sender(0);
         let on_publisher_left = move |topic: &str| sender.push(NodeEvent::PublisherLeft { topic: topic.into() });
         let network = Network::start(startup, rosrust_listener, &whole_name(default_name), on_publisher_left)
             .map_err(|error| NodeError::Start { what: "the node's ports", reason: error.to_string() })?;
-        with_wake_slack(|| rosrust::try_init_with_options(default_name, false))
-            .map_err(|error| NodeError::ros(format!("cannot start node {default_name}"), &error))?;
-        let simulated = rosrust::param("/use_sim_time").is_some_and(|param| param.get().unwrap_or(false));
+        let master = network.registrar().master();
+        // The private parameters that are given as arguments are set by then.
+        while let Err(error) = with_wake_slack(|| rosrust::try_init_with_options(default_name, false)) {
+            if check_master(&startup.master_uri).is_ok() {
+                return Err(NodeError::ros(format!("cannot start node {default_name}"), &error));
+            }
+            wait_for_master(&startup.master_uri, cancelled)?;
+        }
+        let param = |name: &str| ask_until_answered(&startup.master_uri, cancelled, || master.param(name));
+        let simulated = param("/use_sim_time")? == Some(Value::Bool(true));
+        let private = match param(&master.node_name)? {
+            Some(Value::Struct(values)) => values,
+            _ => BTreeMap::new(),
+        };
         let shared = Arc::new(Shared {
             name: rosrust::name(),
             network,
             events,
             clock: Arc::new(RosClock::new(simulated)),
             topics: Mutex::default(),
+            followed_parameters: Mutex::default(),
         });
         *lock(&NODE) = Arc::downgrade(&shared);
-        let node = Self { shared, param_writer: ParamWriter::default(), own_subscriptions: Mutex::default() };
+        let node = Self { shared, private, param_writer: ParamWriter::default(), own_subscriptions: Mutex::default() };
         if simulated {
             node.follow_clock()?;
         }
@@ -329,14 +374,27 @@ impl RosNode {
         self.network().registrar().query_publications()
     }
 
-    /// A string parameter; none if it is not set or not a string.
-    pub fn string_param(&self, name: &str) -> Option<String> {
-        rosrust::param(name)?.get::<String>().ok()
+    /// A private parameter (`~name`) as it was when the node started; none if it was not set.
+    fn private_param(&self, name: &str) -> Option<&Value> {
+        let mut parts = name.strip_prefix('~')?.split('/');
+        let first = self.private.get(parts.next()?)?;
+        parts.try_fold(first, |value, part| match value {
+            Value::Struct(values) => values.get(part),
+            _ => None,
+        })
     }
 
-    /// A boolean parameter; none if it is not set or not a boolean.
+    /// A private parameter (`~name`) that was a string when the node started.
+    pub fn string_param(&self, name: &str) -> Option<String> {
+        self.private_param(name)?.as_str().map(str::to_owned)
+    }
+
+    /// A private parameter (`~name`) that was a boolean when the node started.
     pub fn bool_param(&self, name: &str) -> Option<bool> {
-        rosrust::param(name)?.get::<bool>().ok()
+        match self.private_param(name)? {
+            Value::Bool(value) => Some(*value),
+            _ => None,
+        }
     }
 
     /// Whether the node was asked from outside to end (`rosnode kill`, or another node that took its name).
@@ -344,7 +402,7 @@ impl RosNode {
         self.network().is_asked_to_end()
     }
 
-    /// Unregisters everything and closes all connections, within a second even if the master does not answer. The node
+    /// Unregisters everything and closes all connections, within a second if the master does not answer. The node
     /// cannot be used after that.
     pub fn shutdown(&self) {
         let (done, is_done) = channel();
@@ -360,7 +418,7 @@ impl RosNode {
         };
         let spawned = std::thread::Builder::new().name("ros-shutdown".to_owned()).spawn(ending);
         if spawned.is_err() || is_done.recv_timeout(SHUTDOWN_TIMEOUT).is_err() {
-            log::warn!("could not unregister from the ROS master in time");
+            log::warn!("the node did not end in time");
         }
     }
 

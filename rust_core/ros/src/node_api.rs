@@ -4,16 +4,12 @@ use std::io;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 use crate::graph::strings;
 use crate::lock;
 use crate::registrar::Registrar;
 use crate::tcpros::Listener;
-use crate::xmlrpc::{client, parse_call, Answer, Server, Value};
-
-/// How long rosrust may take to note that a parameter has changed.
-const FORWARD_TIMEOUT: Duration = Duration::from_secs(1);
+use crate::xmlrpc::{parse_call, Answer, Server, Value};
 
 /// What the API answers from.
 pub(crate) struct NodeState {
@@ -23,8 +19,6 @@ pub(crate) struct NodeState {
     pub(crate) listener: Arc<Listener>,
     /// Its registrations.
     pub(crate) registrar: Arc<Registrar>,
-    /// The address of rosrust's own API, once that is known: it keeps the cache of parameters.
-    pub(crate) rosrust_uri: Arc<Mutex<Option<String>>>,
     /// Set when the node was asked to end.
     pub(crate) is_asked_to_end: Arc<AtomicBool>,
 }
@@ -40,7 +34,7 @@ pub(crate) fn serve(address: SocketAddr, state: Arc<Mutex<Option<Arc<NodeState>>
         let state = lock(&state).clone();
         let Some(state) = state else { return refuse("the node is just starting") };
         match parse_call(text) {
-            Ok((method, params)) => state.answer(&method, &params, text),
+            Ok((method, params)) => state.answer(&method, &params),
             Err(error) => refuse(&error.to_string()),
         }
     })
@@ -60,7 +54,7 @@ fn count(count: u64) -> Value {
 }
 
 impl NodeState {
-    fn answer(&self, method: &str, params: &[Value], text: &str) -> Answer {
+    fn answer(&self, method: &str, params: &[Value]) -> Answer {
         match (method, params) {
             ("getPid", _) => succeed(Value::Int(std::process::id() as i32)),
             ("getMasterUri", _) => succeed(self.registrar.master().uri.as_str().into()),
@@ -98,15 +92,8 @@ impl NodeState {
                 self.registrar.set_publishers(topic, strings(uris));
                 succeed(Value::Int(0))
             }
-            ("paramUpdate", [_, Value::String(_), _, ..]) => {
-                let rosrust_uri = lock(&self.rosrust_uri).clone();
-                if let Some(uri) = rosrust_uri {
-                    if let Err(error) = client::post(&uri, text, FORWARD_TIMEOUT) {
-                        log::debug!("a parameter's change was not noted: {error}");
-                    }
-                }
-                succeed(Value::Int(0))
-            }
+            // No parameter is subscribed to.
+            ("paramUpdate", _) => succeed(Value::Int(0)),
             ("shutdown", _) => {
                 let reason = params.get(1).and_then(Value::as_str).unwrap_or_default();
                 log::warn!("asked to end{}{reason}", if reason.is_empty() { "" } else { ": " });

@@ -4,8 +4,10 @@
 //! first and then in the namespaces around it. A parameter that is not set yet is polled once a second, as rviz does. A
 //! parameter that is not a string counts as an empty one, as in rviz.
 
+use crate::graph::Master;
 use crate::node::Shared;
-use crate::{NodeEvent, RosNode};
+use crate::xmlrpc::CallError;
+use crate::{lock, NodeEvent, RosNode};
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
@@ -18,46 +20,65 @@ impl RosNode {
         if names.is_empty() {
             return;
         }
+        let is_polling = {
+            let mut followed = lock(&self.shared.followed_parameters);
+            let is_polling = !followed.is_empty();
+            followed.extend(names.into_iter().map(|name| (name, false)));
+            is_polling
+        };
+        if is_polling {
+            return;
+        }
         let shared = Arc::downgrade(&self.shared);
-        let spawned = std::thread::Builder::new().name("ros-parameters".to_owned()).spawn(move || poll(names, &shared));
+        let spawned = std::thread::Builder::new().name("ros-parameters".to_owned()).spawn(move || poll(&shared));
         if let Err(error) = spawned {
             log::error!("parameters cannot be fetched: {error}");
         }
     }
 }
 
-fn poll(mut names: Vec<String>, shared: &Weak<Shared>) {
-    let mut first = true;
+/// Polls until all parameters that are followed were found. The master is asked without a lock.
+fn poll(shared: &Weak<Shared>) {
     loop {
-        {
+        let Some(names) = shared.upgrade().map(|shared| lock(&shared.followed_parameters).clone()) else { return };
+        for (name, is_reported) in names {
             let Some(shared) = shared.upgrade() else { return };
-            names.retain(|name| {
-                let text = find(name);
-                let found = text.is_some();
-                if found || first {
-                    let event = NodeEvent::Parameter { name: name.as_str().into(), text };
-                    shared.events.sender(0).push(event);
-                }
-                !found
-            });
+            // A master that is silent says nothing about a parameter.
+            let Ok(text) = find(shared.network.registrar().master(), &name) else { continue };
+            let mut followed = lock(&shared.followed_parameters);
+            if text.is_some() {
+                followed.remove(&name);
+            } else {
+                followed.insert(name.clone(), true);
+            }
+            drop(followed);
+            if text.is_some() || !is_reported {
+                shared.events.sender(0).push(NodeEvent::Parameter { name: name.as_str().into(), text });
+            }
         }
-        if names.is_empty() || !rosrust::is_ok() {
+        let Some(shared) = shared.upgrade() else { return };
+        if lock(&shared.followed_parameters).is_empty() || shared.network.is_ended() {
             return;
         }
-        first = false;
+        drop(shared);
         std::thread::sleep(POLL_PERIOD);
     }
 }
 
 /// The value of a parameter in the nearest namespace that has it.
-fn find(name: &str) -> Option<Arc<str>> {
-    let own = rosrust::param(name)?.name().to_owned();
+///
+/// # Errors
+/// [`CallError`] if the master does not answer.
+fn find(master: &Master, name: &str) -> Result<Option<Arc<str>>, CallError> {
+    let Some(own) = rosrust::param(name).map(|param| param.name().to_owned()) else { return Ok(None) };
     let is_relative = !name.starts_with(['/', '~']);
     let candidates = if is_relative { upwards(&own, name) } else { vec![own] };
-    candidates.iter().find_map(|candidate| {
-        let parameter = rosrust::param(candidate)?;
-        parameter.exists().unwrap_or(false).then(|| parameter.get::<String>().unwrap_or_default().into())
-    })
+    for candidate in candidates {
+        if let Some(value) = master.param(&candidate)? {
+            return Ok(Some(value.as_str().unwrap_or_default().into()));
+        }
+    }
+    Ok(None)
 }
 
 /// The whole names that a relative name may stand for, the innermost namespace first. A remapped name has only one.

@@ -35,6 +35,7 @@ impl<T: Message> Publisher<T> {
             definition: T::msg_definition(),
             is_latching,
             queue_size: queue_size.max(1),
+            number: Entry::next_number(),
         };
         let (publication, observer) = network.publish(description, observer);
         Self { network: Arc::clone(network), publication, observer, messages: PhantomData }
@@ -84,5 +85,6 @@ impl<T> Drop for Publisher<T> {
 
 /// The registration of a publication.
 pub(crate) fn entry(description: &Description) -> Entry {
-    Entry::Publisher { topic: description.topic.clone(), ros_type: description.ros_type.clone() }
+    let Description { topic, ros_type, number, .. } = description;
+    Entry::Publisher { topic: topic.clone(), ros_type: ros_type.clone(), number: *number }
 }

@@ -2,35 +2,67 @@
 //!
 //! Publishing, subscribing and serving only note what is wanted, so that whoever asks for it never waits for the
 //! master. One thread brings the master's list in line: it registers what is missing and unregisters what is wanted no
-//! more, at once where the master answers, and again every second where it does not. Once a second it asks the master
-//! for this node's own address: a master that does not know it was restarted, whatever its process id, and is told
-//! everything again.
+//! more, at once where the master answers, and again every second where it does not.
+//!
+//! The master may forget the node, and the node may miss what the master tells. Once a second it asks for this node's
+//! own address: a master that does not know it was restarted, whatever its process id, and is told everything again.
+//! Every other second it asks for the whole list, and registers again what is not on it.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
-use crate::graph::{strings, Master, Publications};
+use crate::graph::{strings, Master, Publications, SystemState};
 use crate::lock;
 use crate::tcpros::Subscription;
 use crate::xmlrpc::CallError;
 
-/// How often the master is asked whether it still knows the node.
+/// How often the master is asked whether it still knows the node, and how often one that is silent is tried.
 const CHECK_PERIOD: Duration = Duration::from_secs(1);
 /// How often the master is asked who publishes what.
 const GRAPH_PERIOD: Duration = Duration::from_secs(2);
-/// How long a call that is under way and those that unregister may take at the end.
-const END_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// A registration: what the master is told.
+/// A registration: what the master is told. Two of the same name and type differ by their number, so that one that
+/// takes the place of another is registered anew.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Entry {
     /// The node publishes a topic of a type.
-    Publisher { topic: String, ros_type: String },
+    Publisher { topic: String, ros_type: String, number: u64 },
     /// The node subscribes to a topic of a type.
-    Subscriber { topic: String, ros_type: String },
+    Subscriber { topic: String, ros_type: String, number: u64 },
     /// The node serves at an address `rosrpc://host:port`.
-    Service { service: String, api: String },
+    Service { service: String, api: String, number: u64 },
+}
+
+impl Entry {
+    /// A number that no other entry of the process has.
+    pub(crate) fn next_number() -> u64 {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        NEXT.fetch_add(1, Ordering::Relaxed)
+    }
+
+    fn name(&self) -> &str {
+        match self {
+            Self::Publisher { topic, .. } | Self::Subscriber { topic, .. } => topic,
+            Self::Service { service, .. } => service,
+        }
+    }
+
+    /// Whether the master has one place for both: unregistering one of them unregisters the other.
+    fn shares_place(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other) && self.name() == other.name()
+    }
+
+    /// Whether it is on the master's list.
+    fn is_in(&self, state: &SystemState) -> bool {
+        let names = match self {
+            Self::Publisher { .. } => &state.own_publications,
+            Self::Subscriber { .. } => &state.own_subscriptions,
+            Self::Service { .. } => &state.own_services,
+        };
+        names.contains(self.name())
+    }
 }
 
 /// Called when a publisher of a subscribed topic has left, with the topic.
@@ -41,31 +73,65 @@ pub(crate) struct Registrar {
     master: Master,
     state: Mutex<State>,
     changed: Condvar,
+    /// One list of publishers is handed on at a time.
+    updating: Mutex<()>,
     publications: Mutex<Option<Arc<Publications>>>,
     on_publisher_left: OnPublisherLeft,
+    /// Set when the node is to end because another has its name.
+    is_asked_to_end: Arc<AtomicBool>,
 }
 
 #[derive(Default)]
 struct State {
     wanted: BTreeSet<Entry>,
     registered: BTreeSet<Entry>,
-    subscriptions: BTreeMap<String, Weak<Subscription>>,
+    /// What the master does not want; not tried again.
+    refused: BTreeSet<Entry>,
+    subscriptions: BTreeMap<String, (u64, Weak<Subscription>)>,
     /// The publishers of each subscribed topic, by the addresses of their nodes.
     publishers: BTreeMap<String, Vec<String>>,
+    /// How often the master has named the publishers of some topic.
+    updates: u64,
+    /// When the master answered last.
+    answered: Option<Instant>,
     is_ended: bool,
     /// [`Registrar::run`] has returned.
     is_done: bool,
 }
 
+/// What is to be done next.
+enum Step {
+    Unregister(Entry),
+    Register(Entry),
+}
+
+impl State {
+    /// Unregistering goes first: a topic may be wanted with another type, and what took the place of another of its
+    /// name is to be registered after that was unregistered.
+    fn next_step(&self) -> Option<Step> {
+        if let Some(surplus) = self.registered.difference(&self.wanted).next() {
+            return Some(Step::Unregister(surplus.clone()));
+        }
+        let mut missing = self.wanted.difference(&self.registered).filter(|entry| !self.refused.contains(entry));
+        missing.next().map(|entry| Step::Register(entry.clone()))
+    }
+}
+
 impl Registrar {
     /// Nothing is registered yet. [`run`](Self::run) is to be called on a thread of its own.
-    pub(crate) fn new(master: Master, on_publisher_left: impl Fn(&str) + Send + Sync + 'static) -> Arc<Self> {
+    pub(crate) fn new(
+        master: Master,
+        is_asked_to_end: Arc<AtomicBool>,
+        on_publisher_left: impl Fn(&str) + Send + Sync + 'static,
+    ) -> Arc<Self> {
         Arc::new(Self {
             master,
             state: Mutex::default(),
             changed: Condvar::new(),
+            updating: Mutex::default(),
             publications: Mutex::default(),
             on_publisher_left: Box::new(on_publisher_left),
+            is_asked_to_end,
         })
     }
 
@@ -88,9 +154,12 @@ impl Registrar {
     pub(crate) fn remove(&self, entry: &Entry) {
         let mut state = lock(&self.state);
         state.wanted.remove(entry);
-        if let Entry::Subscriber { topic, .. } = entry {
-            state.subscriptions.remove(topic);
-            state.publishers.remove(topic);
+        state.refused.remove(entry);
+        if let Entry::Subscriber { topic, number, .. } = entry {
+            if state.subscriptions.get(topic).is_some_and(|(current, _)| current == number) {
+                state.subscriptions.remove(topic);
+                state.publishers.remove(topic);
+            }
         }
         drop(state);
         self.changed.notify_all();
@@ -99,29 +168,31 @@ impl Registrar {
     /// Registers a subscription, which is told its publishers for as long as it lives.
     pub(crate) fn subscribe(&self, subscription: &Arc<Subscription>) {
         let wanted = subscription.wanted();
-        let (topic, ros_type) = (wanted.topic.to_string(), wanted.ros_type.clone());
-        lock(&self.state).subscriptions.insert(topic.clone(), Arc::downgrade(subscription));
-        self.add(Entry::Subscriber { topic, ros_type });
+        let topic = wanted.topic.to_string();
+        lock(&self.state).subscriptions.insert(topic, (wanted.number, Arc::downgrade(subscription)));
+        self.add(subscriber_entry(subscription));
     }
 
-    /// Unregisters a subscription, unless another one of the topic has taken its place.
+    /// Unregisters a subscription.
     pub(crate) fn unsubscribe(&self, subscription: &Arc<Subscription>) {
-        let wanted = subscription.wanted();
-        let is_current = (lock(&self.state).subscriptions.get(&*wanted.topic))
-            .is_some_and(|current| std::ptr::eq(current.as_ptr(), Arc::as_ptr(subscription)));
-        if is_current {
-            let (topic, ros_type) = (wanted.topic.to_string(), wanted.ros_type.clone());
-            self.remove(&Entry::Subscriber { topic, ros_type });
-        }
+        self.remove(&subscriber_entry(subscription));
     }
 
     /// The master's word on who publishes a topic: the addresses of their nodes.
-    pub(crate) fn set_publishers(&self, topic: &str, mut uris: Vec<String>) {
+    pub(crate) fn set_publishers(&self, topic: &str, uris: Vec<String>) {
+        let _updating = lock(&self.updating);
+        lock(&self.state).updates += 1;
+        self.hand_on(topic, uris);
+    }
+
+    /// Passes a list of publishers on to the subscription. To be called with `updating` locked.
+    fn hand_on(&self, topic: &str, mut uris: Vec<String>) {
         // A node that publishes what it subscribes to does not listen to itself.
         uris.retain(|uri| *uri != self.master.node_uri);
         let (subscription, has_left) = {
             let mut state = lock(&self.state);
-            let Some(subscription) = state.subscriptions.get(topic).and_then(Weak::upgrade) else { return };
+            let known = state.subscriptions.get(topic).and_then(|(_, subscription)| subscription.upgrade());
+            let Some(subscription) = known else { return };
             let before = state.publishers.insert(topic.to_owned(), uris.clone()).unwrap_or_default();
             (subscription, before.iter().any(|uri| !uris.contains(uri)))
         };
@@ -133,7 +204,7 @@ impl Registrar {
 
     /// The subscriptions there are.
     pub(crate) fn subscriptions(&self) -> Vec<Arc<Subscription>> {
-        lock(&self.state).subscriptions.values().filter_map(Weak::upgrade).collect()
+        lock(&self.state).subscriptions.values().filter_map(|(_, subscription)| subscription.upgrade()).collect()
     }
 
     /// What other nodes published when the master was last asked.
@@ -143,10 +214,14 @@ impl Registrar {
 
     /// Asks the master what other nodes publish.
     pub(crate) fn query_publications(&self) -> Option<Arc<Publications>> {
-        match self.master.publications() {
-            Ok(publications) => {
-                *lock(&self.publications) = Some(Arc::new(publications));
-                self.publications()
+        self.query().map(|_| self.publications())?
+    }
+
+    fn query(&self) -> Option<SystemState> {
+        match self.master.system_state() {
+            Ok(mut state) => {
+                *lock(&self.publications) = Some(Arc::new(std::mem::take(&mut state.publications)));
+                Some(state)
             }
             Err(error) => {
                 log::debug!("the ROS master's state is not known: {error}");
@@ -155,14 +230,28 @@ impl Registrar {
         }
     }
 
-    /// Unregisters everything, for as long as the master answers, and ends [`run`](Self::run), for which it waits.
-    pub(crate) fn end(&self) {
+    /// Whether [`end`](Self::end) was called.
+    pub(crate) fn is_ended(&self) -> bool {
+        lock(&self.state).is_ended
+    }
+
+    /// Unregisters everything, for as long as the master answers, and ends [`run`](Self::run), for which it waits:
+    /// until the master has been silent for `patience`, and no longer than `limit` in all.
+    pub(crate) fn end(&self, patience: Duration, limit: Duration) {
+        let begin = Instant::now();
         let mut state = lock(&self.state);
         state.is_ended = true;
         state.wanted.clear();
         self.changed.notify_all();
-        let ended = self.changed.wait_timeout_while(state, END_TIMEOUT, |state| !state.is_done);
-        drop(ended.unwrap_or_else(PoisonError::into_inner));
+        while !state.is_done {
+            let heard = state.answered.unwrap_or(begin).max(begin);
+            let left = (heard + patience).min(begin + limit).saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                log::warn!("could not unregister from the ROS master in time");
+                return;
+            }
+            state = self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
     }
 
     /// Keeps the master's list in line until [`end`](Self::end).
@@ -170,15 +259,16 @@ impl Registrar {
         let (mut next_check, mut next_graph) = (Instant::now() + CHECK_PERIOD, Instant::now());
         let mut is_silent = false;
         loop {
-            let result = self.synchronise();
             let now = Instant::now();
-            let mut answers = result.is_ok();
-            if answers && now >= next_check {
+            let mut answers = true;
+            // First, because one that was restarted is to be told everything, not only what is new.
+            if is_silent || now >= next_check {
                 answers = self.check_known();
                 next_check = now + CHECK_PERIOD;
             }
+            answers = answers && self.synchronise().is_ok();
             if answers && now >= next_graph {
-                answers = self.query_publications().is_some();
+                self.repair();
                 next_graph = now + GRAPH_PERIOD;
             }
             if answers == is_silent {
@@ -189,7 +279,8 @@ impl Registrar {
                     log::info!("the ROS master at {} answers again", self.master.uri);
                 }
             }
-            if self.wait(next_check.min(next_graph).max(now + Duration::from_millis(50)), is_silent) {
+            let until = if is_silent { Instant::now() + CHECK_PERIOD } else { next_check.min(next_graph) };
+            if self.wait(until, is_silent) {
                 break;
             }
         }
@@ -201,7 +292,7 @@ impl Registrar {
         self.changed.notify_all();
     }
 
-    /// Waits for a change, unless the master is silent, or until a time; true at the end.
+    /// Waits for something to do, unless the master is silent, or until a time; true at the end.
     fn wait(&self, until: Instant, is_silent: bool) -> bool {
         let mut state = lock(&self.state);
         loop {
@@ -209,7 +300,7 @@ impl Registrar {
                 return true;
             }
             let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() || (!is_silent && state.wanted != state.registered) {
+            if left.is_zero() || (!is_silent && state.next_step().is_some()) {
                 return false;
             }
             state = self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
@@ -222,47 +313,64 @@ impl Registrar {
     /// That of the first call that the master did not answer. What it refuses is logged and not tried again.
     fn synchronise(&self) -> Result<(), CallError> {
         loop {
-            let (missing, surplus) = {
-                let state = lock(&self.state);
-                let missing = state.wanted.difference(&state.registered).next().cloned();
-                (missing, state.registered.difference(&state.wanted).next().cloned())
+            let Some(step) = lock(&self.state).next_step() else { return Ok(()) };
+            let result = match &step {
+                Step::Unregister(entry) => self.unregister(entry),
+                Step::Register(entry) => self.register(entry),
             };
-            // First, because a topic may be wanted with another type.
-            if let Some(entry) = surplus {
-                self.tolerate(&entry, self.unregister(&entry))?;
-                lock(&self.state).registered.remove(&entry);
-            } else if let Some(entry) = missing {
-                self.tolerate(&entry, self.register(&entry))?;
-                lock(&self.state).registered.insert(entry);
-            } else {
-                return Ok(());
+            let is_refused = match result {
+                Ok(()) => false,
+                Err(error) if error.is_answer() => {
+                    let (Step::Unregister(entry) | Step::Register(entry)) = &step;
+                    log::error!("the ROS master refused {entry:?}: {error}");
+                    true
+                }
+                Err(error) => return Err(error),
+            };
+            let mut state = lock(&self.state);
+            state.answered = Some(Instant::now());
+            match step {
+                Step::Unregister(entry) => state.registered.retain(|other| !other.shares_place(&entry)),
+                Step::Register(entry) if is_refused => drop(state.refused.insert(entry)),
+                Step::Register(entry) => drop(state.registered.insert(entry)),
             }
-        }
-    }
-
-    fn tolerate(&self, entry: &Entry, result: Result<(), CallError>) -> Result<(), CallError> {
-        match result {
-            Err(error) if error.is_answer() => {
-                log::error!("the ROS master refused {entry:?}: {error}");
-                Ok(())
-            }
-            other => other,
+            drop(state);
+            self.changed.notify_all();
         }
     }
 
     fn register(&self, entry: &Entry) -> Result<(), CallError> {
         let own = self.master.node_uri.as_str();
         match entry {
-            Entry::Publisher { topic, ros_type } => {
+            Entry::Publisher { topic, ros_type, .. } => {
                 self.master.call("registerPublisher", &[topic, ros_type, own]).map(drop)
             }
-            Entry::Subscriber { topic, ros_type } => {
-                let publishers = self.master.call("registerSubscriber", &[topic, ros_type, own])?;
-                self.set_publishers(topic, strings(&publishers));
+            Entry::Subscriber { topic, ros_type, .. } => {
+                let (mut publishers, _updating) = loop {
+                    let before = lock(&self.state).updates;
+                    let answer = self.master.call("registerSubscriber", &[topic, ros_type, own])?;
+                    let updating = lock(&self.updating);
+                    if lock(&self.state).updates == before {
+                        break (strings(&answer), updating);
+                    }
+                    // The master has named publishers since it answered, perhaps of this topic: asked again.
+                };
+                // A master that was restarted knows nobody yet; connections that stand are kept.
+                publishers.extend(self.connected_publishers(topic));
+                publishers.sort();
+                publishers.dedup();
+                self.hand_on(topic, publishers);
                 Ok(())
             }
-            Entry::Service { service, api } => self.master.call("registerService", &[service, api, own]).map(drop),
+            Entry::Service { service, api, .. } => self.master.call("registerService", &[service, api, own]).map(drop),
         }
+    }
+
+    /// The publishers of a topic with which the node is connected.
+    fn connected_publishers(&self, topic: &str) -> Vec<String> {
+        let known = lock(&self.state).subscriptions.get(topic).and_then(|(_, subscription)| subscription.upgrade());
+        let links = known.map(|subscription| subscription.links()).unwrap_or_default();
+        links.iter().filter(|link| link.connected().is_some()).map(|link| link.uri.clone()).collect()
     }
 
     fn unregister(&self, entry: &Entry) -> Result<(), CallError> {
@@ -270,27 +378,60 @@ impl Registrar {
         let (method, name, api) = match entry {
             Entry::Publisher { topic, .. } => ("unregisterPublisher", topic, own),
             Entry::Subscriber { topic, .. } => ("unregisterSubscriber", topic, own),
-            Entry::Service { service, api } => ("unregisterService", service, api.as_str()),
+            Entry::Service { service, api, .. } => ("unregisterService", service, api.as_str()),
         };
         self.master.call(method, &[name, api]).map(drop)
     }
 
     /// Asks the master whether it knows the node; one that does not was restarted. False if it does not answer.
     fn check_known(&self) -> bool {
-        let has_registered = !lock(&self.state).registered.is_empty();
-        match self.master.call("lookupNode", &[&self.master.node_name]) {
-            // Another address is that of a newer node of the same name, which the master has told this one to end for.
-            Ok(_) => true,
-            Err(error) if error.is_answer() => {
-                if has_registered {
-                    log::warn!("the ROS master was restarted, registering again");
-                    lock(&self.state).registered.clear();
+        let answer = self.master.call("lookupNode", &[&self.master.node_name]);
+        let mut state = lock(&self.state);
+        match answer {
+            Ok(uri) => {
+                if uri.as_str().is_some_and(|uri| uri != self.master.node_uri) && !state.registered.is_empty() {
+                    // The master asks the older one to end, but only once, which it may have missed.
+                    log::warn!("another node has the name {}, ending", self.master.node_name);
+                    self.is_asked_to_end.store(true, Ordering::Release);
                 }
-                true
             }
-            Err(_) => false,
+            Err(error) if error.is_answer() => {
+                if !state.registered.is_empty() {
+                    log::warn!("the ROS master was restarted, registering again");
+                    state.registered.clear();
+                    state.refused.clear();
+                }
+            }
+            Err(_) => return false,
+        }
+        state.answered = Some(Instant::now());
+        true
+    }
+
+    /// Compares with the master's list: what is not on it is registered again, and so is a subscription that has fewer
+    /// publishers than the master knows, since what the master tells may be lost on the way.
+    fn repair(&self) {
+        let Some(system) = self.query() else { return };
+        let publications = self.publications().unwrap_or_default();
+        let has_lost_publishers = |entry: &Entry, state: &State| {
+            let Entry::Subscriber { topic, .. } = entry else { return false };
+            let named = publications.get(topic).map_or(0, |publication| publication.nodes.len());
+            named > state.publishers.get(topic).map_or(0, Vec::len)
+        };
+        let mut state = lock(&self.state);
+        let is_lost = |entry: &&Entry| !entry.is_in(&system) || has_lost_publishers(entry, &state);
+        let lost: Vec<Entry> = state.registered.iter().filter(is_lost).cloned().collect();
+        for entry in lost {
+            log::debug!("registering again: {entry:?}");
+            state.registered.remove(&entry);
         }
     }
+}
+
+/// The registration of a subscription.
+fn subscriber_entry(subscription: &Subscription) -> Entry {
+    let wanted = subscription.wanted();
+    Entry::Subscriber { topic: wanted.topic.to_string(), ros_type: wanted.ros_type.clone(), number: wanted.number }
 }
 
 #[cfg(test)]
@@ -318,7 +459,9 @@ mod tests {
                 "lookupNode" if !*lock(&is_known) => {
                     Answer::Value(Value::Array(vec![Value::Int(-1), "unknown node".into(), "".into()]))
                 }
-                "lookupNode" | "getSystemState" | "getTopicTypes" => answer(Value::Array(Vec::new())),
+                // This node's own address, and no list.
+                "lookupNode" => answer("http://127.0.0.1:1/".into()),
+                "getSystemState" => Answer::Value(Value::Array(vec![Value::Int(0), "".into(), Value::Int(0)])),
                 _ => {
                     *lock(&is_known) = true;
                     let line = format!("{method} {}", params[1].as_str().unwrap());
@@ -333,7 +476,7 @@ mod tests {
             node_name: "/node".to_owned(),
             node_uri: "http://127.0.0.1:1/".to_owned(),
         };
-        let registrar = Registrar::new(master, |_| {});
+        let registrar = Registrar::new(master, Arc::default(), |_| {});
         let running = Arc::clone(&registrar);
         std::thread::spawn(move || running.run());
         TestMaster { _server: server, calls, known, registrar }
@@ -346,7 +489,8 @@ mod tests {
     #[test]
     fn what_is_wanted_is_registered_and_again_with_a_master_that_forgot_it() {
         let master = start();
-        let entry = Entry::Publisher { topic: "/image".to_owned(), ros_type: "sensor_msgs/Image".to_owned() };
+        let entry =
+            Entry::Publisher { topic: "/image".to_owned(), ros_type: "sensor_msgs/Image".to_owned(), number: 1 };
         master.registrar.add(entry.clone());
         assert_eq!(next(&master), "registerPublisher /image");
         *lock(&master.known) = false;
@@ -355,9 +499,9 @@ mod tests {
         assert!(begin.elapsed() < Duration::from_secs(2));
         master.registrar.remove(&entry);
         assert_eq!(next(&master), "unregisterPublisher /image");
-        master.registrar.add(Entry::Service { service: "/s".to_owned(), api: "rosrpc://x:1".to_owned() });
+        master.registrar.add(Entry::Service { service: "/s".to_owned(), api: "rosrpc://x:1".to_owned(), number: 2 });
         assert_eq!(next(&master), "registerService /s");
-        master.registrar.end();
+        master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
         assert_eq!(next(&master), "unregisterService /s");
     }
 }

@@ -1,12 +1,13 @@
 //! What rosrust takes for the ROS master: a server in this process, between rosrust and the real one.
 //!
-//! rosrust is the node to its own process: it resolves names, reads ROS's arguments and holds parameters. To others it
-//! would have an API that answers neither `getBusInfo` nor `getBusStats` and ports that serve one subscriber after the
-//! other, and it waits for the master without limit. So rosrust is started with the address of this server in
-//! `ROS_MASTER_URI` ([`crate::startup`]). What it would register is not passed on: the node registers topics and
-//! services of its own ([`Registrar`]). Everything else, parameters above all, is passed on as it is, with a time
+//! rosrust is the node to its own process: it resolves names and reads ROS's arguments. To others it would have an API
+//! that answers neither `getBusInfo` nor `getBusStats` and ports that serve one subscriber after the other, and it
+//! waits for the master without limit. So rosrust is started with the address of this server in `ROS_MASTER_URI`
+//! ([`crate::startup`]). What it would register is not passed on: the node registers topics and services of its own
+//! ([`Registrar`]). Everything else, such as private parameters among the arguments, is passed on as it is, with a time
 //! limit.
 
+use std::collections::BTreeMap;
 use std::io;
 use std::net::TcpListener;
 use std::sync::{Arc, Mutex};
@@ -14,9 +15,9 @@ use std::time::{Duration, Instant};
 
 use crate::lock;
 use crate::registrar::Registrar;
-use crate::xmlrpc::{client, parse_call, request, Answer, Server, Value};
+use crate::xmlrpc::{client, parse_call, Answer, Server, Value};
 
-/// How long the real master may take for a call. A large robot description takes some tenths of a second.
+/// How long the real master may take for a call.
 const FORWARD_TIMEOUT: Duration = Duration::from_millis(1500);
 /// For so long after a call without an answer the master is not asked again: a caller with many calls waits once.
 const SILENCE: Duration = Duration::from_secs(1);
@@ -25,25 +26,16 @@ const SILENCE: Duration = Duration::from_secs(1);
 ///
 /// # Errors
 /// The system's, where there is no thread left.
-pub(crate) fn start(
-    listener: TcpListener,
-    registrar: Arc<Registrar>,
-    rosrust_uri: Arc<Mutex<Option<String>>>,
-) -> io::Result<Server> {
+pub(crate) fn start(listener: TcpListener, registrar: Arc<Registrar>) -> io::Result<Server> {
     let silent_since = Mutex::new(None);
-    Server::serve("rosrust-master", listener, move |text| answer(text, &registrar, &rosrust_uri, &silent_since))
+    Server::serve("rosrust-master", listener, move |text| answer(text, &registrar, &silent_since))
 }
 
 fn succeed(value: Value) -> Answer {
     Answer::Value(Value::Array(vec![Value::Int(1), "".into(), value]))
 }
 
-fn answer(
-    text: &str,
-    registrar: &Registrar,
-    rosrust_uri: &Mutex<Option<String>>,
-    silent_since: &Mutex<Option<Instant>>,
-) -> Answer {
+fn answer(text: &str, registrar: &Registrar, silent_since: &Mutex<Option<Instant>>) -> Answer {
     let (method, mut params) = match parse_call(text) {
         Ok(call) => call,
         Err(error) => return fail(&error.to_string()),
@@ -53,14 +45,14 @@ fn answer(
         params = inner.clone();
     }
     match (method.as_str(), params.as_slice()) {
-        // What rosrust publishes and subscribes to by itself: /rosout and /clock, which the node has beside it.
+        // What rosrust publishes, subscribes to and serves by itself: /rosout and /clock, which the node has beside it.
+        // The master would take rosrust for another node of the same name.
         ("registerPublisher" | "registerSubscriber", _) => succeed(Value::Array(Vec::new())),
-        ("unregisterPublisher" | "unregisterSubscriber", _) => succeed(Value::Int(1)),
-        ("subscribeParam" | "unsubscribeParam", [caller, Value::String(uri), key]) => {
-            *lock(rosrust_uri) = Some(uri.clone());
-            let own = registrar.master().node_uri.as_str().into();
-            forward(registrar, silent_since, &request(&method, &[caller.clone(), own, key.clone()]))
+        ("registerService" | "unregisterPublisher" | "unregisterSubscriber" | "unregisterService", _) => {
+            succeed(Value::Int(1))
         }
+        // Nor does it need its cache of parameters.
+        ("subscribeParam" | "unsubscribeParam", _) => succeed(Value::Struct(BTreeMap::new())),
         _ => forward(registrar, silent_since, text),
     }
 }

@@ -32,7 +32,7 @@ pub(crate) struct Startup {
     /// The port of what rosrust takes for the master, until that is started.
     rosrust_listener: Mutex<Option<TcpListener>>,
     /// The variables that were changed, as they were.
-    before: [(&'static str, Option<OsString>); 2],
+    before: [(&'static str, Option<OsString>); 3],
 }
 
 static STARTUP: OnceLock<Startup> = OnceLock::new();
@@ -53,12 +53,17 @@ pub fn init() -> io::Result<()> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
     let uri = format!("http://127.0.0.1:{}/", listener.local_addr()?.port());
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let before = [MASTER_VARIABLE, HOST_VARIABLE, IP_VARIABLE].map(|name| (name, std::env::var_os(name)));
+    // One that is set to nothing, as container tools do, counts as not set.
+    for name in [HOST_VARIABLE, IP_VARIABLE].into_iter().filter(|name| !is_set(name)) {
+        std::env::remove_var(name);
+    }
     let startup = Startup {
         master_uri: rosrust::api::resolve::master(),
         host: rosrust::api::resolve::hostname(),
         is_host_chosen: is_set(HOST_VARIABLE) || is_set(IP_VARIABLE),
         rosrust_listener: Mutex::new(Some(listener)),
-        before: [MASTER_VARIABLE, HOST_VARIABLE].map(|name| (name, std::env::var_os(name))),
+        before,
     };
     std::env::set_var(MASTER_VARIABLE, uri);
     // rosrust's own API is nobody's business but this process's.

@@ -4,6 +4,7 @@
 
 use crate::network::Network;
 use crate::node::Shared;
+use crate::registrar::Entry;
 use crate::tcpros::{Handler, Source, Subscription, Wanted};
 use crate::{lock, EventSender, NodeError};
 use rcs_messages::{AnyMessage, Message, MessageKind, MessageVisitor};
@@ -46,8 +47,8 @@ struct Receiver {
 struct State {
     listeners: BTreeMap<u64, Arc<Listener>>,
     next_listener: u64,
-    /// The last message of each latching publisher; none before it has sent one.
-    latched: HashMap<Arc<str>, Option<AnyMessage>>,
+    /// The last message of each connection with a latching publisher, and its name; none before it has sent one.
+    latched: HashMap<u64, (Arc<str>, Option<AnyMessage>)>,
     warned: Option<Instant>,
     /// Messages that were dropped since then.
     unlogged: u64,
@@ -71,7 +72,8 @@ impl Topic {
         let receiver = Arc::new(Receiver { name: Arc::clone(&name), kind, state: Mutex::default() });
         let [ros_type, md5sum, definition] = kind.visit(Describe);
         let node_name = network.registrar().master().node_name.clone();
-        let wanted = Wanted { topic: Arc::clone(&name), ros_type, md5sum, definition, node_name };
+        let number = Entry::next_number();
+        let wanted = Wanted { topic: Arc::clone(&name), ros_type, md5sum, definition, node_name, number };
         let subscription = Arc::new(Subscription::new(wanted, Arc::<Receiver>::clone(&receiver)));
         network.registrar().subscribe(&subscription);
         Self { name, kind, receiver, subscription, network: Arc::clone(network) }
@@ -91,7 +93,7 @@ impl Topic {
     /// Adds a listener and calls it with the latched messages.
     pub(crate) fn add_listener(&self, listener: Listener) -> u64 {
         let (mut state, at) = (lock(&self.receiver.state), Instant::now());
-        for (publisher, message) in &state.latched {
+        for (publisher, message) in state.latched.values() {
             if let Some(message) = message {
                 listener(&self.name, &Received { message, publisher, at });
             }
@@ -118,12 +120,13 @@ impl Drop for Topic {
 
 impl Handler for Receiver {
     fn connected(&self, source: &Source) {
-        let mut state = lock(&self.state);
         if source.is_latching {
-            state.latched.entry(Arc::clone(&source.name)).or_default();
-        } else {
-            state.latched.remove(&source.name);
+            lock(&self.state).latched.insert(source.connection, (Arc::clone(&source.name), None));
         }
+    }
+
+    fn disconnected(&self, source: &Source) {
+        lock(&self.state).latched.remove(&source.connection);
     }
 
     fn message(&self, bytes: Vec<u8>, source: &Source) {
@@ -133,7 +136,7 @@ impl Handler for Receiver {
         let mut state = lock(&self.state);
         match decoded {
             Ok(message) => {
-                if let Some(latched) = state.latched.get_mut(publisher) {
+                if let Some((_, latched)) = state.latched.get_mut(&source.connection) {
                     *latched = Some(message.clone());
                 }
                 for listener in state.listeners.values() {

@@ -1,10 +1,11 @@
-//! Waiting for a ROS master. rosrust gives up at once if there is none, so it is started only once one answers.
+//! Waiting for a ROS master: the node starts once one answers.
 
 use std::sync::mpsc::{channel, RecvTimeoutError};
 use std::time::Duration;
 
 use crate::graph::ping;
 use crate::xmlrpc::client::host_and_port;
+use crate::xmlrpc::CallError;
 use crate::NodeError;
 
 /// How often a master that is not there yet is tried.
@@ -55,6 +56,27 @@ pub(crate) fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result
             Ok(false) | Err(RecvTimeoutError::Timeout) if !cancelled() => {}
             _ => return Err(NodeError::Cancelled(uri.to_owned())),
         }
+    }
+}
+
+/// Asks until the master answers, or `cancelled` returns true. That it does not is logged once.
+pub(crate) fn ask_until_answered<T>(
+    uri: &str,
+    cancelled: &dyn Fn() -> bool,
+    ask: impl Fn() -> Result<T, CallError>,
+) -> Result<T, NodeError> {
+    let mut is_logged = false;
+    loop {
+        match ask() {
+            Ok(answer) => return Ok(answer),
+            Err(_) if cancelled() => return Err(NodeError::Cancelled(uri.to_owned())),
+            Err(error) if is_logged => log::debug!("the ROS master at {uri} still does not answer: {error}"),
+            Err(error) => {
+                log::warn!("the ROS master at {uri} does not answer, waiting for it: {error}");
+                is_logged = true;
+            }
+        }
+        std::thread::sleep(WAIT_PERIOD);
     }
 }
 

@@ -29,6 +29,7 @@ struct Served {
 /// The node's port for topics, until it is dropped.
 pub(crate) struct Listener {
     address: SocketAddr,
+    listener: Arc<TcpListener>,
     served: Arc<Served>,
     ended: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
@@ -40,13 +41,14 @@ impl Listener {
     /// # Errors
     /// The system's, where the address cannot be had or there is no thread left.
     pub(crate) fn start(address: SocketAddr, node_name: &str) -> io::Result<Self> {
-        let listener = TcpListener::bind(address)?;
+        let listener = Arc::new(TcpListener::bind(address)?);
         let address = listener.local_addr()?;
         let (served, ended) = (Arc::<Served>::default(), Arc::new(AtomicBool::new(false)));
         let (known, end, node_name) = (Arc::clone(&served), Arc::clone(&ended), Arc::from(node_name));
-        let accepting = move || accept(&listener, &end, &known, &node_name);
+        let accepted = Arc::clone(&listener);
+        let accepting = move || accept(&accepted, &end, &known, &node_name);
         let thread = std::thread::Builder::new().name("tcpros".to_owned()).spawn(accepting)?;
-        Ok(Self { address, served, ended, thread: Some(thread) })
+        Ok(Self { address, listener, served, ended, thread: Some(thread) })
     }
 
     /// The port that `requestTopic` answers with.
@@ -79,12 +81,11 @@ impl Listener {
         }
     }
 
-    /// Answers no more calls of a service.
-    pub(crate) fn remove_service(&self, name: &str) {
-        let removed = lock(&self.served.services).remove(name);
-        if let Some(removed) = removed {
-            removed.close();
-        }
+    /// Answers no more calls of a service, which is returned if there was one.
+    pub(crate) fn remove_service(&self, name: &str) -> Option<Arc<Service>> {
+        let removed = lock(&self.served.services).remove(name)?;
+        removed.close();
+        Some(removed)
     }
 
     /// All publications.
@@ -101,7 +102,7 @@ impl Listener {
 impl Drop for Listener {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Release);
-        crate::xmlrpc::server::wake(self.address);
+        crate::xmlrpc::server::end(&self.listener);
         if let Some(thread) = self.thread.take() {
             // A panic there was reported by its own thread.
             let _ = thread.join();

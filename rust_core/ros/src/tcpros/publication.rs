@@ -39,6 +39,8 @@ pub(crate) struct Description {
     pub(crate) is_latching: bool,
     /// How many messages may wait for a subscriber, at least 1; the oldest gives way.
     pub(crate) queue_size: usize,
+    /// Which publication of the topic it is.
+    pub(crate) number: u64,
 }
 
 impl Description {
@@ -47,19 +49,16 @@ impl Description {
         if wanted.get("callerid").is_none() {
             return Err("the header has no callerid".to_owned());
         }
-        for (name, own) in [("md5sum", &self.md5sum), ("type", &self.ros_type)] {
-            match wanted.get(name) {
-                // Some clients leave the type out.
-                None if name == "type" => {}
-                Some("*") => {}
-                Some(theirs) if theirs == own => {}
-                theirs => {
-                    let theirs = theirs.unwrap_or("none");
-                    return Err(format!("topic [{}] has {name} {own}, not {theirs}", self.topic));
-                }
+        // As for roscpp, the checksum counts and not the name of the type.
+        match wanted.get("md5sum") {
+            Some("*") => Ok(()),
+            Some(theirs) if theirs == self.md5sum => Ok(()),
+            theirs => {
+                let Self { topic, ros_type, md5sum, .. } = self;
+                let (theirs, their_type) = (theirs.unwrap_or("none"), wanted.get("type").unwrap_or("unknown type"));
+                Err(format!("topic [{topic}] is {ros_type} with md5sum {md5sum}, not {their_type} with {theirs}"))
             }
         }
-        Ok(())
     }
 
     /// What a subscriber is answered.
@@ -184,14 +183,17 @@ impl Publication {
         &self.description
     }
 
-    /// Calls `observer` for each subscriber that comes and goes from now on, and at once for those that are there.
-    /// Returns the number by which it is taken away.
+    /// Calls `observer` for each subscriber that comes and goes from now on. Returns the number by which it is taken
+    /// away.
     pub(crate) fn observe(&self, observer: &Observer) -> u64 {
         let id = self.next_observer.fetch_add(1, Ordering::Relaxed);
         lock(&self.observers).push((id, Arc::clone(observer)));
-        // Afterwards: one that joins in between is reported twice rather than not at all.
-        self.subscribers().iter().for_each(|subscriber| observer(Change::Joined, &subscriber.name));
         id
+    }
+
+    /// Calls an observer for the subscribers that are there. One that joins meanwhile may be reported twice.
+    pub(crate) fn report_present(&self, observer: &Observer) {
+        self.subscribers().iter().for_each(|subscriber| observer(Change::Joined, &subscriber.name));
     }
 
     /// Takes an observer away; true when none is left.
@@ -368,6 +370,7 @@ mod tests {
             definition: "uint32 x".to_owned(),
             is_latching,
             queue_size: 1,
+            number: 0,
         }
     }
 

@@ -9,10 +9,11 @@ use std::time::{Duration, Instant};
 use super::header::{read_exact, Header};
 use super::keep_alive;
 use crate::lock;
+use crate::registrar::Entry;
 
 /// How long a caller may take to send its request, and to read the answer.
 const CALL_TIMEOUT: Duration = Duration::from_secs(5);
-/// How long a caller that asked for a persistent connection may be silent. It connects anew after that.
+/// How long a caller that asked for a persistent connection may be silent.
 const PERSISTENT_TIMEOUT: Duration = Duration::from_secs(24 * 3600);
 /// The services here are called with a few numbers and names.
 const MAX_REQUEST_BYTES: u32 = 16 << 20;
@@ -24,6 +25,8 @@ pub(crate) type Handler = Box<dyn Fn(&[u8]) -> Result<Vec<u8>, String> + Send + 
 pub(crate) struct Service {
     /// The whole name.
     pub(crate) name: String,
+    /// Which service of the name it is.
+    pub(crate) number: u64,
     /// `package/Name`.
     pub(crate) ros_type: String,
     /// Checksum of the definition.
@@ -38,6 +41,7 @@ impl Service {
     pub(crate) fn new(name: &str, ros_type: String, md5sum: String, handler: Handler) -> Arc<Self> {
         Arc::new(Self {
             name: name.to_owned(),
+            number: Entry::next_number(),
             ros_type,
             md5sum,
             handler,
@@ -85,7 +89,8 @@ impl Service {
     }
 
     fn answer_calls(&self, stream: &mut TcpStream, is_persistent: bool) -> io::Result<()> {
-        let mut patience = CALL_TIMEOUT;
+        // Clients may connect long before their first call.
+        let patience = if is_persistent { PERSISTENT_TIMEOUT } else { CALL_TIMEOUT };
         while !self.is_closed.load(Ordering::Acquire) {
             let mut len = [0; 4];
             match read_exact(stream, &mut len, Instant::now() + patience) {
@@ -110,7 +115,6 @@ impl Service {
             if !is_persistent {
                 return Ok(());
             }
-            patience = PERSISTENT_TIMEOUT;
         }
         Ok(())
     }

@@ -14,13 +14,16 @@ use std::time::{Duration, Instant};
 use super::header::Header;
 use super::keep_alive;
 use crate::lock;
-use crate::xmlrpc::client::connect;
+use crate::xmlrpc::client::{connect, in_order};
 use crate::xmlrpc::{call, CallError, Value};
 
-/// How long another node may take to answer.
-const ANSWER_TIMEOUT: Duration = Duration::from_millis(1500);
+/// How long another node may take to answer. rospy takes one connection after the other, so a busy one takes seconds;
+/// each has a thread here that waits.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 const FIRST_RETRY: Duration = Duration::from_millis(250);
 const LONGEST_RETRY: Duration = Duration::from_secs(2);
+/// After this time one that refuses is tried again: each try is an error in its log.
+const REFUSED_RETRY: Duration = Duration::from_secs(60);
 /// A connection that has stood for so long was a good one: the next break is repaired quickly again.
 const SETTLED: Duration = Duration::from_secs(5);
 /// Longer messages are taken for damage. ROS's own limit is the same.
@@ -42,6 +45,8 @@ pub(crate) struct Wanted {
     pub(crate) definition: String,
     /// The subscribing node's name.
     pub(crate) node_name: String,
+    /// Which subscription of the topic it is.
+    pub(crate) number: u64,
 }
 
 /// A publisher as its connection's header describes it.
@@ -51,6 +56,8 @@ pub(crate) struct Source {
     pub(crate) name: Arc<str>,
     /// Whether what it sends is latched.
     pub(crate) is_latching: bool,
+    /// The number of the connection with it.
+    pub(crate) connection: u64,
 }
 
 /// Takes what comes, on the publisher's thread.
@@ -60,6 +67,9 @@ pub(crate) trait Handler: Send + Sync {
 
     /// A message, its length not among the bytes.
     fn message(&self, bytes: Vec<u8>, source: &Source);
+
+    /// The connection with a publisher ended.
+    fn disconnected(&self, source: &Source);
 }
 
 /// A subscribed topic, until it is dropped.
@@ -197,18 +207,24 @@ fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
     let mut retry = FIRST_RETRY;
     let mut is_logged = false;
     while !link.is_ended() {
-        let begin = Instant::now();
-        let error = match read_messages(link, wanted, handler, &mut is_logged) {
-            Ok(()) => return,
-            Err(error) => error,
+        let (result, stood_for) = match connect_to(link, wanted) {
+            Ok((stream, source)) => {
+                let begin = Instant::now();
+                let result = read_messages(link, stream, &source, wanted, handler, &mut is_logged);
+                lock(&link.connection).take();
+                handler.disconnected(&source);
+                (result, begin.elapsed())
+            }
+            Err(error) => (Err(error), Duration::ZERO),
         };
-        lock(&link.connection).take();
+        let Err(error) = result else { return };
         if link.is_ended() {
             return;
         }
-        if begin.elapsed() >= SETTLED {
+        if stood_for >= SETTLED {
             retry = FIRST_RETRY;
         }
+        let is_refusal = matches!(&error, LinkError::Refused(_) | LinkError::Ask { error: CallError::Refused(_), .. });
         match &error {
             // The publisher may just be ending, of which the master tells in a moment.
             LinkError::Broken(_) => log::debug!("{}: {error}", wanted.topic),
@@ -218,7 +234,7 @@ fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
             }
             _ => log::debug!("{}: {error}", wanted.topic),
         }
-        link.sleep(retry);
+        link.sleep(if is_refusal && is_logged { REFUSED_RETRY } else { retry });
         retry = (retry * 2).min(LONGEST_RETRY);
     }
 }
@@ -243,7 +259,7 @@ fn connect_to(link: &Link, wanted: &Wanted) -> Result<(TcpStream, Source), LinkE
     let (host, port) = ask(&link.uri, wanted).map_err(|error| LinkError::Ask { uri: link.uri.clone(), error })?;
     let address = format!("{host}:{port}");
     let failed = |error| LinkError::Connect { address: address.clone(), error };
-    let addresses: Vec<SocketAddr> = (host.as_str(), port).to_socket_addrs().map_err(failed)?.collect();
+    let addresses = in_order((host.as_str(), port).to_socket_addrs().map_err(failed)?);
     let mut stream = connect(&addresses, Instant::now() + ANSWER_TIMEOUT).map_err(failed)?;
     let request = Header::new([
         ("callerid", wanted.node_name.as_str()),
@@ -259,23 +275,29 @@ fn connect_to(link: &Link, wanted: &Wanted) -> Result<(TcpStream, Source), LinkE
     if let Some(error) = answer.get("error") {
         return Err(LinkError::Refused(error.to_owned()));
     }
-    for (name, own) in [("md5sum", &wanted.md5sum), ("type", &wanted.ros_type)] {
-        match answer.get(name) {
-            None | Some("*") => {}
-            Some(theirs) if theirs == own => {}
-            Some(theirs) => {
-                let publisher = answer.get("callerid").unwrap_or(&address);
-                return Err(LinkError::Refused(format!("{publisher} publishes {name} {theirs}, not {own}")));
-            }
-        }
+    // As for roscpp, the checksum counts and not the name of the type.
+    if let Some(theirs) = answer.get("md5sum").filter(|theirs| *theirs != "*" && *theirs != wanted.md5sum) {
+        let publisher = answer.get("callerid").unwrap_or(&address);
+        let their_type = answer.get("type").unwrap_or("unknown type");
+        let Wanted { ros_type, md5sum, .. } = wanted;
+        let reason = format!("{publisher} publishes {their_type} with md5sum {theirs}, not {ros_type} with {md5sum}");
+        return Err(LinkError::Refused(reason));
     }
     let name = answer.get("callerid").unwrap_or_default().into();
-    Ok((stream, Source { name, is_latching: answer.is_on("latching") }))
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    let connection = NEXT.fetch_add(1, Ordering::Relaxed);
+    Ok((stream, Source { name, is_latching: answer.is_on("latching"), connection }))
 }
 
-/// Connects and reads until the link ends (which is no error) or the connection does.
-fn read_messages(link: &Link, wanted: &Wanted, handler: &dyn Handler, is_logged: &mut bool) -> Result<(), LinkError> {
-    let (mut stream, source) = connect_to(link, wanted)?;
+/// Reads until the link ends (which is no error) or the connection does.
+fn read_messages(
+    link: &Link,
+    mut stream: TcpStream,
+    source: &Source,
+    wanted: &Wanted,
+    handler: &dyn Handler,
+    is_logged: &mut bool,
+) -> Result<(), LinkError> {
     stream.set_read_timeout(None).map_err(LinkError::Broken)?;
     keep_alive(&stream).map_err(LinkError::Broken)?;
     let shared = stream.try_clone().map_err(LinkError::Broken)?;
@@ -283,7 +305,7 @@ fn read_messages(link: &Link, wanted: &Wanted, handler: &dyn Handler, is_logged:
     if std::mem::take(is_logged) {
         log::info!("{}: connected with {}", wanted.topic, source.name);
     }
-    handler.connected(&source);
+    handler.connected(source);
     while !link.is_ended() {
         let bytes = match read_message(&mut stream) {
             Ok(bytes) => bytes,
@@ -292,7 +314,10 @@ fn read_messages(link: &Link, wanted: &Wanted, handler: &dyn Handler, is_logged:
         };
         link.received_bytes.fetch_add(bytes.len() as u64 + 4, Ordering::Relaxed);
         link.received_messages.fetch_add(1, Ordering::Relaxed);
-        handler.message(bytes, &source);
+        // What was under way when its publisher left is no longer wanted.
+        if !link.is_ended() {
+            handler.message(bytes, source);
+        }
     }
     Ok(())
 }
@@ -360,6 +385,8 @@ mod tests {
         fn message(&self, bytes: Vec<u8>, source: &Source) {
             let _ = lock(&self.0).send((bytes, source.clone()));
         }
+
+        fn disconnected(&self, _source: &Source) {}
     }
 
     fn subscribe() -> (Subscription, Receiver<(Vec<u8>, Source)>) {
@@ -370,6 +397,7 @@ mod tests {
             md5sum: "abc".to_owned(),
             definition: String::new(),
             node_name: "/listener".to_owned(),
+            number: 0,
         };
         (Subscription::new(wanted, Arc::new(Collect(Mutex::new(sender)))), messages)
     }
@@ -385,13 +413,13 @@ mod tests {
     fn messages_come_with_their_publisher_and_again_after_each_break() {
         let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
         subscription.set_publishers(&[publisher.uri()]);
-        let source = Source { name: "/talker".into(), is_latching: true };
         for value in 0..4 {
             let begin = Instant::now();
             let mut stream = publisher.accept();
             assert!(begin.elapsed() < Duration::from_millis(2500), "broken for {:?}", begin.elapsed());
             send(&mut stream, &[value; 3]);
-            assert_eq!(messages.recv_timeout(PATIENCE).unwrap(), (vec![value; 3], source.clone()));
+            let (bytes, source) = messages.recv_timeout(PATIENCE).unwrap();
+            assert_eq!((bytes, &*source.name, source.is_latching), (vec![value; 3], "/talker", true));
         }
         assert_eq!(subscription.links()[0].received_messages.load(Ordering::Relaxed), 4);
     }

@@ -50,16 +50,23 @@ pub(crate) fn host_and_port(uri: &str) -> Option<(String, u16)> {
 pub(crate) fn addresses(uri: &str) -> Result<Vec<SocketAddr>, CallError> {
     let (host, port) = host_and_port(uri).ok_or_else(|| CallError::Uri(uri.to_owned()))?;
     match (host.as_str(), port).to_socket_addrs() {
-        Ok(addresses) => Ok(addresses.collect()),
+        Ok(addresses) => Ok(in_order(addresses)),
         Err(source) => Err(CallError::Host { host, source }),
     }
 }
 
-/// Connects to the first of some addresses that accepts before the deadline.
+/// A host's addresses in the order in which they are tried: ROS 1 uses version 4.
+pub(crate) fn in_order(addresses: impl Iterator<Item = SocketAddr>) -> Vec<SocketAddr> {
+    let mut addresses: Vec<SocketAddr> = addresses.collect();
+    addresses.sort_by_key(|address| !address.is_ipv4());
+    addresses
+}
+
+/// Connects to the first of some addresses that accepts before the deadline. Each has its share of the time.
 pub(crate) fn connect(addresses: &[SocketAddr], deadline: Instant) -> io::Result<TcpStream> {
     let mut last = io::Error::from(io::ErrorKind::AddrNotAvailable);
-    for address in addresses {
-        let left = deadline.saturating_duration_since(Instant::now());
+    for (index, address) in addresses.iter().enumerate() {
+        let left = deadline.saturating_duration_since(Instant::now()) / (addresses.len() - index) as u32;
         if left.is_zero() {
             return Err(io::ErrorKind::TimedOut.into());
         }
@@ -76,8 +83,8 @@ pub(crate) fn connect(addresses: &[SocketAddr], deadline: Instant) -> io::Result
 
 /// Posts a body and reads the answer's.
 pub(crate) fn post(uri: &str, body: &str, timeout: Duration) -> Result<String, CallError> {
-    let deadline = Instant::now() + timeout;
     let addresses = addresses(uri)?;
+    let deadline = Instant::now() + timeout;
     let (host, port) = host_and_port(uri).ok_or_else(|| CallError::Uri(uri.to_owned()))?;
     let mut stream = connect(&addresses, deadline).map_err(CallError::Connection)?;
     // HTTP 1.0, because its answers come in one piece.

@@ -6,8 +6,10 @@ use std::time::{Duration, Instant};
 
 /// No client of ROS sends a longer head.
 const MAX_HEAD_BYTES: usize = 16 * 1024;
-/// The longest body: a robot description of 64 MB fits.
-pub(super) const MAX_BODY_BYTES: usize = 128 * 1024 * 1024;
+/// The longest body that another process's call may have: no call of the graph is longer.
+const MAX_REQUEST_BYTES: usize = 16 * 1024 * 1024;
+/// The longest body of an answer: a robot description of 64 MB fits.
+const MAX_RESPONSE_BYTES: usize = 128 * 1024 * 1024;
 const MAX_HEADERS: usize = 64;
 
 /// Which message is read.
@@ -15,6 +17,15 @@ const MAX_HEADERS: usize = 64;
 pub(super) enum Side {
     Request,
     Response,
+}
+
+impl Side {
+    fn max_body_bytes(self) -> usize {
+        match self {
+            Self::Request => MAX_REQUEST_BYTES,
+            Self::Response => MAX_RESPONSE_BYTES,
+        }
+    }
 }
 
 /// What a head says.
@@ -38,10 +49,13 @@ fn read_some(stream: &mut TcpStream, bytes: &mut Vec<u8>, deadline: Instant) -> 
     }
     stream.set_read_timeout(Some(left.max(Duration::from_millis(1))))?;
     let mut piece = [0; 16 * 1024];
-    let len = stream.read(&mut piece).map_err(|error| match error.kind() {
-        io::ErrorKind::WouldBlock => io::ErrorKind::TimedOut.into(),
-        _ => error,
-    })?;
+    let len = loop {
+        match stream.read(&mut piece) {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Err(io::ErrorKind::TimedOut.into()),
+            other => break other?,
+        }
+    };
     bytes.extend_from_slice(piece.get(..len).unwrap_or_default());
     Ok(len)
 }
@@ -75,7 +89,7 @@ fn head(bytes: &[u8], side: Side) -> io::Result<Option<Head>> {
         Some(text) => Some(text.parse().map_err(|_| bad("Content-Length is no number"))?),
         None => None,
     };
-    if body_bytes.is_some_and(|len| len > MAX_BODY_BYTES) {
+    if body_bytes.is_some_and(|len| len > side.max_body_bytes()) {
         return Err(bad("the HTTP body is too long"));
     }
     Ok(Some(Head {
@@ -87,7 +101,7 @@ fn head(bytes: &[u8], side: Side) -> io::Result<Option<Head>> {
 }
 
 /// The body of a chunked message, once it is complete.
-fn dechunked(mut bytes: &[u8]) -> io::Result<Option<Vec<u8>>> {
+fn dechunked(mut bytes: &[u8], max_bytes: usize) -> io::Result<Option<Vec<u8>>> {
     let mut body = Vec::new();
     loop {
         let (at, size) = match httparse::parse_chunk_size(bytes) {
@@ -98,7 +112,7 @@ fn dechunked(mut bytes: &[u8]) -> io::Result<Option<Vec<u8>>> {
         if size == 0 {
             return Ok(Some(body));
         }
-        if body.len().saturating_add(size) > MAX_BODY_BYTES {
+        if body.len().saturating_add(size) > max_bytes {
             return Err(bad("the HTTP body is too long"));
         }
         let (Some(chunk), Some(rest)) = (bytes.get(at..at + size), bytes.get(at + size + 2..)) else {
@@ -130,13 +144,13 @@ pub(super) fn read_body(stream: &mut TcpStream, side: Side, deadline: Instant) -
     let mut body = bytes.split_off(head.len);
     if head.is_chunked {
         loop {
-            if let Some(whole) = dechunked(&body)? {
+            if let Some(whole) = dechunked(&body, side.max_body_bytes())? {
                 return Ok(whole);
             }
             if read_some(stream, &mut body, deadline)? == 0 {
                 return Err(io::ErrorKind::UnexpectedEof.into());
             }
-            if body.len() > 2 * MAX_BODY_BYTES {
+            if body.len() > 2 * side.max_body_bytes() {
                 return Err(bad("the HTTP body is too long"));
             }
         }
@@ -153,7 +167,7 @@ pub(super) fn read_body(stream: &mut TcpStream, side: Side, deadline: Instant) -
         None if side == Side::Request => return Err(bad("a request without Content-Length")),
         None => {
             while read_some(stream, &mut body, deadline)? > 0 {
-                if body.len() > MAX_BODY_BYTES {
+                if body.len() > side.max_body_bytes() {
                     return Err(bad("the HTTP body is too long"));
                 }
             }

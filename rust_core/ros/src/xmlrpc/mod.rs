@@ -14,4 +14,4 @@ mod value;
 
 pub(crate) use client::{call, CallError};
 pub(crate) use server::{Answer, Server};
-pub(crate) use value::{parse_call, request, Value};
+pub(crate) use value::{parse_call, Value};

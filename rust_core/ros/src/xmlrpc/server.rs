@@ -27,6 +27,7 @@ pub(crate) enum Answer {
 /// Answers calls until it is dropped.
 pub(crate) struct Server {
     address: SocketAddr,
+    listener: Arc<TcpListener>,
     ended: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -53,12 +54,13 @@ impl Server {
         listener: TcpListener,
         handler: impl Fn(&str) -> Answer + Send + Sync + 'static,
     ) -> io::Result<Self> {
-        let address = listener.local_addr()?;
+        let (address, listener) = (listener.local_addr()?, Arc::new(listener));
         let ended = Arc::new(AtomicBool::new(false));
         let (end, handler, thread_name) = (Arc::clone(&ended), Arc::new(handler), format!("{name}-call"));
-        let accepting = move || accept(&listener, &end, &thread_name, &handler);
+        let accepted = Arc::clone(&listener);
+        let accepting = move || accept(&accepted, &end, &thread_name, &handler);
         let thread = std::thread::Builder::new().name(name.to_owned()).spawn(accepting)?;
-        Ok(Self { address, ended, thread: Some(thread) })
+        Ok(Self { address, listener, ended, thread: Some(thread) })
     }
 
     /// Where it listens.
@@ -70,7 +72,7 @@ impl Server {
 impl Drop for Server {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Release);
-        wake(self.address);
+        end(&self.listener);
         if let Some(thread) = self.thread.take() {
             // A panic there was reported by its own thread.
             let _ = thread.join();
@@ -78,17 +80,10 @@ impl Drop for Server {
     }
 }
 
-/// Lets a thread that waits in `accept` look at its flag.
-pub(crate) fn wake(mut listener: SocketAddr) {
-    if listener.ip().is_unspecified() {
-        listener.set_ip(if listener.is_ipv4() {
-            std::net::Ipv4Addr::LOCALHOST.into()
-        } else {
-            std::net::Ipv6Addr::LOCALHOST.into()
-        });
-    }
-    // Where it fails, nobody listens any more.
-    let _ = TcpStream::connect_timeout(&listener, Duration::from_millis(200));
+/// Ends a listening socket, so that the thread which waits in `accept` goes on and looks at its flag.
+pub(crate) fn end(listener: &TcpListener) {
+    // Fails only where it has ended.
+    let _ = rustix::net::shutdown(listener, rustix::net::Shutdown::Both);
 }
 
 /// Counts a connection for as long as it lives.
