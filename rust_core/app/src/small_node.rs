@@ -44,7 +44,7 @@ pub fn remapping_of(name: &str) -> Option<String> {
 /// Runs a program with the process's arguments. An error is printed in one line after the program's name.
 pub fn run_main<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<()>) -> ExitCode {
     let arguments = A::parse_from(own_arguments());
-    logging::start(false);
+    logging::start_node(false);
     match run(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -104,13 +104,17 @@ impl EndRequest {
     }
 }
 
-/// Waits for the ROS master, which is logged once, and starts the node. `None` if the shutdown was requested meanwhile.
+/// Waits for the ROS master, which is logged once, and starts the node, whose log is on `/rosout` from then on. `None`
+/// if the shutdown was requested meanwhile.
 ///
 /// # Errors
 /// [`NodeError`] if the master's address is invalid or the node cannot start.
 pub fn connect(default_name: &str, end: &EndRequest) -> Result<Option<RosNode>, NodeError> {
     match RosNode::connect(default_name, &|| end.is_requested()) {
-        Ok(node) => Ok(Some(node)),
+        Ok(node) => {
+            node.serve_log(logging::loggers())?;
+            Ok(Some(node))
+        }
         Err(NodeError::Cancelled(_)) => Ok(None),
         Err(error) => Err(error),
     }

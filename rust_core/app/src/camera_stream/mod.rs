@@ -44,7 +44,11 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { INVALID } else { 0 });
         }
     };
-    logging::start(cli.is_debug());
+    if cli.command.is_none() {
+        logging::start_node(cli.is_debug());
+    } else {
+        logging::start(cli.is_debug());
+    }
     if cli.may_use_gpu() {
         quiet_graphics_libraries();
     }

@@ -212,7 +212,7 @@ impl CameraOutput {
             Err(problem) => {
                 // The last picture must not pass for a current one.
                 self.last = None;
-                self.health.record_problem(&self.view.name, problem);
+                self.health.record_problem(&self.view.name, problem, Instant::now());
                 return Ok(false);
             }
         };

@@ -1,5 +1,7 @@
 //! Status of one of the node's cameras: its problems, its counters and its latency, for the log and its statuses.
 
+use std::time::{Duration, Instant};
+
 use anyhow::Result;
 use rcs_displays::{CameraView, Level};
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -11,11 +13,16 @@ use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::logging::one_line;
 
+/// How long a CameraInfo or a frame may be missing before that is logged: at the start it is usually just on its way.
+const PATIENCE: Duration = Duration::from_secs(2);
+
 /// What is known of a camera's pictures.
 #[derive(Debug, Default)]
 pub(super) struct CameraHealth {
-    /// Why there is no camera at present.
+    /// Why there is no camera at present, since when, and whether that was logged.
     problem: Option<CameraProblem>,
+    problem_since: Option<Instant>,
+    is_problem_logged: bool,
     /// Why the last picture failed.
     last_error: Option<String>,
     has_warned_about_projection: bool,
@@ -43,8 +50,9 @@ impl CameraHealth {
         });
     }
 
-    /// Records why there is no camera, and logs it if it is another problem than before.
-    pub(super) fn record_problem(&mut self, camera: &str, problem: CameraProblem) {
+    /// Records why there is no camera, and logs it once: an invalid CameraInfo at once, what may still arrive when it
+    /// has been missing for a while.
+    pub(super) fn record_problem(&mut self, camera: &str, problem: CameraProblem, now: Instant) {
         let same_kind = |known: &CameraProblem| std::mem::discriminant(known) == std::mem::discriminant(&problem);
         let is_new = match (&self.problem, &problem) {
             // Its text has times in it.
@@ -53,18 +61,23 @@ impl CameraHealth {
             (known, _) => known.as_ref().map(ToString::to_string) != Some(problem.to_string()),
         };
         if is_new {
-            match problem {
-                CameraProblem::BadCameraInfo { .. } => log::error!("camera {camera}: {problem}"),
-                _ => log::warn!("camera {camera}: {problem}"),
-            }
+            self.problem_since = Some(now);
+            self.is_problem_logged = false;
+        }
+        let lasts = self.problem_since.map_or(Duration::ZERO, |since| now.saturating_duration_since(since));
+        let is_invalid = matches!(problem, CameraProblem::BadCameraInfo { .. });
+        if !self.is_problem_logged && (is_invalid || lasts >= PATIENCE) {
+            self.is_problem_logged = true;
+            let level = if is_invalid { log::Level::Error } else { log::Level::Warn };
+            log::log!(level, "camera {camera}: {problem}");
         }
         self.problem = Some(problem);
         self.latency.forget();
     }
 
-    /// Records that there is a camera, and logs it if there was none.
+    /// Records that there is a camera, and logs it if it was logged that there is none.
     pub(super) fn clear_problem(&mut self, camera: &str) {
-        if self.problem.take().is_some() {
+        if self.problem.take().is_some() && self.is_problem_logged {
             log::info!("camera {camera}: ok");
         }
     }

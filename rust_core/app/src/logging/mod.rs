@@ -1,0 +1,275 @@
+//! The log: lines on standard error, in a node as roscpp prints them and on `/rosout`, too.
+//!
+//! A node's lines have severity and time, `[ WARN] [1795339227.153895123]: text`; `ROSCONSOLE_FORMAT` gives them
+//! another form. `__log:=FILE`, which roslaunch gives, names a file that gets all of them. Where standard output is a
+//! file, as with roslaunch's `output="log"`, information goes there, as roscpp's does. The programs that are no nodes
+//! leave out the time.
+//!
+//! This project's crates log information and worse, all other crates only errors. The environment variable `RUST_LOG`
+//! overrides that, in env_logger's syntax: `RUST_LOG=rcs_ros=debug`; the node's service `~set_logger_level` overrides
+//! both.
+
+mod format;
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, IsTerminal as _, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::{Duration, SystemTime};
+
+use log::{Level, LevelFilter, Log, Metadata, Record};
+use rcs_ros::{log_line, node_time, LogLine, Loggers};
+
+use format::{Format, Line};
+
+/// What the names of this project's crates begin with.
+const OWN_CRATES: &str = "rcs_";
+/// The loggers, as rqt_logger_level shows them: everything, and this package.
+const ROOT_LOGGER: &str = "ros";
+const OWN_LOGGER: &str = "ros.rviz_camera_stream";
+const LOG_ARGUMENT: &str = "__log:=";
+const PLAIN_FORMAT: &str = "[${severity}] ${message}";
+const LEVELS: [(&str, LevelFilter); 5] = [
+    ("debug", LevelFilter::Debug),
+    ("info", LevelFilter::Info),
+    ("warn", LevelFilter::Warn),
+    ("error", LevelFilter::Error),
+    // Nothing here is fatal and goes on.
+    ("fatal", LevelFilter::Off),
+];
+
+/// A level that may have been chosen while the program runs.
+#[derive(Debug)]
+struct Chosen(AtomicUsize);
+
+impl Chosen {
+    const NONE: usize = usize::MAX;
+
+    const fn new() -> Self {
+        Self(AtomicUsize::new(Self::NONE))
+    }
+
+    fn get(&self) -> Option<LevelFilter> {
+        let chosen = self.0.load(Ordering::Relaxed);
+        LevelFilter::iter().find(|level| *level as usize == chosen)
+    }
+
+    fn set(&self, level: LevelFilter) {
+        self.0.store(level as usize, Ordering::Relaxed);
+    }
+}
+
+/// Where lines go and which.
+struct Console {
+    /// What counts while no level was chosen.
+    filter: env_logger::Logger,
+    own_level: Chosen,
+    root_level: Chosen,
+    format: Format,
+    is_node: bool,
+    /// Information goes to standard output.
+    has_output_file: bool,
+    is_coloured: bool,
+    file: Option<Mutex<File>>,
+}
+
+/// Starts logging for a program that is no node; with `debug` also this project's debug messages.
+pub fn start(debug: bool) {
+    install(Console::new(debug, Format::parse(PLAIN_FORMAT), false));
+}
+
+/// Starts logging for a node; with `debug` also this project's debug messages.
+pub fn start_node(debug: bool) {
+    let format = std::env::var("ROSCONSOLE_FORMAT").unwrap_or_else(|_| format::DEFAULT.to_owned());
+    let mut console = Console::new(debug, Format::parse(&format), true);
+    let path = std::env::args_os().skip(1).find_map(|argument| {
+        Some(argument.to_str()?.strip_prefix(LOG_ARGUMENT)?.to_owned()).filter(|path| !path.is_empty())
+    });
+    let opened = path.map(|path| (OpenOptions::new().create(true).append(true).open(&path), path));
+    let mut failure = None;
+    match opened {
+        Some((Ok(file), _)) => console.file = Some(Mutex::new(file)),
+        Some((Err(error), path)) => failure = Some(format!("no log file {path}: {error}")),
+        None => {}
+    }
+    install(console);
+    if let Some(failure) = failure {
+        log::warn!("{failure}");
+    }
+}
+
+static CONSOLE: OnceLock<Console> = OnceLock::new();
+
+fn install(console: Console) {
+    // A second call changes nothing.
+    let console = CONSOLE.get_or_init(|| console);
+    if log::set_logger(console).is_ok() {
+        log::set_max_level(console.filter.filter());
+    }
+}
+
+/// The loggers whose levels a node's services change.
+pub fn loggers() -> Arc<dyn Loggers> {
+    Arc::new(NodeLoggers)
+}
+
+struct NodeLoggers;
+
+impl Loggers for NodeLoggers {
+    fn levels(&self) -> Vec<(String, String)> {
+        let Some(console) = CONSOLE.get() else { return Vec::new() };
+        let name = |level: LevelFilter| {
+            let known = LEVELS.iter().find(|(_, known)| *known == level);
+            known.map_or("debug", |(name, _)| *name).to_owned()
+        };
+        [(ROOT_LOGGER, console.level_of("other")), (OWN_LOGGER, console.level_of(OWN_CRATES))]
+            .map(|(logger, level)| (logger.to_owned(), name(level)))
+            .to_vec()
+    }
+
+    fn set_level(&self, logger: &str, level: &str) -> bool {
+        let level = LEVELS.iter().find(|(name, _)| name.eq_ignore_ascii_case(level));
+        let (Some(console), Some((_, level))) = (CONSOLE.get(), level) else { return false };
+        match logger {
+            ROOT_LOGGER => console.root_level.set(*level),
+            OWN_LOGGER => console.own_level.set(*level),
+            _ => return false,
+        }
+        log::set_max_level(console.filter.filter().max(console.level_of("other")).max(console.level_of(OWN_CRATES)));
+        true
+    }
+}
+
+impl Console {
+    fn new(debug: bool, format: Format, is_node: bool) -> Self {
+        let own_level = if debug { LevelFilter::Debug } else { LevelFilter::Info };
+        let mut builder = env_logger::Builder::new();
+        builder.filter_level(LevelFilter::Error).filter_module(OWN_CRATES, own_level).parse_default_env();
+        Self {
+            filter: builder.build(),
+            own_level: Chosen::new(),
+            root_level: Chosen::new(),
+            format,
+            is_node,
+            has_output_file: is_node && is_file(&io::stdout()),
+            is_coloured: is_node && io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none(),
+            file: None,
+        }
+    }
+
+    /// The level that was chosen for a target: a logger has the level of the one above it until it is given one.
+    fn chosen(&self, target: &str) -> Option<LevelFilter> {
+        let own = target.starts_with(OWN_CRATES).then(|| self.own_level.get()).flatten();
+        own.or_else(|| self.root_level.get())
+    }
+
+    /// What a target logs.
+    fn level_of(&self, target: &str) -> LevelFilter {
+        self.chosen(target).unwrap_or_else(|| {
+            let is_logged =
+                |level: &Level| self.filter.enabled(&Metadata::builder().level(*level).target(target).build());
+            Level::iter().filter(is_logged).last().map_or(LevelFilter::Off, |level| level.to_level_filter())
+        })
+    }
+
+    fn write(&self, level: Level, text: &str) {
+        // A stream that is closed is nobody's to read.
+        let _ = if self.has_output_file && level >= Level::Info {
+            let mut out = io::stdout().lock();
+            writeln!(out, "{text}").and_then(|()| out.flush())
+        } else {
+            let colour = match level {
+                _ if !self.is_coloured => None,
+                Level::Error => Some("\x1b[31m"),
+                Level::Warn => Some("\x1b[33m"),
+                Level::Info => None,
+                Level::Debug | Level::Trace => Some("\x1b[32m"),
+            };
+            match colour {
+                Some(colour) => writeln!(io::stderr(), "{colour}{text}\x1b[0m"),
+                None => writeln!(io::stderr(), "{text}"),
+            }
+        };
+        if let Some(file) = &self.file {
+            let _ = writeln!(file.lock().unwrap_or_else(PoisonError::into_inner), "{text}");
+        }
+    }
+}
+
+/// Whether a stream is a file on a disk.
+fn is_file(stream: &impl std::os::fd::AsFd) -> bool {
+    let metadata = stream.as_fd().try_clone_to_owned().and_then(|descriptor| File::from(descriptor).metadata());
+    metadata.is_ok_and(|metadata| metadata.is_file())
+}
+
+impl Log for Console {
+    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
+        match self.chosen(metadata.target()) {
+            Some(level) => metadata.level() <= level,
+            None => self.filter.enabled(metadata),
+        }
+    }
+
+    fn log(&self, record: &Record<'_>) {
+        let is_chosen = self.chosen(record.target()).is_some();
+        if !self.enabled(record.metadata()) || (!is_chosen && !self.filter.matches(record)) {
+            return;
+        }
+        let text = record.args().to_string();
+        let now = if self.is_node { node_time() } else { None };
+        let simulated = now.as_ref().filter(|now| now.is_simulated);
+        let line = Line {
+            level: record.level(),
+            text: &text,
+            wall: SystemTime::now(),
+            simulated: simulated.map(|now| Duration::new(now.stamp.sec.into(), now.stamp.nsec)),
+            logger: if record.target().starts_with(OWN_CRATES) { OWN_LOGGER } else { ROOT_LOGGER },
+            file: record.file().unwrap_or_default(),
+            line: record.line().unwrap_or_default(),
+            function: record.module_path().unwrap_or_default(),
+            node: now.as_ref().map(|now| now.name.as_str()).unwrap_or_default(),
+        };
+        self.write(record.level(), &self.format.apply(&line));
+        if self.is_node {
+            log_line(LogLine {
+                level: record.level(),
+                module: line.function.to_owned(),
+                file: line.file.to_owned(),
+                line: line.line,
+                stamp: now.as_ref().map(|now| now.stamp).unwrap_or_default(),
+                text,
+            });
+        }
+    }
+
+    fn flush(&self) {}
+}
+
+/// An error with its causes in one line; a cause that is part of the text before it is left out.
+pub fn one_line(error: &anyhow::Error) -> String {
+    let mut line = String::new();
+    for cause in error.chain() {
+        let text = cause.to_string().replace('\n', " ");
+        if line.is_empty() {
+            line = text;
+        } else if !line.contains(&text) {
+            line = format!("{line}: {text}");
+        }
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::{anyhow, Context};
+
+    use super::*;
+
+    #[test]
+    fn a_cause_is_named_once() {
+        let error = anyhow!("no such file").context("a.bag: no such file").context("cannot render");
+        assert_eq!(one_line(&error), "cannot render: a.bag: no such file");
+        let parsed = "x".parse::<u8>().context("rate");
+        assert_eq!(one_line(&parsed.unwrap_err()), "rate: invalid digit found in string");
+    }
+}
