@@ -36,11 +36,13 @@
 //! | `node_api` | what the master, other nodes and tools ask the node |
 //! | `rosrust_master` | what rosrust takes for the master |
 //! | `graph` | the master's API, and what it knows of the other nodes |
+//! | `acceptor` | a listening socket whose connections have a thread each |
 //! | `tcpros` | connections with publishers, subscribers and services' callers |
 //! | `xmlrpc` | calls to the master and to nodes, and a server of them |
 
 #![forbid(unsafe_code)]
 
+mod acceptor;
 mod clock;
 pub mod diagnostics_topic;
 mod events;

@@ -3,21 +3,19 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::header::Header;
 use super::publication::Publication;
 use super::service::Service;
+use crate::acceptor::{Acceptor, Limits};
 use crate::lock;
 
 /// How long a subscriber may take to say what it wants.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
-/// Connections beyond these are turned away, those of subscribers included.
-const MAX_CONNECTIONS: usize = 512;
-const STACK_BYTES: usize = 256 * 1024;
+/// Those of subscribers included.
+const LIMITS: Limits = Limits { connections: 512, stack_bytes: 256 * 1024 };
 
 /// What the port serves, by whole names.
 #[derive(Default)]
@@ -28,11 +26,8 @@ struct Served {
 
 /// The node's port for topics, until it is dropped.
 pub(crate) struct Listener {
-    address: SocketAddr,
-    listener: Arc<TcpListener>,
+    acceptor: Acceptor,
     served: Arc<Served>,
-    ended: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
 }
 
 impl Listener {
@@ -41,19 +36,16 @@ impl Listener {
     /// # Errors
     /// The system's, where the address cannot be had or there is no thread left.
     pub(crate) fn start(address: SocketAddr, node_name: &str) -> io::Result<Self> {
-        let listener = Arc::new(TcpListener::bind(address)?);
-        let address = listener.local_addr()?;
-        let (served, ended) = (Arc::<Served>::default(), Arc::new(AtomicBool::new(false)));
-        let (known, end, node_name) = (Arc::clone(&served), Arc::clone(&ended), Arc::from(node_name));
-        let accepted = Arc::clone(&listener);
-        let accepting = move || accept(&accepted, &end, &known, &node_name);
-        let thread = std::thread::Builder::new().name("tcpros".to_owned()).spawn(accepting)?;
-        Ok(Self { address, listener, served, ended, thread: Some(thread) })
+        let (served, node_name) = (Arc::<Served>::default(), node_name.to_owned());
+        let known = Arc::clone(&served);
+        let serving = move |stream| serve(stream, &known, &node_name);
+        let acceptor = Acceptor::start("tcpros", TcpListener::bind(address)?, LIMITS, serving)?;
+        Ok(Self { acceptor, served })
     }
 
     /// The port that `requestTopic` answers with.
     pub(crate) fn port(&self) -> u16 {
-        self.address.port()
+        self.acceptor.address().port()
     }
 
     /// Serves a publication from now on, in place of one of the same topic.
@@ -101,60 +93,13 @@ impl Listener {
 
 impl Drop for Listener {
     fn drop(&mut self) {
-        self.ended.store(true, Ordering::Release);
-        crate::xmlrpc::server::end(&self.listener);
-        if let Some(thread) = self.thread.take() {
-            // A panic there was reported by its own thread.
-            let _ = thread.join();
-        }
+        // First, or another one might come.
+        self.acceptor.end();
         for publication in self.publications() {
             publication.close();
         }
         for service in lock(&self.served.services).values() {
             service.close();
-        }
-    }
-}
-
-/// Counts a connection for as long as it lives.
-struct Counted(Arc<AtomicUsize>);
-
-impl Drop for Counted {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::AcqRel);
-    }
-}
-
-fn accept(listener: &TcpListener, ended: &AtomicBool, served: &Arc<Served>, node_name: &Arc<str>) {
-    let open = Arc::new(AtomicUsize::new(0));
-    loop {
-        let accepted = listener.accept();
-        if ended.load(Ordering::Acquire) {
-            return;
-        }
-        let stream = match accepted {
-            Ok((stream, _)) => stream,
-            Err(error) => {
-                log::debug!("a subscriber's connection failed: {error}");
-                // No descriptor is left, say; others may be closed soon.
-                std::thread::sleep(Duration::from_millis(20));
-                continue;
-            }
-        };
-        if open.fetch_add(1, Ordering::AcqRel) >= MAX_CONNECTIONS {
-            open.fetch_sub(1, Ordering::AcqRel);
-            continue;
-        }
-        let (counted, served, node_name) = (Counted(Arc::clone(&open)), Arc::clone(served), Arc::clone(node_name));
-        let serving = move || {
-            let _counted = counted;
-            if let Err(error) = serve(stream, &served, &node_name) {
-                log::debug!("a subscriber's connection ended: {error}");
-            }
-        };
-        let spawned = std::thread::Builder::new().name("tcpros-sub".to_owned()).stack_size(STACK_BYTES).spawn(serving);
-        if let Err(error) = spawned {
-            log::warn!("a subscriber cannot be served: {error}");
         }
     }
 }

@@ -2,19 +2,15 @@
 
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::Arc;
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::http::{self, Side};
 use super::value::{self, Value};
+use crate::acceptor::{Acceptor, Limits};
 
 /// How long a caller may take for a whole call.
 const CALL_TIMEOUT: Duration = Duration::from_secs(5);
-/// Callers beyond these are turned away.
-const MAX_CONNECTIONS: usize = 64;
-const STACK_BYTES: usize = 512 * 1024;
+const LIMITS: Limits = Limits { connections: 64, stack_bytes: 512 * 1024 };
 
 /// What a handler makes of a call.
 pub(crate) enum Answer {
@@ -25,12 +21,7 @@ pub(crate) enum Answer {
 }
 
 /// Answers calls until it is dropped.
-pub(crate) struct Server {
-    address: SocketAddr,
-    listener: Arc<TcpListener>,
-    ended: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
+pub(crate) struct Server(Acceptor);
 
 impl Server {
     /// Listens at an address (port 0: a free one) and answers each call, given as text, on a thread of its own.
@@ -54,81 +45,12 @@ impl Server {
         listener: TcpListener,
         handler: impl Fn(&str) -> Answer + Send + Sync + 'static,
     ) -> io::Result<Self> {
-        let (address, listener) = (listener.local_addr()?, Arc::new(listener));
-        let ended = Arc::new(AtomicBool::new(false));
-        let (end, handler, thread_name) = (Arc::clone(&ended), Arc::new(handler), format!("{name}-call"));
-        let accepted = Arc::clone(&listener);
-        let accepting = move || accept(&accepted, &end, &thread_name, &handler);
-        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(accepting)?;
-        Ok(Self { address, listener, ended, thread: Some(thread) })
+        Acceptor::start(name, listener, LIMITS, move |stream| answer(stream, &handler)).map(Self)
     }
 
     /// Where it listens.
     pub(crate) fn address(&self) -> SocketAddr {
-        self.address
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        self.ended.store(true, Ordering::Release);
-        end(&self.listener);
-        if let Some(thread) = self.thread.take() {
-            // A panic there was reported by its own thread.
-            let _ = thread.join();
-        }
-    }
-}
-
-/// Ends a listening socket, so that the thread which waits in `accept` goes on and looks at its flag.
-pub(crate) fn end(listener: &TcpListener) {
-    // Fails only where it has ended.
-    let _ = rustix::net::shutdown(listener, rustix::net::Shutdown::Both);
-}
-
-/// Counts a connection for as long as it lives.
-struct Counted(Arc<AtomicUsize>);
-
-impl Drop for Counted {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::AcqRel);
-    }
-}
-
-fn accept<H>(listener: &TcpListener, ended: &AtomicBool, name: &str, handler: &Arc<H>)
-where
-    H: Fn(&str) -> Answer + Send + Sync + 'static,
-{
-    let open = Arc::new(AtomicUsize::new(0));
-    loop {
-        let accepted = listener.accept();
-        if ended.load(Ordering::Acquire) {
-            return;
-        }
-        let stream = match accepted {
-            Ok((stream, _)) => stream,
-            Err(error) => {
-                log::debug!("{name}: {error}");
-                // No descriptor is left, say; others may be closed soon.
-                std::thread::sleep(Duration::from_millis(20));
-                continue;
-            }
-        };
-        if open.fetch_add(1, Ordering::AcqRel) >= MAX_CONNECTIONS {
-            open.fetch_sub(1, Ordering::AcqRel);
-            continue;
-        }
-        let (counted, handler) = (Counted(Arc::clone(&open)), Arc::clone(handler));
-        let answering = move || {
-            let _counted = counted;
-            if let Err(error) = answer(stream, &*handler) {
-                log::debug!("a call was not answered: {error}");
-            }
-        };
-        let spawned = std::thread::Builder::new().name(name.to_owned()).stack_size(STACK_BYTES).spawn(answering);
-        if let Err(error) = spawned {
-            log::debug!("{name}: {error}");
-        }
+        self.0.address()
     }
 }
 

@@ -1,0 +1,118 @@
+//! A listening socket whose connections have a thread each, up to a number of them.
+
+use std::io;
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// How long accepting pauses after an error: no descriptor is left, say, and others may be closed soon.
+const ERROR_PAUSE: Duration = Duration::from_millis(20);
+
+/// What the connections of a socket may take.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Connections beyond these are closed at once.
+    pub(crate) connections: usize,
+    /// The stack of each connection's thread.
+    pub(crate) stack_bytes: usize,
+}
+
+/// Accepts connections until it is dropped.
+pub(crate) struct Acceptor {
+    address: SocketAddr,
+    listener: Arc<TcpListener>,
+    is_ended: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Acceptor {
+    /// Calls `serve` with each connection, on a thread of its own. `name` is that of the accepting thread, those of the
+    /// connections begin with it.
+    ///
+    /// # Errors
+    /// The system's, where there is no thread left.
+    pub(crate) fn start(
+        name: &str,
+        listener: TcpListener,
+        limits: Limits,
+        serve: impl Fn(TcpStream) -> io::Result<()> + Send + Sync + 'static,
+    ) -> io::Result<Self> {
+        let (address, listener) = (listener.local_addr()?, Arc::new(listener));
+        let is_ended = Arc::new(AtomicBool::new(false));
+        let (accepting, end, serve) = (Arc::clone(&listener), Arc::clone(&is_ended), Arc::new(serve));
+        let connection_name = format!("{name}-conn");
+        let run = move || accept(&accepting, &end, &connection_name, limits, &serve);
+        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(run)?;
+        Ok(Self { address, listener, is_ended, thread: Some(thread) })
+    }
+
+    /// Where it listens.
+    pub(crate) fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Accepts no more connections; those there are go on.
+    pub(crate) fn end(&mut self) {
+        self.is_ended.store(true, Ordering::Release);
+        // The thread that waits for a connection goes on. Fails only where the socket has ended.
+        let _ = rustix::net::shutdown(&*self.listener, rustix::net::Shutdown::Both);
+        if let Some(thread) = self.thread.take() {
+            // A panic there was reported by its own thread.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Acceptor {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Counts a connection for as long as it lives.
+struct Counted(Arc<AtomicUsize>);
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
+fn accept<S>(listener: &TcpListener, is_ended: &AtomicBool, name: &str, limits: Limits, serve: &Arc<S>)
+where
+    S: Fn(TcpStream) -> io::Result<()> + Send + Sync + 'static,
+{
+    let open = Arc::new(AtomicUsize::new(0));
+    loop {
+        let accepted = listener.accept();
+        if is_ended.load(Ordering::Acquire) {
+            return;
+        }
+        let stream = match accepted {
+            Ok((stream, _)) => stream,
+            Err(error) => {
+                log::debug!("{name}: {error}");
+                std::thread::sleep(ERROR_PAUSE);
+                continue;
+            }
+        };
+        let is_one_too_many = open.fetch_add(1, Ordering::AcqRel) >= limits.connections;
+        let counted = Counted(Arc::clone(&open));
+        if is_one_too_many {
+            continue;
+        }
+        let (serve, own_name) = (Arc::clone(serve), name.to_owned());
+        let serving = move || {
+            let _counted = counted;
+            if let Err(error) = serve(stream) {
+                log::debug!("{own_name}: a connection ended: {error}");
+            }
+        };
+        let builder = std::thread::Builder::new().name(name.to_owned()).stack_size(limits.stack_bytes);
+        if let Err(error) = builder.spawn(serving) {
+            log::warn!("{name}: a connection cannot be served: {error}");
+        }
+    }
+}
