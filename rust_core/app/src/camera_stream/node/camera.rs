@@ -45,6 +45,8 @@ pub(super) struct CameraOutput {
     /// The picture before the last one, whose memory is drawn into again unless an output still holds it.
     spare: Option<Arc<Picture>>,
     in_flight: Option<Drawn>,
+    /// The newest change that was not drawn yet.
+    waiting_change: Option<(u64, Camera)>,
     health: CameraHealth,
 }
 
@@ -101,6 +103,7 @@ impl CameraOutput {
             last: None,
             spare: None,
             in_flight: None,
+            waiting_change: None,
             health: CameraHealth::default(),
         }
     }
@@ -241,6 +244,11 @@ impl CameraOutput {
         let is_current = |last: &LastPicture| last.of.scene_version == scene_version && last.of.camera == camera;
         let changed = !self.last.as_ref().is_some_and(is_current);
         let now = Instant::now();
+        let change = changed.then(|| (scene_version, camera.clone()));
+        if change.is_some() && change != self.waiting_change {
+            self.schedule.note_change(now);
+        }
+        self.waiting_change = change;
         if !(self.has_new_watcher() || self.schedule.is_due(now, changed)) {
             return Ok(None);
         }

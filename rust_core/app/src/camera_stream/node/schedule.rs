@@ -53,6 +53,11 @@ impl Schedule {
         self.triggered = false;
     }
 
+    /// Records that the next picture would differ from the last one, or in another way than before.
+    pub(super) fn note_change(&mut self, now: Instant) {
+        self.limit.note_change(now);
+    }
+
     /// Whether a picture is due; `changed`: it would differ from the last one.
     pub(super) fn is_due(&mut self, now: Instant, changed: bool) -> bool {
         if self.triggered {
@@ -164,6 +169,7 @@ mod tests {
         let (mut now, mut drawn) = (start, 0);
         while now < start + Duration::from_secs(10) {
             now += schedule.until_due(now).unwrap_or_default().min(Duration::from_millis(10));
+            schedule.note_change(now);
             if schedule.is_due(now, true) {
                 schedule.begin(now, true);
                 drawn += 1;
