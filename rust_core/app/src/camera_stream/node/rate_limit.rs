@@ -50,10 +50,10 @@ impl RateLimit {
 
     /// What a change that waits waits for.
     fn wanted_tokens(&self) -> f64 {
-        if self.mean_interval < FAST_SHARE {
+        if self.is_fast() {
             1.0
         } else {
-            TOKENS_FOR_THE_NEXT
+            MOST_TOKENS
         }
     }
 
