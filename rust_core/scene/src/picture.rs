@@ -132,13 +132,18 @@ impl Picture {
     /// Makes it a picture of this size and encoding; the bytes may hold anything. Keeps its memory, unless that is
     /// several times what the picture needs: a single huge picture must not occupy it for ever.
     pub fn reset(&mut self, width_px: u32, height_px: u32, encoding: Encoding) {
-        const MOST_UNUSED_BYTES: usize = 1 << 20;
         *self = Self { width_px, height_px, encoding, data: std::mem::take(&mut self.data) };
         let needed = self.step() * height_px as usize;
-        if self.data.capacity() > needed.saturating_mul(4).saturating_add(MOST_UNUSED_BYTES) {
+        self.give_back_memory(needed);
+        self.data.resize(needed, 0);
+    }
+
+    /// Gives its memory back, and what it shows with it, if that is several times what a picture of so many bytes needs.
+    pub fn give_back_memory(&mut self, needed_bytes: usize) {
+        const MOST_UNUSED_BYTES: usize = 1 << 20;
+        if self.data.capacity() > needed_bytes.saturating_mul(4).saturating_add(MOST_UNUSED_BYTES) {
             self.data = Vec::new();
         }
-        self.data.resize(needed, 0);
     }
 
     /// Bytes of a row.

@@ -107,6 +107,7 @@ impl Renderer for CpuRenderer {
     fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
         let Some(drawn) = self.finished.pop_front() else { return Ok(false) };
         self.unused_picture = std::mem::replace(picture, drawn);
+        self.unused_picture.give_back_memory(picture.data.len());
         Ok(true)
     }
 

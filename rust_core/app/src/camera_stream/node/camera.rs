@@ -303,8 +303,9 @@ impl CameraOutput {
     pub(super) fn finish(&mut self, picture: Picture, ros: &RosNode) -> Result<()> {
         let Some(of) = self.in_flight.take() else { return Ok(()) };
         self.health.drawn += 1;
-        let last = LastPicture { picture: Arc::new(picture), of };
-        self.spare = self.last.replace(last).map(|last| last.picture);
+        let is_similar = |spare: &Arc<Picture>| spare.data.len() <= 4 * picture.data.len();
+        self.spare = self.last.take().map(|last| last.picture).filter(is_similar);
+        self.last = Some(LastPicture { picture: Arc::new(picture), of });
         self.publish_last(Some(Instant::now()), ros)
     }
 
