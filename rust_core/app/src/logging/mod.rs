@@ -24,7 +24,7 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 use rcs_ros::{log_line, node_time, LogLine, Loggers};
 
 use format::{Format, Line};
-use throttle::{LeftOut, Throttle};
+use throttle::{cause_of, LeftOut, Throttle};
 
 /// What the names of this project's crates begin with.
 const OWN_CRATES: &str = "rcs_";
@@ -41,6 +41,9 @@ const LEVELS: [(&str, LevelFilter); 5] = [
     // Nothing here is fatal and goes on.
     ("fatal", LevelFilter::Off),
 ];
+
+/// The target of lines that are limited where they are logged, and may differ in a number that is part of a name.
+pub(crate) const STATUS_TARGET: &str = "rcs_app::status";
 
 /// A level that may have been chosen while the program runs.
 #[derive(Debug)]
@@ -291,7 +294,8 @@ impl Log for Console {
             return self.print(&kept());
         }
         let place = (record.file().unwrap_or_default(), record.line().unwrap_or_default());
-        let admitted = lock(&self.throttle).admit(place, &text, Instant::now(), kept);
+        let cause = if record.target() == STATUS_TARGET { text.clone() } else { cause_of(&text) };
+        let admitted = lock(&self.throttle).admit(place, &cause, Instant::now(), kept);
         match admitted {
             Some(0) => self.print(&kept()),
             Some(count) => self.print(&Kept { text: format!("{text} ({count} more like this before)"), ..kept() }),

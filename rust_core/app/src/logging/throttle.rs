@@ -1,7 +1,8 @@
 //! At most one line a second for each cause, with a count of those that were left out.
 //!
-//! Two lines have the same cause if the same place in the program logged them and they differ in numbers only. Lines of
-//! one place that differ in more are limited, too, to [`MOST_OF_A_PLACE`] a second: names can be made up.
+//! Two lines have the same cause if the same place in the program logged them and they differ in numbers only, see
+//! [`cause_of`]. Lines of one place that differ in more are limited, too, to [`MOST_OF_A_PLACE`] a second: names can be
+//! made up.
 
 use std::collections::hash_map::DefaultHasher;
 use std::collections::HashMap;
@@ -53,23 +54,27 @@ fn hash(value: impl Hash) -> u64 {
     hasher.finish()
 }
 
+/// A line without its numbers.
+pub(super) fn cause_of(text: &str) -> String {
+    text.chars().filter(|letter| !letter.is_ascii_digit()).collect()
+}
+
 impl<T> Throttle<T> {
     pub(super) fn new() -> Self {
         Self { causes: HashMap::new(), places: HashMap::new() }
     }
 
-    /// Whether a line is logged now, and how many like it were left out before. `place` is the line of the program,
-    /// `keep` makes what [`Self::take_left_out`] returns later.
+    /// Whether a line of this cause is logged now, and how many of it were left out before. `place` is the line of the
+    /// program, `keep` makes what [`Self::take_left_out`] returns later.
     pub(super) fn admit(
         &mut self,
         place: (&str, u32),
-        text: &str,
+        cause: &str,
         now: Instant,
         keep: impl FnOnce() -> T,
     ) -> Option<u64> {
         let place = hash(place);
-        let is_digit = |letter: &char| letter.is_ascii_digit();
-        let cause = hash((place, text.chars().filter(|letter| !is_digit(letter)).collect::<String>()));
+        let cause = hash((place, cause));
         let is_silent = |since: Instant| now.saturating_duration_since(since) < SILENCE;
         if let Some(known) = self.causes.get_mut(&cause) {
             if is_silent(known.logged) {
@@ -141,7 +146,7 @@ mod tests {
 
         fn log(&mut self, secs: f64, line: u32, text: &str) -> Option<u64> {
             let at = self.at(secs);
-            self.throttle.admit(("a.rs", line), text, at, || text.to_owned())
+            self.throttle.admit(("a.rs", line), &cause_of(text), at, || text.to_owned())
         }
 
         fn left_out(&mut self, secs: f64) -> Vec<(String, u64)> {
