@@ -50,6 +50,7 @@ pub fn run(cli: &Cli, config: &Config) -> Result<()> {
         log::warn!("{}: {finding}", config.source);
     }
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
+    rcs_render::name_threads();
     let Some(ros) = small_node::connect(NODE_NAME, &end)? else { return Ok(()) };
     let shared = Arc::new(Shared::new(ros));
     let result = run_threads(cli, config, &shared, &end);
