@@ -24,6 +24,7 @@ mod frame_rate;
 mod latency;
 mod lifecycle;
 mod live_equals_offline;
+mod meshes;
 mod node_log;
 mod render;
 mod settings;

@@ -98,7 +98,9 @@ impl<'a> Node<'a> {
         let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
         let projection = private_parameters::projection(ros, cli.projection, &["~projection"])?;
         let renderer = rcs_render::create(renderer_choice)?;
-        let meshes = MeshStore::new(PackageIndex::from_env(&[]));
+        let resources = private_parameters::resources(ros, &cli.resources)?;
+        let events = ros.events().clone();
+        let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
         let stage = Stage::new(config, cli.node.fixed_frame.as_deref(), meshes);
         if stage.cameras().is_empty() {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
@@ -138,7 +140,7 @@ impl<'a> Node<'a> {
         self.stage.update(self.now());
         while !end.is_requested() {
             let events = self.ros.events().wait(self.sleep());
-            let mut has_news = !events.is_empty();
+            let mut has_news = !events.is_empty() || self.stage.has_new_resources();
             for event in events {
                 self.handle(event);
             }

@@ -15,6 +15,7 @@ impl Node<'_> {
     /// What is wrong with the file; nothing has changed then.
     pub(super) fn reload(&mut self) -> Result<Option<String>> {
         let config = rcs_rviz_config::load(&self.file)?;
+        self.stage.retry_resources();
         let plans = camera_plan::plans(self.ros, &config).with_context(|| config.source.clone())?;
         if config == self.config {
             return Ok(None);
