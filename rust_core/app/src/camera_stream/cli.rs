@@ -1,10 +1,12 @@
 //! The command line of `camera_stream`.
 
-use std::path::PathBuf;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 use rcs_render::RendererChoice;
+use rcs_resources::ResourceOptions;
 
 use crate::camera_stream::camera_pose::Projection;
 
@@ -30,6 +32,48 @@ pub struct Cli {
     /// 0)
     #[arg(long, global = true, value_enum)]
     pub projection: Option<Projection>,
+    /// Which mesh files may be read.
+    #[command(flatten)]
+    pub resources: ResourceArgs,
+}
+
+/// Sizes in MB that a mesh file can be limited to.
+pub const MESH_MB: RangeInclusive<u64> = 1..=4096;
+
+/// Which mesh files, and files that these name, may be read.
+#[derive(Args, Clone, Debug, Default)]
+pub struct ResourceArgs {
+    /// The largest mesh or texture file that is read, 1 to 4096 [default: 512]
+    #[arg(long, global = true, value_name = "MB", value_parser = mesh_mb)]
+    pub max_mesh_mb: Option<u64>,
+    /// A folder whose meshes and textures may be read although it is in no ROS package; may be given several times
+    #[arg(long, global = true, value_name = "DIR")]
+    pub mesh_folder: Vec<PathBuf>,
+}
+
+impl ResourceArgs {
+    /// What a size must be.
+    pub const SIZE_RANGE: &'static str = "MB, a whole number from 1 to 4096";
+
+    /// The options for the store of meshes.
+    pub fn options(&self) -> ResourceOptions {
+        let default = ResourceOptions::default();
+        let max_file_bytes = self.max_mesh_mb.map_or(default.max_file_bytes, |size| size << 20);
+        ResourceOptions { max_file_bytes, folders: self.mesh_folder.clone() }
+    }
+
+    /// As [`options`](Self::options), for a program that a user runs with own files: meshes may lie beside these, too.
+    pub fn options_beside(&self, files: &[&Path]) -> ResourceOptions {
+        let mut options = self.options();
+        // A name without a folder is in the working directory.
+        let folder = |file: &&Path| match file.parent() {
+            Some(folder) if folder.as_os_str().is_empty() => PathBuf::from("."),
+            Some(folder) => folder.to_owned(),
+            None => PathBuf::from("."),
+        };
+        options.folders.extend(files.iter().map(folder));
+        options
+    }
 }
 
 impl Cli {
@@ -170,6 +214,11 @@ fn rate(text: &str) -> Result<f64, String> {
     rate_hz.ok_or_else(|| format!("pictures a second, above 0 and not above {MAX_RATE_HZ}"))
 }
 
+/// The size of a file in MB.
+fn mesh_mb(text: &str) -> Result<u64, String> {
+    text.parse().ok().filter(|size| MESH_MB.contains(size)).ok_or_else(|| ResourceArgs::SIZE_RANGE.to_owned())
+}
+
 /// Seconds, any finite number.
 fn moment(text: &str) -> Result<f64, String> {
     text.parse::<f64>().ok().filter(|secs| secs.is_finite()).ok_or_else(|| "seconds, a finite number".to_owned())
@@ -228,6 +277,21 @@ mod tests {
         for secs in ["NaN", "inf", "-inf", "1e999", "soon"] {
             assert_eq!(exit_code(&["-o", "a.png", "--at", secs]), 2, "{secs}");
         }
+    }
+
+    #[test]
+    fn the_size_of_meshes_has_bounds_and_folders_add_up() {
+        let size = |text: &str| parse(&["camera_stream", "-d", "x.rviz", "--max-mesh-mb", text]);
+        assert_eq!(size("2").unwrap().resources.options().max_file_bytes, 2 << 20);
+        for wrong in ["0", "4097", "-1", "1.5", "much"] {
+            assert_eq!(size(wrong).map_or_else(|error| error.exit_code(), |_| 0), 2, "{wrong}");
+        }
+        let args = ["camera_stream", "render", "--bag", "/b/x.bag", "-d", "x.rviz", "-o", "a.png"];
+        let folders = ["--mesh-folder", "/a", "--mesh-folder", "/c"];
+        let resources = parse(&[&args[..], &folders].concat()).unwrap().resources;
+        let options = resources.options_beside(&[Path::new("x.rviz"), Path::new("/b/x.bag")]);
+        assert_eq!(options.folders, ["/a", "/c", ".", "/b"].map(PathBuf::from));
+        assert_eq!(options.max_file_bytes, ResourceOptions::default().max_file_bytes);
     }
 
     #[test]

@@ -97,7 +97,8 @@ fn invalid(error: &dyn std::fmt::Display) -> ExitCode {
 
 fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
     let (listen, fixed_frame) = (args.listen, args.node.fixed_frame.clone());
-    let args = LiveArgs { listen, fixed_frame, projection: cli.projection };
+    let resources = cli.resources.clone();
+    let args = LiveArgs { listen, fixed_frame, projection: cli.projection, resources };
     match check::live::run(config, &args, &mut std::io::stdout().lock()) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
@@ -110,8 +111,11 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
         log::warn!("{}: {finding}", config.source);
     }
     let packages = PackageIndex::from_env(&args.package_path);
-    let parameters = offline::read_parameters(&args.param, &packages)?;
-    let meshes = MeshStore::new(packages);
+    // The user's own files may lie beside each other, in no package.
+    let options = cli.resources.options_beside(&[&args.display_config, &args.bag]);
+    // What a picture shows does not depend on how fast files are read: each is loaded when it is asked for.
+    let meshes = MeshStore::with_options(packages, options);
+    let parameters = offline::read_parameters(&args.param, meshes.packages())?;
     let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
     offline::set_parameters(&mut stage, &parameters);
     let target = match (&args.output, &args.frames) {

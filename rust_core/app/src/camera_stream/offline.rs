@@ -1,6 +1,8 @@
 //! `camera_stream render`: pictures from a config and a bag, without a ROS master.
 
 use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -90,7 +92,11 @@ impl Target {
     }
 }
 
-/// The texts of parameters that are given as `NAME=FILE`, the file by its path or its `package://` address.
+/// The most bytes of a parameter's text.
+const MAX_PARAMETER_BYTES: u64 = 64 << 20;
+
+/// The texts of parameters that are given as `NAME=FILE`, the file by its path or its `package://` address. The user's
+/// own file may be anything that can be read, such as the output of another program.
 ///
 /// # Errors
 /// One line that names the parameter and the file that cannot be read.
@@ -99,7 +105,13 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
         let (name, file) =
             parameter.split_once('=').with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
         let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
-        let bytes = std::fs::read(&path).with_context(|| format!("--param {name}: {}", path.display()))?;
+        let mut bytes = Vec::new();
+        let opened = File::open(&path);
+        let read = opened.and_then(|file| file.take(MAX_PARAMETER_BYTES + 1).read_to_end(&mut bytes));
+        read.with_context(|| format!("--param {name}: {}", path.display()))?;
+        if bytes.len() as u64 > MAX_PARAMETER_BYTES {
+            bail!("--param {name}: {}: larger than {} MB", path.display(), MAX_PARAMETER_BYTES >> 20);
+        }
         let text = String::from_utf8_lossy(&bytes).into_owned();
         Ok((name.trim_start_matches('/').to_owned(), text.into()))
     };

@@ -12,6 +12,7 @@ use rcs_transforms::Time;
 
 use crate::camera_stream::camera_pose::Projection;
 use crate::camera_stream::check::node_name::NodeName;
+use crate::camera_stream::cli::ResourceArgs;
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
@@ -47,6 +48,8 @@ pub struct LiveArgs {
     pub fixed_frame: Option<String>,
     /// Overrides the node's private parameter.
     pub projection: Option<Projection>,
+    /// Which mesh files may be read, besides the private parameters.
+    pub resources: ResourceArgs,
 }
 
 /// Subscribes for a while and prints the table. Returns whether every status is Ok and all of the config is understood.
@@ -75,7 +78,11 @@ fn check(
     let parameters = ["~projection", &format!("{}/projection", name.diagnosed)];
     let projection = private_parameters::projection(ros, args.projection, &parameters)
         .map_err(|error| LiveError::Parameter(error.to_string()))?;
-    let mut stage = Stage::new(config, args.fixed_frame.as_deref(), MeshStore::new(PackageIndex::from_env(&[])));
+    let resources =
+        private_parameters::resources(ros, &args.resources).map_err(|error| LiveError::Parameter(error.to_string()))?;
+    let events = ros.events().clone();
+    let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
+    let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
     receive(&mut stage, args.listen, ros, end)?;
     ros.query_publications();
     let mut entries = stage.status_entries(ros_time(ros));

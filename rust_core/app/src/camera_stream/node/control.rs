@@ -179,6 +179,8 @@ impl Control {
     /// What is wrong with the file; nothing has changed then.
     fn read(&mut self) -> Result<Option<Config>> {
         let config = rcs_rviz_config::load(&self.file)?;
+        self.shared.retry_resources();
+        self.shared.ros.events().wake();
         camera_plan::plans(&self.shared.ros, &config).with_context(|| config.source.clone())?;
         if config == self.config {
             return Ok(None);
