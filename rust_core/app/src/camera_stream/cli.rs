@@ -97,8 +97,10 @@ pub enum Command {
     ///
     /// With --live it takes all arguments of the node: put `check --live` in front of them to diagnose a launch line.
     ///
-    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not, 2 invalid arguments, an
-    /// unreadable config or no ROS master.
+    /// What changes no picture, such as an unknown class of a disabled display, is a note and no failure.
+    ///
+    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not or there is no camera with topics,
+    /// 2 invalid arguments, an unreadable config or no ROS master.
     Check(CheckArgs),
 }
 

@@ -20,7 +20,7 @@ use anyhow::{anyhow, Result};
 use clap::Parser;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::restart;
-use rcs_rviz_config::Config;
+use rcs_rviz_config::{Config, Finding};
 
 use crate::camera_stream::check::live::LiveArgs;
 use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
@@ -90,6 +90,14 @@ fn quiet_graphics_libraries() {
     }
 }
 
+/// Logs what was not understood, but for what was known before; what changes no picture as a debug message.
+fn log_findings(config: &Config, known: &[Finding]) {
+    for finding in config.findings.iter().filter(|finding| !known.contains(finding)) {
+        let level = if finding.is_note { log::Level::Debug } else { log::Level::Warn };
+        log::log!(level, "{}: {finding}", config.source);
+    }
+}
+
 fn invalid(error: &dyn std::fmt::Display) -> ExitCode {
     eprintln!("camera_stream: {error}");
     ExitCode::from(INVALID)
@@ -106,9 +114,7 @@ fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
 }
 
 fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
-    for finding in &config.findings {
-        log::warn!("{}: {finding}", config.source);
-    }
+    log_findings(config, &[]);
     let packages = PackageIndex::from_env(&args.package_path);
     let parameters = offline::read_parameters(&args.param, &packages)?;
     let meshes = MeshStore::new(packages);
