@@ -3,6 +3,7 @@
 pub mod camera_pose;
 pub mod check;
 pub mod cli;
+mod new_camera;
 pub mod node;
 pub mod offline;
 pub mod outputs;
@@ -24,7 +25,7 @@ use rcs_rviz_config::{Config, Finding};
 
 use crate::camera_stream::check::live::LiveArgs;
 use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
-use crate::camera_stream::offline::Target;
+use crate::camera_stream::offline::{Job, Section, Target};
 use crate::camera_stream::stage::Stage;
 use crate::logging;
 use crate::small_node::own_arguments;
@@ -53,6 +54,7 @@ pub fn main() -> ExitCode {
         quiet_graphics_libraries();
     }
     let file = match &cli.command {
+        Some(Command::NewCamera(args)) => return finished(new_camera::run(args)),
         Some(Command::Check(args)) => Some(args.file()),
         Some(Command::Render(args)) => Some(args.display_config.clone()),
         None => cli.node.display_config.clone(),
@@ -71,7 +73,13 @@ pub fn main() -> ExitCode {
         }
         Some(Command::Render(args)) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
         None => node::run(&cli, &config).map(|()| ExitCode::SUCCESS),
+        Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
     };
+    finished(result)
+}
+
+/// The exit status of a result. An error is printed.
+fn finished(result: Result<ExitCode>) -> ExitCode {
     result.unwrap_or_else(|error| {
         eprintln!("camera_stream: {}", logging::one_line(&error));
         ExitCode::FAILURE
@@ -120,12 +128,23 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     let meshes = MeshStore::new(packages);
     let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
     offline::set_parameters(&mut stage, &parameters);
-    let target = match (&args.output, &args.frames) {
-        (_, Some(folder)) => Target::Sequence { folder: folder.clone(), rate_hz: args.rate },
-        (Some(file), None) => Target::Picture { file: file.clone(), at_secs: args.at },
-        (None, None) => return Err(anyhow!("no output: name one with -o FILE.png or --frames DIR")),
+    let (rate_hz, overwrite) = (args.rate, args.overwrite);
+    let target = match (&args.output, &args.frames, &args.video) {
+        (Some(file), ..) => Target::Picture { file: file.clone() },
+        (_, Some(folder), _) => Target::Sequence { folder: folder.clone(), rate_hz, overwrite },
+        (.., Some(file)) => Target::Video { file: file.clone(), rate_hz },
+        (None, None, None) => {
+            return Err(anyhow!("no output: name one with -o FILE.png, --frames DIR or --video FILE.mp4"))
+        }
+    };
+    let job = Job {
+        bag: &args.bag,
+        camera: args.camera.as_deref(),
+        projector: args.projector.as_deref(),
+        section: Section { at_secs: args.at, start_secs: args.start, end_secs: args.end },
+        target: &target,
+        projection: cli.projection.unwrap_or_default(),
     };
     let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
-    let projection = cli.projection.unwrap_or_default();
-    offline::render(&mut stage, &args.bag, args.camera.as_deref(), &target, renderer.as_mut(), projection)
+    offline::render(&mut stage, &job, renderer.as_mut())
 }
