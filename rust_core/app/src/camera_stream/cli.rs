@@ -17,7 +17,7 @@ use crate::camera_stream::camera_pose::Projection;
 ///
 /// Exit status: 0 success (a node: ended by SIGINT or SIGTERM), 1 failure, 2 invalid arguments or an unreadable config.
 #[derive(Debug, Parser)]
-#[command(name = "camera_stream", version, args_conflicts_with_subcommands = true)]
+#[command(name = "camera_stream", display_name = "rviz_camera_stream", version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
     /// What to do instead of running as a node.
     #[command(subcommand)]

@@ -25,6 +25,7 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
 #[derive(Parser)]
 #[command(
     name = "projector_window",
+    display_name = "rviz_camera_stream",
     version,
     after_help = "\
 Topic subscribed to: /proj_view/image (sensor_msgs/Image); image:=/topic remaps it, as for image_view
