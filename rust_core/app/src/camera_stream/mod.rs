@@ -8,6 +8,7 @@ pub mod node;
 pub mod offline;
 pub mod outputs;
 mod private_parameters;
+mod projector_fit;
 mod rolling_window;
 pub mod stage;
 mod status_log;
