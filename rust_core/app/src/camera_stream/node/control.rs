@@ -18,6 +18,7 @@ use super::camera_plan;
 use super::file_watch::FileWatch;
 use super::shared::{Reload, Shared};
 use crate::camera_stream::cli::Cli;
+use crate::camera_stream::log_findings;
 use crate::logging::{self, one_line};
 use crate::small_node::EndRequest;
 
@@ -185,9 +186,7 @@ impl Control {
         if config == self.config {
             return Ok(None);
         }
-        for finding in config.findings.iter().filter(|finding| !self.config.findings.contains(finding)) {
-            log::warn!("{}: {finding}", config.source);
-        }
+        log_findings(&config, &self.config.findings);
         self.config = config.clone();
         Ok(Some(config))
     }
