@@ -69,12 +69,17 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
     let (outcome, node_outcome) = mpsc::channel();
     let node_end = end.clone();
     let shown = window::run(options, move |sink| {
-        thread::spawn(move || {
+        let closing = sink.clone();
+        let following = move || {
             let result = follow_topic(&topic, &node_end, &sink);
             sink.close();
             // Nobody receives it if the window was closed first.
             let _ = outcome.send(result);
-        });
+        };
+        if let Err(error) = thread::Builder::new().name("node".to_owned()).spawn(following) {
+            log::error!("cannot start the node's thread: {error}");
+            closing.close();
+        }
     });
     // Whatever the window's end was: the node unregisters. One that was never started has hung up.
     end.request();
