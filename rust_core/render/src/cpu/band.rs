@@ -9,7 +9,7 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
 
-use super::lanes::{F, LANES, M, U};
+use super::lanes::{inlined, F, LANES, M, U};
 use super::screen::{Screen, FARTHEST};
 
 /// How fragments are combined with the pixels.
@@ -262,20 +262,29 @@ pub(super) fn blend(behind: u32, color: [u8; 4]) -> u32 {
     pack([channel(0), channel(1), channel(2), channel(3)])
 }
 
-/// As [`blend`], several at once.
+/// As [`blend`], several at once: two channels in each half of the bits.
 #[inline(always)]
 fn blend_lanes<S: Simd>(behind: U<S>, colors: U<S>) -> U<S> {
-    let simd = colors.token();
-    let mut blended = U::splat(simd, 0);
+    const EVEN: u32 = 0x00ff_00ff;
     let alpha = (colors >> channel_shift(3)) & 255;
     let rest = 255 - alpha;
-    for channel in 0..4 {
-        let shift = channel_shift(channel);
-        let (over, under) = (((colors >> shift) & 255) * alpha, ((behind >> shift) & 255) * rest);
-        let sum = ((over + (over >> 8) + 128) >> 8) + ((under + (under >> 8) + 128) >> 8);
-        blended |= sum.min(255) << shift;
-    }
-    blended
+    // As `scale`: what is added to a product of 16 bits never leaves them.
+    let scale = inlined(
+        #[inline(always)]
+        |values: U<S>, factor: U<S>| {
+            let product = values * factor;
+            ((product + ((product >> 8) & EVEN) + 0x0080_0080) >> 8) & EVEN
+        },
+    );
+    let sum = inlined(
+        #[inline(always)]
+        |over: U<S>, under: U<S>| {
+            let sum = scale(over & EVEN, alpha) + scale(under & EVEN, rest);
+            // 256 becomes 255.
+            sum - ((sum >> 8) & 0x0001_0001)
+        },
+    );
+    sum(colors, behind) | (sum(colors >> 8, behind >> 8) << 8)
 }
 
 /// By how many bits a channel is shifted in a packed colour.

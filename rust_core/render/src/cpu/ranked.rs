@@ -87,25 +87,20 @@ impl Load {
     }
 }
 
-/// The numbers below `count`, each once and neighbours far apart.
+/// The numbers below `count`, each once, in an order that looks random.
 pub(super) fn scattered(count: usize) -> impl Iterator<Item = usize> {
-    const GOLDEN: f64 = 0.618_033_988_749_895;
-    let shares_factor = |mut a: usize, mut b: usize| {
-        while b != 0 {
-            (a, b) = (b, a % b);
+    // Each step can be undone within so many bits, so that no number comes twice.
+    let bits = usize::BITS - count.saturating_sub(1).leading_zeros();
+    let (mask, shift) = ((1usize << bits) - 1, bits.div_ceil(2));
+    let mixed = move |number: usize| {
+        let mut number = number;
+        for factor in [0x9e37_79b1, 0x85eb_ca6b, 0xc2b2_ae35] {
+            number = number.wrapping_mul(factor) & mask;
+            number ^= number >> shift;
         }
-        a > 1
+        number
     };
-    let mut step = ((count as f64 * GOLDEN) as usize).max(1);
-    while shares_factor(count, step) {
-        step += 1;
-    }
-    let mut next = 0;
-    (0..count).map(move |_| {
-        let this = next;
-        next = (next + step) % count;
-        this
-    })
+    (0..1usize << bits).map(mixed).filter(move |number| *number < count)
 }
 
 /// What identifies a face among those of its run: numbers that say where its corners are.

@@ -172,7 +172,7 @@ pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mu
             let (first, after) = edges.row(y - begin, right - left);
             draw_row(y, (left + first, left + after), band);
         }
-    } else if can_fill(surface) {
+    } else if right - left >= Wide::MIN_WIDTH_PX && can_fill(surface) {
         let wide = Wide { planes: Planes::new([a, b, c], area, surface), edges: Edge::around(positions) };
         dispatch!(band.simd_level, simd => wide.draw(simd, surface, (left, right), (begin, end), band));
     } else {
@@ -224,6 +224,8 @@ struct Wide {
 }
 
 impl Wide {
+    const MIN_WIDTH_PX: i32 = 24;
+
     #[inline(always)]
     fn draw<S: Simd>(
         &self,

@@ -264,7 +264,8 @@ pub fn rows(share: f64) -> Vec<Row> {
     }
     let drawable = lines(around(million), LineTopology::List, Blending::Alpha);
     rows.push(one("1 M line List, blended".into(), drawable, camera(1400.0, straight), 500.0));
-    rows.push(one("1 M flat arrows".into(), arrows(&around(million)), camera(1400.0, straight), 500.0));
+    let near: Vec<[f32; 3]> = around(million).into_iter().map(|place| place.map(|c| c * 0.15)).collect();
+    rows.push(one("1 M flat arrows".into(), arrows(&near), camera(1400.0, straight), 500.0));
     let filled = count(100_000);
     let steps: [(&str, &dyn Fn(usize) -> f32); 4] = [
         ("towards the eye", &|i| 3.0 - 2.0 * i as f32 / 1e5),

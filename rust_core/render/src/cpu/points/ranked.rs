@@ -72,7 +72,8 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
             }
             let Some(&[job, begin]) = ranked.faces.get(at) else { continue };
             let chunk = (self.indices)(job as usize).get(begin as usize..).unwrap_or(&[]);
-            for (i, &index) in chunk.iter().take(CHUNK).enumerate() {
+            // Of neighbours, too, the last is the most likely to hide the others.
+            for (i, &index) in chunk.iter().take(CHUNK).enumerate().rev() {
                 let rank = self.first_rank + (at * CHUNK + i) as u32;
                 if self.is_needed(index, rank, ranked) {
                     (indices[count % BLOCK], ranks[count % BLOCK]) = (index, rank);

@@ -10,7 +10,7 @@ use rcs_scene::PointStyle;
 use super::faces::{cross, size_m, upright};
 use super::place::{BandView, Batch, AXES};
 use crate::cpu::clip::GUARD;
-use crate::cpu::lanes::{load, map, store, transform, F, LANES, M};
+use crate::cpu::lanes::{inlined, load, map, store, transform, F, LANES, M};
 use crate::cpu::occlusion::{Area, DepthPlane};
 use crate::cpu::screen::FARTHEST;
 
@@ -92,14 +92,22 @@ impl RoughFaces {
                 }
             }
             PointStyle::Tiles { size_m, normal, up } => {
-                let along = |[x, y, z]: [f32; 3], length: f32| {
-                    m.map(|row| F::splat(simd, (row[0] * x + row[1] * y + row[2] * z) * length))
-                };
+                let along = inlined(
+                    #[inline(always)]
+                    |[x, y, z]: [f32; 3], length: f32| {
+                        map(
+                            *m,
+                            #[inline(always)]
+                            |row| F::splat(simd, (row[0] * x + row[1] * y + row[2] * z) * length),
+                        )
+                    },
+                );
                 let (right, up) = (along(cross(up, normal), size_m[0] * 0.5), along(up, size_m[1] * 0.5));
                 self.faces[0] = RoughFace::new(simd, center, right, up, view, false);
             }
             style => {
-                let half = size_m(style).map(|length| factor * length * 0.5);
+                let [width, height] = size_m(style);
+                let half = [factor * width * 0.5, factor * height * 0.5];
                 let eye = cloud.faces.eye();
                 let towards_eye = [eye[0] - position[0], eye[1] - position[1], eye[2] - position[2]];
                 let ([right_x, right_z], up) = upright(towards_eye, half);
@@ -153,7 +161,7 @@ impl RoughFace {
         view: &BandView,
         is_one_sided: bool,
     ) -> Self {
-        let corner = crate::cpu::lanes::inlined(
+        let corner = inlined(
             #[inline(always)]
             |is_right: bool, is_up: bool| {
                 let mut at = middle;
@@ -194,7 +202,7 @@ impl RoughFace {
         let slopes = slope_x.abs() + slope_y.abs();
         // Rounding to steps of depth, over the whole picture, and to the subpixels.
         let sum = slopes * (view.half_size.0.max(view.half_size.1) * 2.0) + FARTHEST;
-        let noise = sum * (1.0 / (1 << 21) as f32) + slopes * (1.0 / 64.0);
+        let noise = sum * (1.0 / (1 << 22) as f32) + slopes * (1.0 / 128.0);
         let noise = is_level.select(zero, noise);
         let margin = 1.0 / 64.0;
         let left = (low_x - margin).ceil().max(0.0);
