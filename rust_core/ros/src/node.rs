@@ -406,6 +406,26 @@ impl RosNode {
         }
     }
 
+    /// A private parameter (`~name`) that was a whole number when the node started.
+    pub fn int_param(&self, name: &str) -> Option<i32> {
+        match self.private_param(name)? {
+            Value::Int(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// A private parameter (`~name`) that was a list of strings, or one string, when the node started.
+    pub fn strings_param(&self, name: &str) -> Option<Vec<String>> {
+        let value = self.private_param(name)?;
+        let one = std::slice::from_ref(value);
+        value.as_array().unwrap_or(one).iter().map(|item| item.as_str().map(str::to_owned)).collect()
+    }
+
+    /// Whether a private parameter (`~name`) was set, to whatever value, when the node started.
+    pub fn has_param(&self, name: &str) -> bool {
+        self.private_param(name).is_some()
+    }
+
     /// Whether the node was asked from outside to end (`rosnode kill`, or another node that took its name).
     pub fn is_asked_to_end(&self) -> bool {
         self.network().is_asked_to_end()

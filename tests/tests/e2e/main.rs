@@ -25,6 +25,7 @@ mod latency;
 mod lifecycle;
 mod live_equals_offline;
 mod load;
+mod meshes;
 mod node_log;
 mod render;
 mod settings;
