@@ -48,7 +48,7 @@ class Publisher:
         pass
 
     def advertise(self, topic, kind, latch=False):
-        self.publishers[topic] = rospy.Publisher(topic, kind, latch=latch, queue_size=5, tcp_nodelay=True)
+        self.publishers[topic] = rospy.Publisher(topic, kind, latch=latch, queue_size=50, tcp_nodelay=True)
         self.types[topic] = kind._type
         return self.publishers[topic]
 
