@@ -30,6 +30,7 @@ mod node_log;
 mod render;
 mod settings;
 mod simulated_time;
+mod soak;
 mod transforms;
 mod viewers;
 mod wrong_messages;
