@@ -398,6 +398,12 @@ impl RosNode {
         self.private_param(name)?.as_str().map(str::to_owned)
     }
 
+    /// Another node's parameter, if it is a string. Waits for the master, for some seconds at most.
+    pub fn other_string_param(&self, name: &str) -> Option<String> {
+        let whole_name = self.resolve(name).ok()?;
+        self.network().registrar().master().param(&whole_name).ok()??.as_str().map(str::to_owned)
+    }
+
     /// A private parameter (`~name`) that was a boolean when the node started.
     pub fn bool_param(&self, name: &str) -> Option<bool> {
         match self.private_param(name)? {

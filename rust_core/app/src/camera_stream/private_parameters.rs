@@ -57,7 +57,8 @@ fn choose<T: Default>(
     if let Some(given) = given {
         return Ok(given);
     }
-    let set = parameters.iter().find_map(|name| Some((name, ros.string_param(name)?)));
+    let text = |name: &str| if name.starts_with('~') { ros.string_param(name) } else { ros.other_string_param(name) };
+    let set = parameters.iter().find_map(|name| Some((name, text(name)?)));
     set.map_or_else(
         || Ok(T::default()),
         |(name, text)| parse(&text).map_err(|error| anyhow!("parameter {name}: {error}")),

@@ -284,6 +284,7 @@ fn draw_small<S: Simd, const PAINT: u8>(
 const TILE: i32 = crate::cpu::occlusion::TILE_PX;
 
 /// What leads from a row of a face to the next one.
+#[expect(clippy::type_complexity, reason = "the names of lanes are as short as they can be")]
 #[inline(always)]
 fn inlined_step<S: Simd, const PAINT: u8>(
     edges: [[i32; 3]; EDGES],
