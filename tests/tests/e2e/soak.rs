@@ -28,7 +28,7 @@ fn printed(soak: &Running, report: &Path) -> String {
 fn a_minute_of_every_fault_costs_neither_pictures_nor_memory() {
     let folder = tempfile::tempdir().unwrap();
     let report = folder.path().join("report");
-    let mut soak = soak(&report, "0.02", &["--seed", "11"]);
+    let mut soak = soak(&report, "0.015", &["--seed", "11"]);
     let status = soak.wait(LIMIT);
     assert!(status.is_some_and(|status| status.success()), "{status:?}: {}", printed(&soak, &report));
     let page = fs::read_to_string(report.join("report.md")).unwrap();
