@@ -25,7 +25,7 @@ fn printed(soak: &Running, report: &Path) -> String {
 }
 
 #[test]
-fn a_minute_of_every_fault_costs_neither_pictures_nor_memory() {
+fn a_minute_of_faults_costs_neither_pictures_nor_connections() {
     let folder = tempfile::tempdir().unwrap();
     let report = folder.path().join("report");
     let mut soak = soak(&report, "0.015", &["--seed", "11"]);
