@@ -53,7 +53,7 @@ mod gpu;
 mod renderer;
 mod shading;
 
-pub use cpu::CpuRenderer;
+pub use cpu::{CpuRenderer, Culling};
 pub use gpu::{GpuRenderer, GpuStats};
 pub use renderer::{create, RenderError, Renderer, RendererChoice, View};
 
