@@ -1,8 +1,10 @@
-"""The picture checks of `./soak`: the node's pictures must be byte for byte what `camera_stream render` draws of the same messages.
+"""The picture checks of `./soak`: the node's pictures must be byte for byte what `camera_stream render` draws of the same
+messages.
 
-A check stops all that moves, publishes messages that replace everything from before (`soak_scene.check_messages`), writes the same
-messages to a bag, and compares the pictures of all cameras. Nothing is left out: clouds that decay and frames that nobody
-publishes any more disappear while the check waits; the robot stands still and its frames are published on, so that they do not fade.
+A check stops all that moves, publishes messages that replace everything from before (`soak_scene.check_messages`), writes the
+same messages to a bag, and compares the pictures of all cameras. Nothing is left out: clouds that decay and frames that nobody
+publishes any more disappear while the check waits; the robot stands still and its frames are published on, so that they do not
+fade.
 """
 
 import os
@@ -65,7 +67,8 @@ class Checks:
         png = os.path.join(self.folder, camera + '.png')
         command = [self.run.program, 'render', '--renderer', self.run.given.renderer, '-d', self.run.config_file, '--bag', bag,
                    '--camera', camera, '--param', 'robot_description=' + self.urdf, '-o', png]
-        drawn = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=RENDER_S)
+        drawn = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                               timeout=RENDER_S)
         if drawn.returncode:
             raise Failure('{}: {}'.format(' '.join(command), drawn.stdout.decode(errors='replace')[-500:]))
         picture = numpy.asarray(Pillow.open(png).convert('RGB'))

@@ -10,6 +10,7 @@ import random
 import signal
 import socket
 import struct
+import subprocess
 import sys
 import time
 
@@ -95,7 +96,8 @@ def viewer_stopped(run, rng):
     """A viewer is stopped by SIGSTOP, goes on, and is killed."""
     name, seconds = camera(rng), rng.uniform(1, 5)
     yield '{} for {:.1f} s'.format(name, seconds)
-    process = start([sys.executable, os.path.join(SCRIPTS, 'soak_viewer.py'), run.node.uri, topic_of(name)], stdin=-1, stdout=-3)
+    command = [sys.executable, os.path.join(SCRIPTS, 'soak_viewer.py'), run.node.uri, topic_of(name)]
+    process = start(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
     try:
         time.sleep(1)
         process.send_signal(signal.SIGSTOP)
@@ -142,7 +144,8 @@ def garbage(run, rng):
     noise = bytes(rng.randrange(256) for _ in range(2000))
     call = b'<methodCall><methodName>%s</methodName><params>%s</params></methodCall>'
     pieces = [
-        noise, b'', b'\xff\xff\xff\xff', b'\xff\xff\xff\x7f' + noise, b'GET / HTTP/1.1\r\n\r\n', b'POST / HTTP/1.1\r\nContent-Length: ',
+        noise, b'', b'\xff\xff\xff\xff', b'\xff\xff\xff\x7f' + noise, b'GET / HTTP/1.1\r\n\r\n',
+        b'POST / HTTP/1.1\r\nContent-Length: ',
         b'POST / HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n<', b'POST / HTTP/1.0\r\nContent-Length: 5\r\n\r\n<a><b',
         http(b'<a>' * 5000), http(call % (b'noSuchMethod', b'')), http(call % (b'requestTopic', b'<param/>')),
         http(call % (b'publisherUpdate', b'<param><value>x</value></param>' * 3)), http(noise),
@@ -162,14 +165,6 @@ def http(body):
 
 
 # --- publishers -------------------------------------------------------------------------------------------------------
-
-@contextlib.contextmanager
-def held(*locks):
-    with contextlib.ExitStack() as stack:
-        for lock in locks:
-            stack.enter_context(lock)
-        yield
-
 
 @fault('master', SENSORS)
 def sensors_killed(run, rng):

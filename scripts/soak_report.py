@@ -1,5 +1,6 @@
 """The report of `./soak`: figures, trends, findings, and a plot over time."""
 
+import bisect
 import collections
 import os
 import statistics
@@ -17,8 +18,8 @@ TRENDS = {
 }
 # The beginning of a run does not count for trends: memory and caches fill.
 WARM_UP_SHARE, WARM_UP_S = 0.1, 30.0
-# Shorter runs say nothing about trends.
-SHORTEST_TREND_S = 150.0
+# In shorter runs memory is still filling: each kind of fault needs some at its worst, and comes by about twice a minute.
+SHORTEST_TREND_S = 1500.0
 PLOTTED_EVERY_S = 5.0
 
 
@@ -42,7 +43,8 @@ def trends(samples, begin, findings):
         allowed = max(amount, share * first)
         grows = length >= SHORTEST_TREND_S and last - first > allowed
         if grows:
-            findings.add('{} grows: {:.0f} {} in the first quarter after the start, {:.0f} in the last'.format(name, first, unit, last))
+            findings.add('{} grows: {:.0f} {} in the first quarter after the start, {:.0f} in the last'.format(
+                name, first, unit, last))
         rows.append({'name': '{} {}'.format(name, unit).strip(), 'start': values[0], 'median': statistics.median(values),
                      'end': values[-1], 'max': max(values), 'first': first, 'last': last, 'allowed': allowed,
                      'slope': slope_an_hour(warm, key)})
@@ -68,13 +70,17 @@ def gap_rows(viewers):
 
 def fault_rows(run):
     rows = []
+    gaps = sorted(run.watch.viewers.gaps)
+    ends = [gap[0] for gap in gaps]
+    longest_gap = max((gap[2] for gap in gaps), default=0.0)
     for kind in sorted({record['kind'] for record in run.records}):
         records = [record for record in run.records if record['kind'] == kind]
         longest = 0.0
         for record in records:
             end = record.get('end') or time.monotonic()
-            longest = max([longest] + [length for at, _, length, _ in run.watch.viewers.gaps
-                                       if at > record['begin'] and at - length < end])
+            # Among those that end early enough.
+            near = gaps[bisect.bisect(ends, record['begin']):bisect.bisect(ends, end + longest_gap)]
+            longest = max([longest] + [length for at, _, length, _ in near if at - length < end])
         rows.append({'kind': kind, 'count': len(records), 'survived': sum(record['survived'] for record in records),
                      'longest': 1000 * longest})
     return rows
@@ -108,14 +114,15 @@ def plot(run, file):
             if name == camera:
                 slot = int((at - begin) / PLOTTED_EVERY_S)
                 longest[slot] = max(longest[slot], 1000 * length)
-        gaps.semilogy([slot * PLOTTED_EVERY_S / 60 for slot in longest], list(longest.values()), marker, markersize=2, label=camera)
+        times = [slot * PLOTTED_EVERY_S / 60 for slot in longest]
+        gaps.semilogy(times, list(longest.values()), marker, markersize=2, label=camera)
     gaps.set_ylabel('longest gap (ms)')
     gaps.legend(loc='upper left')
     kinds = sorted({record['kind'] for record in run.records}, reverse=True)
     for record in run.records:
         end = record.get('end') or time.monotonic()
-        faults.barh(kinds.index(record['kind']), max(minutes(end) - minutes(record['begin']), 0.01), left=minutes(record['begin']),
-                    color='tab:blue' if record['survived'] else 'tab:red')
+        start, colour = minutes(record['begin']), 'tab:blue' if record['survived'] else 'tab:red'
+        faults.barh(kinds.index(record['kind']), max(minutes(end) - start, 0.01), left=start, color=colour)
     faults.set_yticks(range(len(kinds)))
     faults.set_yticklabels(kinds, fontsize=6)
     faults.set_xlabel('minutes')
@@ -139,11 +146,12 @@ def write(given, run, checks, is_interrupted):
     stalls = [late for _, late in watch.stalls]
     findings = watch.findings.all
     survived = sum(record['survived'] for record in run.records)
+    outcome = 'everything held' if not findings else '{} finding{}'.format(len(findings), 's' * (len(findings) > 1))
+    only = ' --only ' + ','.join(given.only) if given.only else ''
     lines = [
         '# Soak', '',
         '`./soak --hours {:g} --seed {}{}` on {}{}: **{}**.'.format(
-            given.hours, given.seed, ' --only ' + ','.join(given.only) if given.only else '', machine(),
-            ', interrupted' if is_interrupted else '', 'everything held' if not findings else '{} findings'.format(len(findings))), '',
+            given.hours, given.seed, only, machine(), ', interrupted' if is_interrupted else '', outcome), '',
         table(['', ''], ['{name}', '{value}'], [
             {'name': 'time', 'value': '{:.2f} hours'.format(length / 3600)},
             {'name': 'pictures received', 'value': ', '.join('{} {:,}'.format(name, viewers.count[name]) for name in CAMERAS)},
@@ -165,7 +173,8 @@ def write(given, run, checks, is_interrupted):
         '## Findings', '',
         '\n'.join('- {:.1f} s: {}'.format(at, text) for at, text in findings) or 'None.', '',
         '## The process', '',
-        table(['', 'start', 'median', 'end', 'most', 'median of the first quarter*', 'of the last*', 'may grow by', 'slope per hour*'],
+        table(['', 'start', 'median', 'end', 'most', 'median of the first quarter*', 'of the last*', 'may grow by',
+               'slope per hour*'],
               ['{name}', '{start:.0f}', '{median:.0f}', '{end:.0f}', '{max:.0f}', '{first:.1f}', '{last:.1f}', '{allowed:.0f}',
                '{slope:+.1f}'], process), '',
         '\\* after the warm-up.', '',
@@ -176,11 +185,12 @@ def write(given, run, checks, is_interrupted):
               ['{phase}', '{camera}', '{count}', '{median:.0f}', '{p99:.0f}', '{longest:.0f}'], gap_rows(viewers)), '',
         '## Faults', '',
         'The longest gap is that of any camera while the fault lasted, often together with others.', '',
-        table(['fault', 'times', 'survived', 'longest gap ms'], ['{kind}', '{count}', '{survived}', '{longest:.0f}'], fault_rows(run)),
-        '',
+        table(['fault', 'times', 'survived', 'longest gap ms'], ['{kind}', '{count}', '{survived}', '{longest:.0f}'],
+              fault_rows(run)), '',
     ]
     if watch.texts:
-        lines += ['## Errors in the log', ''] + ['- {} times: {}'.format(count, text) for text, count in watch.texts.most_common(15)]
+        lines += ['## Errors in the log', '']
+        lines += ['- {} times: {}'.format(count, text) for text, count in watch.texts.most_common(15)]
     with open(os.path.join(given.report, 'report.md'), 'w', encoding='utf-8') as out:
         out.write('\n'.join(lines) + '\n')
     with open(os.path.join(given.report, 'faults.log'), 'w', encoding='utf-8') as out:

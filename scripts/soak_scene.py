@@ -12,8 +12,8 @@ import time
 import numpy
 import rospy
 from geometry_msgs.msg import (
-    AccelStamped, Point, Point32, PointStamped, PolygonStamped, PoseArray, PoseStamped, PoseWithCovarianceStamped, TransformStamped,
-    TwistStamped, WrenchStamped)
+    AccelStamped, Point, Point32, PointStamped, PolygonStamped, PoseArray, PoseStamped, PoseWithCovarianceStamped,
+    TransformStamped, TwistStamped, WrenchStamped)
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import GridCells, OccupancyGrid, Odometry, Path
 from sensor_msgs.msg import (
@@ -41,7 +41,8 @@ BEACON, BEACON_CAMERA = '/soak/beacon', 'cam_a'
 URDF = '''<robot name="soak"><material name="grey"><color rgba="0.6 0.6 0.7 1"/></material>
 <link name="base_link"><visual><geometry><box size="0.6 0.4 0.2"/></geometry><material name="grey"/></visual></link>
 <link name="upper_arm"><visual><origin xyz="0 0 0.25"/><geometry><cylinder radius="0.06" length="0.5"/></geometry></visual></link>
-<link name="lower_arm"><visual><geometry><mesh filename="package://conformance_assets/meshes/cone.stl" scale="0.3 0.3 0.3"/></geometry></visual></link>
+<link name="lower_arm"><visual><geometry><mesh filename="package://conformance_assets/meshes/cone.stl" scale="0.3 0.3 0.3"/>
+</geometry></visual></link>
 <joint name="shoulder" type="revolute"><parent link="base_link"/><child link="upper_arm"/><axis xyz="0 1 0"/>
 <limit lower="-2" upper="2" effort="5" velocity="1"/></joint>
 <joint name="elbow" type="revolute"><parent link="upper_arm"/><child link="lower_arm"/><origin xyz="0 0 0.5"/><axis xyz="0 1 0"/>
@@ -68,9 +69,10 @@ DISPLAYS = collections.OrderedDict([
      CLOUD + 'Alpha: 1'),
     ('legacy', 'Class: rviz/PointCloud, Topic: /soak/legacy, Style: Points, Size (Pixels): 4, Color Transformer: Intensity, ' +
      CLOUD + 'Channel Name: intensity'),
-    ('scan', 'Class: rviz/LaserScan, Topic: /soak/scan, Style: Flat Squares, Size (m): 0.03, Color Transformer: Intensity, ' + CLOUD),
-    ('depth image', 'Class: rviz/DepthCloud, Depth Map Topic: /soak/depth_camera/image, Color Image Topic: "", Style: Flat Squares, '
-     'Color Transformer: FlatColor, Auto Size: {Auto Size Factor: 1, Value: true}'),
+    ('scan', 'Class: rviz/LaserScan, Topic: /soak/scan, Style: Flat Squares, Size (m): 0.03, Color Transformer: Intensity, ' +
+     CLOUD),
+    ('depth image', 'Class: rviz/DepthCloud, Depth Map Topic: /soak/depth_camera/image, Color Image Topic: "", '
+     'Style: Flat Squares, Color Transformer: FlatColor, Auto Size: {Auto Size Factor: 1, Value: true}'),
     ('map', 'Class: rviz/Map, Topic: /soak/map, Alpha: 0.6, Color Scheme: costmap'),
     ('cells', 'Class: rviz/GridCells, Topic: /soak/cells, Color: 90; 30; 160, Alpha: 0.8'),
     ('marker', 'Class: rviz/Marker, Marker Topic: /soak/marker, Queue Size: 100'),
@@ -117,8 +119,8 @@ def config(displays=None, cameras=()):
     for name in cameras:
         camera = CAMERA.format(name=name, rate=2, hidden='grid: false')
         text += '  - {' + camera.replace('/soak/{}/info'.format(name), '/soak/cam_a/info') + '}\n'
-    return text + '  Enabled: true\n  Global Options: {{Fixed Frame: map, Frame Rate: {}}}\n  Tools:\n  - {{Class: rviz/Interact}}\n'.format(
-        GLOBAL_RATE_HZ)
+    text += '  Enabled: true\n  Tools:\n  - {Class: rviz/Interact}\n'
+    return text + '  Global Options: {{Fixed Frame: map, Frame Rate: {}}}\n'.format(GLOBAL_RATE_HZ)
 
 
 # --- frames and cameras -----------------------------------------------------------------------------------------------
@@ -302,7 +304,8 @@ def marker_array(rng, stamp):
 def handle(rng, stamp, number):
     message = InteractiveMarker(name='handle {}'.format(number), description='handle {}'.format(number), scale=0.4)
     pose(rng, message.pose)
-    for orientation, mode in (((0, 0, 0, 1), InteractiveMarkerControl.MOVE_AXIS), ((0, 0, 1, 1), InteractiveMarkerControl.ROTATE_AXIS)):
+    for orientation, mode in (((0, 0, 0, 1), InteractiveMarkerControl.MOVE_AXIS),
+                              ((0, 0, 1, 1), InteractiveMarkerControl.ROTATE_AXIS)):
         control = InteractiveMarkerControl(name='c', interaction_mode=mode, always_visible=True)
         turn = control.orientation
         turn.x, turn.y, turn.z, turn.w = orientation

@@ -12,8 +12,8 @@ import time
 from soak_processes import SCRIPTS, Failure, start, wait_until
 from soak_scene import BEACON_CAMERA, CAMERAS
 
-# Within so many seconds no more log lines than that.
-LOG_WINDOW_S, LOG_LINES = 10, 300
+# Within so many seconds no more log lines than that: the node limits each place in its program to 50 a second.
+LOG_WINDOW_S, LOG_LINES = 10, 600
 # How long after a fault that stops pictures the first one may come.
 GRACE_S = 1.0
 EARLIEST_STALL_S = 0.1
@@ -200,6 +200,8 @@ class Watch:
         due = time.monotonic()
         while not self.is_over:
             status = self.node.status()
+            if self.is_over:
+                return
             if status is None or self.node.process.poll() is not None:
                 self.findings.add('the node has ended with status {}'.format(self.node.process.poll()))
                 return
