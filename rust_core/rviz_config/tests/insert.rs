@@ -19,7 +19,8 @@ fn extended(text: &str, camera: &NewCamera) -> String {
     let same = text.bytes().zip(extended.bytes()).take_while(|(before, after)| before == after).count();
     let inserted = extended.len() - text.len();
     // The insertion may begin earlier, with characters that the text goes on with.
-    let is_one_piece = (0..=same).any(|at| extended[..at] == text[..at] && extended[at + inserted..] == text[at..]);
+    let (old, new) = (text.as_bytes(), extended.as_bytes());
+    let is_one_piece = (0..=same).any(|at| new[..at] == old[..at] && new[at + inserted..] == old[at..]);
     assert!(is_one_piece, "{text}\n--- became\n{extended}");
     extended
 }
