@@ -31,7 +31,16 @@ fn the_programs_have_the_packages_version() {
 fn every_config_is_understood() {
     for config in [files("config", "rviz"), files("rviz", "rviz")].concat() {
         let output = Command::new(program("camera_stream")).arg("check").arg(&config).output().unwrap();
-        assert!(output.status.success(), "{}", printed_by(&output));
+        let printed = printed_by(&output);
+        if config.ends_with("demo_window.rviz") {
+            // It is for rviz's window, which shows the cameras' pictures: that it has none is all there is to report.
+            let reports =
+                printed.lines().skip(1).filter(|line| !line.trim().is_empty() && !line.starts_with("  line "));
+            let reports: Vec<&str> = reports.collect();
+            assert!(matches!(reports[..], [one] if one.contains("no CameraPub display")), "{printed}");
+        } else {
+            assert!(output.status.success(), "{printed}");
+        }
     }
 }
 
