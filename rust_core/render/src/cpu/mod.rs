@@ -18,6 +18,7 @@ mod band;
 mod bins;
 mod clip;
 mod frame_plan;
+mod instances;
 mod lanes;
 mod lighting;
 mod lines;
@@ -37,6 +38,7 @@ use rcs_scene::{Picture, MAX_SIDE_PX};
 use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
 use self::frame_plan::{FramePlan, FramePlanMemory, Job, Textures};
+use self::instances::{InstanceScratch, Instances, Shapes};
 use self::points::PointScratch;
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
@@ -48,6 +50,7 @@ pub struct CpuRenderer {
     workers: Vec<Worker>,
     outcomes: Vec<Outcome>,
     textures: Textures,
+    shapes: Shapes,
     /// The instruction set to use; `None`: the best that there is.
     simd_level: Option<Level>,
     memory: FramePlanMemory,
@@ -63,6 +66,7 @@ struct Worker {
     band: BandBuffers,
     scratch: PointScratch,
     vertices: VertexCache,
+    instances: InstanceScratch,
 }
 
 /// The result of a job; only the part that belongs to its kind is filled.
@@ -70,6 +74,7 @@ struct Worker {
 struct Outcome {
     points: Bins,
     primitives: Primitives,
+    instances: Instances,
 }
 
 impl CpuRenderer {
@@ -135,7 +140,8 @@ impl CpuRenderer {
         let mut screen = Screen::new(width_px, height_px);
         screen.simd_level = self.simd_level.unwrap_or(screen.simd_level);
         self.textures.forget_dead();
-        let mut plan = FramePlan::new(view, &mut self.textures, &mut self.memory);
+        self.shapes.forget_dead();
+        let mut plan = FramePlan::new(view, &mut self.textures, &mut self.shapes, &mut self.memory);
         let jobs = plan.jobs.len();
         if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
             self.outcomes.resize_with(jobs, Outcome::default);
@@ -152,9 +158,10 @@ impl CpuRenderer {
         let outcomes = &self.outcomes;
         let bands = picture.data.chunks_mut(step * screen.band_rows()).enumerate();
         in_parallel(&mut self.workers, bands, |worker, (index, rows)| {
-            let mut band = worker.band.begin(&screen, index, background);
+            let Worker { band, scratch, instances, .. } = worker;
+            let mut band = band.begin(&screen, index, background);
             for (job, outcome) in plan.jobs.iter().zip(outcomes) {
-                outcome.draw(job, &plan, &screen, index, &mut worker.scratch, &mut band);
+                outcome.draw(job, &plan, &screen, index, (&mut *scratch, &mut *instances), &mut band);
             }
             for (pixels, row) in band.pixel_rows().zip(rows.chunks_mut(step)) {
                 view.encoding.write_row(pixels, row);
@@ -205,6 +212,13 @@ impl Outcome {
                     }
                 }
             }
+            Job::Batches(pieces) => {
+                self.instances.clear(screen);
+                let Some(view) = &plan.batch_view else { return };
+                for piece in plan.batch_pieces.get(pieces.clone()).unwrap_or(&[]) {
+                    self.instances.add(piece, &plan.batches, view, screen, &mut worker.instances);
+                }
+            }
         }
     }
 
@@ -214,7 +228,7 @@ impl Outcome {
         plan: &FramePlan<'_>,
         screen: &Screen,
         index: usize,
-        scratch: &mut PointScratch,
+        (scratch, instances): (&mut PointScratch, &mut InstanceScratch),
         band: &mut Band<'_>,
     ) {
         match job {
@@ -224,6 +238,11 @@ impl Outcome {
                 }
             }
             Job::Pieces(_) => self.primitives.draw(&plan.solids, index, band),
+            Job::Batches(_) => {
+                if let Some(view) = &plan.batch_view {
+                    self.instances.draw(&plan.batches, view, screen, index, instances, band);
+                }
+            }
         }
     }
 }
