@@ -99,6 +99,7 @@ impl EndRequest {
             if left.is_zero() {
                 return false;
             }
+            logging::report_left_out();
             thread::sleep(left.min(POLL_PERIOD));
         }
     }

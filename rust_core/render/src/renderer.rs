@@ -1,8 +1,9 @@
 //! The interface of the renderers, and the choice between them.
 
 use std::str::FromStr;
+use std::time::Duration;
 
-use rcs_scene::{Camera, DisplayMask, Encoding, Picture, Scene};
+use rcs_scene::{Camera, DisplayId, DisplayMask, Encoding, Picture, Scene};
 use thiserror::Error;
 
 use crate::{CpuRenderer, GpuRenderer};
@@ -80,6 +81,12 @@ pub enum RenderError {
 pub trait Renderer: Send {
     /// A name for the log: `cpu (2 threads)`, `gpu (Intel(R) HD Graphics, Vulkan)`.
     fn describe(&self) -> String;
+
+    /// What drawing each display took in the picture that was finished last, added over all threads and shared out
+    /// as well as the renderer knows. Empty for a renderer that does not measure that, or a picture that was not slow.
+    fn costs(&self) -> Vec<(DisplayId, Duration)> {
+        Vec::new()
+    }
 
     /// How many pictures may be in flight with a gain. Where that is one, a picture that is begun before another is
     /// finished only keeps that one waiting.

@@ -1,4 +1,5 @@
-//! The queue between the threads that receive and the one that draws, and the events in it.
+//! The queues between the threads that receive and those that act on it, and what is in them: [`NodeEvent`]s change
+//! the scene, [`ServiceCall`]s are to be answered at once.
 
 use rcs_messages::dynamic_reconfigure::Config;
 use rcs_messages::tf2_msgs::TFMessage;
@@ -41,19 +42,29 @@ pub enum NodeEvent {
         /// The time now.
         to: Time,
     },
-    /// Somebody called a trigger service.
-    Trigger {
-        /// The service's whole name.
-        service: Arc<str>,
-        /// To be answered.
-        reply: TriggerReply,
-    },
     /// A parameter that is followed, see [`RosNode::follow_parameters`](crate::RosNode::follow_parameters).
     Parameter {
         /// Its name, as given.
         name: Arc<str>,
         /// Its value; none while it is not set.
         text: Option<Arc<str>>,
+    },
+    /// A publisher of a subscribed topic is not registered any more.
+    PublisherLeft {
+        /// The topic's whole name, after remapping.
+        topic: Arc<str>,
+    },
+}
+
+/// A call of one of the node's services, to be answered.
+#[derive(Debug)]
+pub enum ServiceCall {
+    /// Somebody called a trigger service.
+    Trigger {
+        /// The service's whole name.
+        service: Arc<str>,
+        /// To be answered.
+        reply: TriggerReply,
     },
     /// Somebody sets parameters of a [`ReconfigureServer`](crate::ReconfigureServer).
     Reconfigure {
@@ -63,11 +74,6 @@ pub enum NodeEvent {
         request: Config,
         /// To be answered with the values that hold then.
         reply: Reply<Config>,
-    },
-    /// A publisher of a subscribed topic is not registered any more.
-    PublisherLeft {
-        /// The topic's whole name, after remapping.
-        topic: Arc<str>,
     },
 }
 
@@ -99,34 +105,51 @@ impl TriggerReply {
 }
 
 /// Events in the order of their arrival.
-#[derive(Debug, Default)]
-pub struct EventQueue {
-    state: Mutex<State>,
+#[derive(Debug)]
+pub struct EventQueue<E = NodeEvent> {
+    state: Mutex<State<E>>,
     changed: Condvar,
     next_id: AtomicU64,
 }
 
-#[derive(Debug, Default)]
-struct State {
-    queued: VecDeque<(u64, NodeEvent)>,
+#[derive(Debug)]
+struct State<E> {
+    queued: VecDeque<(u64, E)>,
     woken: bool,
 }
 
+impl<E> Default for EventQueue<E> {
+    fn default() -> Self {
+        let state = State { queued: VecDeque::new(), woken: false };
+        Self { state: Mutex::new(state), changed: Condvar::new(), next_id: AtomicU64::new(0) }
+    }
+}
+
+/// No source has more events than that in a queue.
+const MOST_QUEUED: usize = 10_000;
+
 /// Puts one source's events into a queue, which holds at most so many of them at a time.
-#[derive(Clone, Debug)]
-pub struct EventSender {
-    queue: Arc<EventQueue>,
+#[derive(Debug)]
+pub struct EventSender<E = NodeEvent> {
+    queue: Arc<EventQueue<E>>,
     id: u64,
     queue_size: Arc<AtomicUsize>,
 }
 
-impl EventSender {
+impl<E> Clone for EventSender<E> {
+    fn clone(&self) -> Self {
+        Self { queue: Arc::clone(&self.queue), id: self.id, queue_size: Arc::clone(&self.queue_size) }
+    }
+}
+
+impl<E> EventSender<E> {
     /// Adds an event and wakes the queue's reader. If `queue_size` events of this sender are queued already, the oldest
     /// of them is dropped. Never waits.
-    pub fn push(&self, event: NodeEvent) {
+    pub fn push(&self, event: E) {
         let mut state = self.queue.lock();
         let queue_size = self.queue_size.load(Ordering::Relaxed);
-        if queue_size > 0 {
+        // Counting is only worth it once the queue could be full of them.
+        if state.queued.len() >= queue_size {
             let mine = || state.queued.iter().enumerate().filter(|(_, (id, _))| *id == self.id);
             let (count, oldest) = (mine().count(), mine().next().map(|(index, _)| index));
             if let (true, Some(index)) = (count >= queue_size, oldest) {
@@ -138,9 +161,9 @@ impl EventSender {
         self.queue.changed.notify_all();
     }
 
-    /// How many of its events may be queued from now on (0: any number). Clones share this.
+    /// How many of its events may be queued from now on (0: 10,000, which is the most). Clones share this.
     pub fn set_queue_size(&self, queue_size: usize) {
-        self.queue_size.store(queue_size, Ordering::Relaxed);
+        self.queue_size.store(bounded(queue_size), Ordering::Relaxed);
     }
 
     /// Drops those of its events that are queued.
@@ -149,16 +172,25 @@ impl EventSender {
     }
 }
 
-impl EventQueue {
-    /// A new source of events, of which at most `queue_size` are queued (0: any number).
-    pub fn sender(self: &Arc<Self>, queue_size: usize) -> EventSender {
+/// A queue size within the bounds; 0 stands for the largest.
+fn bounded(queue_size: usize) -> usize {
+    if queue_size == 0 {
+        MOST_QUEUED
+    } else {
+        queue_size.min(MOST_QUEUED)
+    }
+}
+
+impl<E> EventQueue<E> {
+    /// A new source of events, of which at most `queue_size` are queued (0: 10,000, which is the most).
+    pub fn sender(self: &Arc<Self>, queue_size: usize) -> EventSender<E> {
         let id = self.next_id.fetch_add(1, Ordering::Relaxed);
-        EventSender { queue: Arc::clone(self), id, queue_size: Arc::new(queue_size.into()) }
+        EventSender { queue: Arc::clone(self), id, queue_size: Arc::new(bounded(queue_size).into()) }
     }
 
     /// Waits until there are events, [`wake`](Self::wake) is called or `timeout` is over; takes all queued events.
-    pub fn wait(&self, timeout: Duration) -> Vec<NodeEvent> {
-        let idle = |state: &mut State| state.queued.is_empty() && !state.woken;
+    pub fn wait(&self, timeout: Duration) -> Vec<E> {
+        let idle = |state: &mut State<E>| state.queued.is_empty() && !state.woken;
         let waited = self.changed.wait_timeout_while(self.lock(), timeout, idle);
         let mut state = waited.unwrap_or_else(PoisonError::into_inner).0;
         state.woken = false;
@@ -166,7 +198,7 @@ impl EventQueue {
     }
 
     /// Takes all queued events.
-    pub fn drain(&self) -> Vec<NodeEvent> {
+    pub fn drain(&self) -> Vec<E> {
         self.lock().queued.drain(..).map(|(_, event)| event).collect()
     }
 
@@ -176,7 +208,7 @@ impl EventQueue {
         self.changed.notify_all();
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, State<E>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -199,7 +231,7 @@ mod tests {
 
     #[test]
     fn a_full_queue_drops_the_oldest_event_of_the_same_source() {
-        let queue = Arc::new(EventQueue::default());
+        let queue = Arc::<EventQueue>::default();
         let (small, large) = (queue.sender(2), queue.sender(0));
         large.push(jump(1));
         for sec in 10..14 {
@@ -216,7 +248,7 @@ mod tests {
 
     #[test]
     fn waiting_ends_with_an_event_a_wake_or_the_timeout() {
-        let queue = Arc::new(EventQueue::default());
+        let queue = Arc::<EventQueue>::default();
         assert!(queue.wait(Duration::from_millis(1)).is_empty());
         queue.wake();
         assert!(queue.wait(Duration::from_secs(60)).is_empty());
@@ -228,7 +260,7 @@ mod tests {
 
     #[test]
     fn the_queued_events_of_one_source_are_dropped() {
-        let queue = Arc::new(EventQueue::default());
+        let queue = Arc::<EventQueue>::default();
         let (gone, stays) = (queue.sender(0), queue.sender(0));
         gone.push(jump(1));
         stays.push(jump(2));

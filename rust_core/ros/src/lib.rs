@@ -21,7 +21,7 @@
 //! | `startup` | [`init`]: what has to happen before the process has threads |
 //! | `waiting` | waiting for a master that is not there yet |
 //! | `node` | [`RosNode`]: connecting, subscribing, services, parameters, shutting down |
-//! | `events` | [`EventQueue`] and [`NodeEvent`]: what the node received, in one queue |
+//! | `events` | [`EventQueue`], [`NodeEvent`] and [`ServiceCall`]: what the node received, in two queues |
 //! | `topic` | [`TopicSubscription`]: several subscriptions of one topic in a process, latched messages included |
 //! | `publisher` | publishing a topic |
 //! | [`image_topic`] | a camera's picture with its CameraInfo |
@@ -66,7 +66,7 @@ mod waiting;
 mod xmlrpc;
 
 pub use clock::RosClock;
-pub use events::{EventQueue, EventSender, NodeEvent, Reply, TriggerReply};
+pub use events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall, TriggerReply};
 pub use graph::{Publication, Publications};
 pub use latched_publisher::LatchedPublisher;
 pub use node::{is_asked_to_end, node_time, plain_args, NodeError, NodeTime, RosNode};

@@ -4,7 +4,7 @@
 //! [`crate::network`]'s.
 
 use crate::clock::RosClock;
-use crate::events::{EventQueue, EventSender, NodeEvent, TriggerReply};
+use crate::events::{EventQueue, EventSender, NodeEvent, ServiceCall, TriggerReply};
 use crate::graph::Publications;
 use crate::lock;
 use crate::network::Network;
@@ -25,6 +25,8 @@ use std::time::Duration;
 
 /// Queue size of `/tf`. Robots send some hundred messages a second.
 const TF_QUEUE_SIZE: usize = 1000;
+/// How many calls of a service may wait for an answer; the oldest get an error.
+pub(crate) const MOST_QUEUED_CALLS: usize = 64;
 /// How long a caller of a service waits for the scene's thread.
 pub(crate) const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
 /// By how much rosrust's own threads may wake up late.
@@ -126,6 +128,7 @@ pub(crate) struct Shared {
     name: String,
     pub(crate) network: Arc<Network>,
     pub(crate) events: Arc<EventQueue>,
+    pub(crate) calls: Arc<EventQueue<ServiceCall>>,
     clock: Arc<RosClock>,
     topics: Mutex<BTreeMap<String, Arc<Topic>>>,
     /// The parameters that are polled, and whether it was reported that they are not set.
@@ -244,6 +247,7 @@ impl RosNode {
             name: rosrust::name(),
             network,
             events,
+            calls: Arc::default(),
             clock: Arc::new(RosClock::new(simulated)),
             topics: Mutex::default(),
             followed_parameters: Mutex::default(),
@@ -276,6 +280,11 @@ impl RosNode {
         &self.shared.events
     }
 
+    /// The queue of the calls of its services.
+    pub fn calls(&self) -> &Arc<EventQueue<ServiceCall>> {
+        &self.shared.calls
+    }
+
     /// The present time: that of `/clock` under `/use_sim_time`, else the computer's.
     pub fn now(&self) -> Time {
         self.shared.clock.now()
@@ -294,7 +303,7 @@ impl RosNode {
     }
 
     /// Subscribes to a topic. Its messages are queued as [`NodeEvent::Message`], at most `queue_size` of them at a time
-    /// (0: any number). Messages of this node itself are ignored. If a message cannot be decoded, a warning names the
+    /// (0: 10,000, which is the most). Messages of this node itself are ignored. If a message cannot be decoded, a warning names the
     /// topic and the publisher.
     pub fn subscribe(&self, topic: &str, kind: MessageKind, queue_size: usize) -> Result<TopicSubscription, NodeError> {
         let sender = self.shared.events.sender(queue_size);
@@ -330,13 +339,13 @@ impl RosNode {
     }
 
     /// Offers a service of type `std_srvs/Trigger` until [`stop_serving`](Self::stop_serving) or the node's end; each
-    /// call is a [`NodeEvent::Trigger`] to be answered. Returns the service's whole name.
+    /// call is a [`ServiceCall::Trigger`] to be answered. Returns the service's whole name.
     pub fn serve_trigger(&self, name: &str) -> Result<Arc<str>, NodeError> {
         let service: Arc<str> = self.resolve(name)?.into();
-        let (sender, name_of_handler) = (self.shared.events.sender(0), Arc::clone(&service));
+        let (sender, name_of_handler) = (self.shared.calls.sender(MOST_QUEUED_CALLS), Arc::clone(&service));
         self.serve::<Trigger>(&service, move |_| {
             let (reply, answer) = TriggerReply::new();
-            sender.push(NodeEvent::Trigger { service: Arc::clone(&name_of_handler), reply });
+            sender.push(ServiceCall::Trigger { service: Arc::clone(&name_of_handler), reply });
             // Also if the reply was dropped unused.
             let (success, message) =
                 answer.recv_timeout(REPLY_TIMEOUT).map_err(|_| format!("{name_of_handler}: the node is busy"))?;
@@ -395,6 +404,26 @@ impl RosNode {
             Value::Bool(value) => Some(*value),
             _ => None,
         }
+    }
+
+    /// A private parameter (`~name`) that was a whole number when the node started.
+    pub fn int_param(&self, name: &str) -> Option<i32> {
+        match self.private_param(name)? {
+            Value::Int(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// A private parameter (`~name`) that was a list of strings, or one string, when the node started.
+    pub fn strings_param(&self, name: &str) -> Option<Vec<String>> {
+        let value = self.private_param(name)?;
+        let one = std::slice::from_ref(value);
+        value.as_array().unwrap_or(one).iter().map(|item| item.as_str().map(str::to_owned)).collect()
+    }
+
+    /// Whether a private parameter (`~name`) was set, to whatever value, when the node started.
+    pub fn has_param(&self, name: &str) -> bool {
+        self.private_param(name).is_some()
     }
 
     /// Whether the node was asked from outside to end (`rosnode kill`, or another node that took its name).

@@ -2,13 +2,13 @@
 //!
 //! In a namespace of its own it has the latched topics `parameter_descriptions` and `parameter_updates`, the service
 //! `set_parameters`, and its values as parameters. Meaning and bounds of the values are up to its owner: a call is
-//! a [`NodeEvent::Reconfigure`], which the owner answers with the values that hold then, and a change is published with
+//! a [`ServiceCall::Reconfigure`], which the owner answers with the values that hold then, and a change is published with
 //! [`ReconfigureServer::set_config`].
 
 use crate::network::Network;
-use crate::node::REPLY_TIMEOUT;
+use crate::node::{MOST_QUEUED_CALLS, REPLY_TIMEOUT};
 use crate::xmlrpc::Value;
-use crate::{LatchedPublisher, NodeError, NodeEvent, Reply, RosNode};
+use crate::{LatchedPublisher, NodeError, Reply, RosNode, ServiceCall};
 use rcs_messages::dynamic_reconfigure::{Config, ConfigDescription, Reconfigure};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ impl RosNode {
         config: Config,
     ) -> Result<ReconfigureServer, NodeError> {
         let name: Arc<str> = self.resolve(namespace)?.into();
-        let sender = self.shared.events.sender(0);
+        let sender = self.shared.calls.sender(MOST_QUEUED_CALLS);
         let (descriptions, updates) = (format!("{name}/parameter_descriptions"), format!("{name}/parameter_updates"));
         let mut server = ReconfigureServer {
             descriptions: self.latched_publisher(&descriptions, QUEUE_SIZE)?,
@@ -51,7 +51,7 @@ impl RosNode {
         let server_name = Arc::clone(&server.name);
         self.serve::<Reconfigure>(&server.service.name, move |request| {
             let (reply, answer) = Reply::new();
-            sender.push(NodeEvent::Reconfigure { server: Arc::clone(&server_name), request, reply });
+            sender.push(ServiceCall::Reconfigure { server: Arc::clone(&server_name), request, reply });
             answer.recv_timeout(REPLY_TIMEOUT).map_err(|_| format!("{server_name}: the node is busy"))
         });
         server.set_description(description);

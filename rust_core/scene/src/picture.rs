@@ -129,10 +129,21 @@ impl AsRef<[u8]> for Picture {
 }
 
 impl Picture {
-    /// Makes it a picture of this size and encoding; the bytes may hold anything. Keeps its memory.
+    /// Makes it a picture of this size and encoding; the bytes may hold anything. Keeps its memory, unless that is
+    /// several times what the picture needs: a single huge picture must not occupy it for ever.
     pub fn reset(&mut self, width_px: u32, height_px: u32, encoding: Encoding) {
         *self = Self { width_px, height_px, encoding, data: std::mem::take(&mut self.data) };
-        self.data.resize(self.step() * height_px as usize, 0);
+        let needed = self.step() * height_px as usize;
+        self.give_back_memory(needed);
+        self.data.resize(needed, 0);
+    }
+
+    /// Gives its memory back, and what it shows with it, if that is several times what a picture of so many bytes needs.
+    pub fn give_back_memory(&mut self, needed_bytes: usize) {
+        const MOST_UNUSED_BYTES: usize = 1 << 20;
+        if self.data.capacity() > needed_bytes.saturating_mul(4).saturating_add(MOST_UNUSED_BYTES) {
+            self.data = Vec::new();
+        }
     }
 
     /// Bytes of a row.
@@ -155,6 +166,17 @@ mod tests {
             assert_eq!(row, bytes, "{encoding:?}");
         }
         assert_eq!(Encoding::from_name("yuv422"), None);
+    }
+
+    #[test]
+    fn a_huge_picture_does_not_occupy_its_memory_for_ever() {
+        let mut picture = Picture::default();
+        picture.reset(4096, 4096, Encoding::Rgb8);
+        let huge = picture.data.capacity();
+        picture.reset(3000, 3000, Encoding::Rgb8);
+        assert_eq!(picture.data.capacity(), huge, "of similar sizes, it is kept");
+        picture.reset(640, 480, Encoding::Rgb8);
+        assert!(picture.data.capacity() < 2 * 640 * 480 * 3);
     }
 
     #[test]

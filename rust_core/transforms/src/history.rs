@@ -118,6 +118,25 @@ impl History {
         }
     }
 
+    /// The parents of all samples, some of them several times.
+    pub(crate) fn parents(&self) -> impl Iterator<Item = FrameId> + '_ {
+        let (one, many) = match self {
+            History::Static(known) => (Some(known.parent), None),
+            History::Moving(samples) => (None, Some(samples.iter().map(|sample| sample.parent))),
+        };
+        one.into_iter().chain(many.into_iter().flatten())
+    }
+
+    /// With other ids of the parents; samples whose parent has none are dropped. `None` if a static frame's parent is
+    /// gone.
+    pub(crate) fn with_parents(self, new_id: impl Fn(FrameId) -> Option<FrameId>) -> Option<Self> {
+        let renamed = |sample: Sample| Some(Sample { parent: new_id(sample.parent)?, ..sample });
+        match self {
+            History::Static(known) => renamed(known).map(History::Static),
+            History::Moving(samples) => Some(History::Moving(samples.into_iter().filter_map(renamed).collect())),
+        }
+    }
+
     /// Forgets all samples of a moving frame. A static transform is kept.
     pub(crate) fn clear(&mut self) {
         if let History::Moving(samples) = self {

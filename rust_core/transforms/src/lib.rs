@@ -28,6 +28,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod crowd;
 mod history;
 mod lookup;
 mod time;
@@ -35,6 +36,7 @@ mod transform;
 mod tree;
 mod waiting;
 
+pub use crowd::{MOST_FRAMES, UNCROWDED};
 pub use history::interpolate;
 pub use lookup::{LookupError, LookupProblem};
 pub use time::Time;

@@ -2,11 +2,13 @@
 //!
 //! Frame names are interned, so that a lookup hashes its two names once and then walks from frame to
 //! parent by index. A name is known from the first transform that mentions it, as child or as parent, and
-//! is kept, also through [`TransformTree::clear`]. Lookups are in the module `lookup`.
+//! is kept, also through [`TransformTree::clear`], unless there are very many (see the module `crowd`). Lookups are in
+//! the module `lookup`.
 
 use std::collections::HashMap;
 use std::time::Duration;
 
+use crate::crowd::Crowd;
 use crate::history::{History, Sample, Stored};
 use crate::transform::strip_slash;
 use crate::{InsertError, RawTransform, StampedTransform, Time};
@@ -15,14 +17,14 @@ use crate::{InsertError, RawTransform, StampedTransform, Time};
 pub const DEFAULT_CACHE_LENGTH: Duration = Duration::from_secs(10);
 
 /// A frame's place among the tree's frames.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) struct FrameId(pub(crate) u32);
 
 #[derive(Clone, Debug)]
-struct Frame {
+pub(crate) struct Frame {
     name: String,
     /// `None` until a transform places the frame in a parent: roots have none.
-    history: Option<History>,
+    pub(crate) history: Option<History>,
 }
 
 /// What an accepted transform changed.
@@ -57,9 +59,10 @@ pub enum Inserted {
 #[derive(Clone, Debug)]
 pub struct TransformTree {
     cache_length: Duration,
-    frames: Vec<Frame>,
-    ids: HashMap<String, FrameId>,
-    generation: u64,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) ids: HashMap<String, FrameId>,
+    pub(crate) generation: u64,
+    pub(crate) crowd: Crowd,
 }
 
 impl Default for TransformTree {
@@ -76,7 +79,8 @@ impl TransformTree {
 
     /// An empty tree that remembers `cache_length` of each moving frame, back from the frame's newest sample.
     pub fn with_cache_length(cache_length: Duration) -> Self {
-        TransformTree { cache_length, frames: Vec::new(), ids: HashMap::new(), generation: 0 }
+        let (frames, ids, crowd) = (Vec::new(), HashMap::new(), Crowd::default());
+        TransformTree { cache_length, frames, ids, generation: 0, crowd }
     }
 
     /// How long moving frames are remembered.
@@ -113,6 +117,7 @@ impl TransformTree {
         match stored {
             Stored::Yes => {
                 self.generation += 1;
+                self.limit_frames(transform.stamp);
                 Ok(Inserted::Stored)
             }
             Stored::Repeated => Ok(Inserted::Repeated),
@@ -135,6 +140,7 @@ impl TransformTree {
             }
         }
         self.generation += 1;
+        self.reset_crowd();
     }
 
     /// A number that grows whenever what the tree knows has changed, so that callers know when a lookup
@@ -143,7 +149,7 @@ impl TransformTree {
         self.generation
     }
 
-    /// All frames that were ever mentioned, in the order of their first mention.
+    /// All frames that were ever mentioned and not forgotten, in the order of their first mention.
     pub fn frames(&self) -> impl Iterator<Item = &str> {
         self.frames.iter().map(|frame| frame.name.as_str())
     }
@@ -171,6 +177,11 @@ impl TransformTree {
             stamp: newest.stamp,
             parent_from_child: newest.parent_from_child,
         })
+    }
+
+    /// The stamp of the newest sample of `frame`, as [`Self::latest`] has it.
+    pub fn newest_stamp_of(&self, frame: &str) -> Option<Time> {
+        Some(self.history(self.id(strip_slash(frame))?)?.newest()?.stamp)
     }
 
     fn intern(&mut self, name: &str) -> FrameId {

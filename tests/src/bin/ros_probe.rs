@@ -9,7 +9,7 @@
 
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{header, MessageKind};
-use rcs_ros::{plain_args, Change, NodeEvent, RosNode, TopicSubscription};
+use rcs_ros::{plain_args, Change, NodeEvent, RosNode, ServiceCall, TopicSubscription};
 use rcs_scene::{Encoding, Picture};
 use std::error::Error;
 use std::io::Write;
@@ -52,7 +52,10 @@ fn listen(node: &RosNode, topics: &[&str], is_ended: &dyn Fn() -> bool) -> Resul
     let mut publications = None;
     while !is_ended() && !node.is_asked_to_end() {
         for event in node.events().wait(Duration::from_millis(50)) {
-            print_event(node, event);
+            print_event(event);
+        }
+        for call in node.calls().drain() {
+            answer(node, call);
         }
         // Each time that the master was asked gives another list.
         let latest = node.publications();
@@ -72,7 +75,7 @@ fn subscribe(node: &RosNode, topic: &[&str]) -> Result<TopicSubscription, Box<dy
     Ok(node.subscribe(topic, kind, queue_size.parse()?)?)
 }
 
-fn print_event(node: &RosNode, event: NodeEvent) {
+fn print_event(event: NodeEvent) {
     match event {
         NodeEvent::Message { topic, message, publisher, .. } => {
             let header = header(&message).cloned().unwrap_or_default();
@@ -92,18 +95,23 @@ fn print_event(node: &RosNode, event: NodeEvent) {
             }
         }
         NodeEvent::TimeJumpedBack { from, to } => print_line(&format!("jump from {} to {}", from.sec, to.sec)),
-        NodeEvent::Trigger { service, reply } => {
-            print_line(&format!("trigger {service} at {}", node.now().sec));
-            reply.send(true, format!("received by {}", node.name()));
-        }
         NodeEvent::Parameter { name, text } => {
             print_line(&format!("parameter {name} {}", text.as_deref().unwrap_or("-")));
         }
-        NodeEvent::Reconfigure { server, request, reply } => {
+        NodeEvent::PublisherLeft { topic } => print_line(&format!("left {topic}")),
+    }
+}
+
+fn answer(node: &RosNode, call: ServiceCall) {
+    match call {
+        ServiceCall::Trigger { service, reply } => {
+            print_line(&format!("trigger {service} at {}", node.now().sec));
+            reply.send(true, format!("received by {}", node.name()));
+        }
+        ServiceCall::Reconfigure { server, request, reply } => {
             print_line(&format!("reconfigure {server} {} values", request.bools.len()));
             reply.answer(request);
         }
-        NodeEvent::PublisherLeft { topic } => print_line(&format!("left {topic}")),
     }
 }
 
@@ -133,7 +141,7 @@ fn publish(
     let mut count = 0;
     while !is_ended() {
         for event in node.events().wait(next.saturating_duration_since(Instant::now())) {
-            print_event(node, event);
+            print_event(event);
         }
         if Instant::now() < next {
             continue;

@@ -45,14 +45,14 @@ fn below_0_an_unchanged_scene_is_repeated_at_the_global_rate_and_a_change_appear
 }
 
 #[test]
-fn changes_below_0_are_not_held_back_to_the_global_rate() {
+fn changes_below_0_make_pictures_at_the_global_rate_in_the_long_run() {
     let fixture = fixture(&[CameraPub::default()]);
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("viewer.middle() == (255, 0, 0)");
     fixture.python("repeated = PublishRepeatedly(100, lambda i: cloud(i & 0xffffff), '/cloud'); viewer.forget()");
     fixture.wait_for("len(viewer.images) > 150");
     let rate = rate(&fixture);
-    assert!(rate > 36.0, "{rate} pictures a second, for a scene that changes 100 times");
+    assert!((25.0..31.0).contains(&rate), "{rate} pictures a second, for a scene that changes 100 times");
 }
 
 #[test]

@@ -1,13 +1,16 @@
 //! Options that may be given on the command line or as private ROS parameters; the command line wins.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::{anyhow, Result};
 use clap::ValueEnum;
 use rcs_render::RendererChoice;
+use rcs_resources::ResourceOptions;
 use rcs_ros::RosNode;
 
 use crate::camera_stream::camera_pose::Projection;
+use crate::camera_stream::cli::{ResourceArgs, MESH_MB};
 
 /// What draws: `--renderer`, else `~renderer`.
 ///
@@ -23,6 +26,26 @@ pub(crate) fn renderer(ros: &RosNode, given: Option<RendererChoice>) -> Result<R
 /// When the parameter has no valid value; names the parameter.
 pub(crate) fn projection(ros: &RosNode, given: Option<Projection>, parameters: &[&str]) -> Result<Projection> {
     choose(ros, given, parameters, |text| Projection::from_str(text, true))
+}
+
+/// Which mesh files may be read: `--max-mesh-mb`, else `~max_mesh_mb`; the folders of `--mesh-folder` and `~mesh_folders`.
+///
+/// # Errors
+/// When a parameter has no valid value; names the parameter.
+pub(crate) fn resources(ros: &RosNode, given: &ResourceArgs) -> Result<ResourceOptions> {
+    const SIZE: &str = "~max_mesh_mb";
+    const FOLDERS: &str = "~mesh_folders";
+    let mut args = given.clone();
+    if args.max_mesh_mb.is_none() && ros.has_param(SIZE) {
+        let size = ros.int_param(SIZE).and_then(|size| u64::try_from(size).ok()).filter(|size| MESH_MB.contains(size));
+        args.max_mesh_mb = Some(size.ok_or_else(|| anyhow!("parameter {SIZE}: {}", ResourceArgs::SIZE_RANGE))?);
+    }
+    if ros.has_param(FOLDERS) {
+        let folders = ros.strings_param(FOLDERS);
+        let folders = folders.ok_or_else(|| anyhow!("parameter {FOLDERS}: it is a list of folders"))?;
+        args.mesh_folder.extend(folders.into_iter().map(PathBuf::from));
+    }
+    Ok(args.options())
 }
 
 fn choose<T: Default>(

@@ -29,7 +29,7 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet, Reconfigured, TopicRequest, World};
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -38,11 +38,14 @@ use rcs_messages::{quaternion_xyzw, translation_xyz, AnyMessage, MessageKind};
 use rcs_render::View;
 use rcs_resources::MeshStore;
 use rcs_rviz_config::Config;
-use rcs_scene::Scene;
-use rcs_transforms::{RawTransform, Time, TransformTree};
+use rcs_scene::{DisplayId, Scene};
+use rcs_transforms::{RawTransform, Time, TransformTree, UNCROWDED};
 
 use crate::camera_stream::camera_pose::{self, CameraProblem, Projection};
 use crate::camera_stream::status_tree::{self, StatusEntry};
+
+/// Rejected transforms of so many frames are logged.
+const MOST_WARNINGS: usize = 1000;
 
 /// The frame in which the scene is built.
 fn fixed_frame_of(config: &Config, given: Option<&str>) -> String {
@@ -56,8 +59,12 @@ pub struct Stage {
     transforms: TransformTree,
     fixed_frame: String,
     meshes: MeshStore,
+    /// That of the meshes at the last update.
+    meshes_version: u64,
     camera_infos: HashMap<String, Arc<CameraInfo>>,
     warned: std::collections::HashSet<String>,
+    /// It was logged that there are too many frames.
+    has_warned_of_frames: bool,
 }
 
 impl Stage {
@@ -68,8 +75,10 @@ impl Stage {
             transforms: TransformTree::new(),
             fixed_frame: fixed_frame_of(config, fixed_frame),
             meshes,
+            meshes_version: 0,
             camera_infos: HashMap::new(),
             warned: std::collections::HashSet::new(),
+            has_warned_of_frames: false,
         }
     }
 
@@ -128,10 +137,17 @@ impl Stage {
             };
             if let Err(error) = self.transforms.insert(&transform, is_static, publisher) {
                 let key = format!("{publisher} {}", stamped.child_frame_id);
-                if self.warned.insert(key) {
+                if self.warned.len() < MOST_WARNINGS && self.warned.insert(key) {
                     log::warn!("{error}");
                 }
             }
+        }
+        if self.transforms.forgotten_frames() > 0 && !self.has_warned_of_frames {
+            self.has_warned_of_frames = true;
+            log::warn!(
+                "more than {UNCROWDED} frames: those without new transforms for longest are forgotten; the last were \
+                 sent by {publisher}"
+            );
         }
     }
 
@@ -166,10 +182,27 @@ impl Stage {
         self.displays.publisher_left(topic);
     }
 
+    /// Whether meshes or textures were loaded since the last update, which the displays then show.
+    pub fn has_new_resources(&self) -> bool {
+        self.meshes.version() != self.meshes_version
+    }
+
+    /// Looks at meshes and textures again that could not be used.
+    pub fn retry_resources(&self) {
+        self.meshes.retry_failures();
+    }
+
     /// Brings the displays up to date. Returns whether the scene changed.
     pub fn update(&mut self, now: Time) -> bool {
+        // First: what is loaded from now on is seen by the next update.
+        self.meshes_version = self.meshes.version();
         let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
         self.displays.update(&world)
+    }
+
+    /// What each display's messages and updates took since this was last called.
+    pub fn take_costs(&mut self) -> impl Iterator<Item = (DisplayId, Duration)> + '_ {
+        self.displays.take_costs()
     }
 
     /// The global status and those of each display at a ROS time.

@@ -12,6 +12,7 @@ use rcs_transforms::Time;
 
 use crate::camera_stream::status_tree::{EntryKind, StatusEntry, FIXED_FRAME, PUBLISHER};
 use crate::camera_stream::visibility::VISIBILITY;
+use crate::logging::STATUS_TARGET;
 
 /// How long a frame may be missing before that is logged.
 const FRAME_PATIENCE_SECS: f64 = 2.0;
@@ -117,10 +118,10 @@ impl StatusLog {
                 if history.update(patience_secs, status.level, &text, now, is_end) {
                     match status.level {
                         Level::Error if patience_secs == 0.0 => {
-                            log::error!("{display}: {name}: {text}");
+                            log::error!(target: STATUS_TARGET, "{display}: {name}: {text}");
                         }
-                        Level::Ok => log::info!("{display}: {name}: ok again: {text}"),
-                        _ => log::warn!("{display}: {name}: {text}"),
+                        Level::Ok => log::info!(target: STATUS_TARGET, "{display}: {name}: ok again: {text}"),
+                        _ => log::warn!(target: STATUS_TARGET, "{display}: {name}: {text}"),
                     }
                 }
                 self.histories.insert(key, history);
@@ -129,7 +130,7 @@ impl StatusLog {
         // A problem whose status was removed is over.
         for (key, mut history) in unseen {
             if history.update(0.0, Level::Ok, "", now, is_end) {
-                log::info!("{}: {}: ok again", key.0, key.1);
+                log::info!(target: STATUS_TARGET, "{}: {}: ok again", key.0, key.1);
             }
             self.histories.insert(key, history);
         }

@@ -80,7 +80,6 @@ impl Subscriptions {
                 }
             }
             NodeEvent::TimeJumpedBack { .. } => stage.reset(),
-            NodeEvent::Trigger { .. } | NodeEvent::Reconfigure { .. } => {}
         }
     }
 }

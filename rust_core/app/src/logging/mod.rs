@@ -5,22 +5,26 @@
 //! file, as with roslaunch's `output="log"`, information goes there, as roscpp's does. The programs that are no nodes
 //! leave out the time.
 //!
+//! A node logs each cause once a second at most, see [`throttle`], so that a stream of bad messages fills no disk.
+//!
 //! This project's crates log information and worse, all other crates only errors. The environment variable `RUST_LOG`
 //! overrides that, in env_logger's syntax: `RUST_LOG=rcs_ros=debug`; the node's service `~set_logger_level` overrides
 //! both.
 
 mod format;
+mod throttle;
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, IsTerminal as _, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use log::{Level, LevelFilter, Log, Metadata, Record};
 use rcs_ros::{log_line, node_time, LogLine, Loggers};
 
 use format::{Format, Line};
+use throttle::{cause_of, LeftOut, Throttle};
 
 /// What the names of this project's crates begin with.
 const OWN_CRATES: &str = "rcs_";
@@ -37,6 +41,9 @@ const LEVELS: [(&str, LevelFilter); 5] = [
     // Nothing here is fatal and goes on.
     ("fatal", LevelFilter::Off),
 ];
+
+/// The target of lines that are limited where they are logged, and may differ in a number that is part of a name.
+pub(crate) const STATUS_TARGET: &str = "rcs_app::status";
 
 /// A level that may have been chosen while the program runs.
 #[derive(Debug)]
@@ -71,6 +78,18 @@ struct Console {
     has_output_file: bool,
     is_coloured: bool,
     file: Option<Mutex<File>>,
+    /// For a node.
+    throttle: Mutex<Throttle<Kept>>,
+}
+
+/// What is kept of a line that is left out.
+struct Kept {
+    level: Level,
+    target: String,
+    text: String,
+    module: String,
+    file: String,
+    line: u32,
 }
 
 /// Starts logging for a program that is no node; with `debug` also this project's debug messages.
@@ -154,6 +173,7 @@ impl Console {
             has_output_file: is_node && is_file(&io::stdout()),
             is_coloured: is_node && io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none(),
             file: None,
+            throttle: Mutex::new(Throttle::new()),
         }
     }
 
@@ -170,6 +190,34 @@ impl Console {
                 |level: &Level| self.filter.enabled(&Metadata::builder().level(*level).target(target).build());
             Level::iter().filter(is_logged).last().map_or(LevelFilter::Off, |level| level.to_level_filter())
         })
+    }
+
+    /// Prints a line, and sends it to `/rosout`.
+    fn print(&self, kept: &Kept) {
+        let now = if self.is_node { node_time() } else { None };
+        let simulated = now.as_ref().filter(|now| now.is_simulated);
+        let line = Line {
+            level: kept.level,
+            text: &kept.text,
+            wall: SystemTime::now(),
+            simulated: simulated.map(|now| Duration::new(now.stamp.sec.into(), now.stamp.nsec)),
+            logger: if kept.target.starts_with(OWN_CRATES) { OWN_LOGGER } else { ROOT_LOGGER },
+            file: &kept.file,
+            line: kept.line,
+            function: &kept.module,
+            node: now.as_ref().map(|now| now.name.as_str()).unwrap_or_default(),
+        };
+        self.write(kept.level, &self.format.apply(&line));
+        if self.is_node {
+            log_line(LogLine {
+                level: kept.level,
+                module: kept.module.clone(),
+                file: kept.file.clone(),
+                line: kept.line,
+                stamp: now.as_ref().map(|now| now.stamp).unwrap_or_default(),
+                text: kept.text.clone(),
+            });
+        }
     }
 
     fn write(&self, level: Level, text: &str) {
@@ -191,7 +239,7 @@ impl Console {
             }
         };
         if let Some(file) = &self.file {
-            let _ = writeln!(file.lock().unwrap_or_else(PoisonError::into_inner), "{text}");
+            let _ = writeln!(lock(file), "{text}");
         }
     }
 }
@@ -200,6 +248,24 @@ impl Console {
 fn is_file(stream: &impl std::os::fd::AsFd) -> bool {
     let metadata = stream.as_fd().try_clone_to_owned().and_then(|descriptor| File::from(descriptor).metadata());
     metadata.is_ok_and(|metadata| metadata.is_file())
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Logs how many lines were left out because there were others like them. To be called now and then.
+pub fn report_left_out() {
+    let Some(console) = CONSOLE.get() else { return };
+    // Printed without the lock: whoever prints may log.
+    let left_out = lock(&console.throttle).take_left_out(Instant::now());
+    for LeftOut { last, count } in left_out {
+        let text = match count {
+            1 => last.text,
+            _ => format!("{} ({} more like this before)", last.text, count - 1),
+        };
+        console.print(&Kept { text, ..last });
+    }
 }
 
 impl Log for Console {
@@ -215,30 +281,25 @@ impl Log for Console {
         if !self.enabled(record.metadata()) || (!is_chosen && !self.filter.matches(record)) {
             return;
         }
-        let text = record.args().to_string();
-        let now = if self.is_node { node_time() } else { None };
-        let simulated = now.as_ref().filter(|now| now.is_simulated);
-        let line = Line {
+        let text = format::printable(record.args().to_string());
+        let kept = || Kept {
             level: record.level(),
-            text: &text,
-            wall: SystemTime::now(),
-            simulated: simulated.map(|now| Duration::new(now.stamp.sec.into(), now.stamp.nsec)),
-            logger: if record.target().starts_with(OWN_CRATES) { OWN_LOGGER } else { ROOT_LOGGER },
-            file: record.file().unwrap_or_default(),
+            target: record.target().to_owned(),
+            text: text.clone(),
+            module: record.module_path().unwrap_or_default().to_owned(),
+            file: record.file().unwrap_or_default().to_owned(),
             line: record.line().unwrap_or_default(),
-            function: record.module_path().unwrap_or_default(),
-            node: now.as_ref().map(|now| now.name.as_str()).unwrap_or_default(),
         };
-        self.write(record.level(), &self.format.apply(&line));
-        if self.is_node {
-            log_line(LogLine {
-                level: record.level(),
-                module: line.function.to_owned(),
-                file: line.file.to_owned(),
-                line: line.line,
-                stamp: now.as_ref().map(|now| now.stamp).unwrap_or_default(),
-                text,
-            });
+        if !self.is_node || record.level() > Level::Info {
+            return self.print(&kept());
+        }
+        let place = (record.file().unwrap_or_default(), record.line().unwrap_or_default());
+        let cause = if record.target() == STATUS_TARGET { text.clone() } else { cause_of(&text) };
+        let admitted = lock(&self.throttle).admit(place, &cause, Instant::now(), kept);
+        match admitted {
+            Some(0) => self.print(&kept()),
+            Some(count) => self.print(&Kept { text: format!("{text} ({count} more like this before)"), ..kept() }),
+            None => {}
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
 use rcs_messages::AnyMessage;
@@ -54,6 +54,10 @@ struct Entry {
     received: u64,
     /// Which of them it shows.
     arrivals: Arrivals,
+    /// The set's version at its last change.
+    changed_at: u64,
+    /// What its messages and updates took since that was last asked.
+    cost: Duration,
 }
 
 /// What reading a config again changed.
@@ -93,6 +97,10 @@ pub struct DisplaySet {
     message_cache: MessageCache,
     /// The displays that the last update made show another message.
     newly_shown: Vec<(DisplayId, ShownMessage)>,
+    /// Incremented with every change of the scene.
+    version: u64,
+    /// That of the last change that concerns every camera: of the light, or of which displays there are.
+    changed_for_all_at: u64,
 }
 
 impl std::fmt::Debug for DisplaySet {
@@ -112,6 +120,8 @@ impl DisplaySet {
             light: None,
             message_cache: MessageCache::default(),
             newly_shown: Vec::new(),
+            version: 0,
+            changed_for_all_at: 0,
         };
         set.arrange(config);
         set
@@ -157,13 +167,20 @@ impl DisplaySet {
                 };
                 added.push(id);
                 let (settings, arrivals) = (placed.display.settings.clone(), Arrivals::default());
-                Some(Entry { id, listed, settings, display, received: 0, arrivals })
+                let (changed_at, cost) = (0, Duration::ZERO);
+                Some(Entry { id, listed, settings, display, received: 0, arrivals, changed_at, cost })
             };
             self.entries.extend(entry.or_else(new));
         }
         self.cameras = placed.iter().filter(|placed| placed.enabled).filter_map(|camera| self.camera(camera)).collect();
         self.lit_by = config.global.default_light.then(|| config.view.clone());
+        self.change_for_all();
         added
+    }
+
+    fn change_for_all(&mut self) {
+        self.version += 1;
+        self.changed_for_all_at = self.version;
     }
 
     fn camera(&self, placed: &PlacedDisplay<'_>) -> Option<CameraView> {
@@ -211,9 +228,11 @@ impl DisplaySet {
         for entry in &mut self.entries {
             let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
             if entry.display.topics().iter().any(wants) {
+                let begun = Instant::now();
                 entry.received += 1;
                 entry.arrivals.note(message, received);
                 entry.display.take_from(topic, message, world);
+                entry.cost += begun.elapsed();
                 wanted = true;
             }
         }
@@ -252,16 +271,45 @@ impl DisplaySet {
     /// Brings all displays up to date. Returns whether the scene changed.
     pub fn update(&mut self, world: &World<'_>) -> bool {
         let light = self.lit_by.as_ref().map(|view| light(view, world));
-        let mut changed = light != self.light;
+        let before = self.version;
+        if light != self.light {
+            self.change_for_all();
+        }
         self.light = light;
         self.newly_shown.clear();
         for entry in &mut self.entries {
+            let begun = Instant::now();
             let has_changed = entry.display.update(world);
+            entry.cost += begun.elapsed();
             let shown = entry.arrivals.settle(has_changed, |stamp| entry.display.is_waiting(stamp));
             self.newly_shown.extend(shown.map(|shown| (entry.id, shown)));
-            changed |= has_changed;
+            if has_changed {
+                self.version += 1;
+                entry.changed_at = self.version;
+            }
         }
-        changed
+        self.version > before
+    }
+
+    /// Incremented with every change of the scene.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// The version of the last change that a camera sees, which shows these displays.
+    pub fn version_shown(&self, visible: &DisplayMask) -> u64 {
+        let shown = self.entries.iter().filter(|entry| visible.shows(entry.id));
+        shown.map(|entry| entry.changed_at).fold(self.changed_for_all_at, u64::max)
+    }
+
+    /// What each display's messages and updates took since this was last called.
+    pub fn take_costs(&mut self) -> impl Iterator<Item = (DisplayId, Duration)> + '_ {
+        self.entries.iter_mut().map(|entry| (entry.id, std::mem::take(&mut entry.cost)))
+    }
+
+    /// A display's name with those of the groups around it.
+    pub fn path(&self, display: DisplayId) -> Option<&[String]> {
+        self.entries.iter().find(|entry| entry.id == display).map(|entry| &*entry.listed.path)
     }
 
     /// The displays that show another message since the last update, each with the newest one.
@@ -291,6 +339,7 @@ impl DisplaySet {
 
     /// Forgets all messages.
     pub fn reset(&mut self) {
+        self.change_for_all();
         self.message_cache.forget_messages();
         for entry in &mut self.entries {
             entry.received = 0;
@@ -301,6 +350,7 @@ impl DisplaySet {
 
     /// Places everything in another fixed frame.
     pub fn change_fixed_frame(&mut self, world: &World<'_>) {
+        self.change_for_all();
         for entry in &mut self.entries {
             entry.display.reset();
             entry.received = 0;
@@ -506,6 +556,23 @@ mod tests {
         let shown = ShownMessage { stamp, received };
         assert_eq!(newly_shown(&transforms, None), (vec![(0, shown)], Some(shown)));
         assert_eq!(newly_shown(&transforms, None), (Vec::new(), Some(shown)), "reported once");
+    }
+
+    #[test]
+    fn a_camera_sees_the_changes_of_the_displays_that_it_shows() {
+        with_set(&format!("{PATH}{GRID}"), |mut set, world| {
+            let (all, without_path) = (DisplayMask::all(), set.mask(&hiding("path")));
+            let before = (set.version(), set.version_shown(&all), set.version_shown(&without_path));
+            set.update(&world);
+            let unchanged = (set.version(), set.version_shown(&all), set.version_shown(&without_path));
+            assert_eq!(unchanged, before);
+            set.take("/p", &path(), &world);
+            assert!(set.update(&world));
+            assert!(set.version_shown(&all) > before.1);
+            assert_eq!(set.version_shown(&without_path), before.2);
+            set.reset();
+            assert!(set.version_shown(&without_path) > before.2, "time jumped back for all");
+        });
     }
 
     #[test]

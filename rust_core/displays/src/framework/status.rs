@@ -97,7 +97,11 @@ impl Statuses {
     /// Sets a status.
     pub fn set(&mut self, level: Level, name: &str, text: impl Into<StatusText>) {
         let StatusText { text, cause } = text.into();
-        self.by_name.insert(name.to_owned(), Status { level, text, cause });
+        let status = Status { level, text, cause };
+        match self.by_name.get_mut(name) {
+            Some(known) => *known = status,
+            None => drop(self.by_name.insert(name.to_owned(), status)),
+        }
     }
 
     /// Takes a status away.

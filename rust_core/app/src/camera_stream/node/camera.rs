@@ -2,6 +2,10 @@
 //!
 //! Its parts: [`Schedule`] decides when a picture is due, [`RuntimeSettings`] holds the settings, [`Outputs`] receive
 //! the pictures, [`CameraHealth`] records problems and figures.
+//!
+//! A camera belongs to both of the node's threads, see [`super::shared`]: the scene's thread draws its pictures, and the
+//! control thread answers calls and repeats the last picture while another is drawn for long. None of its methods takes
+//! long; the drawing itself is done between [`CameraOutput::begin_if_due`] and [`CameraOutput::finish`].
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,9 +14,8 @@ use anyhow::Result;
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_render::Renderer;
 use rcs_ros::{RosNode, TriggerReply};
-use rcs_scene::{Camera, Picture, Scene};
+use rcs_scene::{Camera, Picture};
 
 use super::camera_health::CameraHealth;
 use super::camera_plan::CameraPlan;
@@ -22,21 +25,28 @@ use super::runtime_settings::RuntimeSettings;
 use super::schedule::Schedule;
 use crate::camera_stream::camera_pose::Projection;
 use crate::camera_stream::outputs::{Frame, Output, Outputs, TopicOutput};
-use crate::camera_stream::stage::{renderer_view, Stage};
+use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::StatusEntry;
 
 /// A camera with its outputs and its trigger service.
 pub(super) struct CameraOutput {
     /// Identifies it when the config is read again; its parameters are below this name.
     id: String,
-    view: CameraView,
+    /// With the settings of the last picture.
+    view: Arc<CameraView>,
     settings: RuntimeSettings,
     /// The config's "Global Options: Frame Rate".
     global_frame_rate_hz: i32,
     schedule: Schedule,
     connections: CameraConnections,
+    /// A user changed settings since the last picture.
+    has_new_settings: bool,
     last: Option<LastPicture>,
+    /// The picture before the last one, whose memory is drawn into again unless an output still holds it.
+    spare: Option<Arc<Picture>>,
     in_flight: Option<Drawn>,
+    /// The newest change that was not drawn yet.
+    waiting_change: Option<(u64, Camera)>,
     health: CameraHealth,
 }
 
@@ -61,13 +71,14 @@ struct LastPicture {
     of: Drawn,
 }
 
-/// The scene that all cameras share, and what draws it.
-pub(super) struct Drawing<'a> {
-    pub(super) stage: &'a Stage,
-    pub(super) scene_version: u64,
-    pub(super) projection: Projection,
-    pub(super) renderer: &'a mut dyn Renderer,
-    pub(super) ros: &'a RosNode,
+/// A picture that is due and to be drawn.
+pub(super) struct DuePicture {
+    /// The camera's settings.
+    pub(super) view: Arc<CameraView>,
+    /// Where it is.
+    pub(super) camera: Camera,
+    info: Arc<CameraInfo>,
+    scene_version: u64,
 }
 
 /// The cameras' names, for the log.
@@ -83,13 +94,16 @@ impl CameraOutput {
     pub(super) fn new(ros: &RosNode, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
         Self {
             id: plan.id.clone(),
-            view: plan.view(),
+            view: Arc::new(plan.view()),
             settings: RuntimeSettings::start(ros, &plan.id, &plan.settings, switches),
             global_frame_rate_hz: 0,
             schedule: Schedule::new(),
             connections: CameraConnections::default(),
+            has_new_settings: false,
             last: None,
+            spare: None,
             in_flight: None,
+            waiting_change: None,
             health: CameraHealth::default(),
         }
     }
@@ -105,10 +119,11 @@ impl CameraOutput {
         displays: &DisplaySet,
     ) {
         self.settings.update_from(ros, &plan.settings, switches);
-        self.view = plan.view();
+        self.view = Arc::new(plan.view());
         self.connections = connections;
         self.global_frame_rate_hz = global_frame_rate_hz;
-        self.apply_settings(displays);
+        self.has_new_settings = true;
+        self.apply_new_settings(displays);
     }
 
     /// Gives its connections away, for the cameras of another config.
@@ -116,10 +131,14 @@ impl CameraOutput {
         std::mem::take(&mut self.connections)
     }
 
-    /// Applies the current settings from the next picture on.
-    fn apply_settings(&mut self, displays: &DisplaySet) {
-        self.settings.write_to(&mut self.view.settings);
-        self.view.visible = displays.mask(&self.view.settings.visibility);
+    /// Applies what a user has changed from the next picture on.
+    pub(super) fn apply_new_settings(&mut self, displays: &DisplaySet) {
+        if !std::mem::take(&mut self.has_new_settings) {
+            return;
+        }
+        let view = Arc::make_mut(&mut self.view);
+        self.settings.write_to(&mut view.settings);
+        view.visible = displays.mask(&view.settings.visibility);
         self.schedule.set_frame_rate(self.view.settings.frame_rate_hz, self.global_frame_rate_hz);
         self.last = None;
     }
@@ -135,7 +154,7 @@ impl CameraOutput {
     }
 
     /// The camera with its current settings.
-    pub(super) fn view(&self) -> &CameraView {
+    pub(super) fn view(&self) -> &Arc<CameraView> {
         &self.view
     }
 
@@ -164,11 +183,10 @@ impl CameraOutput {
         self.settings.serves(server)
     }
 
-    /// Applies a user's values. Returns the values that apply now.
-    pub(super) fn reconfigure(&mut self, request: &Values, displays: &DisplaySet, ros: &RosNode) -> Values {
-        let values = self.settings.set(ros, request);
-        self.apply_settings(displays);
-        values
+    /// Takes a user's values for the next picture. Returns the values that apply from then on.
+    pub(super) fn reconfigure(&mut self, request: &Values, ros: &RosNode) -> Values {
+        self.has_new_settings = true;
+        self.settings.set(ros, request)
     }
 
     /// Whether this is the camera of a trigger service.
@@ -195,17 +213,21 @@ impl CameraOutput {
         self.schedule.until_due(now).filter(|_| can_draw)
     }
 
-    /// Begins a picture if one is due and has changed; [`Self::finish`] publishes it. An unchanged one is published at
-    /// once. `scene` is called for what is drawn. Returns whether a picture was begun.
+    /// The picture that is due now, if it has changed: to be given to the renderer, and to
+    /// [`Self::record_begun`] then. An unchanged one is published at once.
     ///
     /// # Errors
-    /// The renderer's, and those of the outputs.
-    pub(super) fn begin_if_due(&mut self, drawing: Drawing<'_>, scene: impl FnOnce() -> Arc<Scene>) -> Result<bool> {
-        let Drawing { stage, scene_version, projection, renderer, ros } = drawing;
+    /// Those of the outputs.
+    pub(super) fn begin_if_due(
+        &mut self,
+        stage: &Stage,
+        projection: Projection,
+        ros: &RosNode,
+    ) -> Result<Option<DuePicture>> {
         if !self.connections.outputs.is_watched() {
             self.schedule.clear_trigger();
             self.health.latency.forget();
-            return Ok(false);
+            return Ok(None);
         }
         let camera = match stage.camera(&self.view, projection) {
             Ok(camera) => camera,
@@ -213,47 +235,83 @@ impl CameraOutput {
                 // The last picture must not pass for a current one.
                 self.last = None;
                 self.health.record_problem(&self.view.name, problem, Instant::now());
-                return Ok(false);
+                return Ok(None);
             }
         };
         self.health.clear_problem(&self.view.name);
-        let Some(info) = stage.camera_info(&self.view).cloned() else { return Ok(false) };
+        let Some(info) = stage.camera_info(&self.view).cloned() else { return Ok(None) };
+        let scene_version = stage.displays().version_shown(&self.view.visible);
         let is_current = |last: &LastPicture| last.of.scene_version == scene_version && last.of.camera == camera;
         let changed = !self.last.as_ref().is_some_and(is_current);
         let now = Instant::now();
-        let has_new_watcher = !self.schedule.is_on_trigger() && self.connections.outputs.take_new_watcher();
-        if !(has_new_watcher || self.schedule.is_due(now, changed)) {
-            return Ok(false);
+        let change = changed.then(|| (scene_version, camera.clone()));
+        if change.is_some() && change != self.waiting_change {
+            self.schedule.note_change(now);
+        }
+        self.waiting_change = change;
+        if !(self.has_new_watcher() || self.schedule.is_due(now, changed)) {
+            return Ok(None);
         }
         self.schedule.begin(now, changed);
         if changed {
             self.health.warn_about_projection(&self.view, &info, projection);
-            renderer.submit(&renderer_view(&self.view, &scene(), &camera))?;
-            self.in_flight = Some(Drawn { scene_version, camera, info });
-            return Ok(true);
+            return Ok(Some(DuePicture { view: Arc::clone(&self.view), camera, info, scene_version }));
         }
         if let Some(last) = &mut self.last {
             last.of.info = info;
         }
         self.publish_last(None, ros)?;
-        Ok(false)
+        Ok(None)
     }
 
-    /// Waits for the picture that was begun, which is the renderer's first in flight, and publishes it.
+    /// Whether somebody subscribed who is to get a picture at once.
+    fn has_new_watcher(&mut self) -> bool {
+        !self.schedule.is_on_trigger() && self.connections.outputs.take_new_watcher()
+    }
+
+    /// Publishes the last picture again if that is due: another one is being drawn for long.
     ///
     /// # Errors
-    /// The renderer's, and those of the outputs.
-    pub(super) fn finish(&mut self, renderer: &mut dyn Renderer, ros: &RosNode) -> Result<()> {
-        let Some(of) = self.in_flight.take() else { return Ok(()) };
-        // The last picture's memory is used again, unless an output still holds it.
-        let recycled = self.last.take().and_then(|last| Arc::try_unwrap(last.picture).ok());
-        let mut picture = recycled.unwrap_or_default();
-        if !renderer.finish(&mut picture)? {
+    /// Those of the outputs.
+    pub(super) fn repeat_if_due(&mut self, ros: &RosNode) -> Result<()> {
+        if self.last.is_none() || !self.connections.outputs.is_watched() {
             return Ok(());
         }
+        let now = Instant::now();
+        if self.has_new_watcher() || self.schedule.is_repetition_due(now) {
+            self.schedule.begin(now, false);
+            self.publish_last(None, ros)?;
+        }
+        Ok(())
+    }
+
+    /// Records that the renderer was given a picture.
+    pub(super) fn record_begun(&mut self, picture: DuePicture) {
+        let DuePicture { camera, info, scene_version, .. } = picture;
+        self.in_flight = Some(Drawn { scene_version, camera, info });
+    }
+
+    /// Memory for the picture that the renderer is about to finish.
+    pub(super) fn take_spare(&mut self) -> Picture {
+        self.spare.take().and_then(|spare| Arc::try_unwrap(spare).ok()).unwrap_or_default()
+    }
+
+    /// Publishes the picture that was begun, now that it is finished.
+    ///
+    /// # Errors
+    /// Those of the outputs.
+    pub(super) fn finish(&mut self, picture: Picture, ros: &RosNode) -> Result<()> {
+        let Some(of) = self.in_flight.take() else { return Ok(()) };
         self.health.drawn += 1;
+        let is_similar = |spare: &Arc<Picture>| spare.data.len() <= 4 * picture.data.len();
+        self.spare = self.last.take().map(|last| last.picture).filter(is_similar);
         self.last = Some(LastPicture { picture: Arc::new(picture), of });
         self.publish_last(Some(Instant::now()), ros)
+    }
+
+    /// Records a picture that took long.
+    pub(super) fn record_slow_picture(&mut self, text: String) {
+        self.health.record_slow_picture(&self.view.name, text);
     }
 
     /// Forgets the picture that was begun: the renderer lost those of all cameras. The next call begins it again.

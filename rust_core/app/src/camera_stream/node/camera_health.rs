@@ -16,6 +16,11 @@ use crate::logging::one_line;
 /// How long a CameraInfo or a frame may be missing before that is logged: at the start it is usually just on its way.
 const PATIENCE: Duration = Duration::from_secs(2);
 
+/// How long a slow picture remains a status.
+const SLOW_STATUS: Duration = Duration::from_secs(10);
+/// How long the next slow picture is not logged.
+const SLOW_SILENCE: Duration = Duration::from_secs(60);
+
 /// What is known of a camera's pictures.
 #[derive(Debug, Default)]
 pub(super) struct CameraHealth {
@@ -26,6 +31,9 @@ pub(super) struct CameraHealth {
     /// Why the last picture failed.
     last_error: Option<String>,
     has_warned_about_projection: bool,
+    /// When a picture last took long, and what it took so long for.
+    slow_picture: Option<(Instant, String)>,
+    slow_picture_logged: Option<Instant>,
     /// Pictures drawn.
     pub(super) drawn: u64,
     /// Pictures published, unchanged ones included.
@@ -48,6 +56,17 @@ impl CameraHealth {
             }
             error
         });
+    }
+
+    /// Records a picture that took long, and logs it unless another was logged in the last minute.
+    pub(super) fn record_slow_picture(&mut self, camera: &str, text: String) {
+        let now = Instant::now();
+        let is_quiet = |logged: Instant| now.saturating_duration_since(logged) < SLOW_SILENCE;
+        if !self.slow_picture_logged.is_some_and(is_quiet) {
+            self.slow_picture_logged = Some(now);
+            log::warn!("camera {camera}: {text}");
+        }
+        self.slow_picture = Some((now, text));
     }
 
     /// Records why there is no camera, and logs it once: an invalid CameraInfo at once, what may still arrive when it
@@ -115,6 +134,10 @@ impl CameraHealth {
         }
         if let Some(error) = &self.last_error {
             statuses.set(Level::Error, "Picture", error.clone());
+        }
+        let is_recent = |(at, _): &&(Instant, String)| at.elapsed() < SLOW_STATUS;
+        if let Some((_, text)) = self.slow_picture.as_ref().filter(is_recent) {
+            statuses.set(Level::Warn, "Speed", text.clone());
         }
         if let Some(topic) = &connections.outputs.topic {
             entry.topic = topic.topic().to_owned();

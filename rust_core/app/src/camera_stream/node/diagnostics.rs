@@ -29,13 +29,16 @@ pub(super) struct Diagnostics {
     started: Instant,
     published: Option<Instant>,
     last_error: Option<String>,
+    /// As last published.
+    last_status: Vec<DiagnosticStatus>,
 }
 
 impl Diagnostics {
     /// Opens the topic.
     pub(super) fn start(ros: &RosNode) -> Self {
         let publisher = ros.diagnostics_publisher().map_err(|error| log::error!("{error}")).ok();
-        Self { log: StatusLog::default(), publisher, started: Instant::now(), published: None, last_error: None }
+        let (log, started, last_status) = (StatusLog::default(), Instant::now(), Vec::new());
+        Self { log, publisher, started, published: None, last_error: None, last_status }
     }
 
     /// How long until they are published again.
@@ -43,32 +46,60 @@ impl Diagnostics {
         self.published.map_or(Duration::ZERO, |last| PERIOD.saturating_sub(now.saturating_duration_since(last)))
     }
 
-    /// Reports what is due. `entries` is called for the statuses; it is passed whether they are published, and not only
-    /// logged.
-    pub(super) fn report<'s>(&mut self, ros: &RosNode, entries: impl FnOnce(bool) -> Vec<StatusEntry<'s>>) {
-        let now = Instant::now();
-        let log_time = Time::from_secs_f64(now.saturating_duration_since(self.started).as_secs_f64());
-        let (is_log_due, is_topic_due) = (self.log.is_due(log_time), self.until_due(now).is_zero());
-        if !is_log_due && !is_topic_due {
-            return;
-        }
-        let mut entries = entries(is_topic_due);
+    /// Whether they are to be reported, in the log or on the topic.
+    pub(super) fn is_due(&self) -> bool {
+        self.log.is_due(self.log_time()) || self.until_due(Instant::now()).is_zero()
+    }
+
+    fn log_time(&self) -> Time {
+        Time::from_secs_f64(self.started.elapsed().as_secs_f64())
+    }
+
+    /// Reports statuses as far as that is due. What belongs to the ROS graph is added.
+    pub(super) fn report(&mut self, ros: &RosNode, mut entries: Vec<StatusEntry<'_>>) {
         status_tree::add_ros_graph(&mut entries, ros);
-        if is_log_due {
+        let log_time = self.log_time();
+        if self.log.is_due(log_time) {
             self.log.check(&entries, log_time);
         }
-        if is_topic_due {
-            // Timed from when it was due, so that delays do not add up.
-            let regular = self.published.and_then(|last| last.checked_add(PERIOD));
-            self.published = regular.filter(|due| now.saturating_duration_since(*due) < PERIOD).or(Some(now));
-            self.publish(ros, &entries);
+        if self.begin_publishing() {
+            let node = ros.name().trim_start_matches('/');
+            self.last_status = entries.iter().map(|entry| diagnostic_status(node, entry)).collect();
+            self.publish(ros, self.last_status.clone());
         }
     }
 
-    fn publish(&mut self, ros: &RosNode, entries: &[StatusEntry<'_>]) {
+    /// Publishes the last statuses again if that is due, with a warning of what keeps the scene's thread from
+    /// collecting new ones.
+    pub(super) fn report_busy(&mut self, ros: &RosNode, text: &str) {
+        if !self.begin_publishing() {
+            return;
+        }
+        let busy = DiagnosticStatus {
+            level: DiagnosticStatus::WARN,
+            name: format!("{}: Scene", ros.name().trim_start_matches('/')),
+            message: text.to_owned(),
+            hardware_id: HARDWARE_ID.to_owned(),
+            values: Vec::new(),
+        };
+        let status = std::iter::once(busy).chain(self.last_status.iter().cloned()).collect();
+        self.publish(ros, status);
+    }
+
+    /// Whether the topic is due, which counts as published then.
+    fn begin_publishing(&mut self) -> bool {
+        let now = Instant::now();
+        let is_due = self.until_due(now).is_zero();
+        if is_due {
+            // Timed from when it was due, so that delays do not add up.
+            let regular = self.published.and_then(|last| last.checked_add(PERIOD));
+            self.published = regular.filter(|due| now.saturating_duration_since(*due) < PERIOD).or(Some(now));
+        }
+        is_due
+    }
+
+    fn publish(&mut self, ros: &RosNode, status: Vec<DiagnosticStatus>) {
         let Some(publisher) = &mut self.publisher else { return };
-        let node = ros.name().trim_start_matches('/');
-        let status = entries.iter().map(|entry| diagnostic_status(node, entry)).collect();
         self.last_error = match publisher.publish(status, ros.now()).map_err(|error| error.to_string()) {
             Ok(()) => None,
             Err(error) => {

@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use super::rate_limit::RateLimit;
+
 /// When a camera's last picture was begun, and whether it differed from the one before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct LastBegun {
@@ -15,17 +17,25 @@ pub(super) struct Schedule {
     pace: Pace,
     triggered: bool,
     last: Option<LastBegun>,
+    /// For a pace of changes.
+    limit: RateLimit,
 }
 
 impl Schedule {
     /// Only when triggered, until a frame rate is set.
     pub(super) fn new() -> Self {
-        Self { pace: Pace::OnTrigger, triggered: false, last: None }
+        Self { pace: Pace::OnTrigger, triggered: false, last: None, limit: RateLimit::new(Duration::ZERO) }
     }
 
     /// From a display's "Frame Rate" and the config's global one, both in pictures a second.
     pub(super) fn set_frame_rate(&mut self, frame_rate_hz: f32, global_frame_rate_hz: i32) {
-        self.pace = Pace::new(frame_rate_hz, global_frame_rate_hz);
+        let pace = Pace::new(frame_rate_hz, global_frame_rate_hz);
+        if let Pace::OnChange { repeat } = pace {
+            if pace != self.pace {
+                self.limit = RateLimit::new(repeat);
+            }
+        }
+        self.pace = pace;
     }
 
     /// Whether pictures are published only when triggered.
@@ -43,27 +53,47 @@ impl Schedule {
         self.triggered = false;
     }
 
-    /// Whether a picture is due; `changed`: it would differ from the last one.
-    pub(super) fn is_due(&self, now: Instant, changed: bool) -> bool {
-        self.triggered || self.pace.is_due(self.last, now, changed)
+    /// Records that the next picture would differ from the last one, or in another way than before.
+    pub(super) fn note_change(&mut self, now: Instant) {
+        self.limit.note_change(now);
     }
 
-    /// How long until a picture is due by itself; `None` when it never is.
+    /// Whether a picture is due; `changed`: it would differ from the last one.
+    pub(super) fn is_due(&mut self, now: Instant, changed: bool) -> bool {
+        if self.triggered {
+            return true;
+        }
+        match self.pace {
+            Pace::OnChange { .. } if changed => self.limit.allows(now),
+            _ => self.is_repetition_due(now),
+        }
+    }
+
+    /// Whether the last picture is due again, or the next one at a fixed rate.
+    pub(super) fn is_repetition_due(&self, now: Instant) -> bool {
+        self.pace.until_due(self.last, now) == Some(Duration::ZERO)
+    }
+
+    /// How long until a picture is due by itself: that of a change that waits, or a repetition. `None` when it never is.
     pub(super) fn until_due(&self, now: Instant) -> Option<Duration> {
-        self.pace.until_due(self.last, now)
+        let by_itself = self.pace.until_due(self.last, now)?;
+        let change = matches!(self.pace, Pace::OnChange { .. }).then(|| self.limit.until_free(now)).flatten();
+        Some(change.map_or(by_itself, |change| change.min(by_itself)))
     }
 
     /// Records that a picture was begun. The next one is timed from here, also when drawing fails, so that it is
     /// retried at the frame rate and not at once.
     pub(super) fn begin(&mut self, now: Instant, changed: bool) {
         self.last = Some(LastBegun { at: now, changed });
+        self.limit.take(now);
     }
 }
 
 /// A CameraPub display's "Frame Rate".
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Pace {
-    /// Below 0: whenever the scene changes; an unchanged one is repeated at this period.
+    /// Below 0: whenever the scene changes, but in the long run no more often than once in this period; an unchanged
+    /// picture is repeated at this period.
     OnChange {
         /// That of rviz's main loop ("Global Options: Frame Rate").
         repeat: Duration,
@@ -87,11 +117,6 @@ impl Pace {
         }
     }
 
-    fn is_due(self, last: Option<LastBegun>, now: Instant, changed: bool) -> bool {
-        let is_change = changed && matches!(self, Self::OnChange { .. });
-        is_change || self.until_due(last, now) == Some(Duration::ZERO)
-    }
-
     fn until_due(self, last: Option<LastBegun>, now: Instant) -> Option<Duration> {
         let period = match self {
             // A scene that changes about as often as it would be repeated must not be late because its old picture is
@@ -113,21 +138,44 @@ mod tests {
     fn pictures_are_due_at_the_frame_rate() {
         let start = Instant::now();
         let at = |millis| start + Duration::from_millis(millis);
-        let (new, old) = (LastBegun { at: start, changed: true }, LastBegun { at: start, changed: false });
-        let fast = Pace::new(-1.0, 30);
-        assert!(fast.is_due(Some(new), at(1), true), "a change is drawn at once");
-        assert!(!fast.is_due(Some(old), at(33), false));
-        assert!(fast.is_due(Some(old), at(34), false), "an unchanged scene is repeated at rviz's rate");
-        assert!(!fast.is_due(Some(new), at(49), false), "what changes at that rate is not repeated between");
-        assert!(fast.is_due(Some(new), at(51), false));
-        let slow = Pace::new(2.0, 30);
-        assert!(!slow.is_due(Some(new), at(499), true));
-        assert!(slow.is_due(Some(new), at(501), false));
-        assert_eq!(slow.until_due(Some(new), at(400)), Some(Duration::from_millis(100)));
-        let stopped = Pace::new(0.0, 30);
-        assert!(!stopped.is_due(None, at(10_000), true));
-        assert_eq!(stopped.until_due(None, start), None);
-        assert!(Pace::new(-1.0, 0).is_due(Some(old), at(1001), false), "a global rate of 0 counts as 1");
+        // A picture of each kind that was begun at the start.
+        let begun = |frame_rate_hz: f32, global_frame_rate_hz: i32, changed: bool| {
+            let mut schedule = Schedule::new();
+            schedule.set_frame_rate(frame_rate_hz, global_frame_rate_hz);
+            schedule.begin(start, changed);
+            schedule
+        };
+        let (mut new, mut old) = (begun(-1.0, 30, true), begun(-1.0, 30, false));
+        assert!(new.is_due(at(1), true), "a change is drawn at once");
+        assert!(!old.is_due(at(33), false));
+        assert!(old.is_due(at(34), false), "an unchanged scene is repeated at rviz's rate");
+        assert!(!new.is_due(at(49), false), "what changes at that rate is not repeated between");
+        assert!(new.is_due(at(51), false));
+        let mut slow = begun(2.0, 30, true);
+        assert!(!slow.is_due(at(499), true));
+        assert!(slow.is_due(at(501), false));
+        assert_eq!(slow.until_due(at(400)), Some(Duration::from_millis(100)));
+        let mut stopped = begun(0.0, 30, true);
+        assert!(!stopped.is_due(at(10_000), true));
+        assert_eq!(stopped.until_due(start), None);
+        assert!(begun(-1.0, 0, false).is_due(at(1001), false), "a global rate of 0 counts as 1");
+    }
+
+    #[test]
+    fn changes_are_drawn_at_the_global_rate_at_most() {
+        let start = Instant::now();
+        let mut schedule = Schedule::new();
+        schedule.set_frame_rate(-1.0, 20);
+        let (mut now, mut drawn) = (start, 0);
+        while now < start + Duration::from_secs(10) {
+            now += schedule.until_due(now).unwrap_or_default().min(Duration::from_millis(10));
+            schedule.note_change(now);
+            if schedule.is_due(now, true) {
+                schedule.begin(now, true);
+                drawn += 1;
+            }
+        }
+        assert!((198..=202).contains(&drawn), "{drawn}");
     }
 
     #[test]

@@ -35,6 +35,8 @@ pub(super) struct MarkerStore {
     /// How many markers were made so far.
     made: u64,
     changed: bool,
+    /// That of the meshes when those that were missing were last looked for.
+    meshes_version: u64,
     /// How many markers follow their frame.
     locked: usize,
     /// No lifetime is over before; `None` when no marker has one.
@@ -61,6 +63,8 @@ struct Shown {
     expires: Option<Time>,
     /// What is wrong with the message.
     finding: Option<Box<(Level, String)>>,
+    /// The status while its mesh is loading or cannot be shown.
+    missing: Option<Box<(Level, String)>>,
 }
 
 /// Where frames are, the last one remembered: markers of an array often have the same frame and stamp.
@@ -169,10 +173,14 @@ impl MarkerStore {
             }
         };
         let Some(mut kind) = kind else { return };
-        let parts = kind.primitives(marker, places.world.meshes).unwrap_or_else(|problem| {
-            set_error(id, problem, statuses);
-            Vec::new()
-        });
+        let (parts, missing) = match kind.primitives(marker, places.world.meshes) {
+            Ok(parts) => (parts, None),
+            Err(not_shown) => {
+                let missing = not_shown.status();
+                set_status(id, Some(missing.clone()), statuses);
+                (Vec::new(), Some(Box::new(missing)))
+            }
+        };
         // Points may have a pose that is not finite; they are not drawn.
         let Some(frame_from_marker) = kind.frame_from_marker(marker) else { return };
         let mut shown = Shown {
@@ -187,6 +195,7 @@ impl MarkerStore {
             fixed_from_marker: None,
             expires: lifetime(marker).map(|lifetime| places.world.now.saturating_add(lifetime)),
             finding: finding.map(Box::new),
+            missing,
         };
         match shown.locate(places) {
             Ok(place) => shown.fixed_from_marker = Some(place),
@@ -213,9 +222,33 @@ impl MarkerStore {
         }
     }
 
-    /// Drops markers whose lifetime is over and moves those that follow their frames. Returns whether anything changed
-    /// since the last call.
+    /// Builds markers whose meshes were loaded since the last call.
+    fn build_loaded(&mut self, world: &World<'_>, statuses: &mut Statuses) {
+        let version = world.meshes.version();
+        if std::mem::replace(&mut self.meshes_version, version) == version {
+            return;
+        }
+        for (namespace, markers) in &mut self.markers {
+            for (number, shown) in markers.iter_mut().filter(|(_, shown)| shown.kind.is_missing()) {
+                match shown.kind.rebuild(world.meshes) {
+                    Ok(parts) => {
+                        (shown.parts, shown.missing) = (Parts::of(parts), None);
+                        self.changed = true;
+                    }
+                    Err(not_shown) => shown.missing = Some(Box::new(not_shown.status())),
+                }
+                // While it cannot be placed, the status says why.
+                if shown.fixed_from_marker.is_some() {
+                    set_status((namespace, *number), shown.status(), statuses);
+                }
+            }
+        }
+    }
+
+    /// Drops markers whose lifetime is over, moves those that follow their frames, and shows those whose meshes were
+    /// loaded. Returns whether anything changed since the last call.
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
+        self.build_loaded(world, statuses);
         if self.first_expiry.is_some_and(|first| first <= world.now) {
             self.drop_expired(world.now, statuses);
         }
@@ -250,7 +283,7 @@ impl MarkerStore {
                 match &place {
                     Err(error) => set_error(id, problem(error, world.fixed_frame), statuses),
                     Ok(_) if shown.fixed_from_marker.is_none() => {
-                        set_status(id, shown.finding.as_deref().cloned(), statuses);
+                        set_status(id, shown.status(), statuses);
                     }
                     Ok(_) => {}
                 }
@@ -286,11 +319,16 @@ impl MarkerStore {
 
     /// Forgets all markers.
     pub(super) fn clear(&mut self) {
-        *self = Self { made: self.made, changed: true, ..Self::default() };
+        *self = Self { made: self.made, changed: true, meshes_version: self.meshes_version, ..Self::default() };
     }
 }
 
 impl Shown {
+    /// Its status once it is placed.
+    fn status(&self) -> Option<(Level, String)> {
+        self.missing.as_deref().or(self.finding.as_deref()).cloned()
+    }
+
     fn locate(&self, places: &mut Places<'_>) -> Result<Isometry3<f64>, LookupError> {
         Ok(places.fixed_from(&self.frame, self.stamp)? * self.frame_from_marker)
     }

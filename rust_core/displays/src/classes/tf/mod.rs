@@ -2,7 +2,8 @@
 //!
 //! All frames that any transform ever named are shown, parents without a transform of their own included. A frame is
 //! as old as the last change of the time at which it can be placed in the fixed frame: what a moving frame carries ages
-//! with it, what is static does not age. Frames that grew too old stay in the list, and come back with new transforms.
+//! with it, what is static does not age. Frames that grew too old stay in the list, and come back with new transforms;
+//! until then they cost next to nothing. Frames that the tree has forgotten, because there were too many, are dropped.
 //!
 //! rviz updates the frames with each of its pictures, or after each "Update Interval". Here they are updated when
 //! transforms came and, while frames fade, as often as it can be seen.
@@ -26,6 +27,8 @@ use crate::{Level, StatusText, Statuses, World};
 use age::{Age, Fade};
 use symbol::{Place, Symbol, Symbols};
 
+/// How often the way from a frame that is too old to the fixed frame is looked at.
+const GONE_CHECK_PERIOD: Duration = Duration::from_secs(1);
 /// Arrows to parents that are nearer are not shown.
 const SHORTEST_ARROW_M: f64 = 0.001;
 
@@ -35,6 +38,23 @@ struct Frame {
     age: Age,
     is_enabled: bool,
     symbol: Symbol,
+    /// Since when it is too old to be seen, and its newest stamp then.
+    gone: Option<Gone>,
+}
+
+/// A frame that is too old to be seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Gone {
+    newest: Option<Time>,
+    checked_at: Time,
+}
+
+impl Gone {
+    /// Whether it cannot be back: it has no new transform, and those on its way to the fixed frame were looked at a
+    /// moment ago.
+    fn is_certain(self, newest: Option<Time>, now: Time) -> bool {
+        self.newest == newest && now >= self.checked_at && now < self.checked_at.saturating_add(GONE_CHECK_PERIOD)
+    }
 }
 
 /// The last update of the frames.
@@ -43,6 +63,8 @@ struct LastUpdate {
     at: Time,
     /// What the tree knew then.
     generation: u64,
+    /// How many frames the tree had forgotten.
+    forgotten_frames: u64,
     /// The tree had changed again when it was too early for another update.
     is_outdated: bool,
     /// When the frames change by themselves next.
@@ -96,6 +118,26 @@ impl TfDisplay {
     }
 }
 
+impl TfDisplay {
+    /// Drops the frames that the tree has forgotten since the last update. Returns whether any was shown.
+    fn drop_forgotten(&mut self, world: &World<'_>) -> bool {
+        let known = self.last_update.map_or(0, |last| last.forgotten_frames);
+        if known == world.transforms.forgotten_frames() {
+            return false;
+        }
+        let mut was_shown = false;
+        self.frames.retain(|name, frame| {
+            let stays = world.transforms.frame_exists(name);
+            if !stays {
+                was_shown |= frame.symbol.hide();
+                self.statuses.remove(name);
+            }
+            stays
+        });
+        was_shown
+    }
+}
+
 /// Where a frame and the arrow to its parent are now; `None` where it cannot be placed.
 fn place(name: &str, world: &World<'_>) -> Option<Place> {
     let fixed_from_frame = world.fixed_from(name, Time::ZERO).ok()?;
@@ -114,23 +156,29 @@ impl Display for TfDisplay {
             return false;
         }
         let timeout = Duration::try_from_secs_f32(self.settings.frame_timeout_s).unwrap_or(Duration::MAX);
-        let mut changed = false;
+        let mut changed = self.drop_forgotten(world);
         let mut next_fade: Option<Time> = None;
         for name in world.transforms.frames() {
             if !self.frames.contains_key(name) {
                 let is_enabled = !self.settings.hidden_frames.contains(name);
-                let frame = Frame { age: Age::new(world.now), is_enabled, symbol: Symbol::default() };
+                let frame = Frame { age: Age::new(world.now), is_enabled, symbol: Symbol::default(), gone: None };
                 self.frames.insert(name.to_owned(), frame);
             }
             let Some(frame) = self.frames.get_mut(name) else { continue };
+            let newest = world.transforms.newest_stamp_of(name);
+            if frame.gone.is_some_and(|gone| gone.is_certain(newest, world.now)) {
+                continue;
+            }
             let common_time = world.transforms.latest_common_time(world.fixed_frame, name).ok();
             frame.age.update(common_time.unwrap_or(Time::ZERO), world.now);
             let fade = frame.age.fade(world.now, timeout);
             if fade == Fade::Gone {
                 // As in rviz, the frame keeps its last status.
                 changed |= frame.symbol.hide();
+                frame.gone = Some(Gone { newest, checked_at: world.now });
                 continue;
             }
+            frame.gone = None;
             let place = place(name, world);
             if place.is_some() {
                 self.statuses.set(Level::Ok, name, "Transform OK");
@@ -147,7 +195,9 @@ impl Display for TfDisplay {
             }
         }
         let generation = world.transforms.generation();
-        self.last_update = Some(LastUpdate { at: world.now, generation, is_outdated: false, next_fade });
+        let forgotten_frames = world.transforms.forgotten_frames();
+        self.last_update =
+            Some(LastUpdate { at: world.now, generation, forgotten_frames, is_outdated: false, next_fade });
         if changed {
             self.drawables = self.frames.values().flat_map(|frame| frame.symbol.drawables()).cloned().collect();
         }

@@ -106,7 +106,8 @@ impl Symbol {
 
     /// Draws nothing from now on. Returns whether that is a change.
     pub(super) fn hide(&mut self) -> bool {
-        self.drawables.clear();
+        self.drawables = Vec::new();
+        self.name = None;
         self.shown.take().is_some()
     }
 

@@ -1,4 +1,4 @@
-//! Very many small things made of triangles: [`Solids`], other meshes of few triangles, and the glyphs of [`Text`].
+//! Very many small things made of triangles: [`Solids`](rcs_scene::Solids), other meshes of few triangles, and the glyphs of [`Text`].
 //!
 //! A scene may have hundreds of thousands of solids of a few hundred triangles each, most of which cover a few pixels.
 //! So what is computed for one is thrown away at once but for four bytes for each triangle that may be seen, and
@@ -14,176 +14,34 @@
 //!
 //! [`solids`]: super::solids
 
+mod batch;
+mod corners;
 mod reach;
+mod shape;
 #[cfg(test)]
 mod tests;
 
-use std::collections::HashMap;
-use std::ops::Range;
-use std::sync::{Arc, Weak};
-
 use fearless_simd::dispatch;
-use fearless_simd::prelude::*;
 use nalgebra::{Matrix4, Vector3};
-use rcs_scene::{CullMode, Drawable, Glyph, Material, Mesh, Solid, Solids, Text, Vertex};
+use rcs_scene::{CullMode, Drawable, Glyph, Material, Mesh, Text};
 
+pub(super) use self::batch::{Batch, BatchPiece, BatchView, SmallMesh};
+pub(super) use self::corners::InstanceScratch;
+use self::corners::{place_vertices, Source, Vertices};
 use self::reach::{reach, Reach, ShapeBounds};
-use crate::cpu::band::Band;
+use self::shape::Shape;
+pub(super) use self::shape::Shapes;
+use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
 use crate::cpu::clip::{ClipVertex, Outside};
-use crate::cpu::lanes::{load, map, store_whole, transform, whole, F, LANES};
-use crate::cpu::lighting::vertex_color;
-use crate::cpu::screen::{ObjectTransform, Screen, SUBPIXELS};
-use crate::cpu::surface::Surface;
+use crate::cpu::fill::can_fill;
+use crate::cpu::ranked::{scattered, Load, RankedScratch};
+use crate::cpu::screen::{first_pixel, ObjectTransform, Screen};
+use crate::cpu::surface::{DepthBias, Surface};
 use crate::cpu::triangles::{self, Corner, ScreenPosition};
-use crate::shading::to_light;
-use crate::View;
 
 /// Glyphs that are sieved together.
 const GLYPHS_IN_GROUP: usize = 64;
-
-/// A mesh as solids use it.
-#[derive(Debug)]
-pub(super) struct Shape {
-    /// The coordinates of the vertices, each filled up to a whole number of lanes.
-    coordinates: [Vec<f32>; 3],
-    /// The corners of each triangle, which all exist.
-    triangles: Vec<[u32; 3]>,
-    /// The box around the vertices; `None` where one is not finite.
-    bounds: Option<ShapeBounds>,
-}
-
-impl Shape {
-    fn new(mesh: &Mesh) -> Self {
-        let count = mesh.vertices.len();
-        let coordinates = [0, 1, 2].map(|axis| {
-            let mut values: Vec<f32> = mesh.vertices.iter().map(|vertex| vertex.position[axis]).collect();
-            values.resize(count.next_multiple_of(LANES), 0.0);
-            values
-        });
-        let corners = mesh.indices.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]);
-        let triangles = corners.filter(|corners| corners.iter().all(|&corner| (corner as usize) < count)).collect();
-        let positions = || mesh.vertices.iter().map(|vertex| Vector3::from(vertex.position));
-        let is_finite = positions().all(|position| position.iter().all(|c| c.is_finite()));
-        let low = positions().reduce(|low, position| low.inf(&position));
-        let high = positions().reduce(|high, position| high.sup(&position));
-        let bounds = low.zip(high).filter(|_| is_finite).map(|(low, high)| ShapeBounds::new(low, high));
-        Self { coordinates, triangles, bounds }
-    }
-}
-
-/// The shapes that are alive.
-#[derive(Debug, Default)]
-pub(super) struct Shapes {
-    by_address: HashMap<usize, (Weak<Mesh>, Arc<Shape>)>,
-}
-
-impl Shapes {
-    /// The shape of a mesh, made now if it is new.
-    pub(super) fn get(&mut self, mesh: &Arc<Mesh>) -> Arc<Shape> {
-        let address = Arc::as_ptr(mesh) as usize;
-        let make = || (Arc::downgrade(mesh), Arc::new(Shape::new(mesh)));
-        self.by_address.entry(address).or_insert_with(make).1.clone()
-    }
-
-    /// Drops those whose meshes are gone.
-    pub(super) fn forget_dead(&mut self) {
-        self.by_address.retain(|_, (mesh, _)| mesh.strong_count() > 0);
-    }
-}
-
-/// Many things of one drawable.
-#[derive(Debug)]
-pub(super) enum Batch<'a> {
-    /// Solids, with the shapes that they are made of.
-    Solids(&'a Solids, Vec<Arc<Shape>>),
-    /// A mesh of few triangles.
-    Mesh(SmallMesh<'a>),
-    /// The glyphs of a text.
-    Text(&'a Text, &'a Drawable),
-}
-
-/// A drawable of few triangles.
-#[derive(Debug)]
-pub(super) struct SmallMesh<'a> {
-    /// Where it stands.
-    pub drawable: &'a Drawable,
-    /// Its triangles.
-    pub mesh: &'a Mesh,
-    /// How they are lit.
-    pub material: &'a Material,
-    /// How they are painted, mirrored where the mesh is.
-    pub surface: Surface,
-    /// As made from the mesh.
-    pub shape: Arc<Shape>,
-}
-
-impl<'a> Batch<'a> {
-    /// Of solids.
-    pub(super) fn of_solids(solids: &'a Solids, shapes: &mut Shapes) -> Self {
-        Self::Solids(solids, solids.shapes().iter().map(|mesh| shapes.get(mesh)).collect())
-    }
-}
-
-/// Some things of the batch with this index.
-#[derive(Clone, Debug)]
-pub(super) struct BatchPiece {
-    /// Index of the batch.
-    pub batch: usize,
-    /// Which of its solids or glyphs.
-    pub range: Range<usize>,
-}
-
-/// What all batches of a picture share.
-#[derive(Debug)]
-pub(super) struct BatchView<'a> {
-    view: View<'a>,
-    view_from_fixed: Matrix4<f64>,
-    to_light: Option<Vector3<f32>>,
-    /// Of solids: opaque and translucent, each as it is and mirrored.
-    surfaces: [[Surface; 2]; 2],
-    /// Of the picture's texts: tested against the depth, and on top of everything.
-    text_surfaces: Option<[Surface; 2]>,
-}
-
-impl<'a> BatchView<'a> {
-    /// In a picture.
-    pub(super) fn new(view: &View<'a>) -> Self {
-        let surface = |is_translucent| {
-            let surface = Surface::of(&Material::unlit(is_translucent), None);
-            [surface.clone(), surface.mirrored()]
-        };
-        Self {
-            view: *view,
-            view_from_fixed: view.camera.fixed_from_view().inverse().to_homogeneous(),
-            to_light: to_light(view.camera, view.scene.light.as_ref()),
-            surfaces: [surface(false), surface(true)],
-            text_surfaces: None,
-        }
-    }
-
-    /// Takes note of a text's surface.
-    pub(super) fn note_text(&mut self, text: &Text, mut surface_of: impl FnMut(&Material) -> Surface) {
-        if self.text_surfaces.is_none() {
-            let plain = surface_of(text.material());
-            let mode = |depth_test| crate::cpu::band::Mode { blend: true, depth_test, depth_write: false };
-            self.text_surfaces =
-                Some([true, false].map(|depth_test| Surface { mode: mode(depth_test), ..plain.clone() }));
-        }
-    }
-
-    fn surface_of_solid(&self, solid: &Solid) -> &Surface {
-        &self.surfaces[usize::from(solid.is_translucent())][usize::from(solid.is_mirrored())]
-    }
-
-    fn surface_of_text(&self, text: &Text) -> Option<&Surface> {
-        self.text_surfaces.as_ref().map(|surfaces| &surfaces[usize::from(!text.material().depth_test)])
-    }
-
-    fn transform(&self, view_from_object: &Matrix4<f64>) -> ObjectTransform {
-        ObjectTransform::with_light(self.view.camera, view_from_object, self.to_light)
-    }
-}
 
 /// The triangles of a solid or a text that are ready to be drawn.
 #[derive(Clone, Debug)]
@@ -205,35 +63,7 @@ pub(super) struct Instances {
     /// The numbers of triangles: all those of the first thing, seen or not, then all those of the second, and so on.
     bins: Bins,
     next: u32,
-}
-
-/// Where the corners of a thing's triangles come from.
-struct Source<'a> {
-    vertices: Vertices<'a>,
-    material: &'a Material,
-    transform: &'a ObjectTransform,
-    surface: &'a Surface,
-}
-
-enum Vertices<'a> {
-    Mesh(&'a Mesh),
-    Text(&'a Text),
-}
-
-impl Source<'_> {
-    fn vertex(&self, key: u32) -> Option<Vertex> {
-        match &self.vertices {
-            Vertices::Mesh(mesh) => mesh.vertices.get(key as usize).copied(),
-            Vertices::Text(text) => {
-                let glyph = text.glyphs().get(key as usize / 4)?;
-                text.quad(glyph).get(key as usize % 4).copied()
-            }
-        }
-    }
-
-    fn color(&self, vertex: &Vertex) -> [f32; 4] {
-        vertex_color(self.material, self.transform, vertex)
-    }
+    load: Load,
 }
 
 /// A mesh where it stands.
@@ -245,107 +75,18 @@ struct PlacedMesh<'a> {
     shape: &'a Shape,
 }
 
-/// The memory of a thread that makes things ready and draws them.
-#[derive(Debug, Default)]
-pub(super) struct InstanceScratch {
-    /// The snapped places of a solid's vertices, and the gaps between pixel centres that they are in.
-    x: Vec<i32>,
-    y: Vec<i32>,
-    gaps: Vec<i32>,
-    /// By the number of the vertex; of the present thing where `generation` is.
-    corners: Vec<CachedCorner>,
-    generation: u64,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct CachedCorner {
-    generation: u64,
-    key: u32,
-    outside: Outside,
-    corner: Corner,
-    is_lit: bool,
-}
-
-impl InstanceScratch {
-    /// The most corners that are remembered.
-    const MAX_CORNERS: usize = 512;
-
-    /// The corners of another thing follow.
-    fn begin(&mut self) {
-        self.corners.resize(Self::MAX_CORNERS, CachedCorner::default());
-        self.generation += 1;
-    }
-
-    /// A corner; without its colour unless `light`.
-    #[inline]
-    fn corner(&mut self, key: u32, source: &Source<'_>, screen: &Screen, light: bool) -> Option<(Corner, Outside)> {
-        let generation = self.generation;
-        let cached = self.corners.get_mut(key as usize % Self::MAX_CORNERS)?;
-        let is_known = cached.generation == generation && cached.key == key;
-        if !is_known || (light && !cached.is_lit) {
-            let vertex = source.vertex(key)?;
-            if !is_known {
-                let position = source.transform.clip(vertex.position);
-                let (outside, position) = (Outside::new(position), ScreenPosition::new(position, screen));
-                let corner = Corner { position, color: [0.0; 4], uv: vertex.uv };
-                *cached = CachedCorner { generation, key, outside, corner, is_lit: false };
-            }
-            if light {
-                cached.corner.color = source.color(&vertex);
-                cached.is_lit = true;
-            }
-        }
-        Some((cached.corner, cached.outside))
-    }
-}
-
-/// Where the vertices of a solid inside the view are: their snapped places, and for each the gaps between the columns
-/// and the rows of pixel centres that it is in, each as an odd number (an even one is a centre), packed into one.
-#[inline(always)]
-fn place_vertices<S: Simd>(
-    simd: S,
-    shape: &Shape,
-    rows: &[[f32; 4]; 4],
-    screen: &Screen,
-    scratch: &mut InstanceScratch,
-) {
-    let count = shape.coordinates[0].len();
-    for memory in [&mut scratch.x, &mut scratch.y, &mut scratch.gaps] {
-        memory.resize(count, 0);
-    }
-    let (half_width, half_height) = screen.half_size();
-    let [x, y, z] = &shape.coordinates;
-    for begin in (0..count).step_by(LANES) {
-        let place = [load(simd, x, begin), load(simd, y, begin), load(simd, z, begin)];
-        let [clip_x, clip_y, _, w] = transform(rows, place);
-        let inverse_w = F::splat(simd, 1.0) / w;
-        let window = [clip_x * inverse_w * half_width + half_width, clip_y * inverse_w * -half_height + half_height];
-        let [x, y] = map(
-            window,
-            #[inline(always)]
-            |window| {
-                let scaled = (window - 0.5) * (SUBPIXELS as f32);
-                let half = scaled.simd_ge(0.0).select(F::splat(simd, 0.5), F::splat(simd, -0.5));
-                whole(scaled + half)
-            },
-        );
-        let [gap_x, gap_y] = map(
-            [x, y],
-            #[inline(always)]
-            |place| (place >> 8) + ((place + (SUBPIXELS - 1)) >> 8),
-        );
-        store_whole(&mut scratch.x, begin, x);
-        store_whole(&mut scratch.y, begin, y);
-        store_whole(&mut scratch.gaps, begin, (gap_x & 0xffff) | (gap_y << 16));
-    }
-}
-
 impl Instances {
     /// Forgets everything.
     pub(super) fn clear(&mut self, screen: &Screen) {
         self.placed.clear();
         self.bins.reset(screen);
         self.next = 0;
+        self.load = Load::default();
+    }
+
+    /// How much there is to draw.
+    pub(super) fn load(&self) -> Load {
+        self.load
     }
 
     /// Makes some things ready.
@@ -396,6 +137,7 @@ impl Instances {
         if reach == Reach::Unseen {
             return;
         }
+        self.load.in_order |= surface.mode != Mode::OPAQUE || !can_fill(surface);
         let first = self.next;
         let is_seen = if reach == Reach::Inside {
             dispatch!(screen.simd_level, simd => place_vertices(simd, shape, &rows, screen, scratch));
@@ -440,8 +182,12 @@ impl Instances {
             if is_hidden(bx * cy - cx * by) {
                 continue;
             }
-            let [low, high] = [y[a].min(y[b]).min(y[c]), y[a].max(y[b]).max(y[c])];
-            self.bin(number, (low + (SUBPIXELS - 1)) >> 8, (high >> 8) + 1, screen);
+            let [top, bottom] = [y[a].min(y[b]).min(y[c]), y[a].max(y[b]).max(y[c])];
+            let [left, right] = [x[a].min(x[b]).min(x[c]), x[a].max(x[b]).max(x[c])];
+            let (begin, end) = (first_pixel(top), first_pixel(bottom + 1));
+            let width_px = first_pixel(right + 1) - first_pixel(left);
+            self.load.add(((end - begin) * width_px) as u64 / 2);
+            self.bin(number, begin, end, screen);
             is_seen = true;
         }
         is_seen
@@ -464,6 +210,7 @@ impl Instances {
         scratch.begin();
         let range = piece.range.clone();
         let (batch, item) = (piece.batch as u32, range.start as u32);
+        self.load.in_order = true;
         let (first, mut is_seen) = (self.next, false);
         for begin in range.clone().step_by(GLYPHS_IN_GROUP) {
             let group = begin..range.end.min(begin + GLYPHS_IN_GROUP);
@@ -501,7 +248,9 @@ impl Instances {
         if out_a.guard | out_b.guard | out_c.guard != 0 {
             let mut rows: Option<(i32, i32)> = None;
             cut(corners, source, screen, |corners| {
-                let (begin, end) = triangles::rows(corners.each_ref().map(|corner| &corner.position));
+                let positions = corners.each_ref().map(|corner| &corner.position);
+                let (begin, end) = triangles::rows(positions);
+                self.load.add(triangles::reach_px(positions, screen));
                 rows = Some(rows.map_or((begin, end), |rows| (rows.0.min(begin), rows.1.max(end))));
             });
             if let Some((begin, end)) = rows {
@@ -513,6 +262,7 @@ impl Instances {
         let is_seen = triangles::may_be_seen(positions, source.surface, screen);
         if is_seen {
             let (begin, end) = triangles::rows(positions);
+            self.load.add(triangles::reach_px(positions, screen));
             self.bin(number, begin, end, screen);
         }
         is_seen
@@ -522,6 +272,13 @@ impl Instances {
     fn bin(&mut self, number: u32, begin: i32, end: i32, screen: &Screen) {
         let row = |row: i32| row.clamp(0, screen.height_px as i32) as u32;
         self.bins.add(number, row(begin), row(end));
+    }
+
+    /// The thing that a triangle belongs to; the number of the next one's first triangle.
+    fn placed(&self, number: u32) -> Option<(&Placed, u32)> {
+        let next = self.placed.partition_point(|placed| placed.first <= number);
+        let end = self.placed.get(next).map_or(u32::MAX, |placed| placed.first);
+        Some((self.placed.get(next.checked_sub(1)?)?, end))
     }
 
     /// Draws the rows of a band.
@@ -535,45 +292,85 @@ impl Instances {
         band: &mut Band<'_>,
     ) {
         let mut numbers = self.bins.band(index);
-        while let Some(&number) = numbers.first() {
+        while let Some((placed, end)) = numbers.first().and_then(|&number| self.placed(number)) {
             // Numbers ascend, so that those of a thing lie side by side.
-            let next = self.placed.partition_point(|placed| placed.first <= number);
-            let end = self.placed.get(next).map_or(u32::MAX, |placed| placed.first);
             let (these, rest) = numbers.split_at(numbers.partition_point(|&number| number < end));
             numbers = rest;
-            let Some(placed) = next.checked_sub(1).and_then(|index| self.placed.get(index)) else { continue };
             scratch.begin();
-            let mut draw_mesh = |mesh, material, surface, shape: &Shape| {
-                let source = Source { vertices: Vertices::Mesh(mesh), material, transform: &placed.transform, surface };
+            placed.with_source(batches, view, |source, triangle| {
                 for number in these {
-                    if let Some(corners) = shape.triangles.get((number - placed.first) as usize) {
-                        draw_triangle(*corners, &source, placed.may_be_cut, screen, scratch, band);
+                    if let Some(corners) = triangle(number - placed.first) {
+                        draw_triangle(corners, source, placed.may_be_cut, screen, scratch, band);
                     }
                 }
+            });
+        }
+    }
+
+    /// Draws a band's rows of the triangles of several jobs that need not be drawn in their order.
+    pub(super) fn draw_ranked(
+        jobs: &[impl AsRef<Self>],
+        (batches, view): (&[Batch<'_>], &BatchView<'_>),
+        (screen, index): (&Screen, usize),
+        scratch: &mut InstanceScratch,
+        ranked: &mut RankedScratch,
+        band: &mut Band<'_>,
+    ) {
+        ranked.faces.clear();
+        for (job, instances) in jobs.iter().enumerate() {
+            ranked.faces.extend(instances.as_ref().bins.band(index).iter().map(|number| [job as u32, *number]));
+        }
+        let count = ranked.faces.len();
+        let Some(first_rank) = ranked.take_ranks(count, band.width, [band.first_row, band.end_row]) else {
+            return jobs
+                .iter()
+                .for_each(|instances| instances.as_ref().draw(batches, view, screen, index, scratch, band));
+        };
+        for at in scattered(count) {
+            let Some(&[job, number]) = ranked.faces.get(at) else { continue };
+            let Some((placed, _)) = jobs.get(job as usize).and_then(|job| job.as_ref().placed(number)) else {
+                continue;
             };
-            match batches.get(placed.batch as usize) {
-                Some(Batch::Solids(solids, shapes)) => {
-                    let Some(solid) = solids.as_slice().get(placed.item as usize) else { continue };
-                    let (mesh, shape) = (solids.shapes().get(solid.shape()), shapes.get(solid.shape()));
-                    if let (Some(mesh), Some(shape)) = (mesh, shape) {
-                        draw_mesh(mesh, &Material::lit(solid.color), view.surface_of_solid(solid), shape);
-                    }
+            placed.with_source(batches, view, |source, triangle| {
+                if let Some(corners) = triangle(number - placed.first) {
+                    draw_triangle_ranked(corners, source, first_rank + at as u32, screen, ranked, band);
                 }
-                Some(Batch::Mesh(SmallMesh { mesh, material, surface, shape, .. })) => {
-                    draw_mesh(mesh, material, surface, shape);
-                }
-                Some(Batch::Text(text, _)) => {
-                    let Some(surface) = view.surface_of_text(text) else { continue };
-                    let (vertices, material) = (Vertices::Text(text), text.material());
-                    let source = Source { vertices, material, transform: &placed.transform, surface };
-                    for number in these {
-                        let triangle = number - placed.first;
-                        let corners = glyph_triangles(placed.item + triangle / 2)[triangle as usize % 2];
-                        draw_triangle(corners, &source, placed.may_be_cut, screen, scratch, band);
-                    }
-                }
-                None => {}
+            });
+        }
+    }
+}
+
+impl Placed {
+    /// Passes on where the corners come from, and which of them make a triangle of this thing.
+    #[inline]
+    fn with_source(
+        &self,
+        batches: &[Batch<'_>],
+        view: &BatchView<'_>,
+        work: impl FnOnce(&Source<'_>, &dyn Fn(u32) -> Option<[u32; 3]>),
+    ) {
+        let transform = &self.transform;
+        match batches.get(self.batch as usize) {
+            Some(Batch::Solids(solids, shapes)) => {
+                let Some(solid) = solids.as_slice().get(self.item as usize) else { return };
+                let (mesh, shape) = (solids.shapes().get(solid.shape()), shapes.get(solid.shape()));
+                let (Some(mesh), Some(shape)) = (mesh, shape) else { return };
+                let (material, surface) = (&Material::lit(solid.color), view.surface_of_solid(solid));
+                let source = Source { vertices: Vertices::Mesh(mesh), material, transform, surface };
+                work(&source, &|triangle| shape.triangles.get(triangle as usize).copied());
             }
+            Some(Batch::Mesh(SmallMesh { mesh, material, surface, shape, .. })) => {
+                let source = Source { vertices: Vertices::Mesh(mesh), material, transform, surface };
+                work(&source, &|triangle| shape.triangles.get(triangle as usize).copied());
+            }
+            Some(Batch::Text(text, _)) => {
+                let Some(surface) = view.surface_of_text(text) else { return };
+                let source = Source { vertices: Vertices::Text(text), material: text.material(), transform, surface };
+                work(&source, &|triangle| {
+                    glyph_triangles(self.item + triangle / 2).get(triangle as usize % 2).copied()
+                });
+            }
+            None => {}
         }
     }
 }
@@ -593,6 +390,42 @@ fn draw_triangle(
     } else {
         triangles::draw([&a, &b, &c], source.surface, band);
     }
+}
+
+/// As [`draw_triangle`], not in its turn but with its rank in it.
+fn draw_triangle_ranked(
+    corners: [u32; 3],
+    source: &Source<'_>,
+    rank: u32,
+    screen: &Screen,
+    ranked: &mut RankedScratch,
+    band: &mut Band<'_>,
+) {
+    let vertices = corners.map(|corner| source.vertex(corner));
+    let [Some(a), Some(b), Some(c)] = vertices else { return };
+    let clipped = [a, b, c].map(|vertex| (vertex, source.transform.clip(vertex.position)));
+    let simd_level = band.simd_level;
+    if clipped.iter().any(|(_, position)| Outside::new(*position).guard != 0) {
+        return cut(corners, source, screen, |corners| {
+            let (occluders, corners) = (&mut ranked.occluders, corners.each_ref());
+            dispatch!(simd_level, simd => {
+                triangles::draw_ranked(simd, corners, source.surface, rank, band, occluders);
+            });
+        });
+    }
+    let positions = clipped.map(|(_, position)| ScreenPosition::new(position, screen));
+    let [a, b, c] = positions.map(|position| position.bits());
+    let key = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]];
+    if source.surface.depth_bias == DepthBias::NONE && ranked.recent_triangles.covers(&key, rank) {
+        return;
+    }
+    let [a, b, c] = [0, 1, 2].map(|i| {
+        let (vertex, _) = &clipped[i];
+        Corner { position: positions[i], color: source.color(vertex), uv: vertex.uv }
+    });
+    dispatch!(simd_level, simd => {
+        triangles::draw_ranked(simd, [&a, &b, &c], source.surface, rank, band, &mut ranked.occluders);
+    });
 }
 
 /// Clips a triangle that reaches far out of the picture, and passes on the parts that are to be drawn.

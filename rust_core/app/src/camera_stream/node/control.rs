@@ -1,0 +1,223 @@
+//! The control thread: answers whatever must not wait for a picture.
+//!
+//! It handles signals and the calls of services, reads the config again, and watches the scene's thread. While that
+//! has been busy for [`STAND_IN_AFTER`], the last pictures are repeated from here as their frame rates ask for it; after
+//! [`REPORT_AFTER`] `/diagnostics` says what takes so long, and after [`HANG_AFTER`] the log does, too.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use anyhow::{anyhow, Context, Result};
+use rcs_ros::{RosNode, ServiceCall, TriggerReply};
+use rcs_rviz_config::Config;
+
+use super::activity::Busy;
+use super::camera_plan;
+use super::file_watch::FileWatch;
+use super::shared::{Reload, Shared};
+use crate::camera_stream::cli::Cli;
+use crate::camera_stream::log_findings;
+use crate::logging::{self, one_line};
+use crate::small_node::EndRequest;
+
+/// How long the thread sleeps at most: signals set a flag only.
+const LONGEST_SLEEP: Duration = Duration::from_millis(100);
+/// The same while the last pictures are repeated from here.
+const STAND_IN_SLEEP: Duration = Duration::from_millis(10);
+/// How long the scene's thread may be busy before the last pictures are repeated from here.
+const STAND_IN_AFTER: Duration = Duration::from_millis(50);
+/// How long it may be busy before that is a status.
+const REPORT_AFTER: Duration = Duration::from_secs(1);
+/// How long it may be busy with one step before that is logged as a hang; again after each doubling.
+const HANG_AFTER: Duration = Duration::from_secs(5);
+/// How long a caller of `reload_config` waits for the scene's thread.
+const RELOAD_PATIENCE: Duration = Duration::from_millis(150);
+/// How long the scene's thread is waited for at the end.
+const END_PATIENCE: Duration = Duration::from_millis(500);
+
+/// The control thread's part of the node.
+pub(super) struct Control {
+    shared: Arc<Shared>,
+    /// As it was last read.
+    config: Config,
+    file: PathBuf,
+    /// The whole name of the service that reloads the config.
+    reload_service: Arc<str>,
+    watch: Option<FileWatch>,
+    /// When the caller of `reload_config` gets an answer at the latest.
+    answer_reload_at: Option<Instant>,
+    /// How long a hang lasts that is logged next.
+    next_hang: Duration,
+}
+
+impl Control {
+    /// Offers the service that reloads the config, and watches the config's file unless told not to.
+    ///
+    /// # Errors
+    /// One line that names what failed.
+    pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
+        Ok(Self {
+            shared: Arc::clone(shared),
+            config: config.clone(),
+            file: cli.node.display_config.clone().unwrap_or_default(),
+            reload_service: shared.ros.serve_trigger("~reload_config")?,
+            watch: watch(cli, &shared.ros)?,
+            answer_reload_at: None,
+            next_hang: HANG_AFTER,
+        })
+    }
+
+    /// Runs until the end is requested or the scene's thread has ended.
+    ///
+    /// # Errors
+    /// The scene's thread has panicked.
+    pub(super) fn run(mut self, scene: JoinHandle<()>, end: &EndRequest) -> Result<()> {
+        let shared = Arc::clone(&self.shared);
+        while !end.is_requested() && !scene.is_finished() {
+            let busy = shared.activity.busy_for(STAND_IN_AFTER);
+            self.stand_in(busy.as_ref());
+            self.report_hang(busy.as_ref());
+            self.answer_late_reload();
+            logging::report_left_out();
+            let sleep = if busy.is_some() { STAND_IN_SLEEP } else { LONGEST_SLEEP };
+            for call in shared.ros.calls().wait(sleep) {
+                self.answer(call);
+            }
+            if self.watch.as_ref().is_some_and(FileWatch::take_change) {
+                self.reload_changed_file();
+            }
+        }
+        shared.end();
+        let asked = Instant::now();
+        while !scene.is_finished() && asked.elapsed() < END_PATIENCE {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        // One that still draws ends with the process.
+        if scene.is_finished() {
+            scene.join().map_err(|_| anyhow!("the scene's thread has panicked"))?;
+        }
+        Ok(())
+    }
+
+    /// Does what the scene's thread cannot do while it is busy.
+    fn stand_in(&self, busy: Option<&Busy>) {
+        let Some(busy) = busy else { return };
+        for camera in self.shared.cameras().iter_mut() {
+            let repeated = camera.repeat_if_due(&self.shared.ros);
+            if repeated.is_err() {
+                camera.record_result(repeated);
+            }
+        }
+        let busy_for = busy.since.elapsed();
+        if busy_for >= REPORT_AFTER {
+            let text = format!("busy for {:.1} s, at present {}", busy_for.as_secs_f64(), busy.step);
+            self.shared.diagnostics().report_busy(&self.shared.ros, &text);
+        }
+    }
+
+    /// Logs a step that takes very long.
+    fn report_hang(&mut self, busy: Option<&Busy>) {
+        let lasts = busy.map_or(Duration::ZERO, |busy| busy.step_since.elapsed());
+        match busy {
+            Some(busy) if lasts >= self.next_hang => {
+                let step = &busy.step;
+                log::error!("{step} has taken {:.0} s so far; the last pictures are repeated", lasts.as_secs_f64());
+                self.next_hang = lasts.saturating_mul(2);
+            }
+            Some(_) if lasts >= HANG_AFTER => {}
+            _ => self.next_hang = HANG_AFTER,
+        }
+    }
+
+    fn answer(&mut self, call: ServiceCall) {
+        match call {
+            ServiceCall::Trigger { service, reply } if service == self.reload_service => self.reload(reply),
+            ServiceCall::Trigger { service, reply } => {
+                match self.shared.cameras().iter_mut().find(|camera| camera.serves(&service)) {
+                    Some(camera) => camera.trigger(reply),
+                    None => reply.send(false, "Image publisher not configured"),
+                }
+            }
+            ServiceCall::Reconfigure { server, request, reply } => {
+                // Without an answer, the caller gets an error.
+                if let Some(camera) = self.shared.cameras().iter_mut().find(|camera| camera.has_parameters(&server)) {
+                    reply.answer(camera.reconfigure(&request, &self.shared.ros));
+                }
+            }
+        }
+        self.shared.ros.events().wake();
+    }
+
+    /// Reads the config again for the caller of a service, who is answered when it is applied.
+    fn reload(&mut self, reply: TriggerReply) {
+        match self.read() {
+            Ok(Some(config)) => {
+                self.hand_over(Reload { config, reply: Some(reply) });
+                self.answer_reload_at = Some(Instant::now() + RELOAD_PATIENCE);
+            }
+            Ok(None) => reply.send(true, "nothing changed"),
+            Err(error) => reply.send(false, one_line(&error)),
+        }
+    }
+
+    /// Reads the config again because its file changed, and logs the result.
+    fn reload_changed_file(&mut self) {
+        match self.read() {
+            Ok(Some(config)) => self.hand_over(Reload { config, reply: None }),
+            Ok(None) => {}
+            Err(error) => {
+                let error = one_line(&error);
+                log::warn!("the config changed but cannot be read, so the previous one is kept: {error}");
+            }
+        }
+    }
+
+    /// The config as it is in the file now; `None` if it is the same.
+    ///
+    /// # Errors
+    /// What is wrong with the file; nothing has changed then.
+    fn read(&mut self) -> Result<Option<Config>> {
+        let config = rcs_rviz_config::load(&self.file)?;
+        self.shared.retry_resources();
+        self.shared.ros.events().wake();
+        camera_plan::plans(&self.shared.ros, &config).with_context(|| config.source.clone())?;
+        if config == self.config {
+            return Ok(None);
+        }
+        log_findings(&config, &self.config.findings);
+        self.config = config.clone();
+        Ok(Some(config))
+    }
+
+    /// Gives the scene's thread another config. One that it has not applied yet is obsolete.
+    fn hand_over(&mut self, reload: Reload) {
+        let obsolete = self.shared.reload().replace(reload);
+        if let Some(reply) = obsolete.and_then(|obsolete| obsolete.reply) {
+            reply.send(true, "the config was read again since");
+        }
+        self.shared.ros.events().wake();
+    }
+
+    /// Answers the caller of `reload_config` while the scene's thread is still busy.
+    fn answer_late_reload(&mut self) {
+        if self.answer_reload_at.is_none_or(|at| Instant::now() < at) {
+            return;
+        }
+        self.answer_reload_at = None;
+        let late = self.shared.reload().as_mut().and_then(|reload| reload.reply.take());
+        if let Some(reply) = late {
+            let source = &self.config.source;
+            reply.send(true, format!("{source}: read; it is applied after the picture that is being drawn"));
+        }
+    }
+}
+
+/// Watches the config's file, unless `--no-watch` or `~watch` says not to.
+fn watch(cli: &Cli, ros: &RosNode) -> Result<Option<FileWatch>> {
+    let is_wanted = !cli.node.no_watch && ros.bool_param("~watch").unwrap_or(true);
+    let Some(file) = cli.node.display_config.clone().filter(|_| is_wanted) else { return Ok(None) };
+    let calls = Arc::clone(ros.calls());
+    FileWatch::start(file, move || calls.wake()).map(Some).context("cannot watch the config")
+}

@@ -1,0 +1,312 @@
+//! The scene's thread: takes what was received, brings the scene up to date, draws what is watched and hands it to the
+//! outputs.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use rcs_displays::{time_from_stamp, Reconfigured};
+use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice};
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_ros::NodeEvent;
+use rcs_rviz_config::Config;
+use rcs_scene::{Picture, Scene};
+use rcs_transforms::Time;
+
+use super::activity::Step;
+use super::camera::{self, CameraOutput};
+use super::camera_plan;
+use super::costs::Costs;
+use super::latency::Update;
+use super::shared::{Reload, Shared};
+use crate::camera_stream::camera_pose::Projection;
+use crate::camera_stream::cli::Cli;
+use crate::camera_stream::private_parameters;
+use crate::camera_stream::stage::{renderer_view, Stage};
+use crate::camera_stream::subscriptions::Subscriptions;
+use crate::camera_stream::visibility::{self, PlacedCamera};
+
+/// How long the thread sleeps at most when nothing happens.
+const LONGEST_SLEEP: Duration = Duration::from_millis(500);
+
+/// The scene and what draws it.
+pub(super) struct SceneLoop {
+    shared: Arc<Shared>,
+    stage: Stage,
+    renderer: Box<dyn Renderer>,
+    renderer_choice: RendererChoice,
+    projection: Projection,
+    subscriptions: Subscriptions,
+    /// The command line's, which overrides the config's.
+    fixed_frame: Option<String>,
+    scene: Option<(u64, Arc<Scene>)>,
+    /// When the last transforms were received since the last update.
+    transforms_received: Option<Instant>,
+    /// Of the picture at hand.
+    costs: Costs,
+}
+
+impl SceneLoop {
+    /// Subscribes and advertises what a config asks for.
+    ///
+    /// # Errors
+    /// One line that names what failed: a topic, the renderer.
+    pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
+        let ros = &shared.ros;
+        let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
+        let projection = private_parameters::projection(ros, cli.projection, &["~projection"])?;
+        let renderer = rcs_render::create(renderer_choice)?;
+        let resources = private_parameters::resources(ros, &cli.resources)?;
+        let events = Arc::clone(ros.events());
+        let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
+        let mut stage = Stage::new(config, cli.node.fixed_frame.as_deref(), meshes);
+        if stage.cameras().is_empty() {
+            log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
+        }
+        let plans = camera_plan::plans(ros, config)?;
+        let cameras = camera_plan::rearrange(ros, plans, Vec::new(), config, stage.displays());
+        ros.subscribe_transforms()?;
+        let mut subscriptions = Subscriptions::default();
+        subscriptions.update(ros, stage.topics());
+        ros.follow_parameters(stage.parameters());
+        log::info!("drawing {} of {} with {}", camera::names(&cameras), config.source, renderer.describe());
+        *shared.cameras() = cameras;
+        stage.update(time_from_stamp(ros.now()));
+        Ok(Self {
+            shared: Arc::clone(shared),
+            stage,
+            renderer,
+            renderer_choice,
+            projection,
+            subscriptions,
+            fixed_frame: cli.node.fixed_frame.clone(),
+            scene: None,
+            transforms_received: None,
+            costs: Costs::default(),
+        })
+    }
+
+    fn now(&self) -> Time {
+        time_from_stamp(self.shared.ros.now())
+    }
+
+    /// Runs until the end is requested.
+    pub(super) fn run(mut self) {
+        let shared = Arc::clone(&self.shared);
+        while !shared.is_ending() {
+            shared.activity.rest();
+            let events = shared.ros.events().wait(self.sleep());
+            self.costs.clear();
+            let mut has_news = !events.is_empty() || self.stage.has_new_resources();
+            for event in events {
+                self.handle(event);
+            }
+            has_news |= self.apply_changes();
+            let now = self.now();
+            if has_news || self.stage.displays().next_change().is_some_and(|change| change <= now) {
+                self.update(now);
+            }
+            self.publish();
+            self.report_statuses();
+        }
+    }
+
+    /// Applies what the control thread has taken: another config, a user's settings. Returns whether the scene may have
+    /// changed.
+    fn apply_changes(&mut self) -> bool {
+        let is_retry = self.shared.take_retry();
+        if is_retry {
+            self.stage.retry_resources();
+        }
+        // Taken out first, so that the place is not locked meanwhile.
+        let reload = self.shared.reload().take();
+        let is_reloaded = reload.map(|reload| self.reload(reload)).is_some();
+        for camera in self.shared.cameras().iter_mut() {
+            camera.apply_new_settings(self.stage.displays());
+        }
+        is_reloaded || is_retry
+    }
+
+    /// Applies another config. Only what differs changes: subscriptions, publishers and services that are kept are not
+    /// touched, and displays that are kept show what they did.
+    fn reload(&mut self, Reload { config, reply }: Reload) {
+        let shared = Arc::clone(&self.shared);
+        shared.activity.begin(Step::Config);
+        let ros = &shared.ros;
+        let plans = match camera_plan::plans(ros, &config) {
+            Ok(plans) => plans,
+            // It was possible when the config was read.
+            Err(error) => return log::error!("{}: {error}", config.source),
+        };
+        let known_parameters = self.stage.parameters();
+        let changed = self.stage.reconfigure(&config, self.fixed_frame.as_deref(), self.now());
+        self.subscriptions.update(ros, self.stage.topics());
+        let is_new = |name: &String| !known_parameters.contains(name);
+        ros.follow_parameters(self.stage.parameters().into_iter().filter(is_new).collect());
+        {
+            let mut cameras = shared.cameras();
+            let known = std::mem::take(&mut *cameras);
+            *cameras = camera_plan::rearrange(ros, plans, known, &config, self.stage.displays());
+        }
+        let Reconfigured { kept, added, removed } = changed;
+        let changed = format!("{}: {kept} displays kept, {added} added, {removed} removed", config.source);
+        match reply {
+            Some(reply) => reply.send(true, changed),
+            None => log::info!("the config changed: {changed}"),
+        }
+    }
+
+    /// Brings the scene up to date.
+    fn update(&mut self, now: Time) {
+        self.shared.activity.begin(Step::Displays);
+        self.stage.update(now);
+        self.costs.add(self.stage.take_costs());
+        let shown = self.stage.displays().newly_shown();
+        let transforms_received = self.transforms_received.take();
+        let update = Update { shown, transforms_received, decoded: Instant::now() };
+        self.shared.cameras().iter_mut().for_each(|camera| camera.record_update(&update));
+    }
+
+    /// How long until something is due by itself: a camera's next picture, or a change of the scene.
+    fn sleep(&self) -> Duration {
+        let now = Instant::now();
+        let cameras = self.shared.cameras().iter().filter_map(|camera| camera.until_due(now)).min();
+        let change = self.stage.displays().next_change().map(|change| change.saturating_since(self.now()));
+        let diagnostics = self.shared.diagnostics().until_due(now);
+        cameras.into_iter().chain(change).fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
+    }
+
+    /// Reports the status of each display and camera.
+    fn report_statuses(&mut self) {
+        let shared = Arc::clone(&self.shared);
+        if !shared.diagnostics().is_due() {
+            return;
+        }
+        shared.activity.begin(Step::Statuses);
+        let (stage, projection) = (&self.stage, self.projection);
+        let mut entries = stage.status_entries(self.now());
+        let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
+        if is_published {
+            // This may take long, so the cameras are not locked meanwhile.
+            let views: Vec<_> = shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
+            let place = |view: &Arc<_>| stage.camera(view, projection).ok();
+            let placed: Vec<_> = views.iter().map(|view| PlacedCamera { view, camera: place(view) }).collect();
+            visibility::add(&mut entries, stage.displays(), &placed);
+        }
+        entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(stage, projection)));
+        shared.diagnostics().report(&shared.ros, entries);
+    }
+
+    /// Applies an event to the scene.
+    fn handle(&mut self, event: NodeEvent) {
+        match &event {
+            // The scene is put together again. Dropped here already, it holds no clouds whose memory the next ones can
+            // use.
+            NodeEvent::Message { topic, .. } => {
+                self.shared.activity.begin(Step::Message(Arc::clone(topic)));
+                self.scene = None;
+            }
+            NodeEvent::Transforms { received, .. } => {
+                self.shared.activity.begin(Step::Event);
+                self.transforms_received = Some(*received);
+            }
+            NodeEvent::TimeJumpedBack { from, to } => {
+                log::warn!(
+                    "time jumped back from {} to {}: all frames and messages are dropped",
+                    time_from_stamp(*from),
+                    time_from_stamp(*to)
+                );
+                self.shared.cameras().iter_mut().for_each(CameraOutput::forget_messages);
+            }
+            _ => self.shared.activity.begin(Step::Event),
+        }
+        let now = self.now();
+        self.subscriptions.apply(event, &mut self.stage, now);
+    }
+
+    /// Draws and publishes what is due: as many pictures are begun as the renderer works on at once, and each is
+    /// published as soon as it is finished.
+    fn publish(&mut self) {
+        let shared = Arc::clone(&self.shared);
+        let mut in_flight = VecDeque::new();
+        let count = shared.cameras().len();
+        for index in 0..count {
+            match self.begin(index) {
+                Ok(true) => in_flight.push_back(index),
+                result => self.record_result(index, result.map(|_| ())),
+            }
+            if in_flight.len() >= self.renderer.pictures_at_once() {
+                self.finish(in_flight.pop_front());
+            }
+        }
+        while !in_flight.is_empty() {
+            self.finish(in_flight.pop_front());
+        }
+    }
+
+    /// Begins the picture of a camera if one is due and has changed. Returns whether it was begun.
+    fn begin(&mut self, index: usize) -> Result<bool> {
+        let shared = Arc::clone(&self.shared);
+        let due = match shared.cameras().get_mut(index) {
+            Some(camera) => camera.begin_if_due(&self.stage, self.projection, &shared.ros)?,
+            None => None,
+        };
+        let Some(due) = due else { return Ok(false) };
+        shared.activity.begin(Step::Picture(due.view.name.clone()));
+        let scene = self.scene();
+        self.renderer.submit(&renderer_view(&due.view, &scene, &due.camera))?;
+        if let Some(camera) = shared.cameras().get_mut(index) {
+            camera.record_begun(due);
+        }
+        Ok(true)
+    }
+
+    /// The scene as it is now, for all cameras.
+    fn scene(&mut self) -> Arc<Scene> {
+        let version = self.stage.displays().version();
+        let current = self.scene.take().filter(|(known, _)| *known == version);
+        let (_, scene) = self.scene.insert(current.unwrap_or_else(|| (version, Arc::new(self.stage.scene()))));
+        Arc::clone(scene)
+    }
+
+    /// Publishes the picture that was begun first, which is that of this camera.
+    fn finish(&mut self, index: Option<usize>) {
+        let shared = Arc::clone(&self.shared);
+        let Some(index) = index else { return };
+        let Some(mut picture) = shared.cameras().get_mut(index).map(CameraOutput::take_spare) else { return };
+        let result = self.finish_picture(index, &mut picture);
+        self.record_result(index, result);
+    }
+
+    fn finish_picture(&mut self, index: usize, picture: &mut Picture) -> Result<()> {
+        let is_finished = self.renderer.finish(picture)?;
+        let slow = self.costs.slow_picture(self.renderer.as_ref(), self.stage.displays());
+        let mut cameras = self.shared.cameras();
+        let Some(camera) = cameras.get_mut(index) else { return Ok(()) };
+        if let Some(slow) = slow {
+            camera.record_slow_picture(slow);
+        }
+        match is_finished {
+            true => camera.finish(std::mem::take(picture), &self.shared.ros),
+            false => Ok(()),
+        }
+    }
+
+    /// Records the result of rendering and publishing a camera's picture. An error is logged once and does not end the
+    /// node. A GPU that `auto` chose and that fails is replaced by the CPU.
+    fn record_result(&mut self, index: usize, result: Result<()>) {
+        let gpu_failed = matches!(&result, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })));
+        let mut cameras = self.shared.cameras();
+        if let Some(camera) = cameras.get_mut(index) {
+            camera.record_result(result);
+        }
+        if gpu_failed {
+            cameras.iter_mut().for_each(CameraOutput::discard_in_flight);
+        }
+        if gpu_failed && self.renderer_choice == RendererChoice::Auto {
+            self.renderer = Box::new(CpuRenderer::new());
+            log::warn!("drawing with {} from now on", self.renderer.describe());
+        }
+    }
+}
