@@ -8,7 +8,6 @@
 //! The releases of that typeface differ a little in their hints. So that text is the same as in the rviz of the same
 //! machine, rviz's font file is used where there is one, and a built-in release elsewhere.
 
-use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use ab_glyph_rasterizer::{point, Point, Rasterizer};
@@ -59,7 +58,8 @@ pub struct GlyphBox {
 #[derive(Debug)]
 pub struct GlyphAtlas {
     texture: Arc<Texture>,
-    boxes: HashMap<char, GlyphBox>,
+    /// By code point.
+    boxes: Vec<Option<GlyphBox>>,
 }
 
 impl GlyphAtlas {
@@ -70,7 +70,7 @@ impl GlyphAtlas {
 
     /// Where a character's glyph is; `None` for one that rviz has no glyph for either.
     pub fn glyph(&self, character: char) -> Option<GlyphBox> {
-        self.boxes.get(&character).copied()
+        self.boxes.get(character as usize).copied().flatten()
     }
 }
 
@@ -139,7 +139,7 @@ fn pack(glyphs: &[Glyph], cell: Cell) -> GlyphAtlas {
     }
     let height = y + 2 * cell_height + SPACING_PX;
     let mut rgba = vec![[0; 4]; (ATLAS_WIDTH_PX * height) as usize];
-    let mut boxes = HashMap::with_capacity(glyphs.len());
+    let mut boxes = vec![None; GLYPH_COUNT as usize];
     for (glyph, (x, y)) in glyphs.iter().zip(places) {
         let bitmap = &glyph.bitmap;
         for row in 0..bitmap.height_px {
@@ -157,7 +157,9 @@ fn pack(glyphs: &[Glyph], cell: Cell) -> GlyphAtlas {
         let (u, v) = (1.0 / ATLAS_WIDTH_PX as f32, 1.0 / height as f32);
         let uv = [x as f32 * u, y as f32 * v, (x + glyph.advance_px) as f32 * u, (y + cell_height) as f32 * v];
         let aspect = glyph.advance_px as f32 / cell_height as f32;
-        boxes.insert(glyph.character, GlyphBox { uv, aspect });
+        if let Some(place) = boxes.get_mut(glyph.character as usize) {
+            *place = Some(GlyphBox { uv, aspect });
+        }
     }
     GlyphAtlas {
         texture: Arc::new(Texture {

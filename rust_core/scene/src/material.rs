@@ -119,6 +119,18 @@ impl Material {
         }
     }
 
+    /// The colour of a surface that is as [`Material::lit`] makes it; `None` for others.
+    pub fn as_lit(&self) -> Option<Rgba> {
+        let Lighting::Lit { diffuse, emissive } = self.lighting else { return None };
+        let lit = Self::lit(diffuse);
+        let is_same = self.texture.is_none()
+            && emissive == Rgba::TRANSPARENT
+            && (self.vertex_colors, self.depth_bias) == (lit.vertex_colors, lit.depth_bias)
+            && (self.blending, self.cull) == (lit.blending, lit.cull)
+            && (self.depth_write, self.depth_test) == (lit.depth_write, lit.depth_test);
+        is_same.then_some(diffuse)
+    }
+
     /// An unlit surface in its vertex colours; blended and without depth writes when `translucent`.
     pub fn unlit(translucent: bool) -> Self {
         Self { lighting: Lighting::Unlit, vertex_colors: true, ..Self::lit(Rgba::WHITE) }.translucent(translucent)
@@ -133,4 +145,25 @@ impl Material {
 
     /// rviz takes a colour for opaque from this alpha on.
     pub const OPAQUE_FROM_ALPHA: f32 = 0.9998;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lit_surface_is_known_by_its_colour_and_others_are_not() {
+        for alpha in [1.0, 0.5] {
+            let color = Rgba::new(0.1, 0.2, 0.3, alpha);
+            let lit = Material::lit(color);
+            assert_eq!(lit.as_lit(), Some(color));
+            let others = [
+                Material::unlit(false),
+                Material { cull: CullMode::None, ..lit.clone() },
+                Material { depth_write: !lit.depth_write, ..lit.clone() },
+                Material { lighting: Lighting::Lit { diffuse: color, emissive: Rgba::WHITE }, ..lit },
+            ];
+            assert!(others.iter().all(|other| other.as_lit().is_none()), "{others:?}");
+        }
+    }
 }

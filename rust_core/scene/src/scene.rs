@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Vector3};
 
-use crate::{Blending, CellSheet, Facing, Lines, Material, Mesh, Points, Ribbons, Text};
+use crate::{Blending, CellSheet, Facing, Lines, Material, Mesh, Points, Ribbons, Solids, Text};
 
 /// Which display a drawable came from: its index in the config's tree order.
 pub type DisplayId = u32;
@@ -72,6 +72,9 @@ pub enum Geometry {
         /// How they are coloured.
         material: Arc<Material>,
     },
+    /// Many lit meshes, each at its own place in the fixed frame and sorted by its own origin: their drawable's matrix
+    /// and sort point do not count.
+    Solids(Arc<Solids>),
     /// Text that turns to the eye.
     Text(Arc<Text>),
     /// Cells coloured by a palette.
@@ -82,7 +85,8 @@ pub enum Geometry {
 
 impl Geometry {
     /// Whether it goes with the translucent drawables: those come after the opaque ones of their group, sorted from
-    /// far to near. Ogre's rule: it blends, and does not write depth or does not test it.
+    /// far to near. Ogre's rule: it blends, and does not write depth or does not test it. Each of several solids has a
+    /// place of its own; [`Solid::is_translucent`](crate::Solid::is_translucent) says which.
     pub fn is_translucent(&self) -> bool {
         match self {
             Self::Points(points) => points.blended,
@@ -93,7 +97,7 @@ impl Geometry {
             }
             Self::Text(_) => true,
             Self::Cells(sheet) => sheet.blending == Blending::Alpha && !sheet.depth_write,
-            Self::Facing(_) => false,
+            Self::Solids(_) | Self::Facing(_) => false,
         }
     }
 }

@@ -3,7 +3,9 @@
 //! Reproduces `rviz::MovableText`: one quad a glyph, all as tall as a line; a space is as wide as an `A`; lines are
 //! 1 cm apart whatever their height.
 
-use crate::{glyph_atlas, Blending, CullMode, Lighting, Material, Mesh, Rgba, Vertex};
+use std::sync::OnceLock;
+
+use crate::{glyph_atlas, Blending, CullMode, GlyphAtlas, Lighting, Material, Rgba, Vertex};
 
 /// Where the text stands to its origin, sideways.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,22 +29,52 @@ pub enum VerticalAlignment {
 
 /// Text laid out in the plane z = 0 of its own frame, x along the line, y up, metres. Only the position and the scale
 /// of its drawable count: it is turned to the camera.
+///
+/// A text may have millions of characters. It keeps what differs from glyph to glyph, 16 bytes each; a renderer makes
+/// quads of those that are seen.
 #[derive(Clone, Debug)]
 pub struct Text {
-    mesh: Mesh,
-    material: Material,
+    glyphs: Box<[Glyph]>,
+    height_m: f32,
+    color: [u8; 4],
+    is_on_top: bool,
+}
+
+/// A character that leaves ink, and where it stands in its text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glyph {
+    /// Left edge of its quad.
+    pub left_m: f32,
+    /// Right edge.
+    pub right_m: f32,
+    /// Upper edge; the lower one is a line's height below.
+    pub top_m: f32,
+    /// The character, below [`GLYPH_COUNT`](crate::GLYPH_COUNT).
+    code: u16,
 }
 
 const LINE_SPACING_M: f32 = 0.01;
 
+/// The width of a character over the height of its line.
+fn advance(atlas: &GlyphAtlas, character: char) -> f32 {
+    atlas.glyph(if character == ' ' { 'A' } else { character }).map_or(1.0, |glyph| glyph.aspect)
+}
+
 impl Text {
+    /// Which corners of [`Text::quad`] make a glyph's two triangles.
+    pub const QUAD_INDICES: [usize; 6] = [0, 1, 2, 2, 1, 3];
+
     /// Lays text out. `height_m` is that of a line; newlines begin another.
     pub fn new(caption: &str, height_m: f32, color: Rgba, alignment: (HorizontalAlignment, VerticalAlignment)) -> Self {
         let atlas = glyph_atlas();
-        let advance = |c: char| height_m * atlas.glyph(if c == ' ' { 'A' } else { c }).map_or(1.0, |g| g.aspect);
-        let lines: Vec<&str> = caption.split('\n').collect();
-        let width_m = lines.iter().map(|line| line.chars().map(advance).sum::<f32>()).fold(0.0, f32::max);
-        let total_height_m = height_m + (lines.len() - 1) as f32 * (height_m + LINE_SPACING_M);
+        let advance = |character| height_m * advance(atlas, character);
+        let (mut width_m, mut lines, mut inked) = (0.0_f32, 0, 0);
+        for line in caption.split('\n') {
+            width_m = width_m.max(line.chars().map(advance).sum::<f32>());
+            lines += 1;
+            inked += line.chars().filter(|&character| has_ink(atlas, character)).count();
+        }
+        let total_height_m = height_m + (lines - 1) as f32 * (height_m + LINE_SPACING_M);
         let left_m = match alignment.0 {
             HorizontalAlignment::Left => 0.0,
             HorizontalAlignment::Center => -width_m / 2.0,
@@ -52,58 +84,89 @@ impl Text {
             VerticalAlignment::Center => total_height_m / 2.0,
             VerticalAlignment::Above => total_height_m,
         };
-        let color = color.to_rgba8();
-        let mut mesh = Mesh::default();
-        for line in lines {
-            let mut x = left_m;
+        let mut glyphs = Vec::with_capacity(inked);
+        for line in caption.split('\n') {
+            let mut left = left_m;
             for character in line.chars() {
-                let right = x + advance(character);
-                if let Some(glyph) = atlas.glyph(character).filter(|_| character != ' ') {
-                    let [u1, v1, u2, v2] = glyph.uv;
-                    let bottom_m = top_m - height_m;
-                    let base = mesh.vertices.len() as u32;
-                    for (x, y, uv) in [
-                        (x, top_m, [u1, v1]),
-                        (x, bottom_m, [u1, v2]),
-                        (right, top_m, [u2, v1]),
-                        (right, bottom_m, [u2, v2]),
-                    ] {
-                        mesh.vertices.push(Vertex { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0], uv, color });
-                    }
-                    mesh.indices.extend([0, 1, 2, 2, 1, 3].map(|i| base + i));
+                let right = left + advance(character);
+                if has_ink(atlas, character) {
+                    glyphs.push(Glyph { left_m: left, right_m: right, top_m, code: character as u16 });
                 }
-                x = right;
+                left = right;
             }
             top_m -= height_m + LINE_SPACING_M;
         }
-        let material = Material {
-            lighting: Lighting::Unlit,
-            texture: Some(atlas.texture().clone()),
-            blending: Blending::Alpha,
-            depth_write: false,
-            depth_bias: 1.0,
-            cull: CullMode::None,
-            ..Material::unlit(true)
-        };
-        Self { mesh, material }
+        Self { glyphs: glyphs.into(), height_m, color: color.to_rgba8(), is_on_top: false }
     }
 
     /// The same text, drawn over everything that was drawn before it.
     pub fn on_top(mut self) -> Self {
-        self.material.depth_test = false;
-        self.material.depth_write = true;
+        self.is_on_top = true;
         self
     }
 
-    /// The glyphs as textured quads in the text's frame.
-    pub fn mesh(&self) -> &Mesh {
-        &self.mesh
+    /// The characters that leave ink, line by line.
+    pub fn glyphs(&self) -> &[Glyph] {
+        &self.glyphs
+    }
+
+    /// Height of a line.
+    pub fn height_m(&self) -> f32 {
+        self.height_m
+    }
+
+    /// Colour of all glyphs.
+    pub fn color(&self) -> [u8; 4] {
+        self.color
+    }
+
+    /// The corners of a glyph's quad: the upper left, lower left, upper right and lower right one.
+    pub fn quad(&self, glyph: &Glyph) -> [Vertex; 4] {
+        let [u1, v1, u2, v2] = glyph.uv();
+        let bottom_m = glyph.top_m - self.height_m;
+        [
+            (glyph.left_m, glyph.top_m, [u1, v1]),
+            (glyph.left_m, bottom_m, [u1, v2]),
+            (glyph.right_m, glyph.top_m, [u2, v1]),
+            (glyph.right_m, bottom_m, [u2, v2]),
+        ]
+        .map(|(x, y, uv)| Vertex { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0], uv, color: self.color })
     }
 
     /// How the quads are drawn.
-    pub fn material(&self) -> &Material {
-        &self.material
+    pub fn material(&self) -> &'static Material {
+        static MATERIALS: OnceLock<[Material; 2]> = OnceLock::new();
+        let [plain, on_top] = MATERIALS.get_or_init(|| {
+            let plain = Material {
+                lighting: Lighting::Unlit,
+                texture: Some(glyph_atlas().texture().clone()),
+                blending: Blending::Alpha,
+                depth_write: false,
+                depth_bias: 1.0,
+                cull: CullMode::None,
+                ..Material::unlit(true)
+            };
+            let on_top = Material { depth_test: false, depth_write: true, ..plain.clone() };
+            [plain, on_top]
+        });
+        if self.is_on_top {
+            on_top
+        } else {
+            plain
+        }
     }
+}
+
+impl Glyph {
+    /// Texture coordinates of its left, upper, right and lower edge.
+    pub fn uv(&self) -> [f32; 4] {
+        let glyph = char::from_u32(self.code.into()).and_then(|character| glyph_atlas().glyph(character));
+        glyph.map_or([0.0; 4], |glyph| glyph.uv)
+    }
+}
+
+fn has_ink(atlas: &GlyphAtlas, character: char) -> bool {
+    character != ' ' && atlas.glyph(character).is_some()
 }
 
 #[cfg(test)]
@@ -112,7 +175,8 @@ mod tests {
 
     fn bounds(text: &Text) -> ([f32; 2], [f32; 2]) {
         let axis = |i: usize| {
-            let values = text.mesh().vertices.iter().map(move |v| v.position[i]);
+            let corners = text.glyphs().iter().flat_map(|glyph| text.quad(glyph));
+            let values = corners.map(move |corner| corner.position[i]);
             [values.clone().fold(f32::INFINITY, f32::min), values.fold(f32::NEG_INFINITY, f32::max)]
         };
         (axis(0), axis(1))
@@ -130,7 +194,7 @@ mod tests {
     fn spaces_and_unknown_characters_take_room_without_a_glyph() {
         let alignment = (HorizontalAlignment::Left, VerticalAlignment::Below);
         let text = Text::new("a b世c", 1.0, Rgba::WHITE, alignment);
-        assert_eq!(text.mesh().indices.len(), 3 * 6);
+        assert_eq!(text.glyphs().len(), 3);
         let ([_, right], [bottom, top]) = bounds(&text);
         let aspect = |c| glyph_atlas().glyph(c).unwrap().aspect;
         let expected = aspect('a') + aspect('A') + aspect('b') + 1.0 + aspect('c');
@@ -139,8 +203,13 @@ mod tests {
     }
 
     #[test]
-    fn empty_text_has_no_triangles() {
+    fn empty_text_has_no_glyphs() {
         let text = Text::new("", 1.0, Rgba::WHITE, (HorizontalAlignment::Center, VerticalAlignment::Above));
-        assert!(text.mesh().indices.is_empty());
+        assert!(text.glyphs().is_empty());
+    }
+
+    #[test]
+    fn a_glyph_takes_16_bytes() {
+        assert_eq!(size_of::<Glyph>(), 16);
     }
 }

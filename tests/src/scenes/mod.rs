@@ -2,5 +2,6 @@
 
 pub mod clouds;
 pub mod display_pipeline;
+pub mod many_solids;
 pub mod rendering;
 pub mod solids;

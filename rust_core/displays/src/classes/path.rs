@@ -9,7 +9,7 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 use rcs_messages::nav_msgs::Path;
 use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
 use rcs_rviz_config::{LineStyle, PathSettings, PoseStyle};
-use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Material, Rgba, RibbonElement, Ribbons};
+use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Rgba, RibbonElement, Ribbons};
 use rcs_transforms::Time;
 
 use crate::framework::display::{Display, TopicRequest};
@@ -17,7 +17,8 @@ use crate::framework::message_display::InvalidFloats;
 use crate::framework::waiting_messages::WaitingMessages;
 use crate::framework::world::isometry;
 use crate::parts::history::History;
-use crate::parts::solids::{arrow, arrow_pose, axes, axes_materials, drawable, ArrowSize};
+use crate::parts::pose_symbol::{all_axes, arrows};
+use crate::parts::solids::{arrow_pose, drawable, ArrowSize};
 use crate::{Level, Statuses, World};
 
 /// A Path display.
@@ -82,26 +83,19 @@ impl PathDisplay {
         match settings.pose_style {
             PoseStyle::None => Vec::new(),
             PoseStyle::Axes => {
-                let materials = axes_materials(1.0);
                 let (length_m, diameter_m) = (settings.axes_length_m.into(), settings.axes_radius_m.into());
-                let symbol = |pose: &Isometry3<f64>| {
-                    axes(self.display, &pose.to_homogeneous(), length_m, diameter_m, &materials)
-                };
-                poses.iter().flat_map(symbol).collect()
+                all_axes(self.display, length_m, diameter_m, poses.iter().copied())
             }
             PoseStyle::Arrows => {
-                let material = Arc::new(Material::lit(Rgba::from_rgb8(settings.arrow_color, 1.0)));
+                let color = Rgba::from_rgb8(settings.arrow_color, 1.0);
                 let size = ArrowSize {
                     shaft_length_m: settings.shaft_length_m.into(),
                     shaft_diameter_m: settings.shaft_diameter_m.into(),
                     head_length_m: settings.head_length_m.into(),
                     head_diameter_m: settings.head_diameter_m.into(),
                 };
-                let symbol = |pose: &Isometry3<f64>| {
-                    let fixed_from_arrow = arrow_pose(pose.translation.vector, &(pose.rotation * Vector3::x()));
-                    arrow(self.display, &fixed_from_arrow, &size, &material, &material)
-                };
-                poses.iter().flat_map(symbol).collect()
+                let pose = |pose: &Isometry3<f64>| arrow_pose(pose.translation.vector, &(pose.rotation * Vector3::x()));
+                arrows(self.display, &size, color, poses.iter().map(pose))
             }
         }
     }

@@ -82,10 +82,7 @@ impl MessageVisual for PoseArrayVisual {
                 let fixed_from_frame = fixed_from_frame.to_homogeneous();
                 vec![drawable(self.display, fixed_from_frame, Geometry::Lines(Arc::new(lines)))]
             }
-            Symbol::Solid(symbol) => {
-                let symbol = |pose: &Isometry3<f64>| symbol.drawables(self.display, &(fixed_from_frame * pose));
-                poses.iter().flat_map(symbol).collect()
-            }
+            Symbol::Solid(symbol) => symbol.at_all(self.display, poses.iter().map(|pose| fixed_from_frame * pose)),
         };
         Ok(true)
     }

@@ -6,7 +6,7 @@
 //! Ogre culls them.
 
 use nalgebra::{Matrix4, Point3, Vector4};
-use rcs_scene::{Camera, Drawable, Geometry};
+use rcs_scene::{Camera, Drawable, Geometry, Mesh};
 
 /// What a camera could see of a display. Neither its Visibility counts nor what hides what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +32,19 @@ impl InView {
                 let mut sample = positions.iter().step_by(positions.len() / 64 + 1);
                 if sample.any(|position| Enclosure::point(*position).reaches_into_view(&clip_from_object)) {
                     return Self::Inside;
+                }
+            }
+            if let Geometry::Solids(solids) = geometry {
+                let shapes: Vec<Option<Enclosure>> =
+                    solids.shapes().iter().map(|mesh| Enclosure::of_mesh(mesh)).collect();
+                let mut seen = solids.as_slice().iter().filter_map(|solid| {
+                    let enclosure = shapes.get(solid.shape()).copied().flatten()?;
+                    Some(enclosure.reaches_into_view(&(clip_from_fixed * solid.matrix())))
+                });
+                match seen.next() {
+                    None => continue,
+                    Some(first) if first || seen.any(|is_inside| is_inside) => return Self::Inside,
+                    Some(_) => result = Self::Outside,
                 }
             }
             let Some(enclosure) = Enclosure::of(geometry) else { continue };
@@ -99,10 +112,12 @@ impl Enclosure {
                 let half_width = nalgebra::Vector3::repeat(f64::from(ribbons.width_m) / 2.0);
                 Some(Self { low: middle.low - half_width, high: middle.high + half_width })
             }
-            Geometry::Mesh { mesh, .. } => Self::around(mesh.vertices.iter().map(|vertex| vertex.position)),
+            Geometry::Mesh { mesh, .. } => Self::of_mesh(mesh),
+            // Each stands at a place of its own.
+            Geometry::Solids(_) => None,
             Geometry::Text(text) => {
-                let corners = text.mesh().vertices.iter().map(|vertex| Point3::from(vertex.position).cast());
-                Self::of_turning(corners)
+                let corners = text.glyphs().iter().flat_map(|glyph| text.quad(glyph));
+                Self::of_turning(corners.map(|corner| Point3::from(corner.position).cast()))
             }
             Geometry::Cells(_) => Some(Self { low: Point3::origin(), high: Point3::new(1.0, 1.0, 0.0) }),
             Geometry::Facing(facing) => {
@@ -113,6 +128,10 @@ impl Enclosure {
                 Self::of_turning(corners.flatten())
             }
         }
+    }
+
+    fn of_mesh(mesh: &Mesh) -> Option<Self> {
+        Self::around(mesh.vertices.iter().map(|vertex| vertex.position))
     }
 
     fn corners(&self) -> [Point3<f64>; 8] {
@@ -137,10 +156,11 @@ mod tests {
     use nalgebra::{Isometry3, Vector3};
     use rcs_scene::{
         Blending, Facing, FacingPart, HorizontalAlignment, Intrinsics, LineTopology, Lines, PointBuffer, PointColors,
-        PointStyle, Points, RenderGroup, Rgba, RibbonElement, Ribbons, Text, VerticalAlignment,
+        PointStyle, Points, RenderGroup, Rgba, RibbonElement, Ribbons, Solids, Text, VerticalAlignment,
     };
 
     use super::*;
+    use crate::Shape;
 
     /// Looks along z; at 10 m its view reaches 10 m to each side.
     fn camera() -> Camera {
@@ -196,6 +216,21 @@ mod tests {
         // The box around both would reach across the view.
         assert_eq!(InView::of(&[beside(-30.0), beside(30.0)], &camera()), InView::Outside);
         assert_eq!(InView::of(&[beside(-30.0), beside(3.0), beside(30.0)], &camera()), InView::Inside);
+    }
+
+    #[test]
+    fn of_many_solids_one_in_view_is_enough() {
+        let solids = |places: &[f64]| {
+            let mut solids = Solids::default();
+            for &x in places {
+                let place = Matrix4::new_translation(&Vector3::new(x, 0.0, 10.0));
+                assert!(solids.push(&Shape::Cube.mesh(), &place, Rgba::WHITE));
+            }
+            at(Geometry::Solids(Arc::new(solids)), 0.0, 0.0, 0.0)
+        };
+        assert_eq!(solids(&[]), InView::Empty);
+        assert_eq!(solids(&[-30.0, 11.1, 30.0]), InView::Outside);
+        assert_eq!(solids(&[-30.0, 10.4, 30.0]), InView::Inside);
     }
 
     #[test]

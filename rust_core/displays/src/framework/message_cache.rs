@@ -5,6 +5,7 @@
 //! updates and interactive markers all those that later ones do not replace, within limits. The messages share their
 //! memory with the displays that draw them.
 
+use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::Arc;
 
@@ -62,11 +63,11 @@ impl MessageCache {
             }),
             AnyMessage::MarkerArray(new) => {
                 let clears = new.markers.iter().any(deletes_all);
-                let keys: HashSet<_> = new.markers.iter().map(key).collect();
+                let keys: OnceCell<HashSet<_>> = OnceCell::new();
+                let keys = || keys.get_or_init(|| new.markers.iter().map(key).collect());
                 self.retain(topic, message.kind(), |old| match old {
-                    AnyMessage::MarkerArray(old) => {
-                        !clears && old.markers.iter().any(|marker| !keys.contains(&key(marker)))
-                    }
+                    AnyMessage::MarkerArray(old) if clears || begins_with(new, old) => false,
+                    AnyMessage::MarkerArray(old) => old.markers.iter().any(|marker| !keys().contains(&key(marker))),
                     _ => true,
                 });
             }
@@ -131,6 +132,13 @@ impl MessageCache {
     pub(crate) fn forget_messages(&mut self) {
         self.topics.clear();
     }
+}
+
+/// Whether the first markers of an array have the ids of another array's, one by one: mostly the same ones are sent
+/// again.
+fn begins_with(array: &MarkerArray, other: &MarkerArray) -> bool {
+    let mut pairs = array.markers.iter().zip(&other.markers);
+    array.markers.len() >= other.markers.len() && pairs.all(|(a, b)| key(a) == key(b))
 }
 
 fn key(marker: &Marker) -> (i32, &str) {

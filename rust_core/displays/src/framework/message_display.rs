@@ -118,6 +118,7 @@ mod tests {
     use super::*;
     use crate::classes::pose::PoseDisplay;
     use crate::framework::test_world::TestWorld;
+    use crate::parts::gathering::singly;
     use rcs_messages::geometry_msgs::PoseStamped;
     use rcs_rviz_config::{PoseSettings, PoseShape, PoseSymbolSettings};
 
@@ -154,7 +155,7 @@ mod tests {
 
         /// Where the y axis' foot stands along x.
         fn x(&self) -> Option<f64> {
-            self.display.drawables().get(1).map(|axis| axis.sort_point.x)
+            singly(self.display.drawables()).get(1).map(|axis| axis.sort_point.x)
         }
 
         fn topic_status(&self) -> Option<(Level, &str)> {

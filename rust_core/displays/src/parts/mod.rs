@@ -3,6 +3,7 @@
 pub(crate) mod bounds;
 pub(crate) mod cloud;
 pub(crate) mod covariance;
+pub(crate) mod gathering;
 pub(crate) mod history;
 pub(crate) mod pose_symbol;
 pub(crate) mod robot_description;

@@ -27,10 +27,14 @@ pub(crate) fn solid(
     drawable(display, fixed_from_object, Geometry::Mesh { mesh: shape.mesh(), material: material.clone() })
 }
 
-/// The materials of axes: red, green, blue.
+/// The colours of axes: red, green, blue.
+pub(crate) fn axes_colors(alpha: f32) -> [Rgba; 3] {
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|[r, g, b]| Rgba::new(r, g, b, alpha))
+}
+
+/// The materials of axes.
 pub(crate) fn axes_materials(alpha: f32) -> [Arc<Material>; 3] {
-    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-        .map(|[r, g, b]| Arc::new(Material::lit(Rgba::new(r, g, b, alpha))))
+    axes_colors(alpha).map(|color| Arc::new(Material::lit(color)))
 }
 
 /// Three cylinders along the axes of a frame, of a length and a diameter in metres (rviz calls the latter "Radius").
@@ -41,20 +45,23 @@ pub(crate) fn axes(
     diameter_m: f64,
     materials: &[Arc<Material>; 3],
 ) -> [Drawable; 3] {
+    let axes_from_cylinders = axes_from_cylinders(length_m, diameter_m);
+    [0, 1, 2].map(|i| solid(display, Shape::Cylinder, fixed_from_axes * axes_from_cylinders[i], &materials[i]))
+}
+
+/// The places of the cylinders that make axes.
+pub(crate) fn axes_from_cylinders(length_m: f64, diameter_m: f64) -> [Matrix4<f64>; 3] {
     let turns = [
         Rotation3::from_axis_angle(&Vector3::z_axis(), -FRAC_PI_2),
         Rotation3::identity(),
         Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2),
     ];
-    let mut axis = 0;
-    turns.map(|turn| {
+    [0, 1, 2].map(|axis| {
         let mut middle = Vector3::zeros();
         middle[axis] = length_m / 2.0;
-        let axes_from_cylinder = Translation3::from(middle).to_homogeneous()
-            * turn.to_homogeneous()
-            * Matrix4::new_nonuniform_scaling(&Vector3::new(diameter_m, length_m, diameter_m));
-        axis += 1;
-        solid(display, Shape::Cylinder, fixed_from_axes * axes_from_cylinder, &materials[axis - 1])
+        Translation3::from(middle).to_homogeneous()
+            * turns[axis].to_homogeneous()
+            * Matrix4::new_nonuniform_scaling(&Vector3::new(diameter_m, length_m, diameter_m))
     })
 }
 
@@ -67,6 +74,30 @@ pub(crate) struct ArrowSize {
     pub(crate) head_diameter_m: f64,
 }
 
+impl ArrowSize {
+    /// Cylinder and cone in a frame whose y points along the arrow.
+    pub(crate) fn upright_from_parts(&self) -> [(Shape, Matrix4<f64>); 2] {
+        let part = |bottom_m: f64, length_m: f64, diameter_m: f64| {
+            Matrix4::new_translation(&Vector3::new(0.0, bottom_m + length_m / 2.0, 0.0))
+                * Matrix4::new_nonuniform_scaling(&Vector3::new(diameter_m, length_m, diameter_m))
+        };
+        [
+            (Shape::Cylinder, part(0.0, self.shaft_length_m, self.shaft_diameter_m)),
+            (Shape::Cone, part(self.shaft_length_m, self.head_length_m, self.head_diameter_m)),
+        ]
+    }
+}
+
+/// Turns an arrow's upright parts into its −z. In whole numbers, so that what is scaled to nothing is exactly flat.
+#[rustfmt::skip]
+pub(crate) fn arrow_from_upright() -> Matrix4<f64> {
+    Matrix3::new(
+        1.0, 0.0, 0.0,
+        0.0, 0.0, 1.0,
+        0.0, -1.0, 0.0,
+    ).to_homogeneous()
+}
+
 /// An arrow from the origin of its own frame along −z, as rviz's arrows point unturned.
 pub(crate) fn arrow(
     display: DisplayId,
@@ -75,22 +106,11 @@ pub(crate) fn arrow(
     shaft: &Arc<Material>,
     head: &Arc<Material>,
 ) -> [Drawable; 2] {
-    // In whole numbers, so that what is scaled to nothing is exactly flat.
-    #[rustfmt::skip]
-    let arrow_from_upright = Matrix3::new(
-        1.0, 0.0, 0.0,
-        0.0, 0.0, 1.0,
-        0.0, -1.0, 0.0,
-    );
-    let fixed_from_upright = fixed_from_arrow * arrow_from_upright.to_homogeneous();
-    let part = |shape, bottom_m: f64, length_m: f64, diameter_m: f64, material| {
-        let upright_from_part = Matrix4::new_translation(&Vector3::new(0.0, bottom_m + length_m / 2.0, 0.0))
-            * Matrix4::new_nonuniform_scaling(&Vector3::new(diameter_m, length_m, diameter_m));
-        solid(display, shape, fixed_from_upright * upright_from_part, material)
-    };
+    let fixed_from_upright = fixed_from_arrow * arrow_from_upright();
+    let [(cylinder, upright_from_cylinder), (cone, upright_from_cone)] = size.upright_from_parts();
     [
-        part(Shape::Cylinder, 0.0, size.shaft_length_m, size.shaft_diameter_m, shaft),
-        part(Shape::Cone, size.shaft_length_m, size.head_length_m, size.head_diameter_m, head),
+        solid(display, cylinder, fixed_from_upright * upright_from_cylinder, shaft),
+        solid(display, cone, fixed_from_upright * upright_from_cone, head),
     ]
 }
 

@@ -22,6 +22,7 @@ mod bins;
 mod clip;
 mod fill;
 mod frame_plan;
+mod instances;
 mod lanes;
 mod lighting;
 mod lines;
@@ -44,6 +45,7 @@ use rcs_scene::{Picture, MAX_SIDE_PX};
 use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
 use self::frame_plan::{FramePlan, FramePlanMemory, Job, Textures};
+use self::instances::{InstanceScratch, Instances, Shapes};
 use self::points::PointScratch;
 use self::ranked::{Load, RankedScratch};
 use self::screen::Screen;
@@ -56,6 +58,7 @@ pub struct CpuRenderer {
     workers: Vec<Worker>,
     outcomes: Vec<Outcome>,
     textures: Textures,
+    shapes: Shapes,
     /// The instruction set to use; `None`: the best that there is.
     simd_level: Option<Level>,
     culling: Culling,
@@ -94,6 +97,7 @@ struct Worker {
     band: BandBuffers,
     scratch: PointScratch,
     vertices: VertexCache,
+    instances: InstanceScratch,
     ranked: RankedScratch,
 }
 
@@ -103,6 +107,7 @@ struct Outcome {
     points: Bins,
     points_load: Load,
     primitives: Primitives,
+    instances: Instances,
 }
 
 impl CpuRenderer {
@@ -175,7 +180,8 @@ impl CpuRenderer {
         let mut screen = Screen::new(width_px, height_px);
         screen.simd_level = self.simd_level.unwrap_or(screen.simd_level);
         self.textures.forget_dead();
-        let mut plan = FramePlan::new(view, &mut self.textures, &mut self.memory);
+        self.shapes.forget_dead();
+        let mut plan = FramePlan::new(view, &mut self.textures, &mut self.shapes, &mut self.memory);
         let jobs = plan.jobs.len();
         if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
             self.outcomes.resize_with(jobs, Outcome::default);
@@ -195,14 +201,14 @@ impl CpuRenderer {
         let outcomes = &self.outcomes;
         let bands = picture.data.chunks_mut(step * screen.band_rows()).enumerate();
         in_parallel(&mut self.workers, bands, |worker, (index, rows)| {
-            let Worker { band, scratch, ranked, .. } = worker;
+            let Worker { band, scratch, instances, ranked, .. } = worker;
             let mut band = band.begin(&screen, index, background);
             ranked.begin();
             for turn in &turns {
                 match turn {
                     Turn::Job(at) => {
                         if let (Some(job), Some(outcome)) = (plan.jobs.get(*at), outcomes.get(*at)) {
-                            outcome.draw(job, &plan, &screen, index, scratch, &mut band);
+                            outcome.draw(job, &plan, &screen, index, (&mut *scratch, &mut *instances), &mut band);
                         }
                     }
                     Turn::Ranked(jobs) => {
@@ -210,7 +216,8 @@ impl CpuRenderer {
                         else {
                             continue;
                         };
-                        draw_ranked(job, outcomes, &plan, (&screen, index), (scratch, ranked), &mut band);
+                        let scratch = (&mut *scratch, &mut *instances, &mut *ranked);
+                        draw_ranked(job, outcomes, &plan, (&screen, index), scratch, &mut band);
                     }
                 }
             }
@@ -257,7 +264,7 @@ fn draw_ranked(
     outcomes: &[Outcome],
     plan: &FramePlan<'_>,
     (screen, index): (&Screen, usize),
-    (scratch, ranked): (&mut PointScratch, &mut RankedScratch),
+    (scratch, instances, ranked): (&mut PointScratch, &mut InstanceScratch, &mut RankedScratch),
     band: &mut Band<'_>,
 ) {
     match job {
@@ -268,6 +275,17 @@ fn draw_ranked(
             }
         }
         Job::Pieces(_) => Primitives::draw_ranked(outcomes, &plan.solids, index, band, ranked),
+        Job::Batches(_) => {
+            if let Some(view) = &plan.batch_view {
+                Instances::draw_ranked(outcomes, (&plan.batches, view), (screen, index), instances, ranked, band);
+            }
+        }
+    }
+}
+
+impl AsRef<Instances> for Outcome {
+    fn as_ref(&self) -> &Instances {
+        &self.instances
     }
 }
 
@@ -309,6 +327,7 @@ impl Outcome {
                 Load { in_order, ..self.points_load }
             }
             Job::Pieces(_) => self.primitives.load(),
+            Job::Batches(_) => self.instances.load(),
         }
     }
 
@@ -328,6 +347,13 @@ impl Outcome {
                     }
                 }
             }
+            Job::Batches(pieces) => {
+                self.instances.clear(screen);
+                let Some(view) = &plan.batch_view else { return };
+                for piece in plan.batch_pieces.get(pieces.clone()).unwrap_or(&[]) {
+                    self.instances.add(piece, &plan.batches, view, screen, &mut worker.instances);
+                }
+            }
         }
     }
 
@@ -337,7 +363,7 @@ impl Outcome {
         plan: &FramePlan<'_>,
         screen: &Screen,
         index: usize,
-        scratch: &mut PointScratch,
+        (scratch, instances): (&mut PointScratch, &mut InstanceScratch),
         band: &mut Band<'_>,
     ) {
         match job {
@@ -347,6 +373,11 @@ impl Outcome {
                 }
             }
             Job::Pieces(_) => self.primitives.draw(&plan.solids, index, band),
+            Job::Batches(_) => {
+                if let Some(view) = &plan.batch_view {
+                    self.instances.draw(&plan.batches, view, screen, index, instances, band);
+                }
+            }
         }
     }
 }

@@ -127,13 +127,23 @@ pub(super) struct ObjectTransform {
 impl ObjectTransform {
     /// From an object's matrix to the view frame, in `f64` so that far-away frames keep their precision.
     pub(super) fn new(camera: &Camera, view_from_object: &Matrix4<f64>, light: Option<&DirectionalLight>) -> Self {
-        let clip: Matrix4<f32> = (camera.clip_from_view() * view_from_object).cast();
+        Self::with_light(camera, view_from_object, to_light(camera, light))
+    }
+
+    /// The same, where the unit vector to the light in the view frame is known.
+    pub(super) fn with_light(camera: &Camera, view_from_object: &Matrix4<f64>, to_light: Option<Vector3<f32>>) -> Self {
         Self {
-            clip_from_object: [0, 1, 2, 3].map(|r| [0, 1, 2, 3].map(|c| clip[(r, c)])),
+            clip_from_object: Self::clip_rows(camera, view_from_object),
             view_from_normal: view_from_normal(view_from_object),
             normalizes: normalizes_normals(&view_from_object.fixed_view::<3, 3>(0, 0).into_owned()),
-            to_light: to_light(camera, light),
+            to_light,
         }
+    }
+
+    /// Rows of the matrix from an object's frame to clip coordinates.
+    pub(super) fn clip_rows(camera: &Camera, view_from_object: &Matrix4<f64>) -> [[f32; 4]; 4] {
+        let clip: Matrix4<f32> = (camera.clip_from_view() * view_from_object).cast();
+        [0, 1, 2, 3].map(|r| [0, 1, 2, 3].map(|c| clip[(r, c)]))
     }
 
     /// Clip coordinates of a position in the object's frame.

@@ -6,6 +6,7 @@
 //! points     ┐ one file for each kind of primitive, with a shader of the same name: an immutable set of pipelines,
 //! lines      │ made when the device is opened, and the draw data of one drawable in one picture
 //! triangles  │
+//! text       │
 //! cells      ┘
 //! pipeline   what all pipelines have in common, and the fixed state in which they differ
 //! geometry   buffers and textures that live as long as the scene's `Arc` they were made from
@@ -35,6 +36,7 @@ mod points;
 mod readback;
 mod stats;
 mod target;
+mod text;
 mod texture;
 mod triangles;
 mod uniforms;
@@ -43,7 +45,7 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use nalgebra::Matrix4;
-use rcs_scene::{Camera, DrawOrder, Drawable, Encoding, Geometry, Picture};
+use rcs_scene::{Camera, DrawOrder, Encoding, Geometry, Ordered, Picture};
 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
@@ -52,6 +54,7 @@ use self::points::{PointPipelines, PointsDraw};
 use self::readback::Arrival;
 pub use self::stats::GpuStats;
 use self::target::{Target, Targets};
+use self::text::{TextDraw, TextPipelines};
 use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
 use crate::shading::to_light;
@@ -73,6 +76,7 @@ struct Gpu {
     points: PointPipelines,
     lines: LinePipelines,
     triangles: TrianglePipelines,
+    texts: TextPipelines,
     cells: CellPipelines,
     order: DrawOrder,
     targets: Targets,
@@ -96,6 +100,7 @@ enum Draw {
     Points(PointsDraw),
     Lines(LinesDraw),
     Triangles(TrianglesDraw),
+    Text(TextDraw),
     Cells(CellsDraw),
 }
 
@@ -104,6 +109,8 @@ struct Viewpoint<'a> {
     camera: &'a Camera,
     /// From the view frame to wgpu's clip coordinates: depth 0 to w.
     clip_from_view: Matrix4<f64>,
+    view_from_fixed: Matrix4<f64>,
+    clip_from_fixed: Matrix4<f64>,
     /// Unit vector towards the light, in the view frame.
     to_light: Option<[f32; 3]>,
 }
@@ -166,13 +173,15 @@ impl Gpu {
         let uniforms = Uniforms::new(&device);
         // Compiling shaders is most of the time until the first picture, so that all cores do.
         let layout = uniforms.layout();
-        let ((points, lines), (triangles, cells)) = rayon::join(
+        let flat = || (CellPipelines::new(&device, layout), TextPipelines::new(&device, layout));
+        let ((points, lines), (triangles, (cells, texts))) = rayon::join(
             || rayon::join(|| PointPipelines::new(&device, layout), || LinePipelines::new(&device, layout)),
-            || rayon::join(|| TrianglePipelines::new(&device, layout), || CellPipelines::new(&device, layout)),
+            || rayon::join(|| TrianglePipelines::new(&device, layout), flat),
         );
         device.check()?;
         let (targets, in_flight) = (Targets::default(), VecDeque::new());
-        Ok(Self { device, uniforms, points, lines, triangles, cells, order: DrawOrder::default(), targets, in_flight })
+        let order = DrawOrder::default();
+        Ok(Self { device, uniforms, points, lines, triangles, texts, cells, order, targets, in_flight })
     }
 
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
@@ -192,13 +201,20 @@ impl Gpu {
         let mut encoder = self.device.wgpu().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = target.begin(&mut encoder, view.background);
+            let instances = self.triangles.upload_instances(&self.device);
+            let mut previous = None;
             for draw in &draws {
                 match draw {
                     Draw::Points(draw) => draw.record(&mut pass, bind_group),
                     Draw::Lines(draw) => draw.record(&mut pass, bind_group),
-                    Draw::Triangles(draw) => draw.record(&mut pass, bind_group),
+                    Draw::Triangles(draw) => draw.record(&mut pass, bind_group, instances, previous),
+                    Draw::Text(draw) => draw.record(&mut pass, bind_group),
                     Draw::Cells(draw) => draw.record(&mut pass, bind_group),
                 }
+                previous = match draw {
+                    Draw::Triangles(draw) => Some(draw),
+                    _ => None,
+                };
             }
         }
         target.record_copy(&mut encoder);
@@ -209,6 +225,7 @@ impl Gpu {
         self.in_flight.push_back(InFlight { target, arrival, encoding: view.encoding });
         self.device.count(|stats| {
             stats.pictures += 1;
+            stats.draws += draws.len() as u64;
             stats.prepare += prepared.duration_since(start);
             stats.submit += prepared.elapsed();
         });
@@ -229,44 +246,69 @@ impl Gpu {
         self.points.forget_dead();
         self.lines.forget_dead();
         self.triangles.forget_dead();
+        self.texts.forget_dead();
         self.cells.forget_dead();
         self.uniforms.clear();
         let camera = view.camera;
+        let clip_from_view = depth_from_zero() * camera.clip_from_view();
+        let view_from_fixed = camera.fixed_from_view().inverse().to_homogeneous();
         let viewpoint = Viewpoint {
             camera,
-            clip_from_view: depth_from_zero() * camera.clip_from_view(),
+            clip_from_view,
+            view_from_fixed,
+            clip_from_fixed: clip_from_view * view_from_fixed,
             to_light: to_light(camera, view.scene.light.as_ref()).map(Into::into),
         };
+        self.triangles.begin(&mut self.uniforms, &viewpoint);
         let mut order = std::mem::take(&mut self.order);
         order.sort(view.scene, view.visible, &camera.eye());
-        let draws = order.of(view.scene).filter_map(|drawable| self.prepare_one(&viewpoint, drawable)).collect();
+        let mut draws = Vec::new();
+        for ordered in order.of(view.scene) {
+            let first = draws.len();
+            if let Some(draw) = self.prepare_one(&viewpoint, &ordered, &mut draws) {
+                draws.push(draw);
+            }
+            // What this drawable begins with may go on with what the last one ended with.
+            if let (Some(first), true) = (first.checked_sub(1), draws.len() > first) {
+                if let [Draw::Triangles(last), Draw::Triangles(next), ..] = &mut draws[first..] {
+                    if last.join(next) {
+                        draws.remove(first + 1);
+                    }
+                }
+            }
+        }
         self.order = order;
         draws
     }
 
-    fn prepare_one(&mut self, viewpoint: &Viewpoint<'_>, drawable: &Drawable) -> Option<Draw> {
+    /// The draw of a drawable; those of solids, of which there may be many, are added to the list.
+    fn prepare_one(&mut self, viewpoint: &Viewpoint<'_>, ordered: &Ordered<'_>, draws: &mut Vec<Draw>) -> Option<Draw> {
         let (device, uniforms) = (&self.device, &mut self.uniforms);
-        let fixed_from_object = &drawable.fixed_from_object;
-        match &drawable.geometry {
+        let fixed_from_object = &ordered.drawable.fixed_from_object;
+        match &ordered.drawable.geometry {
             Geometry::Points(points) => {
                 self.points.prepare(device, uniforms, viewpoint, fixed_from_object, points).map(Draw::Points)
             }
             Geometry::Lines(lines) => {
                 self.lines.prepare(device, uniforms, viewpoint, fixed_from_object, lines).map(Draw::Lines)
             }
-            Geometry::Ribbons(ribbons) => self
-                .triangles
-                .prepare_ribbons(device, uniforms, viewpoint, fixed_from_object, ribbons)
-                .map(Draw::Triangles),
-            Geometry::Mesh { mesh, material } => self
-                .triangles
-                .prepare_mesh(device, uniforms, viewpoint, fixed_from_object, mesh, material)
-                .map(Draw::Triangles),
+            Geometry::Ribbons(ribbons) => {
+                self.triangles.prepare_ribbons(device, viewpoint, fixed_from_object, ribbons).map(Draw::Triangles)
+            }
+            Geometry::Mesh { mesh, material } => {
+                self.triangles.prepare_mesh(device, viewpoint, fixed_from_object, mesh, material).map(Draw::Triangles)
+            }
             Geometry::Text(text) => {
-                self.triangles.prepare_text(device, uniforms, viewpoint, fixed_from_object, text).map(Draw::Triangles)
+                self.texts.prepare(device, uniforms, viewpoint, fixed_from_object, text).map(Draw::Text)
             }
             Geometry::Cells(sheet) => {
                 self.cells.prepare(device, uniforms, viewpoint, fixed_from_object, sheet).map(Draw::Cells)
+            }
+            Geometry::Solids(solids) => {
+                let range = ordered.solids.clone();
+                self.triangles
+                    .prepare_solids(device, viewpoint, solids, range, |draw| draws.push(Draw::Triangles(draw)));
+                None
             }
             Geometry::Facing(_) => None,
         }
@@ -274,14 +316,14 @@ impl Gpu {
 }
 
 impl Viewpoint<'_> {
-    /// From the fixed frame to wgpu's clip coordinates.
-    fn clip_from_fixed(&self) -> Matrix4<f64> {
-        self.clip_from_view * self.camera.fixed_from_view().inverse().to_homogeneous()
-    }
-
     /// From an object's frame to wgpu's clip coordinates, computed in `f64`.
     fn clip_from_object(&self, fixed_from_object: &Matrix4<f64>) -> [[f32; 4]; 4] {
-        columns(&(self.clip_from_fixed() * fixed_from_object).cast())
+        columns(&(self.clip_from_fixed * fixed_from_object).cast())
+    }
+
+    /// From an object's frame to the view frame, computed in `f64`.
+    fn view_from_object(&self, fixed_from_object: &Matrix4<f64>) -> Matrix4<f32> {
+        (self.view_from_fixed * fixed_from_object).cast()
     }
 
     /// Pixels in a row and rows.

@@ -11,6 +11,8 @@ pub struct GpuStats {
     pub uploads: u64,
     /// Bytes uploaded.
     pub uploaded_bytes: u64,
+    /// Draws of drawables; neighbours that are drawn together count as one.
+    pub draws: u64,
     /// Pipelines that were built.
     pub pipelines: u64,
     /// Targets that were made: a picture's textures with the buffers for reading it back.

@@ -1,41 +1,51 @@
-//! Triangles: meshes, wide lines and text, with rviz's fixed-function materials.
+//! Triangles: meshes, many solids, and wide lines, with rviz's fixed-function materials.
 //!
 //! A mesh is indexed vertices on the GPU, made once. Wide lines are turned to the eye on the CPU and uploaded again
 //! when the eye has moved. Each fixed state that materials ask for (blending, depth, culling, bias) is a pipeline of
-//! its own; the rest is uniforms. Surfaces without a texture have a white one.
+//! its own. The rest (where a mesh stands, its colours) makes an instance of it, and all instances of a picture are in
+//! one buffer: neighbours that share mesh, state and texture are drawn in one call. Surfaces without a texture have a
+//! white one.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Matrix4, Point3};
-use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons, Text, Texture, Vertex, Wrapping};
+use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons, Solids, Texture, Vertex, Wrapping};
 
 use super::device::Device;
 use super::geometry::{is_finite, Derived, MAX_CHUNK_BYTES};
 use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::texture;
 use super::uniforms::{Slot, Uniforms};
-use super::{columns, Viewpoint};
+use super::Viewpoint;
 use crate::shading::{normalizes_normals, view_from_normal};
 
-/// The pipelines, and the meshes, texts and textures that are on the GPU.
+/// The pipelines, and the meshes and textures that are on the GPU.
 #[derive(Debug)]
 pub(super) struct TrianglePipelines {
     pipelines: PipelineSet,
     image_layout: wgpu::BindGroupLayout,
     white: wgpu::BindGroup,
-    meshes: Derived<Mesh, Vec<Triangles>>,
-    texts: Derived<Text, Vec<Triangles>>,
+    meshes: Derived<Mesh, Arc<[Triangles]>>,
     ribbons: Derived<Ribbons, TurnedRibbons>,
     images: Derived<Texture, wgpu::BindGroup>,
+    /// Those of this picture.
+    instances: Vec<Instance>,
+    max_instances: usize,
+    instance_buffer: wgpu::Buffer,
+    /// The light's place among the uniforms.
+    light: Option<Slot>,
 }
 
-/// Triangles in one picture.
+/// Instances of a mesh that are drawn together.
 pub(super) struct TrianglesDraw {
     pipeline: wgpu::RenderPipeline,
+    state: FixedState,
     image: wgpu::BindGroup,
-    chunks: Vec<Triangles>,
-    slot: Slot,
+    chunks: Arc<[Triangles]>,
+    instances: Range<u32>,
+    light: Slot,
 }
 
 /// Indexed triangles on the GPU.
@@ -50,7 +60,7 @@ struct Triangles {
 #[derive(Debug)]
 struct TurnedRibbons {
     eye: Point3<f32>,
-    chunks: Vec<Triangles>,
+    chunks: Arc<[Triangles]>,
 }
 
 /// A vertex as the shader takes it.
@@ -63,28 +73,45 @@ struct GpuVertex {
     color: [u8; 4],
 }
 
-const STAGES: Stages = Stages {
-    vertex: "vertex_triangle",
-    fragment: "fragment_triangle",
-    buffers: &[Some(wgpu::VertexBufferLayout {
-        array_stride: size_of::<GpuVertex>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4],
-    })],
-    topology: wgpu::PrimitiveTopology::TriangleList,
-};
-
-/// The shader's `Surface`.
+/// A mesh's place and colours as the shader takes them.
 #[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Surface {
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Instance {
     clip_from_object: [[f32; 4]; 4],
-    view_from_normal: [[f32; 4]; 3],
-    to_light: [f32; 3],
-    _padding: f32,
+    view_from_normal: [[f32; 3]; 3],
     diffuse: [f32; 4],
     emissive: [f32; 3],
     flags: u32,
+}
+
+const STAGES: Stages = Stages {
+    vertex: "vertex_triangle",
+    fragment: "fragment_triangle",
+    buffers: &[
+        Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<GpuVertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4],
+        }),
+        Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<Instance>() as u64,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &wgpu::vertex_attr_array![
+                4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Float32x4,
+                8 => Float32x3, 9 => Float32x3, 10 => Float32x3,
+                11 => Float32x4, 12 => Float32x3, 13 => Uint32,
+            ],
+        }),
+    ],
+    topology: wgpu::PrimitiveTopology::TriangleList,
+};
+
+/// The shader's `Light`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Light {
+    to_light: [f32; 3],
+    padding: f32,
 }
 
 /// The flags of a surface, which are written into the shader's text.
@@ -111,59 +138,93 @@ impl TrianglePipelines {
             pipelines: PipelineSet::new(device, &program, STAGES, usual_states()),
             image_layout,
             meshes: Derived::new(),
-            texts: Derived::new(),
             ribbons: Derived::new(),
             images: Derived::new(),
+            instances: Vec::new(),
+            max_instances: usize::try_from(device.limits().max_buffer_size).unwrap_or(usize::MAX)
+                / size_of::<Instance>(),
+            instance_buffer: instance_buffer(device, FIRST_INSTANCES),
+            light: None,
         }
     }
 
     pub(super) fn forget_dead(&mut self) {
         self.meshes.forget_dead();
-        self.texts.forget_dead();
         self.ribbons.forget_dead();
         self.images.forget_dead();
+    }
+
+    /// Begins a picture.
+    pub(super) fn begin(&mut self, uniforms: &mut Uniforms, viewpoint: &Viewpoint<'_>) {
+        self.instances.clear();
+        self.light = uniforms.push(&Light { to_light: viewpoint.to_light.unwrap_or_default(), padding: 0.0 });
+    }
+
+    /// Uploads the picture's instances.
+    pub(super) fn upload_instances(&mut self, device: &Device) -> &wgpu::Buffer {
+        let (needed, room) = (self.instances.len(), self.instance_buffer.size() as usize / size_of::<Instance>());
+        // One that a few of the largest picture's instances would fit into is given back.
+        if needed > room || needed.max(FIRST_INSTANCES) < room / 8 {
+            let count = needed.next_power_of_two().clamp(FIRST_INSTANCES, self.max_instances.max(FIRST_INSTANCES));
+            self.instance_buffer = instance_buffer(device, count);
+            self.instances.shrink_to(count);
+        }
+        if needed > 0 {
+            device.queue().write_buffer(&self.instance_buffer, 0, bytemuck::cast_slice(&self.instances));
+        }
+        &self.instance_buffer
     }
 
     pub(super) fn prepare_mesh(
         &mut self,
         device: &Device,
-        uniforms: &mut Uniforms,
         viewpoint: &Viewpoint<'_>,
         fixed_from_object: &Matrix4<f64>,
         mesh: &Arc<Mesh>,
         material: &Material,
     ) -> Option<TrianglesDraw> {
         let chunks = self.meshes.get(mesh, |mesh| upload(device, mesh)).clone();
-        let view_from_object = viewpoint.camera.view_from_object(fixed_from_object);
-        let clip_from_object = viewpoint.clip_from_object(fixed_from_object);
-        let linear = fixed_from_object.fixed_view::<3, 3>(0, 0).into_owned();
-        let surface = surface(viewpoint, clip_from_object, &view_from_object, &linear, material);
+        let (instance, is_mirrored) = instance_of_mesh(viewpoint, fixed_from_object, material);
         // Ogre turns the culling round for mirrored objects.
-        let state = fixed_state(material, linear.determinant() < 0.0);
-        self.draw(device, uniforms, chunks, &surface, state, material.texture.as_ref())
+        let state = fixed_state(material, is_mirrored);
+        self.draw(device, chunks, instance, state, material.texture.as_ref())
     }
 
-    pub(super) fn prepare_text(
+    /// Adds draws of some solids, in their order.
+    pub(super) fn prepare_solids(
         &mut self,
         device: &Device,
-        uniforms: &mut Uniforms,
         viewpoint: &Viewpoint<'_>,
-        fixed_from_object: &Matrix4<f64>,
-        text: &Arc<Text>,
-    ) -> Option<TrianglesDraw> {
-        let chunks = self.texts.get(text, |text| upload(device, text.mesh())).clone();
-        let material = text.material();
-        let view_from_object = viewpoint.camera.view_from_facing(fixed_from_object);
-        let clip_from_object = columns(&(viewpoint.clip_from_view * view_from_object.cast()).cast());
-        let surface = surface(viewpoint, clip_from_object, &view_from_object, &Matrix3::identity(), material);
-        let state = fixed_state(material, false);
-        self.draw(device, uniforms, chunks, &surface, state, material.texture.as_ref())
+        solids: &Solids,
+        range: Range<usize>,
+        mut add: impl FnMut(TrianglesDraw),
+    ) {
+        let meshes = solids.shapes().iter().map(|mesh| self.meshes.get(mesh, |mesh| upload(device, mesh)).clone());
+        let meshes: Vec<Arc<[Triangles]>> = meshes.collect();
+        let mut open: Option<(usize, FixedState, TrianglesDraw)> = None;
+        for solid in solids.as_slice().get(range).unwrap_or(&[]) {
+            let material = Material::lit(solid.color);
+            let (instance, is_mirrored) = instance_of_mesh(viewpoint, &solid.matrix(), &material);
+            let state = fixed_state(&material, is_mirrored);
+            let shape = solid.shape();
+            let is_same = |(last, known, draw): &(usize, FixedState, TrianglesDraw)| {
+                (*last, *known) == (shape, state) && draw.chunks.len() == 1
+            };
+            if let Some((_, _, draw)) = open.as_mut().filter(|open| is_same(open)) {
+                draw.instances.end += u32::from(self.push(instance).is_some());
+                continue;
+            }
+            let chunks = meshes.get(shape).cloned();
+            let draw = chunks.and_then(|chunks| self.draw(device, chunks, instance, state, None));
+            let last = std::mem::replace(&mut open, draw.map(|draw| (shape, state, draw)));
+            last.into_iter().for_each(|(_, _, draw)| add(draw));
+        }
+        open.into_iter().for_each(|(_, _, draw)| add(draw));
     }
 
     pub(super) fn prepare_ribbons(
         &mut self,
         device: &Device,
-        uniforms: &mut Uniforms,
         viewpoint: &Viewpoint<'_>,
         fixed_from_object: &Matrix4<f64>,
         ribbons: &Arc<Ribbons>,
@@ -177,25 +238,32 @@ impl TrianglePipelines {
         let chunks = turned.chunks.clone();
         // The back is culled: where a sharp corner folds a ribbon over, the fold is not seen.
         let material = Material::unlit(ribbons.blending == Blending::Alpha);
-        let view_from_object = viewpoint.camera.view_from_object(fixed_from_object);
-        let clip_from_object = viewpoint.clip_from_object(fixed_from_object);
-        let surface = surface(viewpoint, clip_from_object, &view_from_object, &Matrix3::identity(), &material);
-        let mirrored = fixed_from_object.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
-        self.draw(device, uniforms, chunks, &surface, fixed_state(&material, mirrored), None)
+        let (instance, is_mirrored) = instance_of_mesh(viewpoint, fixed_from_object, &material);
+        self.draw(device, chunks, instance, fixed_state(&material, is_mirrored), None)
+    }
+
+    /// Adds an instance to the picture's; `None` when there are too many.
+    fn push(&mut self, instance: Instance) -> Option<u32> {
+        let index = self.instances.len();
+        if index >= self.max_instances {
+            return None;
+        }
+        self.instances.push(instance);
+        u32::try_from(index).ok()
     }
 
     fn draw(
         &mut self,
         device: &Device,
-        uniforms: &mut Uniforms,
-        chunks: Vec<Triangles>,
-        surface: &Surface,
+        chunks: Arc<[Triangles]>,
+        instance: Instance,
         state: FixedState,
         texture: Option<&Arc<Texture>>,
     ) -> Option<TrianglesDraw> {
         if chunks.is_empty() {
             return None;
         }
+        let light = self.light?;
         let image = match texture {
             Some(texture) => {
                 self.images.get(texture, |texture| texture::upload(device, &self.image_layout, texture)).clone()
@@ -203,25 +271,72 @@ impl TrianglePipelines {
             None => self.white.clone(),
         };
         let pipeline = self.pipelines.get(device, state);
-        Some(TrianglesDraw { pipeline, image, chunks, slot: uniforms.push(surface)? })
+        let first = self.push(instance)?;
+        Some(TrianglesDraw { pipeline, state, image, chunks, instances: first..first + 1, light })
     }
 }
 
 impl TrianglesDraw {
-    pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
-        pass.set_bind_group(1, &self.image, &[]);
-        for chunk in &self.chunks {
-            pass.set_vertex_buffer(0, chunk.vertices.slice(..));
-            pass.set_index_buffer(chunk.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..chunk.index_count, 0, 0..1);
+    /// Takes the instances of the next draw into this one, where all else is the same.
+    pub(super) fn join(&mut self, next: &Self) -> bool {
+        // Several chunks are drawn one after another, each for all instances, which would change their order.
+        let is_same = self.shares_mesh(next) && self.chunks.len() == 1 && self.shares_state(next);
+        let is_next = is_same && self.instances.end == next.instances.start;
+        if is_next {
+            self.instances.end = next.instances.end;
+        }
+        is_next
+    }
+
+    fn shares_mesh(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.chunks, &other.chunks)
+    }
+
+    fn shares_state(&self, other: &Self) -> bool {
+        self.state == other.state && self.image == other.image
+    }
+
+    /// Draws after another draw of triangles, or after something else.
+    pub(super) fn record(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        uniforms: &wgpu::BindGroup,
+        instances: &wgpu::Buffer,
+        previous: Option<&Self>,
+    ) {
+        if previous.is_none() {
+            pass.set_bind_group(0, uniforms, &[self.light.offset()]);
+            pass.set_vertex_buffer(1, instances.slice(..));
+        }
+        if previous.is_none_or(|previous| !self.shares_state(previous)) {
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(1, &self.image, &[]);
+        }
+        let is_bound = previous.is_some_and(|previous| self.shares_mesh(previous)) && self.chunks.len() == 1;
+        for chunk in self.chunks.iter() {
+            if !is_bound {
+                pass.set_vertex_buffer(0, chunk.vertices.slice(..));
+                pass.set_index_buffer(chunk.indices.slice(..), wgpu::IndexFormat::Uint32);
+            }
+            pass.draw_indexed(0..chunk.index_count, 0, self.instances.clone());
         }
     }
 }
 
+/// The fewest instances that there is room for.
+const FIRST_INSTANCES: usize = 256;
+
+fn instance_buffer(device: &Device, count: usize) -> wgpu::Buffer {
+    device.wgpu().create_buffer(&wgpu::BufferDescriptor {
+        label: Some("instances"),
+        size: (count * size_of::<Instance>()) as u64,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
 /// The part of a material that belongs to a pipeline.
-fn fixed_state(material: &Material, mirrored: bool) -> FixedState {
+pub(super) fn fixed_state(material: &Material, mirrored: bool) -> FixedState {
     let cull = match (material.cull, mirrored) {
         (CullMode::None, _) => None,
         (CullMode::Back, false) | (CullMode::Front, true) => Some(wgpu::Face::Back),
@@ -239,53 +354,42 @@ fn fixed_state(material: &Material, mirrored: bool) -> FixedState {
 }
 
 /// The states of all materials that displays have: opaque, translucent and painted over, of surfaces with one side,
-/// with both, and mirrored; and texts. Others get their pipeline when they are first seen.
+/// with both, and mirrored. Others get their pipeline when they are first seen.
 fn usual_states() -> impl Iterator<Item = FixedState> {
     let depth_uses = [(false, DepthUse::TestAndWrite), (true, DepthUse::Test), (true, DepthUse::TestAndWrite)];
     let sides = [Some(wgpu::Face::Back), Some(wgpu::Face::Front), None];
     let state = |blended, depth, cull| FixedState { blended, depth, cull, bias: DepthBias::default() };
-    let surfaces =
-        sides.into_iter().flat_map(move |cull| depth_uses.map(|(blended, depth)| state(blended, depth, cull)));
-    let text = FixedState { bias: DepthBias { steps: -1, slopes: -1 }, ..FixedState::plain(true) };
-    let text_on_top = state(true, DepthUse::Ignore, None);
-    surfaces.chain([text, text_on_top])
+    sides.into_iter().flat_map(move |cull| depth_uses.map(|(blended, depth)| state(blended, depth, cull)))
 }
 
-fn surface(
+/// A mesh at its place, and whether it is mirrored there.
+fn instance_of_mesh(
     viewpoint: &Viewpoint<'_>,
-    clip_from_object: [[f32; 4]; 4],
-    view_from_object: &Matrix4<f32>,
-    fixed_from_object: &Matrix3<f64>,
+    fixed_from_object: &Matrix4<f64>,
     material: &Material,
-) -> Surface {
-    let view_from_normal = view_from_normal(&view_from_object.cast());
+) -> (Instance, bool) {
+    let linear: Matrix3<f64> = fixed_from_object.fixed_view::<3, 3>(0, 0).into_owned();
     let mut flags = 0;
-    let normalizes = normalizes_normals(fixed_from_object);
-    for (flag, set) in [(VERTEX_COLORS, material.vertex_colors), (NORMALIZE, normalizes)] {
+    for (flag, set) in [(VERTEX_COLORS, material.vertex_colors), (NORMALIZE, normalizes_normals(&linear))] {
         flags |= if set { flag } else { 0 };
     }
-    let mut surface = Surface {
-        clip_from_object,
-        view_from_normal: [0, 1, 2].map(|i| {
-            let [x, y, z] = [0, 1, 2].map(|row| view_from_normal[(row, i)]);
-            [x, y, z, 0.0]
-        }),
-        to_light: viewpoint.to_light.unwrap_or_default(),
-        _padding: 0.0,
+    let mut instance = Instance {
+        clip_from_object: viewpoint.clip_from_object(fixed_from_object),
+        view_from_normal: view_from_normal(&viewpoint.view_from_object(fixed_from_object).cast()).into(),
         diffuse: [1.0; 4],
         emissive: [0.0; 3],
         flags,
     };
     if let Lighting::Lit { diffuse, emissive } = material.lighting {
-        surface.flags |= LIT;
-        surface.diffuse = diffuse.to_array();
-        surface.emissive = [emissive.r, emissive.g, emissive.b];
+        instance.flags |= LIT;
+        instance.diffuse = diffuse.to_array();
+        instance.emissive = [emissive.r, emissive.g, emissive.b];
     }
-    surface
+    (instance, linear.determinant() < 0.0)
 }
 
 /// The drawable triangles of a mesh: those whose corners exist and are finite.
-fn upload(device: &Device, mesh: &Mesh) -> Vec<Triangles> {
+fn upload(device: &Device, mesh: &Mesh) -> Arc<[Triangles]> {
     let vertex = |vertex: &Vertex| GpuVertex {
         position: vertex.position,
         normal: if is_finite(&vertex.normal) { vertex.normal } else { [0.0; 3] },

@@ -4,7 +4,7 @@
 //! What rviz calls an error is one here: it keeps a marker from being drawn and removes the one that it would have
 //! replaced. All else is a warning.
 
-use std::collections::BTreeSet;
+use std::collections::HashSet;
 
 use rcs_messages::geometry_msgs::Pose;
 use rcs_messages::visualization_msgs::{Marker, MarkerArray};
@@ -226,10 +226,19 @@ fn check_colors(marker: &Marker, point_colors: bool, found: &mut Findings) {
     }
 }
 
+/// Whether an array only adds markers, each of a larger id than the one before: large arrays mostly do.
+fn adds_in_order(array: &MarkerArray) -> bool {
+    let is_added = |marker: &Marker| u8::try_from(marker.action) == Ok(Marker::ADD);
+    array.markers.iter().all(is_added) && array.markers.is_sorted_by(|a, b| a.ns == b.ns && a.id < b.id)
+}
+
 /// Checks whether the markers of an array cancel each other; never fatal.
 pub(super) fn check_array(array: &MarkerArray) -> Findings {
     let mut found = Findings::default();
-    let mut seen: BTreeSet<(&str, i32)> = BTreeSet::new();
+    if adds_in_order(array) {
+        return found;
+    }
+    let mut seen: HashSet<(&str, i32)> = HashSet::with_capacity(array.markers.len());
     for marker in &array.markers {
         let id = (marker.ns.as_str(), marker.id);
         match u8::try_from(marker.action) {

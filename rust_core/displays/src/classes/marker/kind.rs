@@ -22,7 +22,7 @@ pub(super) enum Kind {
     LineList,
     Points,
     Text,
-    Mesh(MeshMarker),
+    Mesh(Box<MeshMarker>),
     Triangles(Triangles),
 }
 
@@ -38,7 +38,7 @@ impl Kind {
             Marker::LINE_LIST => Self::LineList,
             Marker::CUBE_LIST | Marker::SPHERE_LIST | Marker::POINTS => Self::Points,
             Marker::TEXT_VIEW_FACING => Self::Text,
-            Marker::MESH_RESOURCE => Self::Mesh(MeshMarker::default()),
+            Marker::MESH_RESOURCE => Self::Mesh(Box::default()),
             Marker::TRIANGLE_LIST => Self::Triangles(Triangles::default()),
             _ => return None,
         })

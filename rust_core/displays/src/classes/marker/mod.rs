@@ -43,7 +43,7 @@ use crate::framework::display::{Display, TopicRequest};
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::{Level, Statuses, World};
-use store::MarkerStore;
+use store::{MarkerStore, Places};
 
 /// A marker that arrived by itself or in an array.
 #[derive(Clone, Debug)]
@@ -105,13 +105,35 @@ impl MarkerDisplay {
         }
     }
 
+    /// Sorts the markers of an array into those that are ready and those that wait.
+    fn arrive_all(&mut self, array: &Arc<MarkerArray>, world: &World<'_>) {
+        // Most have the frame and stamp of the one before.
+        let mut last: Option<(&str, Time, bool)> = None;
+        for (index, marker) in array.markers.iter().enumerate() {
+            let (frame, stamp) = (marker.header.frame_id.as_str(), stamp(&marker.header));
+            let known = last.filter(|(known, time, _)| *time == stamp && *known == frame);
+            let is_ready = known.map_or_else(
+                || world.transforms.can_transform(world.fixed_frame, frame, stamp),
+                |(.., is_ready)| is_ready,
+            );
+            last = Some((frame, stamp, is_ready));
+            self.sort_in(Arrived::InArray(array.clone(), index), is_ready, world);
+        }
+    }
+
     /// Sorts a marker into those that are ready and those that wait.
     fn arrive(&mut self, marker: Arrived, world: &World<'_>) {
         let (frame, stamp) = (marker.header.frame_id.as_str(), stamp(&marker.header));
-        if world.transforms.can_transform(world.fixed_frame, frame, stamp) {
+        let is_ready = world.transforms.can_transform(world.fixed_frame, frame, stamp);
+        self.sort_in(marker, is_ready, world);
+    }
+
+    fn sort_in(&mut self, marker: Arrived, is_ready: bool, world: &World<'_>) {
+        if is_ready {
             self.ready.push(marker);
             return;
         }
+        let (frame, stamp) = (marker.header.frame_id.as_str(), stamp(&marker.header));
         let frame = frame.to_owned();
         self.waiting.push(&frame, stamp, marker);
         self.retry_waiting(world);
@@ -127,9 +149,10 @@ impl MarkerDisplay {
     }
 
     fn process_ready(&mut self, world: &World<'_>) {
+        let mut places = Places::new(world);
         for marker in std::mem::take(&mut self.ready) {
             let shows = |namespace: &str| self.settings.shows_namespace(namespace);
-            self.store.process(&marker, world, shows, &mut self.statuses);
+            self.store.process(&marker, &mut places, shows, &mut self.statuses);
         }
     }
 }
@@ -160,9 +183,7 @@ impl Display for MarkerDisplay {
                     Some((level, text)) => self.statuses.set(level, "marker_array", text),
                     None => self.statuses.remove("marker_array"),
                 }
-                for index in 0..array.markers.len() {
-                    self.arrive(Arrived::InArray(array.clone(), index), world);
-                }
+                self.arrive_all(array, world);
             }
             _ => {}
         }

@@ -1,11 +1,12 @@
-//! The primitives that a marker is drawn with, in its own frame.
+//! The primitives that a marker is drawn with, in its own frame, and how they are kept.
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Matrix4, Point3};
-use rcs_scene::{DisplayId, Drawable, Geometry, Material, Mesh, RenderGroup};
+use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Vector4};
+use rcs_scene::{DisplayId, Drawable, Geometry, Material, Mesh, RenderGroup, Rgba, Text};
 
 use crate::parts::bounds::middle;
+use crate::parts::gathering::{solid_color, Gathering};
 
 /// The point of a translucent primitive by which it is sorted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,5 +54,79 @@ impl Primitive {
             SortPoint::Fixed(point) => point,
         };
         Drawable { display, fixed_from_object, sort_point, group: RenderGroup::Main, geometry: self.geometry.clone() }
+    }
+}
+
+/// All that a marker is drawn with. There may be a hundred thousand markers, most of them a solid or a text.
+#[derive(Clone, Debug)]
+pub(super) enum Parts {
+    /// Solids of one colour.
+    Solids(Rgba, Box<[SolidPart]>),
+    /// A text around the marker's origin.
+    Text(Arc<Text>),
+    /// Anything else.
+    Primitives(Box<[Primitive]>),
+}
+
+/// A solid of a marker.
+#[derive(Clone, Debug)]
+pub(super) struct SolidPart {
+    /// The upper three rows of the matrix to the marker's frame.
+    marker_from_solid: Matrix3x4<f64>,
+    mesh: Arc<Mesh>,
+}
+
+impl Parts {
+    /// The same as these primitives.
+    pub(super) fn of(primitives: Vec<Primitive>) -> Self {
+        if let [Primitive { marker_from_part, geometry: Geometry::Text(text), sort_point: SortPoint::Origin }] =
+            primitives.as_slice()
+        {
+            if *marker_from_part == Matrix4::identity() {
+                return Self::Text(text.clone());
+            }
+        }
+        let solids: Option<Vec<(Rgba, SolidPart)>> = primitives.iter().map(SolidPart::of).collect();
+        match solids.as_deref() {
+            Some([(color, _), rest @ ..]) if rest.iter().all(|(other, _)| other == color) => {
+                Self::Solids(*color, solids.iter().flatten().map(|(_, part)| part.clone()).collect())
+            }
+            _ => Self::Primitives(primitives.into()),
+        }
+    }
+
+    /// Adds the drawables of a marker at a pose in the fixed frame.
+    pub(super) fn gather(&self, display: DisplayId, fixed_from_marker: &Isometry3<f64>, gathering: &mut Gathering) {
+        match self {
+            Self::Solids(color, parts) => {
+                let fixed_from_marker = fixed_from_marker.to_homogeneous();
+                for SolidPart { marker_from_solid, mesh } in parts {
+                    let mut matrix = Matrix4::identity();
+                    matrix.fixed_view_mut::<3, 4>(0, 0).copy_from(marker_from_solid);
+                    gathering.solid(mesh, &(fixed_from_marker * matrix), *color);
+                }
+            }
+            Self::Text(text) => {
+                let text = Primitive::new(Matrix4::identity(), Geometry::Text(text.clone()));
+                gathering.drawable(text.placed(display, fixed_from_marker));
+            }
+            Self::Primitives(primitives) => {
+                for primitive in primitives {
+                    gathering.drawable(primitive.placed(display, fixed_from_marker));
+                }
+            }
+        }
+    }
+}
+
+impl SolidPart {
+    fn of(primitive: &Primitive) -> Option<(Rgba, Self)> {
+        let Primitive { marker_from_part, geometry: Geometry::Mesh { mesh, material }, sort_point } = primitive else {
+            return None;
+        };
+        let is_plain = *sort_point == SortPoint::Origin && marker_from_part.row(3) == Vector4::w().transpose();
+        let color = solid_color(mesh, material).filter(|_| is_plain)?;
+        let marker_from_solid = marker_from_part.fixed_view::<3, 4>(0, 0).into_owned();
+        Some((color, Self { marker_from_solid, mesh: mesh.clone() }))
     }
 }

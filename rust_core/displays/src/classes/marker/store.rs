@@ -1,6 +1,11 @@
 //! The markers of a display: by namespace and id, from the message that adds one to that which takes it away.
+//!
+//! There may be a hundred thousand of them. So each keeps little more than its numbers, an update looks only at those
+//! that can change by themselves, and a frame that many markers share is looked up once.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::sync::Arc;
 use std::time::Duration;
 
 use nalgebra::Isometry3;
@@ -10,25 +15,34 @@ use rcs_transforms::{LookupError, Time};
 
 use super::checks::check_marker;
 use super::kind::Kind;
-use super::primitive::Primitive;
+use super::primitive::Parts;
 use crate::framework::frame::problem;
 use crate::framework::world::stamp;
+use crate::parts::gathering::Gathering;
 use crate::{Level, StatusText, Statuses, World};
 
 /// Markers of a shorter lifetime, zero above all, stay until they are deleted.
 const MIN_LIFETIME: Duration = Duration::from_micros(100);
 
-type MarkerId = (String, i32);
+/// A marker's namespace and id.
+type MarkerId<'a> = (&'a str, i32);
 
 /// All markers that are shown or would be if their frame were known.
 #[derive(Debug, Default)]
 pub(super) struct MarkerStore {
-    markers: BTreeMap<MarkerId, Shown>,
+    /// By namespace, then by id. None of the namespaces is empty.
+    markers: BTreeMap<String, BTreeMap<i32, Shown>>,
     /// How many markers were made so far.
     made: u64,
     changed: bool,
     /// That of the meshes when those that were missing were last looked for.
     meshes_version: u64,
+    /// How many markers follow their frame.
+    locked: usize,
+    /// No lifetime is over before; `None` when no marker has one.
+    first_expiry: Option<Time>,
+    /// The last frame of a marker: many have the same.
+    last_frame: Option<Arc<str>>,
 }
 
 /// A marker of a namespace and id.
@@ -38,8 +52,8 @@ struct Shown {
     number: u64,
     marker_type: i32,
     kind: Kind,
-    parts: Vec<Primitive>,
-    frame: String,
+    parts: Parts,
+    frame: Arc<str>,
     /// Zero for a marker that follows its frame.
     stamp: Time,
     frame_locked: bool,
@@ -48,9 +62,32 @@ struct Shown {
     fixed_from_marker: Option<Isometry3<f64>>,
     expires: Option<Time>,
     /// What is wrong with the message.
-    finding: Option<(Level, String)>,
+    finding: Option<Box<(Level, String)>>,
     /// The status while its mesh is loading or cannot be shown.
-    missing: Option<(Level, String)>,
+    missing: Option<Box<(Level, String)>>,
+}
+
+/// Where frames are, the last one remembered: markers of an array often have the same frame and stamp.
+pub(super) struct Places<'w> {
+    world: &'w World<'w>,
+    last: Option<(Arc<str>, Time, Result<Isometry3<f64>, LookupError>)>,
+}
+
+impl<'w> Places<'w> {
+    pub(super) fn new(world: &'w World<'w>) -> Self {
+        Self { world, last: None }
+    }
+
+    fn fixed_from(&mut self, frame: &Arc<str>, stamp: Time) -> Result<Isometry3<f64>, LookupError> {
+        if let Some((known, time, place)) = &self.last {
+            if *time == stamp && known == frame {
+                return place.clone();
+            }
+        }
+        let place = self.world.fixed_from(frame, stamp);
+        self.last = Some((frame.clone(), stamp, place.clone()));
+        place
+    }
 }
 
 impl MarkerStore {
@@ -58,30 +95,44 @@ impl MarkerStore {
     pub(super) fn process(
         &mut self,
         marker: &Marker,
-        world: &World<'_>,
+        places: &mut Places<'_>,
         shows: impl Fn(&str) -> bool,
         statuses: &mut Statuses,
     ) {
-        let id = (marker.ns.clone(), marker.id);
+        let id = (marker.ns.as_str(), marker.id);
         match u8::try_from(marker.action) {
             Ok(Marker::ADD) => {
                 let findings = check_marker(marker);
-                set_status(&id, findings.status(), statuses);
+                set_status(id, findings.status(), statuses);
                 if findings.is_fatal() {
-                    self.changed |= self.markers.remove(&id).is_some();
+                    self.changed |= self.take(id).is_some();
                 } else if shows(&marker.ns) {
-                    self.add(id, marker, findings.status(), world, statuses);
+                    self.add(id, marker, findings.status(), places, statuses);
                 }
             }
-            Ok(Marker::DELETE) => self.delete(&id, statuses),
+            Ok(Marker::DELETE) => self.delete(id, statuses),
             Ok(Marker::DELETEALL) => {
                 self.changed |= !self.markers.is_empty();
-                for id in std::mem::take(&mut self.markers).keys() {
-                    set_status(id, None, statuses);
+                for (namespace, markers) in &std::mem::take(&mut self.markers) {
+                    for number in markers.keys() {
+                        set_status((namespace, *number), None, statuses);
+                    }
                 }
+                (self.locked, self.first_expiry) = (0, None);
             }
             _ => log::error!("marker {}/{}: there is no action {}", marker.ns, marker.id, marker.action),
         }
+    }
+
+    /// Takes a marker out, if there is one of this id.
+    fn take(&mut self, (namespace, number): MarkerId<'_>) -> Option<Shown> {
+        let markers = self.markers.get_mut(namespace)?;
+        let taken = markers.remove(&number);
+        if markers.is_empty() {
+            self.markers.remove(namespace);
+        }
+        self.locked -= usize::from(taken.as_ref().is_some_and(|taken| taken.frame_locked));
+        taken
     }
 
     /// Reports a message that was dropped because its frame is not known. One that deletes needs no frame and is
@@ -94,26 +145,26 @@ impl MarkerStore {
         statuses: &mut Statuses,
     ) {
         match u8::try_from(marker.action) {
-            Ok(Marker::DELETE | Marker::DELETEALL) => self.process(marker, world, |_| true, statuses),
-            _ => set_error(&(marker.ns.clone(), marker.id), reason, statuses),
+            Ok(Marker::DELETE | Marker::DELETEALL) => self.process(marker, &mut Places::new(world), |_| true, statuses),
+            _ => set_error((&marker.ns, marker.id), reason, statuses),
         }
     }
 
-    fn delete(&mut self, id: &MarkerId, statuses: &mut Statuses) {
+    fn delete(&mut self, id: MarkerId<'_>, statuses: &mut Statuses) {
         set_status(id, None, statuses);
-        self.changed |= self.markers.remove(id).is_some();
+        self.changed |= self.take(id).is_some();
     }
 
     fn add(
         &mut self,
-        id: MarkerId,
+        id: MarkerId<'_>,
         marker: &Marker,
         finding: Option<(Level, String)>,
-        world: &World<'_>,
+        places: &mut Places<'_>,
         statuses: &mut Statuses,
     ) {
         self.changed = true;
-        let old = self.markers.remove(&id).filter(|old| old.marker_type == marker.type_);
+        let old = self.take(id).filter(|old| old.marker_type == marker.type_);
         let (number, kind) = match old {
             Some(old) => (old.number, Some(old.kind)),
             None => {
@@ -122,12 +173,12 @@ impl MarkerStore {
             }
         };
         let Some(mut kind) = kind else { return };
-        let (parts, missing) = match kind.primitives(marker, world.meshes) {
+        let (parts, missing) = match kind.primitives(marker, places.world.meshes) {
             Ok(parts) => (parts, None),
             Err(not_shown) => {
                 let missing = not_shown.status();
-                set_status(&id, Some(missing.clone()), statuses);
-                (Vec::new(), Some(missing))
+                set_status(id, Some(missing.clone()), statuses);
+                (Vec::new(), Some(Box::new(missing)))
             }
         };
         // Points may have a pose that is not finite; they are not drawn.
@@ -136,21 +187,39 @@ impl MarkerStore {
             number,
             marker_type: marker.type_,
             kind,
-            parts,
-            frame: marker.header.frame_id.clone(),
+            parts: Parts::of(parts),
+            frame: self.frame(&marker.header.frame_id),
             stamp: if marker.frame_locked { Time::ZERO } else { stamp(&marker.header) },
             frame_locked: marker.frame_locked,
             frame_from_marker,
             fixed_from_marker: None,
-            expires: lifetime(marker).map(|lifetime| world.now.saturating_add(lifetime)),
-            finding,
+            expires: lifetime(marker).map(|lifetime| places.world.now.saturating_add(lifetime)),
+            finding: finding.map(Box::new),
             missing,
         };
-        match shown.locate(world) {
+        match shown.locate(places) {
             Ok(place) => shown.fixed_from_marker = Some(place),
-            Err(error) => set_error(&id, problem(&error, world.fixed_frame), statuses),
+            Err(error) => set_error(id, problem(&error, places.world.fixed_frame), statuses),
         }
-        self.markers.insert(id, shown);
+        self.locked += usize::from(shown.frame_locked);
+        self.first_expiry = self.first_expiry.into_iter().chain(shown.expires).min();
+        let (namespace, id) = id;
+        match self.markers.get_mut(namespace) {
+            Some(markers) => {
+                markers.insert(id, shown);
+            }
+            None => {
+                self.markers.insert(namespace.to_owned(), BTreeMap::from([(id, shown)]));
+            }
+        }
+    }
+
+    /// A frame's name, in the memory of the last marker's where it is the same.
+    fn frame(&mut self, name: &str) -> Arc<str> {
+        match &self.last_frame {
+            Some(frame) if **frame == *name => frame.clone(),
+            _ => self.last_frame.insert(name.into()).clone(),
+        }
     }
 
     /// Builds markers whose meshes were loaded since the last call.
@@ -159,17 +228,19 @@ impl MarkerStore {
         if std::mem::replace(&mut self.meshes_version, version) == version {
             return;
         }
-        for (id, shown) in self.markers.iter_mut().filter(|(_, shown)| shown.kind.is_missing()) {
-            match shown.kind.rebuild(world.meshes) {
-                Ok(parts) => {
-                    (shown.parts, shown.missing) = (parts, None);
-                    self.changed = true;
+        for (namespace, markers) in &mut self.markers {
+            for (number, shown) in markers.iter_mut().filter(|(_, shown)| shown.kind.is_missing()) {
+                match shown.kind.rebuild(world.meshes) {
+                    Ok(parts) => {
+                        (shown.parts, shown.missing) = (Parts::of(parts), None);
+                        self.changed = true;
+                    }
+                    Err(not_shown) => shown.missing = Some(Box::new(not_shown.status())),
                 }
-                Err(not_shown) => shown.missing = Some(not_shown.status()),
-            }
-            // While it cannot be placed, the status says why.
-            if shown.fixed_from_marker.is_some() {
-                set_status(id, shown.status(), statuses);
+                // While it cannot be placed, the status says why.
+                if shown.fixed_from_marker.is_some() {
+                    set_status((namespace, *number), shown.status(), statuses);
+                }
             }
         }
     }
@@ -178,63 +249,88 @@ impl MarkerStore {
     /// loaded. Returns whether anything changed since the last call.
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
         self.build_loaded(world, statuses);
-        let before = self.markers.len();
-        self.markers.retain(|id, shown| {
-            let alive = shown.expires.is_none_or(|expires| world.now < expires);
-            if !alive {
-                set_status(id, None, statuses);
-            }
-            alive
-        });
-        self.changed |= self.markers.len() != before;
-        for (id, shown) in self.markers.iter_mut().filter(|(_, shown)| shown.frame_locked) {
-            let place = shown.locate(world);
-            match &place {
-                Err(error) => set_error(id, problem(error, world.fixed_frame), statuses),
-                Ok(_) if shown.fixed_from_marker.is_none() => set_status(id, shown.status(), statuses),
-                Ok(_) => {}
-            }
-            let place = place.ok();
-            self.changed |= place != shown.fixed_from_marker;
-            shown.fixed_from_marker = place;
+        if self.first_expiry.is_some_and(|first| first <= world.now) {
+            self.drop_expired(world.now, statuses);
+        }
+        if self.locked > 0 {
+            self.follow_frames(world, statuses);
         }
         std::mem::take(&mut self.changed)
     }
 
-    /// The drawables of all markers, in the order in which they were made.
-    pub(super) fn drawables(&self, display: DisplayId) -> Vec<Drawable> {
-        let mut placed: Vec<(u64, &Isometry3<f64>, &[Primitive])> = self
-            .markers
-            .values()
-            .filter_map(|shown| Some((shown.number, shown.fixed_from_marker.as_ref()?, shown.parts.as_slice())))
-            .collect();
-        placed.sort_unstable_by_key(|(number, ..)| *number);
-        placed
-            .into_iter()
-            .flat_map(|(_, fixed_from_marker, parts)| parts.iter().map(|part| part.placed(display, fixed_from_marker)))
-            .collect()
+    fn drop_expired(&mut self, now: Time, statuses: &mut Statuses) {
+        for (namespace, markers) in &mut self.markers {
+            markers.retain(|number, shown| {
+                let is_alive = shown.expires.is_none_or(|expires| now < expires);
+                if !is_alive {
+                    set_status((namespace, *number), None, statuses);
+                    self.locked -= usize::from(shown.frame_locked);
+                    self.changed = true;
+                }
+                is_alive
+            });
+        }
+        self.markers.retain(|_, markers| !markers.is_empty());
+        self.first_expiry = self.all().filter_map(|shown| shown.expires).min();
     }
 
-    /// When the next lifetime is over.
+    fn follow_frames(&mut self, world: &World<'_>, statuses: &mut Statuses) {
+        let mut places = Places::new(world);
+        for (namespace, markers) in &mut self.markers {
+            for (number, shown) in markers.iter_mut().filter(|(_, shown)| shown.frame_locked) {
+                let id = (namespace.as_str(), *number);
+                let place = shown.locate(&mut places);
+                match &place {
+                    Err(error) => set_error(id, problem(error, world.fixed_frame), statuses),
+                    Ok(_) if shown.fixed_from_marker.is_none() => {
+                        set_status(id, shown.status(), statuses);
+                    }
+                    Ok(_) => {}
+                }
+                let place = place.ok();
+                self.changed |= place != shown.fixed_from_marker;
+                shown.fixed_from_marker = place;
+            }
+        }
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Shown> {
+        self.markers.values().flat_map(BTreeMap::values)
+    }
+
+    /// The drawables of all markers, in the order in which they were made.
+    pub(super) fn drawables(&self, display: DisplayId) -> Vec<Drawable> {
+        let mut placed: Vec<(u64, &Isometry3<f64>, &Parts)> = self
+            .all()
+            .filter_map(|shown| Some((shown.number, shown.fixed_from_marker.as_ref()?, &shown.parts)))
+            .collect();
+        placed.sort_unstable_by_key(|(number, ..)| *number);
+        let mut gathering = Gathering::new(display);
+        for (_, fixed_from_marker, parts) in placed {
+            parts.gather(display, fixed_from_marker, &mut gathering);
+        }
+        gathering.finish()
+    }
+
+    /// When the next lifetime may be over.
     pub(super) fn next_change(&self) -> Option<Time> {
-        self.markers.values().filter_map(|shown| shown.expires).min()
+        self.first_expiry
     }
 
     /// Forgets all markers.
     pub(super) fn clear(&mut self) {
-        self.markers.clear();
-        self.changed = true;
+        *self = Self { made: self.made, changed: true, meshes_version: self.meshes_version, ..Self::default() };
     }
 }
 
 impl Shown {
     /// Its status once it is placed.
     fn status(&self) -> Option<(Level, String)> {
-        self.missing.clone().or_else(|| self.finding.clone())
+        self.missing.as_deref().or(self.finding.as_deref()).cloned()
     }
 
-    fn locate(&self, world: &World<'_>) -> Result<Isometry3<f64>, LookupError> {
-        Ok(world.fixed_from(&self.frame, self.stamp)? * self.frame_from_marker)
+    fn locate(&self, places: &mut Places<'_>) -> Result<Isometry3<f64>, LookupError> {
+        Ok(places.fixed_from(&self.frame, self.stamp)? * self.frame_from_marker)
     }
 }
 
@@ -246,11 +342,14 @@ fn lifetime(marker: &Marker) -> Option<Duration> {
 }
 
 /// rviz names a marker's status after its namespace and id.
-fn status_name((ns, id): &MarkerId) -> String {
-    format!("{ns}/{id}")
+fn status_name((namespace, id): MarkerId<'_>) -> String {
+    let mut name = String::with_capacity(namespace.len() + 12);
+    // Writing to a string does not fail.
+    let _ = write!(name, "{namespace}/{id}");
+    name
 }
 
-fn set_status(id: &MarkerId, status: Option<(Level, String)>, statuses: &mut Statuses) {
+fn set_status(id: MarkerId<'_>, status: Option<(Level, String)>, statuses: &mut Statuses) {
     let name = status_name(id);
     match status {
         Some((level, text)) => statuses.set(level, &name, text),
@@ -258,6 +357,6 @@ fn set_status(id: &MarkerId, status: Option<(Level, String)>, statuses: &mut Sta
     }
 }
 
-fn set_error(id: &MarkerId, text: impl Into<StatusText>, statuses: &mut Statuses) {
+fn set_error(id: MarkerId<'_>, text: impl Into<StatusText>, statuses: &mut Statuses) {
     statuses.set(Level::Error, &status_name(id), text);
 }

@@ -14,6 +14,7 @@ use rcs_transforms::Time;
 use super::MarkerDisplay;
 use crate::framework::display::Display;
 use crate::framework::test_world::{TestWorld, STL};
+use crate::parts::gathering::singly;
 use crate::{Level, Statuses};
 
 /// A display with the world around it. The frame `map` is fixed.
@@ -45,7 +46,12 @@ impl Bench {
     fn show(&mut self, markers: &[Marker]) -> Vec<Drawable> {
         self.send(markers);
         self.update();
-        self.display.drawables().to_vec()
+        self.drawn()
+    }
+
+    /// What is shown, each solid by itself.
+    fn drawn(&self) -> Vec<Drawable> {
+        singly(self.display.drawables())
     }
 
     fn only(&mut self, marker: &Marker) -> Drawable {
@@ -118,7 +124,7 @@ fn a_marker_display_subscribes_to_markers_and_arrays_and_an_array_display_only_t
     let message = AnyMessage::Marker(Arc::new(marker(Marker::CUBE, 1)));
     let world = bench.world.get();
     bench.display.take(&message, &world);
-    assert!(bench.update() && bench.display.drawables().len() == 1);
+    assert!(bench.update() && bench.drawn().len() == 1);
     assert!(!bench.update(), "nothing new");
 }
 
@@ -413,7 +419,7 @@ fn delete_all_without_a_frame_comes_before_what_its_array_adds_and_after_earlier
     bench.send(&[marker(Marker::CUBE, 1)]);
     bench.send(&[marker(Marker::CUBE, 2), delete_all()]);
     bench.update();
-    assert_eq!(bench.display.drawables().len(), 1);
+    assert_eq!(bench.drawn().len(), 1);
     assert_eq!(bench.status("/0"), None);
     // Adding without a frame is an error.
     let mut lost = marker(Marker::CUBE, 5);
@@ -447,7 +453,7 @@ fn a_marker_goes_when_its_lifetime_is_over_in_ros_time() {
     assert!(!bench.update());
     bench.world.now = Time::from_secs_nanos(103, 0);
     assert!(bench.update());
-    assert_eq!((bench.display.drawables().len(), bench.display.next_change()), (1, None));
+    assert_eq!((bench.drawn().len(), bench.display.next_change()), (1, None));
 }
 
 #[test]
@@ -458,16 +464,16 @@ fn a_locked_marker_follows_its_frame_and_another_stays() {
     fixed.header.frame_id = "arm".to_owned();
     let locked = Marker { id: 2, frame_locked: true, ..fixed.clone() };
     bench.show(&[fixed, locked]);
-    let before = bench.display.drawables().to_vec();
+    let before = bench.drawn();
     bench.place("arm", 100, 2.0);
     assert!(bench.update());
     let x = |drawable: &Drawable| at(drawable, [0.0; 3])[0];
-    assert_eq!(bench.display.drawables().iter().map(x).collect::<Vec<_>>(), [1.0, 2.0]);
+    assert_eq!(bench.drawn().iter().map(x).collect::<Vec<_>>(), [1.0, 2.0]);
     let shared = |drawable: &Drawable| match &drawable.geometry {
-        Geometry::Mesh { mesh, material } => (Arc::as_ptr(mesh), Arc::as_ptr(material)),
+        Geometry::Mesh { mesh, .. } => Arc::as_ptr(mesh),
         other => panic!("{other:?}"),
     };
-    assert_eq!(shared(&before[1]), shared(&bench.display.drawables()[1]), "nothing is built again");
+    assert_eq!(shared(&before[1]), shared(&bench.drawn()[1]), "nothing is built again");
     assert!(!bench.update());
 }
 
@@ -488,7 +494,7 @@ fn markers_wait_for_their_frame_and_the_oldest_are_dropped_by_name() {
     assert!(bench.status("n/1").unwrap().1.contains("[arm]"));
     bench.place("arm", 99, 1.0);
     assert!(bench.update());
-    assert_eq!(bench.display.drawables().len(), 7);
+    assert_eq!(bench.drawn().len(), 7);
     assert_eq!(bench.status(Statuses::TRANSFORM), None);
 }
 
@@ -523,8 +529,8 @@ fn forgetting_everything_leaves_an_empty_scene() {
     let mut bench = Bench::new();
     bench.show(&[marker(Marker::CUBE, 1)]);
     bench.display.reset();
-    assert!(bench.display.drawables().is_empty() && bench.update());
-    assert!(bench.display.drawables().is_empty());
+    assert!(bench.drawn().is_empty() && bench.update());
+    assert!(bench.drawn().is_empty());
     let world = bench.world.get();
     assert_eq!(world.fixed_from("map", Time::ZERO).map(|place| place.translation.vector), Ok(Vector3::zeros()));
 }
@@ -570,7 +576,7 @@ fn a_mesh_appears_when_it_is_loaded_and_the_others_do_not_wait_for_it() {
     // The one whose frame comes later is there with its mesh.
     bench.place("arm", 100, 1.0);
     assert!(bench.update());
-    assert_eq!(bench.display.drawables().len(), 3);
+    assert_eq!(bench.drawn().len(), 3);
     assert_eq!(bench.status("n/3"), None);
 }
 
@@ -591,5 +597,5 @@ fn a_corrected_mesh_is_shown_when_its_marker_comes_again() {
     assert!(bench.show(&[mesh(&url, 1)]).is_empty());
     bench.world.wait_for_version(version + 2);
     assert!(bench.update());
-    assert_eq!((bench.display.drawables().len(), bench.status("n/1")), (1, None));
+    assert_eq!((bench.drawn().len(), bench.status("n/1")), (1, None));
 }

@@ -1,0 +1,462 @@
+//! Very many small things made of triangles: [`Solids`](rcs_scene::Solids), other meshes of few triangles, and the glyphs of [`Text`].
+//!
+//! A scene may have hundreds of thousands of solids of a few hundred triangles each, most of which cover a few pixels.
+//! So what is computed for one is thrown away at once but for four bytes for each triangle that may be seen, and
+//! computed again, for these few triangles alone, where their band is drawn. A solid goes through three sieves:
+//!
+//! 1. Its box in clip coordinates: beyond a side of the view, or between the pixels' centres, it is not looked at.
+//! 2. Its vertices, eight at a time, as the rows and columns of pixel centres between which they lie. A triangle whose
+//!    corners are all in one gap covers no centre, which is true of most triangles of a small solid.
+//! 3. Which way the rest of its triangles face.
+//!
+//! Solids that reach out of the view take the longer way, vertex by vertex, with the arithmetic of [`solids`]; the
+//! picture is the same on both. Text is a solid whose triangles are its glyphs' quads; the glyphs are sieved in groups.
+//!
+//! [`solids`]: super::solids
+
+mod batch;
+mod corners;
+mod reach;
+mod shape;
+#[cfg(test)]
+mod tests;
+
+use fearless_simd::dispatch;
+use nalgebra::{Matrix4, Vector3};
+use rcs_scene::{CullMode, Drawable, Glyph, Material, Mesh, Text};
+
+pub(super) use self::batch::{Batch, BatchPiece, BatchView, SmallMesh};
+pub(super) use self::corners::InstanceScratch;
+use self::corners::{place_vertices, Source, Vertices};
+use self::reach::{reach, Reach, ShapeBounds};
+use self::shape::Shape;
+pub(super) use self::shape::Shapes;
+use crate::cpu::band::{Band, Mode};
+use crate::cpu::bins::Bins;
+use crate::cpu::clip::{ClipVertex, Outside};
+use crate::cpu::fill::can_fill;
+use crate::cpu::ranked::{scattered, Load, RankedScratch};
+use crate::cpu::screen::{first_pixel, ObjectTransform, Screen};
+use crate::cpu::surface::{DepthBias, Surface};
+use crate::cpu::triangles::{self, Corner, ScreenPosition};
+
+/// Glyphs that are sieved together.
+const GLYPHS_IN_GROUP: usize = 64;
+
+/// The triangles of a solid or a text that are ready to be drawn.
+#[derive(Clone, Debug)]
+struct Placed {
+    /// The number of its first triangle.
+    first: u32,
+    batch: u32,
+    /// Index of the solid; of a text that of its first glyph.
+    item: u32,
+    /// A triangle may have to be cut.
+    may_be_cut: bool,
+    transform: ObjectTransform,
+}
+
+/// Things that are ready to be drawn.
+#[derive(Debug, Default)]
+pub(super) struct Instances {
+    placed: Vec<Placed>,
+    /// The numbers of triangles: all those of the first thing, seen or not, then all those of the second, and so on.
+    bins: Bins,
+    next: u32,
+    load: Load,
+}
+
+/// A mesh where it stands.
+struct PlacedMesh<'a> {
+    fixed_from_mesh: Matrix4<f64>,
+    mesh: &'a Mesh,
+    material: &'a Material,
+    surface: &'a Surface,
+    shape: &'a Shape,
+}
+
+impl Instances {
+    /// Forgets everything.
+    pub(super) fn clear(&mut self, screen: &Screen) {
+        self.placed.clear();
+        self.bins.reset(screen);
+        self.next = 0;
+        self.load = Load::default();
+    }
+
+    /// How much there is to draw.
+    pub(super) fn load(&self) -> Load {
+        self.load
+    }
+
+    /// Makes some things ready.
+    pub(super) fn add(
+        &mut self,
+        piece: &BatchPiece,
+        batches: &[Batch<'_>],
+        view: &BatchView<'_>,
+        screen: &Screen,
+        scratch: &mut InstanceScratch,
+    ) {
+        match batches.get(piece.batch) {
+            Some(Batch::Solids(solids, shapes)) => {
+                let range = piece.range.clone();
+                for (item, solid) in range.clone().zip(solids.as_slice().get(range).unwrap_or(&[])) {
+                    let (Some(mesh), Some(shape)) = (solids.shapes().get(solid.shape()), shapes.get(solid.shape()))
+                    else {
+                        continue;
+                    };
+                    let fixed_from_mesh = solid.matrix();
+                    let (surface, material) = (view.surface_of_solid(solid), &Material::lit(solid.color));
+                    let placed = PlacedMesh { fixed_from_mesh, mesh, material, surface, shape };
+                    self.add_mesh(&placed, [piece.batch as u32, item as u32], view, screen, scratch);
+                }
+            }
+            Some(Batch::Mesh(SmallMesh { drawable, mesh, material, surface, shape })) => {
+                let fixed_from_mesh = drawable.fixed_from_object;
+                let placed = PlacedMesh { fixed_from_mesh, mesh, material, surface, shape };
+                self.add_mesh(&placed, [piece.batch as u32, 0], view, screen, scratch);
+            }
+            Some(Batch::Text(text, drawable)) => self.add_text(text, drawable, piece, view, screen, scratch),
+            None => {}
+        }
+    }
+
+    fn add_mesh(
+        &mut self,
+        placed: &PlacedMesh<'_>,
+        [batch, item]: [u32; 2],
+        view: &BatchView<'_>,
+        screen: &Screen,
+        scratch: &mut InstanceScratch,
+    ) {
+        let &PlacedMesh { mesh, material, surface, shape, .. } = placed;
+        let view_from_object = view.view_from_fixed * placed.fixed_from_mesh;
+        let rows = ObjectTransform::clip_rows(view.view.camera, &view_from_object);
+        let reach = shape.bounds.map_or(Reach::Crossing, |bounds| reach(&bounds, &rows, screen));
+        if reach == Reach::Unseen {
+            return;
+        }
+        self.load.in_order |= surface.mode != Mode::OPAQUE || !can_fill(surface);
+        let first = self.next;
+        let is_seen = if reach == Reach::Inside {
+            dispatch!(screen.simd_level, simd => place_vertices(simd, shape, &rows, screen, scratch));
+            self.add_inside(shape, surface, screen, scratch)
+        } else {
+            let transform = view.transform(&view_from_object);
+            let source = Source { vertices: Vertices::Mesh(mesh), material, transform: &transform, surface };
+            scratch.begin();
+            let numbers = (first..).zip(&shape.triangles);
+            // Each triangle is looked at, whether others are seen or not.
+            numbers.fold(false, |seen, (number, corners)| {
+                self.add_triangle(number, *corners, &source, screen, scratch) || seen
+            })
+        };
+        if is_seen {
+            let transform = view.transform(&view_from_object);
+            let may_be_cut = reach != Reach::Inside;
+            self.placed.push(Placed { first, batch, item, may_be_cut, transform });
+            self.next += shape.triangles.len() as u32;
+        }
+    }
+
+    /// Makes the triangles of a solid inside the view ready whose vertices were placed. Returns whether any may be seen.
+    fn add_inside(&mut self, shape: &Shape, surface: &Surface, screen: &Screen, scratch: &InstanceScratch) -> bool {
+        let (x, y, gaps) = (scratch.x.as_slice(), scratch.y.as_slice(), scratch.gaps.as_slice());
+        let is_hidden = |doubled_area: i64| match surface.cull {
+            CullMode::None => doubled_area == 0,
+            CullMode::Back => doubled_area >= 0,
+            CullMode::Front => doubled_area <= 0,
+        };
+        let mut is_seen = false;
+        for (number, corners) in (self.next..).zip(&shape.triangles) {
+            let [a, b, c] = corners.map(|corner| corner as usize);
+            let (Some(&gap_a), Some(&gap_b), Some(&gap_c)) = (gaps.get(a), gaps.get(b), gaps.get(c)) else { continue };
+            let differences = (gap_a ^ gap_b) | (gap_a ^ gap_c);
+            if differences & 0xffff == 0 || differences >> 16 == 0 {
+                continue;
+            }
+            let (ax, ay) = (i64::from(x[a]), i64::from(y[a]));
+            let (bx, by) = (i64::from(x[b]) - ax, i64::from(y[b]) - ay);
+            let (cx, cy) = (i64::from(x[c]) - ax, i64::from(y[c]) - ay);
+            if is_hidden(bx * cy - cx * by) {
+                continue;
+            }
+            let [top, bottom] = [y[a].min(y[b]).min(y[c]), y[a].max(y[b]).max(y[c])];
+            let [left, right] = [x[a].min(x[b]).min(x[c]), x[a].max(x[b]).max(x[c])];
+            let (begin, end) = (first_pixel(top), first_pixel(bottom + 1));
+            let width_px = first_pixel(right + 1) - first_pixel(left);
+            self.load.add(((end - begin) * width_px) as u64 / 2);
+            self.bin(number, begin, end, screen);
+            is_seen = true;
+        }
+        is_seen
+    }
+
+    fn add_text(
+        &mut self,
+        text: &Text,
+        drawable: &Drawable,
+        piece: &BatchPiece,
+        view: &BatchView<'_>,
+        screen: &Screen,
+        scratch: &mut InstanceScratch,
+    ) {
+        let Some(surface) = view.surface_of_text(text) else { return };
+        let view_from_object = view.view.camera.view_from_facing(&drawable.fixed_from_object).cast();
+        let transform = view.transform(&view_from_object);
+        let source =
+            Source { vertices: Vertices::Text(text), material: text.material(), transform: &transform, surface };
+        scratch.begin();
+        let range = piece.range.clone();
+        let (batch, item) = (piece.batch as u32, range.start as u32);
+        self.load.in_order = true;
+        let (first, mut is_seen) = (self.next, false);
+        for begin in range.clone().step_by(GLYPHS_IN_GROUP) {
+            let group = begin..range.end.min(begin + GLYPHS_IN_GROUP);
+            let glyphs = text.glyphs().get(group.clone()).unwrap_or(&[]);
+            if reach(&bounds_of_glyphs(glyphs, text.height_m()), &transform.clip_from_object, screen) == Reach::Unseen {
+                continue;
+            }
+            for glyph in group {
+                let number = first + 2 * (glyph - range.start) as u32;
+                for (number, corners) in (number..).zip(glyph_triangles(glyph as u32)) {
+                    is_seen |= self.add_triangle(number, corners, &source, screen, scratch);
+                }
+            }
+        }
+        if is_seen {
+            self.placed.push(Placed { first, batch, item, may_be_cut: true, transform });
+            self.next += 2 * range.len() as u32;
+        }
+    }
+
+    /// Makes a triangle ready. Returns whether it may be seen.
+    fn add_triangle(
+        &mut self,
+        number: u32,
+        corners: [u32; 3],
+        source: &Source<'_>,
+        screen: &Screen,
+        scratch: &mut InstanceScratch,
+    ) -> bool {
+        let mut place = |key| scratch.corner(key, source, screen, false);
+        let [Some((a, out_a)), Some((b, out_b)), Some((c, out_c))] = corners.map(&mut place) else { return false };
+        if out_a.view & out_b.view & out_c.view != 0 {
+            return false;
+        }
+        if out_a.guard | out_b.guard | out_c.guard != 0 {
+            let mut rows: Option<(i32, i32)> = None;
+            cut(corners, source, screen, |corners| {
+                let positions = corners.each_ref().map(|corner| &corner.position);
+                let (begin, end) = triangles::rows(positions);
+                self.load.add(triangles::reach_px(positions, screen));
+                rows = Some(rows.map_or((begin, end), |rows| (rows.0.min(begin), rows.1.max(end))));
+            });
+            if let Some((begin, end)) = rows {
+                self.bin(number, begin, end, screen);
+            }
+            return rows.is_some();
+        }
+        let positions = [&a.position, &b.position, &c.position];
+        let is_seen = triangles::may_be_seen(positions, source.surface, screen);
+        if is_seen {
+            let (begin, end) = triangles::rows(positions);
+            self.load.add(triangles::reach_px(positions, screen));
+            self.bin(number, begin, end, screen);
+        }
+        is_seen
+    }
+
+    #[inline]
+    fn bin(&mut self, number: u32, begin: i32, end: i32, screen: &Screen) {
+        let row = |row: i32| row.clamp(0, screen.height_px as i32) as u32;
+        self.bins.add(number, row(begin), row(end));
+    }
+
+    /// The thing that a triangle belongs to; the number of the next one's first triangle.
+    fn placed(&self, number: u32) -> Option<(&Placed, u32)> {
+        let next = self.placed.partition_point(|placed| placed.first <= number);
+        let end = self.placed.get(next).map_or(u32::MAX, |placed| placed.first);
+        Some((self.placed.get(next.checked_sub(1)?)?, end))
+    }
+
+    /// Draws the rows of a band.
+    pub(super) fn draw(
+        &self,
+        batches: &[Batch<'_>],
+        view: &BatchView<'_>,
+        screen: &Screen,
+        index: usize,
+        scratch: &mut InstanceScratch,
+        band: &mut Band<'_>,
+    ) {
+        let mut numbers = self.bins.band(index);
+        while let Some((placed, end)) = numbers.first().and_then(|&number| self.placed(number)) {
+            // Numbers ascend, so that those of a thing lie side by side.
+            let (these, rest) = numbers.split_at(numbers.partition_point(|&number| number < end));
+            numbers = rest;
+            scratch.begin();
+            placed.with_source(batches, view, |source, triangle| {
+                for number in these {
+                    if let Some(corners) = triangle(number - placed.first) {
+                        draw_triangle(corners, source, placed.may_be_cut, screen, scratch, band);
+                    }
+                }
+            });
+        }
+    }
+
+    /// Draws a band's rows of the triangles of several jobs that need not be drawn in their order.
+    pub(super) fn draw_ranked(
+        jobs: &[impl AsRef<Self>],
+        (batches, view): (&[Batch<'_>], &BatchView<'_>),
+        (screen, index): (&Screen, usize),
+        scratch: &mut InstanceScratch,
+        ranked: &mut RankedScratch,
+        band: &mut Band<'_>,
+    ) {
+        ranked.faces.clear();
+        for (job, instances) in jobs.iter().enumerate() {
+            ranked.faces.extend(instances.as_ref().bins.band(index).iter().map(|number| [job as u32, *number]));
+        }
+        let count = ranked.faces.len();
+        let Some(first_rank) = ranked.take_ranks(count, band.width, [band.first_row, band.end_row]) else {
+            return jobs
+                .iter()
+                .for_each(|instances| instances.as_ref().draw(batches, view, screen, index, scratch, band));
+        };
+        for at in scattered(count) {
+            let Some(&[job, number]) = ranked.faces.get(at) else { continue };
+            let Some((placed, _)) = jobs.get(job as usize).and_then(|job| job.as_ref().placed(number)) else {
+                continue;
+            };
+            placed.with_source(batches, view, |source, triangle| {
+                if let Some(corners) = triangle(number - placed.first) {
+                    draw_triangle_ranked(corners, source, first_rank + at as u32, screen, ranked, band);
+                }
+            });
+        }
+    }
+}
+
+impl Placed {
+    /// Passes on where the corners come from, and which of them make a triangle of this thing.
+    #[inline]
+    fn with_source(
+        &self,
+        batches: &[Batch<'_>],
+        view: &BatchView<'_>,
+        work: impl FnOnce(&Source<'_>, &dyn Fn(u32) -> Option<[u32; 3]>),
+    ) {
+        let transform = &self.transform;
+        match batches.get(self.batch as usize) {
+            Some(Batch::Solids(solids, shapes)) => {
+                let Some(solid) = solids.as_slice().get(self.item as usize) else { return };
+                let (mesh, shape) = (solids.shapes().get(solid.shape()), shapes.get(solid.shape()));
+                let (Some(mesh), Some(shape)) = (mesh, shape) else { return };
+                let (material, surface) = (&Material::lit(solid.color), view.surface_of_solid(solid));
+                let source = Source { vertices: Vertices::Mesh(mesh), material, transform, surface };
+                work(&source, &|triangle| shape.triangles.get(triangle as usize).copied());
+            }
+            Some(Batch::Mesh(SmallMesh { mesh, material, surface, shape, .. })) => {
+                let source = Source { vertices: Vertices::Mesh(mesh), material, transform, surface };
+                work(&source, &|triangle| shape.triangles.get(triangle as usize).copied());
+            }
+            Some(Batch::Text(text, _)) => {
+                let Some(surface) = view.surface_of_text(text) else { return };
+                let source = Source { vertices: Vertices::Text(text), material: text.material(), transform, surface };
+                work(&source, &|triangle| {
+                    glyph_triangles(self.item + triangle / 2).get(triangle as usize % 2).copied()
+                });
+            }
+            None => {}
+        }
+    }
+}
+
+fn draw_triangle(
+    corners: [u32; 3],
+    source: &Source<'_>,
+    may_be_cut: bool,
+    screen: &Screen,
+    scratch: &mut InstanceScratch,
+    band: &mut Band<'_>,
+) {
+    let mut place = |key| scratch.corner(key, source, screen, true);
+    let [Some((a, out_a)), Some((b, out_b)), Some((c, out_c))] = corners.map(&mut place) else { return };
+    if may_be_cut && out_a.guard | out_b.guard | out_c.guard != 0 {
+        cut(corners, source, screen, |corners| triangles::draw(corners.each_ref(), source.surface, band));
+    } else {
+        triangles::draw([&a, &b, &c], source.surface, band);
+    }
+}
+
+/// As [`draw_triangle`], not in its turn but with its rank in it.
+fn draw_triangle_ranked(
+    corners: [u32; 3],
+    source: &Source<'_>,
+    rank: u32,
+    screen: &Screen,
+    ranked: &mut RankedScratch,
+    band: &mut Band<'_>,
+) {
+    let vertices = corners.map(|corner| source.vertex(corner));
+    let [Some(a), Some(b), Some(c)] = vertices else { return };
+    let clipped = [a, b, c].map(|vertex| (vertex, source.transform.clip(vertex.position)));
+    let simd_level = band.simd_level;
+    if clipped.iter().any(|(_, position)| Outside::new(*position).guard != 0) {
+        return cut(corners, source, screen, |corners| {
+            let (occluders, corners) = (&mut ranked.occluders, corners.each_ref());
+            dispatch!(simd_level, simd => {
+                triangles::draw_ranked(simd, corners, source.surface, rank, band, occluders);
+            });
+        });
+    }
+    let positions = clipped.map(|(_, position)| ScreenPosition::new(position, screen));
+    let [a, b, c] = positions.map(|position| position.bits());
+    let key = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]];
+    if source.surface.depth_bias == DepthBias::NONE && ranked.recent_triangles.covers(&key, rank) {
+        return;
+    }
+    let [a, b, c] = [0, 1, 2].map(|i| {
+        let (vertex, _) = &clipped[i];
+        Corner { position: positions[i], color: source.color(vertex), uv: vertex.uv }
+    });
+    dispatch!(simd_level, simd => {
+        triangles::draw_ranked(simd, [&a, &b, &c], source.surface, rank, band, &mut ranked.occluders);
+    });
+}
+
+/// Clips a triangle that reaches far out of the picture, and passes on the parts that are to be drawn.
+fn cut(keys: [u32; 3], source: &Source<'_>, screen: &Screen, out: impl FnMut(&[Corner; 3])) {
+    let vertex = |key: u32| {
+        let vertex = source.vertex(key)?;
+        let position = source.transform.clip(vertex.position);
+        Some(ClipVertex { position, color: source.color(&vertex), uv: vertex.uv })
+    };
+    if let [Some(a), Some(b), Some(c)] = keys.map(vertex) {
+        triangles::cut([&a, &b, &c], source.surface, screen, out);
+    }
+}
+
+/// The corners of both triangles of a glyph.
+fn glyph_triangles(glyph: u32) -> [[u32; 3]; 2] {
+    let [a, b, c, d, e, f] = Text::QUAD_INDICES.map(|corner| 4 * glyph + corner as u32);
+    [[a, b, c], [d, e, f]]
+}
+
+/// The box around glyphs; not finite where one of them is not.
+fn bounds_of_glyphs(glyphs: &[Glyph], height_m: f32) -> ShapeBounds {
+    let infinity = Vector3::repeat(f32::INFINITY);
+    let (mut low, mut high) = (infinity, -infinity);
+    let mut poison = 0.0;
+    for glyph in glyphs {
+        let bottom_m = glyph.top_m - height_m;
+        // Edges change sides in text of a negative height.
+        low = low.inf(&Vector3::new(glyph.left_m.min(glyph.right_m), glyph.top_m.min(bottom_m), 0.0));
+        high = high.sup(&Vector3::new(glyph.left_m.max(glyph.right_m), glyph.top_m.max(bottom_m), 0.0));
+        poison += (glyph.left_m + glyph.right_m + glyph.top_m + bottom_m) * 0.0;
+    }
+    ShapeBounds::new(low.add_scalar(poison), high)
+}

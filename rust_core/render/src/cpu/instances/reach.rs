@@ -1,0 +1,80 @@
+//! How far a box reaches into the view: the first sieve of many small things.
+
+use nalgebra::Vector3;
+
+use super::super::screen::{Screen, SUBPIXELS};
+
+/// A box: its middle and half its size.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShapeBounds {
+    middle: Vector3<f32>,
+    half: Vector3<f32>,
+}
+
+impl ShapeBounds {
+    /// From its lowest to its highest corner.
+    pub(super) fn new(low: Vector3<f32>, high: Vector3<f32>) -> Self {
+        Self { middle: (low + high) * 0.5, half: (high - low) * 0.5 }
+    }
+}
+
+/// What a box may be on the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reach {
+    /// Nothing in it is seen.
+    Unseen,
+    /// All in it is in the view.
+    Inside,
+    /// Anything else.
+    Crossing,
+}
+
+/// How far a box reaches into the view. Errs towards `Crossing`.
+pub(super) fn reach(bounds: &ShapeBounds, rows: &[[f32; 4]; 4], screen: &Screen) -> Reach {
+    // Far more than what rounding does to a sum of four products.
+    const SLACK: f32 = 1e-5;
+    // Snapping moves a vertex by half of a subpixel.
+    const SNAP_PX: f32 = 1.0 / SUBPIXELS as f32;
+    let (middle, half) = (bounds.middle, bounds.half);
+    let dot = |[a, b, c, d]: [f32; 4]| a * middle.x + b * middle.y + c * middle.z + d;
+    let extent = |[a, b, c, _]: [f32; 4]| a.abs() * half.x + b.abs() * half.y + c.abs() * half.z;
+    let size = |row: [f32; 4]| {
+        let [a, b, c, d] = row.map(f32::abs);
+        a * middle.x.abs() + b * middle.y.abs() + c * middle.z.abs() + d + extent(row)
+    };
+    let w = rows[3];
+    let w_slack = size(w) * SLACK;
+    let mut is_inside = true;
+    for axis in [rows[0], rows[1], rows[2]] {
+        let slack = size(axis) * SLACK + w_slack;
+        for sign in [1.0, -1.0] {
+            let plane = [0, 1, 2, 3].map(|i| w[i] + sign * axis[i]);
+            let (at, extent) = (dot(plane), extent(plane) + slack);
+            if at < -extent {
+                return Reach::Unseen;
+            }
+            is_inside &= at > extent;
+        }
+    }
+    let (at_w, w_extent) = (dot(w), extent(w) + w_slack);
+    let (least_w, most_w) = (at_w - w_extent, at_w + w_extent);
+    if !is_inside || least_w <= 0.0 || most_w.is_nan() {
+        return Reach::Crossing;
+    }
+    // Between which window coordinates it lies, and whether a pixel's centre is among them.
+    let holds_centre = |axis: [f32; 4], window: &dyn Fn(f32) -> f32| {
+        let (at, extent) = (dot(axis), extent(axis) + size(axis) * SLACK);
+        let [low, high] = [at - extent, at + extent];
+        let low = if low < 0.0 { low / least_w } else { low / most_w };
+        let high = if high < 0.0 { high / most_w } else { high / least_w };
+        let [a, b] = [window(low), window(high)];
+        let slack = (a.abs() + b.abs()) * SLACK + SNAP_PX;
+        let (low, high) = (a.min(b) - slack - 0.5, a.max(b) + slack - 0.5);
+        low.ceil() <= high.floor()
+    };
+    if holds_centre(rows[0], &|x| screen.x(x)) && holds_centre(rows[1], &|y| screen.y(y)) {
+        Reach::Inside
+    } else {
+        Reach::Unseen
+    }
+}

@@ -1,0 +1,136 @@
+//! Text: each glyph is an instance of a quad, cut out of the texture of all glyphs.
+//!
+//! The glyphs of a text go to the GPU once, 32 bytes each; where the text stands and its colour are uniforms. Its
+//! fixed state is that of its material, as for other triangles.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use nalgebra::Matrix4;
+use rcs_scene::{glyph_atlas, Text};
+
+use super::device::Device;
+use super::geometry::{Derived, Instances, MAX_CHUNK_BYTES};
+use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
+use super::triangles::fixed_state;
+use super::uniforms::{Slot, Uniforms};
+use super::{columns, texture, Viewpoint};
+
+/// The pipelines, and the texts that are on the GPU.
+#[derive(Debug)]
+pub(super) struct TextPipelines {
+    pipelines: PipelineSet,
+    image_layout: wgpu::BindGroupLayout,
+    /// The texture of all glyphs, uploaded with the first text.
+    atlas: Option<wgpu::BindGroup>,
+    texts: Derived<Text, Vec<Instances>>,
+}
+
+/// A text in one picture.
+pub(super) struct TextDraw {
+    pipeline: wgpu::RenderPipeline,
+    atlas: wgpu::BindGroup,
+    chunks: Vec<Instances>,
+    slot: Slot,
+}
+
+/// A glyph as the shader takes it.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GpuGlyph {
+    /// Left, top, right and bottom.
+    edges_m: [f32; 4],
+    uv: [f32; 4],
+}
+
+const STAGES: Stages = Stages {
+    vertex: "vertex_text",
+    fragment: "fragment_text",
+    buffers: &[Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<GpuGlyph>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4],
+    })],
+    topology: wgpu::PrimitiveTopology::TriangleStrip,
+};
+
+/// The shader's `Caption`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Caption {
+    clip_from_text: [[f32; 4]; 4],
+    color: [f32; 4],
+}
+
+impl TextPipelines {
+    pub(super) fn new(device: &Device, uniforms: &wgpu::BindGroupLayout) -> Self {
+        let image_layout = texture::layout(device);
+        let program = Program::new(device, "text", include_str!("text.wgsl"), &[uniforms, &image_layout]);
+        let plain = FixedState { bias: DepthBias { steps: -1, slopes: -1 }, ..FixedState::plain(true) };
+        let on_top = FixedState { depth: DepthUse::Ignore, ..FixedState::plain(true) };
+        Self {
+            pipelines: PipelineSet::new(device, &program, STAGES, [plain, on_top]),
+            image_layout,
+            atlas: None,
+            texts: Derived::new(),
+        }
+    }
+
+    pub(super) fn forget_dead(&mut self) {
+        self.texts.forget_dead();
+    }
+
+    pub(super) fn prepare(
+        &mut self,
+        device: &Device,
+        uniforms: &mut Uniforms,
+        viewpoint: &Viewpoint<'_>,
+        fixed_from_object: &Matrix4<f64>,
+        text: &Arc<Text>,
+    ) -> Option<TextDraw> {
+        let chunks = self.texts.get(text, |text| upload(device, text)).clone();
+        if chunks.is_empty() {
+            return None;
+        }
+        let view_from_text = viewpoint.camera.view_from_facing(fixed_from_object);
+        let slot = uniforms.push(&Caption {
+            clip_from_text: columns(&(viewpoint.clip_from_view * view_from_text.cast()).cast()),
+            color: text.color().map(|channel| f32::from(channel) / 255.0),
+        })?;
+        let upload = || texture::upload(device, &self.image_layout, glyph_atlas().texture());
+        let atlas = self.atlas.get_or_insert_with(upload).clone();
+        let pipeline = self.pipelines.get(device, fixed_state(text.material(), false));
+        Some(TextDraw { pipeline, atlas, chunks, slot })
+    }
+}
+
+impl TextDraw {
+    pub(super) fn record(&self, pass: &mut wgpu::RenderPass<'_>, uniforms: &wgpu::BindGroup) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, uniforms, &[self.slot.offset()]);
+        pass.set_bind_group(1, &self.atlas, &[]);
+        for chunk in &self.chunks {
+            pass.set_vertex_buffer(0, chunk.buffer.slice(..));
+            pass.draw(0..4, 0..chunk.count);
+        }
+    }
+}
+
+/// The glyphs whose edges are finite.
+fn upload(device: &Device, text: &Text) -> Vec<Instances> {
+    let glyph = |glyph: &rcs_scene::Glyph| {
+        let bottom_m = glyph.top_m - text.height_m();
+        let edges_m = [glyph.left_m, glyph.top_m, glyph.right_m, bottom_m];
+        edges_m.iter().all(|edge| edge.is_finite()).then(|| GpuGlyph { edges_m, uv: glyph.uv() })
+    };
+    text.glyphs()
+        .chunks(MAX_CHUNK_BYTES / size_of::<GpuGlyph>())
+        .filter_map(|glyphs| {
+            let glyphs: Vec<GpuGlyph> = glyphs.iter().filter_map(glyph).collect();
+            (!glyphs.is_empty()).then(|| Instances {
+                buffer: device.buffer("text", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&glyphs)),
+                count: glyphs.len() as u32,
+            })
+        })
+        .collect()
+}
