@@ -10,7 +10,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock, Weak};
 
-use rcs_scene::{Blending, CellSheet, CullMode, DrawOrder, Drawable, Geometry, Material, Mesh, Texture, Vertex};
+use rcs_scene::{
+    Blending, CellSheet, CullMode, DisplayId, DrawOrder, Drawable, Geometry, Material, Mesh, Texture, Vertex,
+};
 
 use super::band::Mode;
 use super::points::Cloud;
@@ -95,6 +97,11 @@ pub(super) struct FramePlan<'a> {
     pub pieces: Vec<Piece>,
     /// In the order of drawing.
     pub jobs: Vec<Job>,
+    /// Whose each job is; where several share one, the first one's.
+    pub job_displays: Vec<DisplayId>,
+    /// That of the drawable at hand, and of the first one in the open job.
+    display: DisplayId,
+    open_display: DisplayId,
     cloud_jobs: Vec<Range<usize>>,
     open_triangles: usize,
     open_piece: usize,
@@ -135,6 +142,7 @@ impl<'a> FramePlan<'a> {
         let mut plan: Self = std::mem::take(&mut memory.plan);
         memory.order.sort(view.scene, view.visible, &view.camera.eye());
         for drawable in memory.order.of(view.scene) {
+            plan.display = drawable.display;
             plan.add(view, textures, drawable);
         }
         plan.close();
@@ -143,12 +151,13 @@ impl<'a> FramePlan<'a> {
 
     /// A plan of nothing in the same memory, and with the same reusable meshes.
     fn emptied(self) -> FramePlan<'static> {
-        let Self { clouds, solids, mut pieces, mut jobs, mut cloud_jobs, reusable_meshes, .. } = self;
+        let Self { clouds, solids, mut pieces, mut jobs, mut job_displays, mut cloud_jobs, reusable_meshes, .. } = self;
         pieces.clear();
         jobs.clear();
+        job_displays.clear();
         cloud_jobs.clear();
         let (clouds, solids) = (emptied(clouds), emptied(solids));
-        FramePlan { clouds, solids, pieces, jobs, cloud_jobs, open_triangles: 0, open_piece: 0, reusable_meshes }
+        FramePlan { clouds, solids, pieces, jobs, job_displays, cloud_jobs, reusable_meshes, ..FramePlan::default() }
     }
 
     fn add(&mut self, view: &View<'a>, textures: &mut Textures, drawable: &'a Drawable) {
@@ -203,6 +212,7 @@ impl<'a> FramePlan<'a> {
         let first_job = self.jobs.len();
         for begin in (0..count).step_by(POINTS_PER_JOB) {
             self.jobs.push(Job::Points(index, begin..count.min(begin + POINTS_PER_JOB)));
+            self.job_displays.push(self.display);
         }
         self.cloud_jobs.push(first_job..self.jobs.len());
     }
@@ -211,6 +221,9 @@ impl<'a> FramePlan<'a> {
         let count = solid.shape.primitive_count();
         let index = self.solids.len();
         self.solids.push(solid);
+        if self.open_piece == self.pieces.len() {
+            self.open_display = self.display;
+        }
         let mut begin = 0;
         while begin < count {
             let room = TRIANGLES_PER_JOB.saturating_sub(self.open_triangles).max(1);
@@ -227,6 +240,8 @@ impl<'a> FramePlan<'a> {
     fn close(&mut self) {
         if self.open_piece < self.pieces.len() {
             self.jobs.push(Job::Pieces(self.open_piece..self.pieces.len()));
+            self.job_displays.push(self.open_display);
+            self.open_display = self.display;
         }
         (self.open_piece, self.open_triangles) = (self.pieces.len(), 0);
     }
