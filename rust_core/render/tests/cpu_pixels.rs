@@ -9,10 +9,11 @@ use std::sync::Arc;
 
 use cpu_common::{camera, cloud, drawable, pixels, quad, render, Grid};
 use nalgebra::{Matrix4, Vector3};
+use rcs_render::{CpuRenderer, Renderer, View};
 use rcs_scene::{
-    Blending, CullMode, DirectionalLight, DisplayMask, Encoding, Filtering, Geometry, HorizontalAlignment,
-    LineTopology, Lines, Material, Mesh, PointStyle, RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text, Texture,
-    VerticalAlignment, Wrapping,
+    Blending, CullMode, DirectionalLight, DisplayMask, Drawable, Encoding, Filtering, Geometry, HorizontalAlignment,
+    LineTopology, Lines, Material, Mesh, Picture, PointStyle, RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Text,
+    Texture, VerticalAlignment, Wrapping,
 };
 
 const RED: [u8; 4] = [200, 100, 0, 255];
@@ -297,4 +298,31 @@ fn every_encoding_shows_the_same_picture() {
         let at = (50 * 100 + 50) * encoding.bytes_per_pixel() + red_at;
         assert_eq!(picture.data[at], 200, "{encoding:?}");
     }
+}
+
+#[test]
+fn the_display_that_costs_most_is_known() {
+    let tiles = |half_m: f32, count: usize| {
+        let positions: Vec<[f32; 3]> = (0..count).map(|i| [0.0, 0.0, 1.0 + i as f32 * 1e-3]).collect();
+        let mut points = match cloud(PointStyle::FlatSquares { side_m: 2.0 * half_m }, &positions, [255, 0, 0, 128]) {
+            Geometry::Points(points) => points,
+            _ => unreachable!(),
+        };
+        (points.alpha, points.blended) = (0.5, true);
+        Geometry::Points(points)
+    };
+    // The second covers the picture a hundred times.
+    let drawables = [(3, tiles(0.01, 1)), (5, tiles(3.0, 100)), (7, quad(0.01, 0.5, Material::unlit(false), [255; 4]))];
+    let drawables = drawables.map(|(display, geometry)| Drawable { display, ..drawable(geometry) });
+    let scene = Scene { drawables: drawables.into(), light: None };
+    let (camera, visible) = (camera(320, 240), DisplayMask::all());
+    let mut renderer = CpuRenderer::with_threads(2);
+    assert_eq!(renderer.costs(), [], "nothing was drawn");
+    let view = View { scene: &scene, camera: &camera, visible: &visible, background: [0; 3], encoding: Encoding::Rgb8 };
+    renderer.render(&view, &mut Picture::default()).unwrap();
+    let mut costs = renderer.costs();
+    costs.sort_by_key(|(_, cost)| std::cmp::Reverse(*cost));
+    let displays: Vec<_> = costs.iter().map(|(display, _)| *display).collect();
+    assert_eq!((displays.len(), displays[0]), (3, 5), "{costs:?}");
+    assert!(costs[0].1 > 10 * costs[1].1, "{costs:?}");
 }

@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock, Weak};
 
 use rcs_scene::{
-    Blending, CellSheet, CullMode, DrawOrder, Drawable, Geometry, Material, Mesh, Ordered, Texture, Vertex,
+    Blending, CellSheet, CullMode, DisplayId, DrawOrder, Drawable, Geometry, Material, Mesh, Ordered, Texture, Vertex,
 };
 
 use super::band::Mode;
@@ -117,6 +117,11 @@ pub(super) struct FramePlan<'a> {
     pub batch_view: Option<BatchView<'a>>,
     /// In the order of drawing.
     pub jobs: Vec<Job>,
+    /// Whose each job is; where several share one, the first one's.
+    pub job_displays: Vec<DisplayId>,
+    /// That of the drawable at hand, and of the first one in the open job.
+    display: DisplayId,
+    open_display: DisplayId,
     cloud_jobs: Vec<Range<usize>>,
     open_triangles: usize,
     open_piece: usize,
@@ -184,6 +189,7 @@ impl<'a> FramePlan<'a> {
         plan.small_mesh_triangles = memory.small_mesh_triangles.unwrap_or(TRIANGLES_OF_SMALL_MESH);
         memory.order.sort(view.scene, view.visible, &view.camera.eye());
         for ordered in memory.order.of(view.scene) {
+            plan.display = ordered.drawable.display;
             plan.add(view, textures, shapes, ordered);
         }
         plan.close();
@@ -199,6 +205,7 @@ impl<'a> FramePlan<'a> {
             batches: emptied(self.batches),
             batch_pieces: emptied(self.batch_pieces),
             jobs: emptied(self.jobs),
+            job_displays: emptied(self.job_displays),
             cloud_jobs: emptied(self.cloud_jobs),
             reusable_meshes: self.reusable_meshes,
             ..FramePlan::default()
@@ -272,6 +279,7 @@ impl<'a> FramePlan<'a> {
         let first_job = self.jobs.len();
         for begin in (0..count).step_by(POINTS_PER_JOB) {
             self.jobs.push(Job::Points(index, begin..count.min(begin + POINTS_PER_JOB)));
+            self.job_displays.push(self.display);
         }
         self.cloud_jobs.push(first_job..self.jobs.len());
     }
@@ -285,6 +293,9 @@ impl<'a> FramePlan<'a> {
         while begin < count {
             let room = TRIANGLES_PER_JOB.saturating_sub(self.open_triangles).max(1);
             let end = count.min(begin + room);
+            if self.open_piece == self.pieces.len() {
+                self.open_display = self.display;
+            }
             self.pieces.push(Piece { solid: index, range: begin..end });
             self.open_triangles += end - begin;
             if self.open_triangles >= TRIANGLES_PER_JOB {
@@ -301,6 +312,9 @@ impl<'a> FramePlan<'a> {
         while begin < range.end {
             let room = SOLIDS_PER_JOB.saturating_sub(self.open_solids).max(1);
             let end = range.end.min(begin + room * in_solid);
+            if self.open_batch_piece == self.batch_pieces.len() {
+                self.open_display = self.display;
+            }
             self.batch_pieces.push(BatchPiece { batch, range: begin..end });
             self.open_solids += (end - begin).div_ceil(in_solid);
             if self.open_solids >= SOLIDS_PER_JOB {
@@ -318,6 +332,7 @@ impl<'a> FramePlan<'a> {
     fn close_solids(&mut self) {
         if self.open_piece < self.pieces.len() {
             self.jobs.push(Job::Pieces(self.open_piece..self.pieces.len()));
+            self.job_displays.push(self.open_display);
         }
         (self.open_piece, self.open_triangles) = (self.pieces.len(), 0);
     }
@@ -325,6 +340,7 @@ impl<'a> FramePlan<'a> {
     fn close_batches(&mut self) {
         if self.open_batch_piece < self.batch_pieces.len() {
             self.jobs.push(Job::Batches(self.open_batch_piece..self.batch_pieces.len()));
+            self.job_displays.push(self.open_display);
         }
         (self.open_batch_piece, self.open_solids) = (self.batch_pieces.len(), 0);
     }

@@ -20,6 +20,7 @@
 mod band;
 mod bins;
 mod clip;
+mod costs;
 mod fill;
 mod frame_plan;
 mod instances;
@@ -38,12 +39,14 @@ mod triangles;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use fearless_simd::Level;
-use rcs_scene::{Picture, MAX_SIDE_PX};
+use rcs_scene::{DisplayId, Picture, MAX_SIDE_PX};
 
 use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
+use self::costs::WorkerCosts;
 use self::frame_plan::{FramePlan, FramePlanMemory, Job, Textures};
 use self::instances::{InstanceScratch, Instances, Shapes};
 use self::points::PointScratch;
@@ -68,6 +71,8 @@ pub struct CpuRenderer {
     finished: VecDeque<Picture>,
     /// Memory for the next picture.
     unused_picture: Picture,
+    /// Whose the jobs of the last picture were.
+    job_displays: Vec<DisplayId>,
 }
 
 /// When faces that others hide are looked for. The picture does not depend on it.
@@ -99,6 +104,7 @@ struct Worker {
     vertices: VertexCache,
     instances: InstanceScratch,
     ranked: RankedScratch,
+    costs: WorkerCosts,
 }
 
 /// The result of a job; only the part that belongs to its kind is filled.
@@ -135,6 +141,10 @@ impl Renderer for CpuRenderer {
             0 | 1 => "cpu (1 thread)".into(),
             threads => format!("cpu ({threads} threads)"),
         }
+    }
+
+    fn costs(&self) -> Vec<(DisplayId, Duration)> {
+        costs::by_display(&self.job_displays, self.workers.iter().map(|worker| &worker.costs))
     }
 
     /// Draws at once: all cores are busy with one picture.
@@ -187,8 +197,13 @@ impl CpuRenderer {
             self.outcomes.resize_with(jobs, Outcome::default);
         }
 
-        let jobs = plan.jobs.iter().zip(&mut self.outcomes);
-        in_parallel(&mut self.workers, jobs, |worker, (job, outcome)| outcome.prepare(job, &plan, &screen, worker));
+        self.workers.iter_mut().for_each(|worker| worker.costs.reset(jobs));
+        let jobs = plan.jobs.iter().zip(&mut self.outcomes).enumerate();
+        in_parallel(&mut self.workers, jobs, |worker, (index, (job, outcome))| {
+            worker.costs.begin();
+            outcome.prepare(job, &plan, &screen, worker);
+            worker.costs.add(index..index + 1);
+        });
 
         plan.cull_clouds(|job| self.outcomes.get(job).into_iter().flat_map(|outcome| outcome.points.all()));
 
@@ -201,14 +216,16 @@ impl CpuRenderer {
         let outcomes = &self.outcomes;
         let bands = picture.data.chunks_mut(step * screen.band_rows()).enumerate();
         in_parallel(&mut self.workers, bands, |worker, (index, rows)| {
-            let Worker { band, scratch, instances, ranked, .. } = worker;
+            let Worker { band, scratch, instances, ranked, costs, .. } = worker;
             let mut band = band.begin(&screen, index, background);
             ranked.begin();
+            costs.begin();
             for turn in &turns {
                 match turn {
                     Turn::Job(at) => {
                         if let (Some(job), Some(outcome)) = (plan.jobs.get(*at), outcomes.get(*at)) {
                             outcome.draw(job, &plan, &screen, index, (&mut *scratch, &mut *instances), &mut band);
+                            costs.add(*at..at + 1);
                         }
                     }
                     Turn::Ranked(jobs) => {
@@ -218,6 +235,7 @@ impl CpuRenderer {
                         };
                         let scratch = (&mut *scratch, &mut *instances, &mut *ranked);
                         draw_ranked(job, outcomes, &plan, (&screen, index), scratch, &mut band);
+                        costs.add(jobs.clone());
                     }
                 }
             }
@@ -225,6 +243,7 @@ impl CpuRenderer {
                 view.encoding.write_row(pixels, row);
             }
         });
+        std::mem::swap(&mut self.job_displays, &mut plan.job_displays);
         self.memory.keep(plan);
         self.turns = turns;
         Ok(())

@@ -11,6 +11,8 @@ use crate::camera_stream::status_tree::path_text;
 
 /// A picture that took longer is reported.
 const SLOW_AFTER: Duration = Duration::from_secs(1);
+/// The display that costs most is named if it costs at least this share of the whole.
+const NAMED_SHARE: f64 = 0.1;
 
 /// The times of one picture, from the messages that it shows to the finished pixels.
 #[derive(Debug)]
@@ -56,8 +58,9 @@ impl Costs {
         for (display, cost) in drawing {
             *costs.entry(display).or_default() += cost;
         }
+        let is_much = |(_, cost): &(DisplayId, Duration)| *cost >= took.mul_f64(NAMED_SHARE);
+        let most = costs.into_iter().max_by_key(|(_, cost)| *cost).filter(is_much);
         let took = format!("a picture took {:.1} s", took.as_secs_f64());
-        let most = costs.into_iter().max_by_key(|(_, cost)| *cost).filter(|(_, cost)| !cost.is_zero());
         match most.and_then(|(display, cost)| Some((name(display)?, cost))) {
             Some((name, cost)) => format!("{took}, of it {:.1} s for display {name}", cost.as_secs_f64()),
             None => took,
@@ -80,6 +83,7 @@ mod tests {
         let text = costs.describe(secs(2.0), drawing, name);
         assert_eq!(text, "a picture took 2.0 s, of it 1.2 s for display d2");
         assert_eq!(costs.describe(secs(2.0), Vec::new(), |_| None), "a picture took 2.0 s");
+        assert_eq!(costs.describe(secs(9.0), Vec::new(), name), "a picture took 9.0 s", "most is unaccounted for");
         costs.clear();
         assert_eq!(costs.describe(secs(2.0), Vec::new(), name), "a picture took 2.0 s");
     }

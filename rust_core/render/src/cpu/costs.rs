@@ -1,0 +1,56 @@
+//! What drawing each display took.
+//!
+//! Each worker adds up the time of each job, in both steps, from one reading of the clock to the next. A job belongs to
+//! one display, or, where several small ones share it, counts as the first one's.
+
+use std::time::{Duration, Instant};
+
+use rcs_scene::DisplayId;
+
+/// The times of one worker.
+#[derive(Debug, Default)]
+pub(super) struct WorkerCosts {
+    by_job: Vec<Duration>,
+    last: Option<Instant>,
+}
+
+impl WorkerCosts {
+    /// Begins with a picture of so many jobs.
+    pub(super) fn reset(&mut self, jobs: usize) {
+        self.by_job.clear();
+        self.by_job.resize(jobs, Duration::ZERO);
+        self.last = None;
+    }
+
+    /// What follows is measured.
+    #[inline]
+    pub(super) fn begin(&mut self) {
+        self.last = Some(Instant::now());
+    }
+
+    /// What was done since [`Self::begin`], or since this was last called, was done for these jobs together.
+    #[inline]
+    pub(super) fn add(&mut self, jobs: std::ops::Range<usize>) {
+        let now = Instant::now();
+        let took = self.last.replace(now).map_or(Duration::ZERO, |last| now.saturating_duration_since(last));
+        let share = took / u32::try_from(jobs.len()).unwrap_or(u32::MAX).max(1);
+        for cost in self.by_job.get_mut(jobs).unwrap_or(&mut []) {
+            *cost += share;
+        }
+    }
+}
+
+/// The times of all workers, added for each display.
+pub(super) fn by_display<'w>(
+    displays: &[DisplayId],
+    workers: impl Iterator<Item = &'w WorkerCosts>,
+) -> Vec<(DisplayId, Duration)> {
+    let mut sums: Vec<(DisplayId, Duration)> = Vec::new();
+    for (display, cost) in workers.flat_map(|worker| displays.iter().zip(&worker.by_job)) {
+        match sums.iter_mut().find(|(known, _)| known == display) {
+            Some((_, sum)) => *sum += *cost,
+            None => sums.push((*display, *cost)),
+        }
+    }
+    sums
+}
