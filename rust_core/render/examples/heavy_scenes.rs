@@ -36,11 +36,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         print!("| {:40} |", row.name);
+        let scene = row.scene();
         let mut hashes = Vec::new();
         for renderer in &mut renderers {
             let visible = DisplayMask::all();
             let view = View {
-                scene: &row.scene,
+                scene: &scene,
                 camera: &row.camera,
                 visible: &visible,
                 background: [20, 30, 40],

@@ -57,6 +57,13 @@ impl Bounds {
         Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
     }
 
+    /// The smallest w in clip coordinates, given the matrix from the object's frame to these.
+    pub(crate) fn nearest_w(&self, clip_from_object: &Matrix4<f64>) -> f64 {
+        let row = clip_from_object.row(3).transpose();
+        let half: Vector3<f64> = (self.high - self.low) / 2.0;
+        row.dot(&nalgebra::center(&self.low, &self.high).to_homogeneous()) - row.xyz().abs().dot(&half)
+    }
+
     /// Whether Ogre draws what has these bounds.
     pub(crate) fn may_be_seen(&self, camera: &Camera, fixed_from_object: &Matrix4<f64>) -> bool {
         let clip_from_fixed = camera.clip_from_view() * camera.fixed_from_view().inverse().to_homogeneous();

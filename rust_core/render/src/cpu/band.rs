@@ -10,6 +10,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
 
 use super::lanes::{inlined, F, LANES, M, U};
+use super::occlusion::{Area, Drawn, TILE_PX};
 use super::screen::{Screen, FARTHEST};
 
 /// How fragments are combined with the pixels.
@@ -151,6 +152,29 @@ impl Band<'_> {
             };
             work(RankedWindow { colors, depths, ranks });
             at += self.stride;
+        }
+    }
+
+    /// The largest depth of a tile and the lowest rank in it; of pixels outside of the picture nothing is known.
+    #[inline(always)]
+    pub(super) fn farthest<S: Simd>(&self, simd: S, tile: Area) -> Drawn {
+        let mut farthest = F::splat(simd, 0.0);
+        let mut first_rank = U::splat(simd, u32::MAX);
+        if tile.right - tile.left < TILE_PX || !self.has_ranks {
+            return Drawn::Nothing;
+        }
+        let mut at = (tile.top - self.first_row) as usize * self.stride + tile.left as usize;
+        for _ in tile.top..tile.bottom {
+            let depths = self.depth.get(at..).and_then(<[f32]>::first_chunk);
+            let ranks = self.rank.get(at..).and_then(<[u32]>::first_chunk);
+            let (Some(depths), Some(ranks)) = (depths, ranks) else { return Drawn::Nothing };
+            farthest = farthest.max(F::load_array_ref(simd, depths));
+            first_rank = first_rank.min(U::load_array_ref(simd, ranks));
+            at += self.stride;
+        }
+        Drawn::Partly {
+            farthest: farthest.to_array().into_iter().fold(0.0, f32::max),
+            first_rank: first_rank.to_array().into_iter().fold(u32::MAX, u32::min),
         }
     }
 

@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 
 use super::band::{channel_shift, pack, unorm8, Band};
 use super::lanes::{lane_indices, map, F, I, LANES, M, U};
-use super::occlusion::{rounding, Area, DepthPlane, Occluders, TILE_PX};
+use super::occlusion::{rounding, Area, DepthPlane, Drawn, Occluders, TILE_PX};
 use super::screen::{FARTHEST, SUBPIXELS};
 use super::surface::{Paint, Surface};
 use super::triangles::{Edge, Plane, Planes};
@@ -162,7 +162,7 @@ impl<'a, S: Simd> Fill<'a, S> {
             |tile| {
                 let is_inside = edges.iter().all(|edge| edge.covers(tile));
                 if !is_inside && edges.iter().any(|edge| edge.excludes(tile)) {
-                    return false;
+                    return Drawn::Nothing;
                 }
                 let columns = self.columns(tile.left);
                 let mut y = tile.top;
@@ -192,7 +192,11 @@ impl<'a, S: Simd> Fill<'a, S> {
                         y += 1;
                     },
                 );
-                is_inside && (!is_disc || self.disc_covers(tile))
+                if is_inside && (!is_disc || self.disc_covers(tile)) {
+                    Drawn::Covered
+                } else {
+                    band.farthest(self.simd, tile)
+                }
             },
             covers,
         );

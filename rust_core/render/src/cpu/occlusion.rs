@@ -16,7 +16,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 
-use super::lanes::{lane_indices, load, F, LANES, U};
+use super::lanes::{inlined, lane_indices, load, F, LANES, U};
 use super::screen::FARTHEST;
 
 /// Side of a tile in pixels: a window's.
@@ -29,6 +29,7 @@ pub(super) const BLOCK_PX: i32 = 32;
 /// `noise`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthPlane {
+    /// The depth at the place.
     pub at: f32,
     pub dx: f32,
     pub dy: f32,
@@ -38,6 +39,11 @@ pub(super) struct DepthPlane {
 }
 
 impl DepthPlane {
+    /// The same depth everywhere.
+    fn level(at: f32) -> Self {
+        Self { at, dx: 0.0, dy: 0.0, x: 0.0, y: 0.0, noise: 0.0 }
+    }
+
     /// At a place, exactly.
     fn value(&self, x: f64, y: f64) -> f64 {
         f64::from(self.at) + f64::from(self.dx) * (x - f64::from(self.x)) + f64::from(self.dy) * (y - f64::from(self.y))
@@ -89,7 +95,10 @@ impl Level {
     #[inline(always)]
     fn seen<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, row: i32, column: i32) -> u32 {
         let begin = row as usize * self.stride + column as usize;
-        let numbers = |all: &[f32]| load(simd, all, begin);
+        let numbers = inlined(
+            #[inline(always)]
+            |all: &[f32]| load(simd, all, begin),
+        );
         let half = (self.side - 1.0) * 0.5;
         let y = self.first_row + row as f32 * self.side + half - plane.y;
         let x = lane_indices(simd).to_float::<F<S>>() * self.side + (column as f32 * self.side + half - plane.x);
@@ -106,8 +115,17 @@ impl Level {
         !(is_hidden.to_bitmask() as u32) & ((1 << LANES) - 1)
     }
 
-    /// Takes the plane of a face that covers a cell, if it is nearer than the one that is there.
-    fn offer(&mut self, plane: &DepthPlane, rank: u32, row: i32, column: i32) {
+    /// The largest depth in a cell, and a rank that none is below of pixels of this depth.
+    fn bound(&self, row: i32, column: i32) -> (f64, u32) {
+        let cell = row as usize * self.stride + column as usize;
+        let half = f64::from(self.side - 1.0) * 0.5;
+        let slopes = f64::from(self.dx[cell].abs()) + f64::from(self.dy[cell].abs());
+        let middle = f64::from(self.middle[cell]) + f64::from(self.rest[cell]);
+        (middle + slopes * half + f64::from(self.noise[cell]), self.rank[cell])
+    }
+
+    /// Takes the plane of a face that covers a cell, if it is nearer than the one that is there; says whether it is.
+    fn offer(&mut self, plane: &DepthPlane, rank: u32, row: i32, column: i32) -> bool {
         let cell = row as usize * self.stride + column as usize;
         let half = f64::from(self.side - 1.0) * 0.5;
         let x = f64::from(column) * f64::from(self.side) + half;
@@ -116,19 +134,31 @@ impl Level {
         let reach = (f64::from(plane.dx.abs()) + f64::from(plane.dy.abs())) * half + f64::from(plane.noise);
         // Depths are clamped outside of these, so that a plane says less about them.
         if !(value - reach > 0.0 && value + reach < f64::from(FARTHEST)) {
-            return;
+            return false;
         }
-        let Some(middle) = self.middle.get_mut(cell) else { return };
+        let Some(middle) = self.middle.get_mut(cell) else { return false };
         let known = f64::from(*middle) + f64::from(self.rest[cell]) + f64::from(self.noise[cell]);
         let offered = value + f64::from(plane.noise);
-        if offered > known || (offered == known && rank < self.rank[cell]) {
-            return;
+        if offered > known || (offered == known && rank <= self.rank[cell]) {
+            return false;
         }
         *middle = value as f32;
         self.rest[cell] = (value - f64::from(*middle)) as f32;
         (self.dx[cell], self.dy[cell]) = (plane.dx, plane.dy);
         (self.noise[cell], self.rank[cell]) = (plane.noise, rank);
+        true
     }
+}
+
+/// What is known of a tile's pixels after a face was drawn there.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Drawn {
+    /// No more than before.
+    Nothing,
+    /// The face covers all of them.
+    Covered,
+    /// The largest depth of them, and the lowest of their ranks.
+    Partly { farthest: f32, first_rank: u32 },
 }
 
 /// A band's tiles and blocks.
@@ -169,6 +199,14 @@ impl Occluders {
     fn area(&self, cell: Cell, side: i32) -> Area {
         let (left, top) = (cell.column * side, self.first_row + cell.row * side);
         Area { left, right: (left + side).min(self.width), top, bottom: (top + side).min(self.end_row) }
+    }
+
+    /// The largest depth in the whole band; infinite where that is not known.
+    pub(super) fn farthest(&self) -> f64 {
+        let columns = (self.width + BLOCK_PX - 1) / BLOCK_PX;
+        let rows = (self.end_row - self.first_row + BLOCK_PX - 1) / BLOCK_PX;
+        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+        cells.map(|(row, column)| self.blocks.bound(row, column).0).fold(0.0, f64::max)
     }
 
     /// Whether nothing is seen of a face within an area, which lies in the band.
@@ -212,8 +250,25 @@ impl Occluders {
         seen
     }
 
+    /// Takes what is known of a block's tiles for the block.
+    fn join_tiles(&mut self, block: Cell) {
+        let (mut farthest, mut first_rank) = (0.0_f64, u32::MAX);
+        let area = self.area(block, BLOCK_PX);
+        let (columns, rows) =
+            ((area.right - area.left + TILE_PX - 1) / TILE_PX, (area.bottom - area.top + TILE_PX - 1) / TILE_PX);
+        for row in (block.row * TILES..).take(rows as usize) {
+            for column in (block.column * TILES..).take(columns as usize) {
+                let (bound, rank) = self.tiles.bound(row, column);
+                (farthest, first_rank) = (farthest.max(bound), first_rank.min(rank));
+            }
+        }
+        // To a number that is not smaller.
+        let plane = DepthPlane::level((farthest as f32).next_up());
+        self.blocks.offer(&plane, first_rank, block.row, block.column);
+    }
+
     /// Draws a face within an area: `draw` is given this, and the pixels of each tile of which something may be seen,
-    /// and says whether the face covers all of them. `covers` says the same of other pixels.
+    /// and says what is known of them then. `covers` says whether the face covers other pixels.
     #[inline(always)]
     pub(super) fn draw<S: Simd>(
         &mut self,
@@ -221,7 +276,7 @@ impl Occluders {
         plane: &DepthPlane,
         rank: u32,
         area: Area,
-        mut draw: impl FnMut(Area) -> bool,
+        mut draw: impl FnMut(Area) -> Drawn,
         covers: impl Fn(Area) -> bool,
     ) {
         if area.left >= area.right || area.top >= area.bottom {
@@ -238,18 +293,27 @@ impl Occluders {
                     let mut is_drawn = false;
                     for (i, tiles) in self.seen_tiles(simd, plane, rank, area, block).into_iter().enumerate() {
                         let mut tiles = tiles;
-                        is_drawn |= tiles != 0;
                         while tiles != 0 {
                             let column = block.column * TILES + tiles.trailing_zeros() as i32;
                             tiles &= tiles - 1;
                             let tile = Cell { row: row * TILES + i as i32, column };
-                            if draw(self.area(tile, TILE_PX)) {
-                                self.tiles.offer(plane, rank, tile.row, tile.column);
-                            }
+                            let is_nearer = match draw(self.area(tile, TILE_PX)) {
+                                Drawn::Nothing => false,
+                                Drawn::Covered => self.tiles.offer(plane, rank, tile.row, tile.column),
+                                Drawn::Partly { farthest, first_rank } => {
+                                    let level = DepthPlane::level(farthest);
+                                    self.tiles.offer(&level, first_rank, tile.row, tile.column)
+                                }
+                            };
+                            is_drawn |= is_nearer;
                         }
                     }
-                    if is_drawn && covers(self.area(block, BLOCK_PX)) {
-                        self.blocks.offer(plane, rank, block.row, block.column);
+                    if is_drawn {
+                        if covers(self.area(block, BLOCK_PX)) {
+                            self.blocks.offer(plane, rank, block.row, block.column);
+                        } else {
+                            self.join_tiles(block);
+                        }
                     }
                 }
             }

@@ -62,10 +62,12 @@ pub(super) struct Load {
 }
 
 impl Load {
-    /// Adds a face.
+    /// Adds a face. Thin ones, such as wide lines, cover no tiles: where they prevail, their order is kept.
     #[inline]
-    pub(super) fn add(&mut self, pixels: u64) {
-        self.pixels += pixels;
+    pub(super) fn add(&mut self, pixels: u64, is_thin: bool) {
+        if !is_thin {
+            self.pixels += pixels;
+        }
         self.faces += 1;
     }
 

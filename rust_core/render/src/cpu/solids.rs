@@ -174,7 +174,8 @@ impl Primitives {
             return;
         }
         let rows = triangles::rows(positions);
-        self.load.add(triangles::reach_px(positions, source.screen));
+        let (pixels, is_thin) = triangles::reach_px(positions, source.screen);
+        self.load.add(pixels, is_thin);
         for (&index, &key) in indices.iter().zip(corners) {
             self.corners[index as usize].light(source, key);
         }
@@ -197,7 +198,8 @@ impl Primitives {
             let first = self.corners.len() as u32;
             self.corners.extend(corners.map(|corner| ReadyCorner { corner, is_lit: true }));
             let positions = corners.each_ref().map(|corner| &corner.position);
-            self.load.add(triangles::reach_px(positions, source.screen));
+            let (pixels, is_thin) = triangles::reach_px(positions, source.screen);
+            self.load.add(pixels, is_thin);
             self.push_triangle([first, first + 1, first + 2], triangles::rows(positions), source);
         });
     }

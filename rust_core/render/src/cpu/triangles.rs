@@ -62,14 +62,18 @@ impl ScreenPosition {
     }
 }
 
-/// About as many pixels of the picture as a triangle covers.
+/// About as many pixels of the picture as a triangle covers, and whether it is thin.
 #[inline]
-pub(super) fn reach_px([a, b, c]: [&ScreenPosition; 3], screen: &Screen) -> u64 {
-    let side = |a: i32, b: i32, c: i32, end: u32| {
-        let (first, after) = between(a, b, c);
-        (after.min(end as i32) - first.max(0)).max(0) as u64
-    };
-    side(a.x, b.x, c.x, screen.width_px) * side(a.y, b.y, c.y, screen.height_px) / 2
+pub(super) fn reach_px([a, b, c]: [&ScreenPosition; 3], screen: &Screen) -> (u64, bool) {
+    const THIN_PX: i64 = 32;
+    let (left, right) = between(a.x, b.x, c.x);
+    let (top, bottom) = between(a.y, b.y, c.y);
+    let longest = i64::from((right - left).max(bottom - top));
+    let doubled_px = doubled_area([a, b, c]).abs() / i64::from(SUBPIXELS * SUBPIXELS);
+    let width = right.min(screen.width_px as i32) - left.max(0);
+    let height = bottom.min(screen.height_px as i32) - top.max(0);
+    let in_picture = width.max(0) as u64 * height.max(0) as u64;
+    (in_picture.min(doubled_px as u64) / 2, doubled_px < longest * THIN_PX)
 }
 
 /// Twice the area in snapped places. Window y points down, so what runs counter-clockwise to the eye has a negative
@@ -176,11 +180,12 @@ pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mu
         let wide = Wide { planes: Planes::new([a, b, c], area, surface), edges: Edge::around(positions) };
         dispatch!(band.simd_level, simd => wide.draw(simd, surface, (left, right), (begin, end), band));
     } else {
-        let edges = Edge::around(positions);
-        for y in band.rows(begin, end) {
+        let rows = band.rows(begin, end);
+        let mut edges = Edge::around(positions).map(|edge| EdgeRows::new(&edge, rows.start));
+        for y in rows {
             let (mut first, mut after) = (left, right);
-            for edge in &edges {
-                edge.narrow(y, &mut first, &mut after);
+            for edge in &mut edges {
+                edge.narrow(&mut first, &mut after);
             }
             draw_row(y, (first, after), band);
         }
@@ -237,10 +242,12 @@ impl Wide {
     ) {
         let fill = Fill::new(simd, &self.planes, surface);
         let (left, right) = (left.max(0), right.min(band.width));
-        for y in band.rows(begin, end) {
+        let rows = band.rows(begin, end);
+        let mut edges = self.edges.each_ref().map(|edge| EdgeRows::new(edge, rows.start));
+        for y in rows {
             let (mut first, mut after) = (left, right.max(left));
-            for edge in &self.edges {
-                edge.narrow(y, &mut first, &mut after);
+            for edge in &mut edges {
+                edge.narrow(&mut first, &mut after);
             }
             fill.row(y, first, after, band);
         }
@@ -407,21 +414,51 @@ impl Edge {
             dy: along_x * i64::from(SUBPIXELS),
         }
     }
+}
 
-    /// Narrows `first..after` to the pixels of a row on the inner side.
-    fn narrow(&self, y: i32, first: &mut i32, after: &mut i32) {
-        let here = self.c + self.dy * i64::from(y);
-        match self.dx {
-            0 if here < 0 => *after = *first,
-            0 => {}
-            dx if dx > 0 => {
-                let from = -here.div_euclid(dx);
-                *first = i64::from(*first).max(from).min(i64::from(*after)) as i32;
-            }
-            dx => {
-                let last = here.div_euclid(-dx);
-                *after = i64::from(*after).min(last + 1).max(i64::from(*first)) as i32;
-            }
+/// Where an edge crosses one row after another. Its value grows by the same from row to row, so that it is divided only
+/// once.
+struct EdgeRows {
+    /// The value at the row's beginning, divided by the change per pixel without its sign: the quotient, rounded down,
+    /// and what is left.
+    quotient: i64,
+    rest: i64,
+    /// The same of the change from row to row.
+    step: i64,
+    rest_step: i64,
+    divisor: i64,
+    /// Whether the inner side is on the right; an edge along the rows has none.
+    is_left: Option<bool>,
+}
+
+impl EdgeRows {
+    fn new(edge: &Edge, row: i32) -> Self {
+        let here = edge.c + edge.dy * i64::from(row);
+        let divisor = edge.dx.abs().max(1);
+        Self {
+            quotient: here.div_euclid(divisor),
+            rest: here.rem_euclid(divisor),
+            step: edge.dy.div_euclid(divisor),
+            rest_step: edge.dy.rem_euclid(divisor),
+            divisor,
+            is_left: (edge.dx != 0).then_some(edge.dx > 0),
+        }
+    }
+
+    /// Narrows `first..after` to the pixels of the row on the inner side, and goes on to the next row.
+    #[inline]
+    fn narrow(&mut self, first: &mut i32, after: &mut i32) {
+        match self.is_left {
+            None if self.quotient < 0 => *after = *first,
+            None => {}
+            Some(true) => *first = i64::from(*first).max(-self.quotient).min(i64::from(*after)) as i32,
+            Some(false) => *after = i64::from(*after).min(self.quotient + 1).max(i64::from(*first)) as i32,
+        }
+        self.quotient += self.step;
+        self.rest += self.rest_step;
+        if self.rest >= self.divisor {
+            self.rest -= self.divisor;
+            self.quotient += 1;
         }
     }
 }

@@ -33,12 +33,19 @@ pub const STYLES: [(&str, PointStyle); 5] = [
 pub struct Row {
     /// What it is.
     pub name: String,
-    /// The scene.
-    pub scene: Scene,
+    /// Makes what the scene has.
+    pub drawable: Box<dyn Fn() -> Drawable>,
     /// The camera.
     pub camera: Camera,
     /// The longest time of a picture.
     pub limit_ms: f64,
+}
+
+impl Row {
+    /// The scene.
+    pub fn scene(&self) -> Scene {
+        Scene { drawables: vec![(self.drawable)()], light: None }
+    }
 }
 
 /// A sequence of numbers from 0 to before 1 that looks random.
@@ -219,70 +226,69 @@ pub const TILT: [f64; 3] = [0.03, -0.02, 0.4];
 /// All rows, with a share of the numbers of things: 1 for the table.
 pub fn rows(share: f64) -> Vec<Row> {
     let count = |all: usize| (all as f64 * share) as usize;
-    let one = |name: String, drawable: Drawable, camera: Camera, limit_ms: f64| Row {
-        name,
-        scene: Scene { drawables: vec![drawable], light: None },
-        camera,
-        limit_ms,
-    };
-    let straight = [0.0; 3];
     let mut rows = Vec::new();
+    let mut row = |name: String, limit_ms: f64, camera: Camera, drawable: Box<dyn Fn() -> Drawable>| {
+        rows.push(Row { name, drawable, camera, limit_ms });
+    };
+    let straight = |focal_px: f64| camera(focal_px, [0.0; 3]);
     let points = count(DEPTH_CAMERA_POINTS);
     for (name, style) in STYLES {
         for focal_px in [1400.0, 1900.0] {
-            let scene = cloud(spread(points, focal_px as f32, 0.06), style, 1.0);
-            rows.push(one(format!("{name} 6 cm, f {focal_px}"), scene, camera(focal_px, straight), 100.0));
+            let drawable = move || cloud(spread(points, focal_px as f32, 0.06), style, 1.0);
+            row(format!("{name} at 6 cm, f {focal_px}"), 100.0, straight(focal_px), Box::new(drawable));
         }
-        let tilted = cloud(spread(points, 1900.0, 0.06), style, 1.0);
-        rows.push(one(format!("{name} 6 cm, tilted"), tilted, camera(1900.0, TILT), 100.0));
-        let same = cloud(vec![[0.003, -0.002, 0.06]; points], style, 1.0);
-        rows.push(one(format!("{name} in one place"), same, camera(1900.0, straight), 100.0));
-        let noise =
-            cloud(around(points).iter().map(|p| [p[0] * 1e-3, p[1] * 1e-3, 0.06 + p[2] * 1e-3]).collect(), style, 1.0);
-        rows.push(one(format!("{name} within 4 mm"), noise, camera(1900.0, straight), 100.0));
-        let blended = cloud(spread(points, 1900.0, 0.06), style, 0.5);
-        rows.push(one(format!("{name} 6 cm, alpha 0.5"), blended, camera(1900.0, straight), f64::INFINITY));
+        let same = move || cloud(vec![[0.003, -0.002, 0.06]; points], style, 1.0);
+        row(format!("{name} in one place"), 100.0, straight(1900.0), Box::new(same));
+        let near = |place: &[f32; 3]| [place[0] * 1e-3, place[1] * 1e-3, 0.06 + place[2] * 1e-3];
+        let noise = move || cloud(around(points).iter().map(near).collect(), style, 1.0);
+        row(format!("{name} within 4 mm"), 100.0, straight(1900.0), Box::new(noise));
+        let tilted = move || cloud(spread(points, 1900.0, 0.06), style, 1.0);
+        row(format!("{name} in a tilted plane"), f64::INFINITY, camera(1900.0, TILT), Box::new(tilted));
+        let blended = move || cloud(spread(points, 1900.0, 0.06), style, 0.5);
+        row(format!("{name} at 6 cm, alpha 0.5"), f64::INFINITY, straight(1900.0), Box::new(blended));
     }
     let flat = PointStyle::FlatSquares { side_m: SIDE_M };
     let round = PointStyle::Points { diameter_px: 3.0 };
+    let many = count(5_000_000);
     for (name, style) in [("Flat Squares", flat), ("Points 3 px", round)] {
-        for (place, range_m) in [("behind", [-1.0, -0.001]), ("around", [-0.5, 0.5]), ("5 to 10 cm", [0.05, 0.1])] {
-            let many = cloud(between(count(5_000_000), 1400.0, range_m), style, 1.0);
-            rows.push(one(format!("5 M {name} {place}"), many, camera(1400.0, straight), 500.0));
+        for (place, range_m) in [("behind", [-1.0, -0.001]), ("around", [-0.5, 0.5]), ("at 5 to 10 cm", [0.05, 0.1])] {
+            let drawable = move || cloud(between(many, 1400.0, range_m), style, 1.0);
+            row(format!("5 M {name} {place}"), 500.0, straight(1400.0), Box::new(drawable));
         }
     }
     let million = count(1_000_000);
-    for (name, positions) in [("around", around(million)), ("winding", winding(million))] {
-        for topology in [LineTopology::List, LineTopology::Strip] {
-            let drawable = lines(positions.clone(), topology, Blending::Replace);
-            rows.push(one(format!("1 M line {topology:?} {name}"), drawable, camera(1400.0, straight), 500.0));
+    for (name, place) in [("around", around as fn(usize) -> Vec<[f32; 3]>), ("winding", winding)] {
+        for (topology, kind) in [(LineTopology::List, "list"), (LineTopology::Strip, "strip")] {
+            let drawable = move || lines(place(million), topology, Blending::Replace);
+            row(format!("1 M line {kind} {name}"), 500.0, straight(1400.0), Box::new(drawable));
         }
         for (in_chain, kind) in [(2, "list"), (million, "strip")] {
-            let drawable = ribbons(&positions, in_chain, Blending::Replace);
-            rows.push(one(format!("1 M ribbon {kind} {name}"), drawable, camera(1400.0, straight), 500.0));
+            let drawable = move || ribbons(&place(million), in_chain, Blending::Replace);
+            row(format!("1 M ribbon {kind} {name}"), 500.0, straight(1400.0), Box::new(drawable));
         }
     }
-    let drawable = lines(around(million), LineTopology::List, Blending::Alpha);
-    rows.push(one("1 M line List, blended".into(), drawable, camera(1400.0, straight), 500.0));
-    let near: Vec<[f32; 3]> = around(million).into_iter().map(|place| place.map(|c| c * 0.15)).collect();
-    rows.push(one("1 M flat arrows".into(), arrows(&near), camera(1400.0, straight), 500.0));
+    let drawable = move || lines(around(million), LineTopology::List, Blending::Alpha);
+    row("1 M line list, blended".into(), 500.0, straight(1400.0), Box::new(drawable));
+    let near = move || around(million).into_iter().map(|place| place.map(|c| c * 0.15)).collect::<Vec<_>>();
+    row("1 M flat arrows".into(), 500.0, straight(1400.0), Box::new(move || arrows(&near())));
     let filled = count(100_000);
-    let steps: [(&str, &dyn Fn(usize) -> f32); 4] = [
-        ("towards the eye", &|i| 3.0 - 2.0 * i as f32 / 1e5),
-        ("away from the eye", &|i| 1.0 + 2.0 * i as f32 / 1e5),
-        ("at random", &|i| 1.0 + 2.0 * (i as f32 * 0.618_034).fract()),
-        ("at one depth", &|_| 1.5),
+    let last = filled.max(1) as f32;
+    let kinds: [(&str, [f64; 3], Box<dyn Fn(usize) -> f32>); 5] = [
+        ("towards the eye", [0.0; 3], Box::new(move |i| 3.0 - 2.0 * i as f32 / last)),
+        ("away from the eye", [0.0; 3], Box::new(move |i| 1.0 + 2.0 * i as f32 / last)),
+        ("at random depths", [0.0; 3], Box::new(|i| 1.0 + 2.0 * (i as f32 * 0.618_034).fract())),
+        ("at one depth", [0.0; 3], Box::new(|_| 1.5)),
+        ("at random, tilted", TILT, Box::new(|i| 1.0 + 2.0 * (i as f32 * 0.618_034).fract())),
     ];
-    for (name, distance_m) in steps {
-        let drawable = filling(filled, Blending::Replace, distance_m);
-        rows.push(one(format!("0.1 M filling triangles {name}"), drawable, camera(1400.0, straight), 200.0));
+    for (name, turn, distance_m) in kinds {
+        let drawable = move || filling(filled, Blending::Replace, &distance_m);
+        row(format!("0.1 M filling triangles {name}"), 200.0, camera(1400.0, turn), Box::new(drawable));
     }
-    let drawable = filling(filled, Blending::Replace, steps[2].1);
-    rows.push(one("0.1 M filling triangles, tilted".into(), drawable, camera(1400.0, TILT), 200.0));
-    let places = between(filled, 1400.0, [0.5, 2.0]);
-    rows.push(one("0.1 M translucent balls".into(), balls(&places, 0.02, 128), camera(1400.0, straight), 1000.0));
+    let places = move || between(filled, 1400.0, [0.5, 2.0]);
+    let drawable = move || balls(&places(), 0.02, 128);
+    row("0.1 M translucent balls".into(), 1000.0, straight(1400.0), Box::new(drawable));
     let spheres = PointStyle::Spheres { size_m: [0.04; 2] };
-    let drawable = cloud(places, spheres, 0.5);
-    rows.push(one("0.1 M Spheres of 4 cm, alpha 0.5".into(), drawable, camera(1400.0, straight), 1000.0));
+    let drawable = move || cloud(places(), spheres, 0.5);
+    row("0.1 M Spheres of 4 cm, alpha 0.5".into(), 1000.0, straight(1400.0), Box::new(drawable));
     rows
 }

@@ -16,7 +16,7 @@ use super::rough::RoughFaces;
 use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::band::Band;
 use crate::cpu::lanes::{lane_indices, map, F, I, LANES};
-use crate::cpu::occlusion::{rounding, Area, DepthPlane};
+use crate::cpu::occlusion::{rounding, Area, DepthPlane, Drawn};
 use crate::cpu::ranked::{scattered, RankedScratch};
 use crate::cpu::screen::{Screen, FARTHEST};
 use crate::cpu::triangles;
@@ -25,12 +25,60 @@ use crate::shading::DISC_RADIUS_SQUARED;
 /// So many neighbouring points of a list are drawn one after the other: their memory comes together.
 const CHUNK: usize = 8;
 
+/// After so many chunks it is asked again how far away a band is covered everywhere.
+const CHUNKS_TO_ASK: usize = 128;
+
 /// The points of a cloud that touch a band.
 pub(super) struct Run<'a, I> {
     pub cloud: &'a Cloud<'a>,
     /// Their indices, by job.
     pub indices: I,
     pub first_rank: u32,
+}
+
+/// From which w on nothing of a cloud is seen where a band is covered everywhere up to some depth.
+///
+/// Depth grows with w alone where the view's depth does not depend on x and y, as always with rviz's cameras.
+struct Range {
+    /// Depth over w, from -1 to 1, is at least `far + near_w / w`.
+    far: f64,
+    near_w: f64,
+    /// How far a face reaches from its point, in w.
+    reach_w: f64,
+}
+
+impl Range {
+    /// By how much of their magnitude sums of coordinates may be off, generously.
+    const ROUNDING: f64 = 4e-6;
+
+    /// None where that does not hold.
+    fn of(cloud: &Cloud<'_>) -> Option<Self> {
+        let [.., z, w] = cloud.transform.clip_from_object.map(|row| row.map(f64::from));
+        let dot = |a: &[f64; 4], b: &[f64; 4]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let scale = dot(&w, &w).sqrt();
+        let far = dot(&z, &w) / dot(&w, &w);
+        let is_along = [0, 1, 2].iter().all(|&i| (z[i] - far * w[i]).abs() < 1e-6 * scale);
+        // Coordinates in the cloud's frame are as large as its distance.
+        let from_eye = cloud.faces.eye().map(f64::from).iter().map(|c| c * c).sum::<f64>().sqrt() * scale;
+        let near_w = z[3] - far * w[3];
+        let reach_w = scale * f64::from(cloud.faces.reach_m()) + Self::ROUNDING * from_eye;
+        (is_along && near_w < 0.0 && !cloud.points.auto_size).then_some(Self {
+            far: far - 3.0 * Self::ROUNDING,
+            near_w: near_w - Self::ROUNDING * from_eye,
+            reach_w,
+        })
+    }
+
+    /// The w from which on points are hidden.
+    fn hidden_from(&self, farthest: f64) -> f32 {
+        let farthest = (farthest + 16.0) / f64::from(FARTHEST) * 2.0 - 1.0;
+        let from = self.near_w / (farthest - self.far);
+        if farthest < self.far && from.is_finite() {
+            ((from + self.reach_w) * 1.001) as f32
+        } else {
+            f32::INFINITY
+        }
+    }
 }
 
 /// Lists the chunks of a run. Returns the first of their ranks; `None` where there are too many.
@@ -65,7 +113,13 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
             half_size: screen.half_size(),
         };
         let (mut indices, mut ranks, mut count) = ([0; BLOCK], [0; BLOCK], 0);
-        for at in scattered(ranked.faces.len()) {
+        let range = Range::of(self.cloud);
+        let mut hidden_from = f32::INFINITY;
+        for (drawn, at) in scattered(ranked.faces.len()).enumerate() {
+            if drawn % CHUNKS_TO_ASK == CHUNKS_TO_ASK - 1 {
+                let farthest = |range: &Range| range.hidden_from(ranked.occluders.farthest());
+                hidden_from = range.as_ref().map_or(f32::INFINITY, farthest);
+            }
             if count + CHUNK > BLOCK {
                 self.draw_block::<S, PAINT>(simd, &indices[..count], &ranks, &view, screen, scratch, ranked, band);
                 count = 0;
@@ -75,7 +129,7 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
             // Of neighbours, too, the last is the most likely to hide the others.
             for (i, &index) in chunk.iter().take(CHUNK).enumerate().rev() {
                 let rank = self.first_rank + (at * CHUNK + i) as u32;
-                if self.is_needed(index, rank, ranked) {
+                if self.is_needed(index, rank, hidden_from, ranked) {
                     (indices[count % BLOCK], ranks[count % BLOCK]) = (index, rank);
                     count += 1;
                 }
@@ -84,11 +138,15 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         self.draw_block::<S, PAINT>(simd, &indices[..count], &ranks, &view, screen, scratch, ranked, band);
     }
 
-    /// Whether a point is not too faint, and no later one lies in the same place.
+    /// Whether a point is not too faint or too far away, and no later one lies in the same place.
     #[inline(always)]
-    fn is_needed(&self, index: u32, rank: u32, ranked: &mut RankedScratch) -> bool {
+    fn is_needed(&self, index: u32, rank: u32, hidden_from: f32, ranked: &mut RankedScratch) -> bool {
         let buffer = &self.cloud.points.buffer;
         let Some(position) = buffer.positions.get(index as usize) else { return false };
+        let [.., [x, y, z, w]] = self.cloud.transform.clip_from_object;
+        if position[0] * x + position[1] * y + position[2] * z + w > hidden_from {
+            return false;
+        }
         let [.., alpha] = buffer.colors.get(index as usize);
         self.cloud.opacities[usize::from(alpha)].is_some()
             && !ranked.recent_points.covers(&position.map(f32::to_bits), rank)
@@ -275,7 +333,11 @@ fn draw_small<S: Simd, const PAINT: u8>(
                     to_next_row(&mut edges_at, &mut depth_from_first, &mut places_at);
                 },
             );
-            covers(tile)
+            if covers(tile) {
+                Drawn::Covered
+            } else {
+                band.farthest(simd, tile)
+            }
         },
         covers,
     );

@@ -1,0 +1,224 @@
+//! Heavy scenes are drawn in time, and what is not looked at for that would not have been seen.
+#![allow(clippy::unwrap_used, reason = "a test may stop here")]
+
+mod heavy_common;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use heavy_common::{arrows, balls, camera_of, cloud, drawable, filling, lines, ribbons, rows, Numbers, TILT};
+use nalgebra::{Isometry3, Vector3};
+use proptest::prelude::*;
+use rcs_render::{CpuRenderer, Culling, Renderer, View};
+use rcs_scene::{
+    Blending, Camera, CullMode, DisplayMask, Drawable, Encoding, Filtering, Geometry, LineTopology, Material, Mesh,
+    Picture, PointStyle, RenderGroup, Scene, Texture, Vertex, Wrapping,
+};
+
+fn render(renderer: &mut dyn Renderer, scene: &Scene, camera: &Camera) -> Picture {
+    let visible = DisplayMask::all();
+    let (background, encoding) = ([20, 30, 40], Encoding::Rgba8);
+    let mut picture = Picture::default();
+    renderer.render(&View { scene, camera, visible: &visible, background, encoding }, &mut picture).unwrap();
+    picture
+}
+
+/// Places so close to the lens that faces of some millimetres are large: spread, in a few places, in one, in a plane.
+fn places() -> impl Strategy<Value = Vec<[f32; 3]>> {
+    let count = prop_oneof![4 => 1usize..60, 1 => 200usize..900];
+    (count, 0u8..6, any::<u64>(), prop_oneof![0.02f32..0.1, Just(0.06f32)]).prop_map(|(count, kind, seed, z)| {
+        let mut numbers = Numbers::new(seed);
+        let mut spread = |reach: f32| numbers.between(-reach, reach);
+        let fixed: Vec<[f32; 3]> = (0..4).map(|_| [spread(0.01), spread(0.01), z + spread(0.005)]).collect();
+        let mut place = |i: usize| match kind {
+            0 => [spread(0.02), spread(0.02), z],
+            1 => [spread(0.02), spread(0.02), z + spread(0.02)],
+            2 => fixed[i * 7 % 4],
+            3 => [spread(1e-4), spread(1e-4), z + spread(1e-6)],
+            4 => [spread(0.02), spread(0.02), z - 0.00002 * i as f32],
+            _ => [spread(0.05), spread(0.05), spread(0.1)],
+        };
+        (0..count).map(&mut place).collect()
+    })
+}
+
+fn style() -> impl Strategy<Value = PointStyle> {
+    let side = || prop::sample::select(vec![0.0005f32, 0.001, 0.004, 0.01]);
+    prop_oneof![
+        side().prop_map(|side_m| PointStyle::FlatSquares { side_m }),
+        [side(), side()].prop_map(|size_m| PointStyle::Squares { size_m }),
+        [side(), side()].prop_map(|size_m| PointStyle::Spheres { size_m }),
+        [side(), side(), side()].prop_map(|size_m| PointStyle::Boxes { size_m }),
+        ([side(), side()], any::<bool>()).prop_map(|(size_m, is_turned)| {
+            let (normal, up) =
+                if is_turned { ([0.6, 0.0, -0.8], [0.0, 1.0, 0.0]) } else { ([0.0, 0.0, -1.0], [0.0, -1.0, 0.0]) };
+            PointStyle::Tiles { size_m, normal, up }
+        }),
+        (1.0f32..60.0).prop_map(|diameter_px| PointStyle::Points { diameter_px }),
+    ]
+}
+
+fn clouds() -> impl Strategy<Value = Drawable> {
+    let alpha = prop_oneof![3 => Just(1.0f32), 1 => Just(0.4f32)];
+    (places(), style(), alpha, any::<bool>(), any::<bool>()).prop_map(|(positions, style, alpha, is_scaled, faint)| {
+        let mut cloud = cloud(positions, style, alpha);
+        if let Geometry::Points(points) = &mut cloud.geometry {
+            points.auto_size = is_scaled && matches!(style, PointStyle::Points { .. } | PointStyle::FlatSquares { .. });
+            if faint {
+                // Some are too faint to be drawn, and hide nothing.
+                let buffer = Arc::make_mut(&mut points.buffer);
+                if let rcs_scene::PointColors::PerPoint(colors) = &mut buffer.colors {
+                    colors.iter_mut().step_by(3).for_each(|color| color[3] = 0);
+                }
+            }
+        }
+        cloud
+    })
+}
+
+fn material() -> impl Strategy<Value = Material> {
+    (0u8..8, prop::sample::select(vec![CullMode::None, CullMode::Back, CullMode::Front]), any::<bool>()).prop_map(
+        |(kind, cull, is_colored)| {
+            let plain = Material { cull, vertex_colors: is_colored, ..Material::unlit(kind == 1) };
+            match kind {
+                2 => Material { depth_test: false, ..plain },
+                3 => Material { depth_write: false, ..plain },
+                4 => Material { depth_bias: 3.0, ..plain },
+                5 => {
+                    let rgba = vec![[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 0, 255]];
+                    let (filtering, wrapping) = (Filtering::Nearest, Wrapping::Repeat);
+                    let texture = Texture { width: 2, height: 2, rgba, filtering, wrapping };
+                    Material { texture: Some(Arc::new(texture)), ..plain }
+                }
+                6 => Material { blending: Blending::Alpha, depth_write: true, ..plain },
+                _ => plain,
+            }
+        },
+    )
+}
+
+/// Triangles of all sizes, some of them several times, some in one plane.
+fn meshes() -> impl Strategy<Value = Drawable> {
+    (material(), any::<u64>(), 1usize..80, 0u8..4, any::<bool>()).prop_map(|(material, seed, count, kind, shares)| {
+        let mut numbers = Numbers::new(seed);
+        let mut mesh = Mesh::default();
+        for i in 0..count {
+            let z = match kind {
+                0 => 1.0,
+                1 => 0.5 + 0.01 * i as f32,
+                _ => numbers.between(0.3, 2.0),
+            };
+            let reach = if i % 3 == 0 { 5.0 } else { 0.7 };
+            for _ in 0..3 {
+                let depth = if kind == 3 { numbers.between(-0.2, 2.0) } else { z };
+                let position = [numbers.between(-reach, reach), numbers.between(-reach, reach), depth];
+                let color = heavy_common::color(if shares { i } else { mesh.vertices.len() });
+                let uv = [numbers.next(), numbers.next()];
+                mesh.vertices.push(Vertex { color, uv, ..Vertex::new(position, [0.0, 0.0, -1.0]) });
+            }
+            let base = if i % 5 == 4 { 3 * (i as u32 - 2) } else { 3 * i as u32 };
+            mesh.indices.extend([base, base + 1, base + 2]);
+        }
+        drawable(Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) })
+    })
+}
+
+fn others() -> impl Strategy<Value = Drawable> {
+    (any::<u64>(), 0u8..5).prop_map(|(seed, kind)| {
+        let mut numbers = Numbers::new(seed);
+        let places: Vec<[f32; 3]> = (0..40)
+            .map(|_| [numbers.between(-1.0, 1.0), numbers.between(-1.0, 1.0), numbers.between(-0.2, 1.5)])
+            .collect();
+        match kind {
+            0 => lines(places, LineTopology::List, Blending::Replace),
+            1 => lines(places, LineTopology::Strip, Blending::Alpha),
+            2 => ribbons(&places, 9, Blending::Replace),
+            3 => balls(&places, 0.2, 100),
+            _ => arrows(&places),
+        }
+    })
+}
+
+fn scenes() -> impl Strategy<Value = Scene> {
+    let group =
+        prop::sample::select(vec![RenderGroup::Behind, RenderGroup::Main, RenderGroup::Main, RenderGroup::Above]);
+    let pose = prop_oneof![
+        3 => Just(Isometry3::identity()),
+        1 => [-0.3f64..0.3, -0.3..0.3, -0.3..0.3].prop_map(|turn| {
+            Isometry3::new(Vector3::new(0.001, -0.002, 0.003), Vector3::from(turn))
+        }),
+    ];
+    let geometry = prop_oneof![4 => clouds(), 3 => meshes(), 1 => others()];
+    let thing = (geometry, group, pose).prop_map(|(drawable, group, pose)| Drawable {
+        group,
+        fixed_from_object: pose.to_homogeneous(),
+        ..drawable
+    });
+    prop::collection::vec(thing, 1..6).prop_map(|drawables| Scene { drawables, light: None })
+}
+
+fn cameras() -> impl Strategy<Value = Camera> {
+    let size = prop::sample::select(vec![[64u32, 48], [100, 77], [333, 130], [640, 70]]);
+    let focal = prop::sample::select(vec![150.0, 600.0, 1900.0, -600.0]);
+    let turn = prop::sample::select(vec![[0.0; 3], TILT, [0.0, 0.0, 1.570_796_326_794_896_6]]);
+    (size, focal, turn).prop_map(|(size, focal, turn)| camera_of(size, focal, turn))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    #[test]
+    fn what_is_hidden_does_not_show_in_the_picture(scene in scenes(), camera in cameras()) {
+        let draw = |culling| render(&mut CpuRenderer::with_threads(1).with_culling(culling), &scene, &camera);
+        let picture = draw(Culling::Never);
+        let different = |other: Picture| {
+            other.data.chunks(4).zip(picture.data.chunks(4)).position(|(a, b)| a != b)
+        };
+        prop_assert_eq!(different(draw(Culling::Always)), None);
+        prop_assert_eq!(different(draw(Culling::Heavy)), None);
+    }
+}
+
+/// Each row of the table in docs/performance.md with a tenth of its things, in the time that all of them may take.
+#[test]
+fn heavy_scenes_are_drawn_in_time() {
+    let mut renderer = CpuRenderer::new();
+    let mut late = Vec::new();
+    for row in rows(0.1) {
+        let scene = row.scene();
+        let times_ms = [(); 4].map(|()| {
+            let start = Instant::now();
+            render(&mut renderer, &scene, &row.camera);
+            start.elapsed().as_secs_f64() * 1e3
+        });
+        let fastest = times_ms.into_iter().fold(f64::INFINITY, f64::min);
+        println!("{:45} {fastest:8.1} ms, at most {:5.0}", row.name, row.limit_ms);
+        if fastest > row.limit_ms {
+            late.push(row.name);
+        }
+    }
+    assert!(late.is_empty(), "{late:?}");
+}
+
+/// The same scenes with fewer things, drawn with and without culling.
+#[test]
+fn heavy_scenes_look_the_same_without_culling() {
+    for row in rows(0.002) {
+        let scene = row.scene();
+        let draw = |culling| render(&mut CpuRenderer::new().with_culling(culling), &scene, &row.camera);
+        let picture = draw(Culling::Never);
+        assert!(draw(Culling::Always) == picture && draw(Culling::Heavy) == picture, "{}", row.name);
+    }
+}
+
+/// A fan of equal triangles, and the last one wins everywhere.
+#[test]
+fn of_equally_deep_faces_the_last_is_seen() {
+    for blending in [Blending::Replace, Blending::Alpha] {
+        let drawables = vec![filling(500, Blending::Replace, |_| 1.5), filling(3, blending, |_| 1.5)];
+        let scene = Scene { drawables, light: None };
+        let camera = camera_of([100, 80], 300.0, [0.0; 3]);
+        let draw = |culling| render(&mut CpuRenderer::new().with_culling(culling), &scene, &camera);
+        assert!(draw(Culling::Always) == draw(Culling::Never));
+    }
+}
