@@ -97,30 +97,37 @@ fn material() -> impl Strategy<Value = Material> {
     )
 }
 
-/// Triangles of all sizes, some of them several times, some in one plane.
+/// Triangles of all sizes, some of them several times, some in one plane. Large meshes are drawn another way than small
+/// ones.
 fn meshes() -> impl Strategy<Value = Drawable> {
-    (material(), any::<u64>(), 1usize..80, 0u8..4, any::<bool>()).prop_map(|(material, seed, count, kind, shares)| {
-        let mut numbers = Numbers::new(seed);
-        let mut mesh = Mesh::default();
-        for i in 0..count {
-            let z = match kind {
-                0 => 1.0,
-                1 => 0.5 + 0.01 * i as f32,
-                _ => numbers.between(0.3, 2.0),
-            };
-            let reach = if i % 3 == 0 { 5.0 } else { 0.7 };
-            for _ in 0..3 {
-                let depth = if kind == 3 { numbers.between(-0.2, 2.0) } else { z };
-                let position = [numbers.between(-reach, reach), numbers.between(-reach, reach), depth];
-                let color = heavy_common::color(if shares { i } else { mesh.vertices.len() });
-                let uv = [numbers.next(), numbers.next()];
-                mesh.vertices.push(Vertex { color, uv, ..Vertex::new(position, [0.0, 0.0, -1.0]) });
+    let flags = [any::<bool>(), any::<bool>()];
+    (material(), any::<u64>(), 1usize..80, 0u8..4, flags).prop_map(
+        |(material, seed, count, kind, [shares, is_large])| {
+            let mut numbers = Numbers::new(seed);
+            let mut mesh = Mesh::default();
+            for i in 0..count {
+                let z = match kind {
+                    0 => 1.0,
+                    1 => 0.5 + 0.01 * i as f32,
+                    _ => numbers.between(0.3, 2.0),
+                };
+                let reach = if i % 3 == 0 { 5.0 } else { 0.7 };
+                for _ in 0..3 {
+                    let depth = if kind == 3 { numbers.between(-0.2, 2.0) } else { z };
+                    let position = [numbers.between(-reach, reach), numbers.between(-reach, reach), depth];
+                    let color = heavy_common::color(if shares { i } else { mesh.vertices.len() });
+                    let uv = [numbers.next(), numbers.next()];
+                    mesh.vertices.push(Vertex { color, uv, ..Vertex::new(position, [0.0, 0.0, -1.0]) });
+                }
+                let base = if i % 5 == 4 { 3 * (i as u32 - 2) } else { 3 * i as u32 };
+                mesh.indices.extend([base, base + 1, base + 2]);
             }
-            let base = if i % 5 == 4 { 3 * (i as u32 - 2) } else { 3 * i as u32 };
-            mesh.indices.extend([base, base + 1, base + 2]);
-        }
-        drawable(Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) })
-    })
+            if is_large {
+                mesh.indices.extend([0; 3 * 4096]);
+            }
+            drawable(Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) })
+        },
+    )
 }
 
 fn others() -> impl Strategy<Value = Drawable> {

@@ -10,7 +10,7 @@
 //! A face that has exactly the corners of one with a higher rank is not drawn at all.
 
 use super::occlusion::Occluders;
-use super::screen::Screen;
+use super::screen::{Screen, SUBPIXELS};
 use super::triangles::Corner;
 
 /// What a worker keeps for drawing faces by their ranks.
@@ -61,12 +61,41 @@ pub(super) struct Load {
     pub in_order: bool,
 }
 
+/// How large a face is in the picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    /// About as many of the picture's pixels as it covers.
+    pub pixels: u64,
+    /// Whether it covers hardly any tile.
+    pub is_thin: bool,
+}
+
+impl Extent {
+    /// Of a triangle between columns and rows of pixels, the second ones excluded, and with twice its area in snapped
+    /// places.
+    #[inline]
+    pub(super) fn of_triangle(
+        (left, right): (i32, i32),
+        (top, bottom): (i32, i32),
+        doubled_area: i64,
+        screen: &Screen,
+    ) -> Self {
+        const THIN_PX: i64 = 32;
+        let longest = i64::from((right - left).max(bottom - top));
+        let doubled_px = doubled_area.abs() / i64::from(SUBPIXELS * SUBPIXELS);
+        let width = right.min(screen.width_px as i32) - left.max(0);
+        let height = bottom.min(screen.height_px as i32) - top.max(0);
+        let in_picture = width.max(0) as u64 * height.max(0) as u64;
+        Self { pixels: in_picture.min(doubled_px as u64) / 2, is_thin: doubled_px < longest * THIN_PX }
+    }
+}
+
 impl Load {
     /// Adds a face. Thin ones, such as wide lines, cover no tiles: where they prevail, their order is kept.
     #[inline]
-    pub(super) fn add(&mut self, pixels: u64, is_thin: bool) {
-        if !is_thin {
-            self.pixels += pixels;
+    pub(super) fn add(&mut self, face: Extent) {
+        if !face.is_thin {
+            self.pixels += face.pixels;
         }
         self.faces += 1;
     }

@@ -174,8 +174,7 @@ impl Primitives {
             return;
         }
         let rows = triangles::rows(positions);
-        let (pixels, is_thin) = triangles::reach_px(positions, source.screen);
-        self.load.add(pixels, is_thin);
+        self.load.add(triangles::extent(positions, source.screen));
         for (&index, &key) in indices.iter().zip(corners) {
             self.corners[index as usize].light(source, key);
         }
@@ -198,8 +197,7 @@ impl Primitives {
             let first = self.corners.len() as u32;
             self.corners.extend(corners.map(|corner| ReadyCorner { corner, is_lit: true }));
             let positions = corners.each_ref().map(|corner| &corner.position);
-            let (pixels, is_thin) = triangles::reach_px(positions, source.screen);
-            self.load.add(pixels, is_thin);
+            self.load.add(triangles::extent(positions, source.screen));
             self.push_triangle([first, first + 1, first + 2], triangles::rows(positions), source);
         });
     }

@@ -16,6 +16,7 @@ use super::band::{meet, unorm8, Band};
 use super::clip::{ClipVertex, Polygon};
 use super::fill::{can_fill, Fill};
 use super::occlusion::{Area, Occluders};
+use super::ranked::Extent;
 use super::screen::{first_pixel, snap_lanes, Screen, FARTHEST, SUBPIXELS};
 use super::surface::{DepthBias, Paint, Surface};
 
@@ -62,18 +63,10 @@ impl ScreenPosition {
     }
 }
 
-/// About as many pixels of the picture as a triangle covers, and whether it is thin.
+/// How large a triangle is in the picture.
 #[inline]
-pub(super) fn reach_px([a, b, c]: [&ScreenPosition; 3], screen: &Screen) -> (u64, bool) {
-    const THIN_PX: i64 = 32;
-    let (left, right) = between(a.x, b.x, c.x);
-    let (top, bottom) = between(a.y, b.y, c.y);
-    let longest = i64::from((right - left).max(bottom - top));
-    let doubled_px = doubled_area([a, b, c]).abs() / i64::from(SUBPIXELS * SUBPIXELS);
-    let width = right.min(screen.width_px as i32) - left.max(0);
-    let height = bottom.min(screen.height_px as i32) - top.max(0);
-    let in_picture = width.max(0) as u64 * height.max(0) as u64;
-    (in_picture.min(doubled_px as u64) / 2, doubled_px < longest * THIN_PX)
+pub(super) fn extent([a, b, c]: [&ScreenPosition; 3], screen: &Screen) -> Extent {
+    Extent::of_triangle(between(a.x, b.x, c.x), between(a.y, b.y, c.y), doubled_area([a, b, c]), screen)
 }
 
 /// Twice the area in snapped places. Window y points down, so what runs counter-clockwise to the eye has a negative

@@ -35,7 +35,7 @@ use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
 use crate::cpu::clip::{ClipVertex, Outside};
 use crate::cpu::fill::can_fill;
-use crate::cpu::ranked::{scattered, Load, RankedScratch};
+use crate::cpu::ranked::{scattered, Extent, Load, RankedScratch};
 use crate::cpu::screen::{first_pixel, ObjectTransform, Screen};
 use crate::cpu::surface::{DepthBias, Surface};
 use crate::cpu::triangles::{self, Corner, ScreenPosition};
@@ -179,14 +179,15 @@ impl Instances {
             let (ax, ay) = (i64::from(x[a]), i64::from(y[a]));
             let (bx, by) = (i64::from(x[b]) - ax, i64::from(y[b]) - ay);
             let (cx, cy) = (i64::from(x[c]) - ax, i64::from(y[c]) - ay);
-            if is_hidden(bx * cy - cx * by) {
+            let doubled_area = bx * cy - cx * by;
+            if is_hidden(doubled_area) {
                 continue;
             }
             let [top, bottom] = [y[a].min(y[b]).min(y[c]), y[a].max(y[b]).max(y[c])];
             let [left, right] = [x[a].min(x[b]).min(x[c]), x[a].max(x[b]).max(x[c])];
             let (begin, end) = (first_pixel(top), first_pixel(bottom + 1));
-            let width_px = first_pixel(right + 1) - first_pixel(left);
-            self.load.add(((end - begin) * width_px) as u64 / 2);
+            let columns = (first_pixel(left), first_pixel(right + 1));
+            self.load.add(Extent::of_triangle(columns, (begin, end), doubled_area, screen));
             self.bin(number, begin, end, screen);
             is_seen = true;
         }
@@ -250,7 +251,7 @@ impl Instances {
             cut(corners, source, screen, |corners| {
                 let positions = corners.each_ref().map(|corner| &corner.position);
                 let (begin, end) = triangles::rows(positions);
-                self.load.add(triangles::reach_px(positions, screen));
+                self.load.add(triangles::extent(positions, screen));
                 rows = Some(rows.map_or((begin, end), |rows| (rows.0.min(begin), rows.1.max(end))));
             });
             if let Some((begin, end)) = rows {
@@ -262,7 +263,7 @@ impl Instances {
         let is_seen = triangles::may_be_seen(positions, source.surface, screen);
         if is_seen {
             let (begin, end) = triangles::rows(positions);
-            self.load.add(triangles::reach_px(positions, screen));
+            self.load.add(triangles::extent(positions, screen));
             self.bin(number, begin, end, screen);
         }
         is_seen
