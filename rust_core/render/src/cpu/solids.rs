@@ -230,19 +230,15 @@ impl Primitives {
         let Some(first_rank) = scratch.take_ranks(count, band.width, [band.first_row, band.end_row]) else {
             return jobs.iter().for_each(|primitives| primitives.as_ref().draw(solids, index, band));
         };
-        dispatch!(band.simd_level, simd => {
-            for at in scattered(count) {
-                let Some(&[job, number]) = scratch.faces.get(at) else { continue };
-                let Some(primitives) = jobs.get(job as usize) else { continue };
-                primitives.as_ref().draw_one_ranked(simd, solids, number, first_rank + at as u32, band, scratch);
-            }
-        });
+        for at in scattered(count) {
+            let Some(&[job, number]) = scratch.faces.get(at) else { continue };
+            let Some(primitives) = jobs.get(job as usize) else { continue };
+            primitives.as_ref().draw_one_ranked(solids, number, first_rank + at as u32, band, scratch);
+        }
     }
 
-    #[inline(always)]
-    fn draw_one_ranked<S: Simd>(
+    fn draw_one_ranked(
         &self,
-        simd: S,
         solids: &[Solid<'_>],
         number: u32,
         rank: u32,
@@ -256,7 +252,7 @@ impl Primitives {
         let has_bias = solid.surface.depth_bias != DepthBias::NONE;
         let key = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]];
         if has_bias || !scratch.recent_triangles.covers(&key, rank) {
-            triangles::draw_ranked(simd, corners, &solid.surface, rank, band, &mut scratch.occluders);
+            triangles::draw_ranked(corners, &solid.surface, rank, band, &mut scratch.occluders);
         }
     }
 

@@ -187,9 +187,7 @@ pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mu
 
 /// Draws the rows of a band of an opaque triangle, not in its turn but with its rank in it; the surface is one that
 /// [`can_fill`].
-#[inline(always)]
-pub(super) fn draw_ranked<S: Simd>(
-    simd: S,
+pub(super) fn draw_ranked(
     [a, mut b, mut c]: [&Corner; 3],
     surface: &Surface,
     rank: u32,
@@ -211,7 +209,10 @@ pub(super) fn draw_ranked<S: Simd>(
     let pixels = Area { left: left.max(0), right: right.min(band.width), top, bottom };
     if pixels.left < pixels.right && pixels.top < pixels.bottom {
         let planes = Planes::new([a, b, c], area, surface);
-        Fill::new(simd, &planes, surface).ranked(&Edge::around(positions), pixels, rank, band, occluders);
+        let edges = Edge::around(positions);
+        dispatch!(band.simd_level, simd => {
+            Fill::new(simd, &planes, surface).ranked(&edges, pixels, rank, band, occluders);
+        });
     }
 }
 

@@ -405,13 +405,9 @@ fn draw_triangle_ranked(
     let vertices = corners.map(|corner| source.vertex(corner));
     let [Some(a), Some(b), Some(c)] = vertices else { return };
     let clipped = [a, b, c].map(|vertex| (vertex, source.transform.clip(vertex.position)));
-    let simd_level = band.simd_level;
     if clipped.iter().any(|(_, position)| Outside::new(*position).guard != 0) {
         return cut(corners, source, screen, |corners| {
-            let (occluders, corners) = (&mut ranked.occluders, corners.each_ref());
-            dispatch!(simd_level, simd => {
-                triangles::draw_ranked(simd, corners, source.surface, rank, band, occluders);
-            });
+            triangles::draw_ranked(corners.each_ref(), source.surface, rank, band, &mut ranked.occluders);
         });
     }
     let positions = clipped.map(|(_, position)| ScreenPosition::new(position, screen));
@@ -424,9 +420,7 @@ fn draw_triangle_ranked(
         let (vertex, _) = &clipped[i];
         Corner { position: positions[i], color: source.color(vertex), uv: vertex.uv }
     });
-    dispatch!(simd_level, simd => {
-        triangles::draw_ranked(simd, [&a, &b, &c], source.surface, rank, band, &mut ranked.occluders);
-    });
+    triangles::draw_ranked([&a, &b, &c], source.surface, rank, band, &mut ranked.occluders);
 }
 
 /// Clips a triangle that reaches far out of the picture, and passes on the parts that are to be drawn.

@@ -118,15 +118,13 @@ pub(super) fn draw_ranked<'i>(
         return (0..jobs).for_each(|job| draw(cloud, indices(job), screen, scratch, band));
     };
     let run = ranked::Run { cloud, indices, first_rank };
-    dispatch!(screen.simd_level, simd => match cloud.points.style {
+    match cloud.points.style {
         PointStyle::Points { .. } => {}
-        PointStyle::FlatSquares { .. } => run.draw::<_, { PLAIN }>(simd, screen, scratch, ranked, band),
-        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
-            run.draw::<_, { EDGED }>(simd, screen, scratch, ranked, band);
-        }
-        PointStyle::Spheres { .. } => run.draw::<_, { DISC }>(simd, screen, scratch, ranked, band),
-        PointStyle::Boxes { .. } => run.draw::<_, { BOX_SIDE }>(simd, screen, scratch, ranked, band),
-    });
+        PointStyle::FlatSquares { .. } => run.draw::<{ PLAIN }>(screen, scratch, ranked, band),
+        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => run.draw::<{ EDGED }>(screen, scratch, ranked, band),
+        PointStyle::Spheres { .. } => run.draw::<{ DISC }>(screen, scratch, ranked, band),
+        PointStyle::Boxes { .. } => run.draw::<{ BOX_SIDE }>(screen, scratch, ranked, band),
+    }
 }
 
 /// Whether something of this opacity is drawn at all; boxes are, whatever theirs is.
@@ -146,34 +144,32 @@ pub(super) fn draw(
     if cloud.is_culled || indices.is_empty() {
         return;
     }
-    dispatch!(screen.simd_level, simd => draw_by_lanes(simd, cloud, indices, screen, scratch, band));
+    match cloud.points.style {
+        PointStyle::Points { .. } => {
+            let points = &mut scratch.points;
+            dispatch!(screen.simd_level, simd => sprites::draw(simd, cloud, indices, screen, points, band));
+        }
+        PointStyle::FlatSquares { .. } => paint_faces::<{ PLAIN }>(cloud, indices, screen, scratch, band),
+        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
+            paint_faces::<{ EDGED }>(cloud, indices, screen, scratch, band);
+        }
+        PointStyle::Spheres { .. } => paint_faces::<{ DISC }>(cloud, indices, screen, scratch, band),
+        PointStyle::Boxes { size_m } if is_inside_out(size_m) => {
+            paint::draw_exactly(cloud, indices, screen, band);
+        }
+        PointStyle::Boxes { .. } => paint_faces::<{ BOX_SIDE }>(cloud, indices, screen, scratch, band),
+    }
 }
 
-#[inline(always)]
-fn draw_by_lanes<S: Simd>(
-    simd: S,
+/// Draws faces of one kind. Each kind is compiled by itself: all of them in one function take minutes.
+fn paint_faces<const PAINT: u8>(
     cloud: &Cloud<'_>,
     indices: &[u32],
     screen: &Screen,
     scratch: &mut PointScratch,
     band: &mut Band<'_>,
 ) {
-    match cloud.points.style {
-        PointStyle::Points { .. } => sprites::draw(simd, cloud, indices, screen, &mut scratch.points, band),
-        PointStyle::FlatSquares { .. } => {
-            paint::draw::<S, { PLAIN }>(simd, cloud, indices, screen, scratch, band);
-        }
-        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
-            paint::draw::<S, { EDGED }>(simd, cloud, indices, screen, scratch, band);
-        }
-        PointStyle::Spheres { .. } => paint::draw::<S, { DISC }>(simd, cloud, indices, screen, scratch, band),
-        PointStyle::Boxes { size_m } if is_inside_out(size_m) => {
-            paint::draw_exactly(cloud, indices, screen, band);
-        }
-        PointStyle::Boxes { .. } => {
-            paint::draw::<S, { BOX_SIDE }>(simd, cloud, indices, screen, scratch, band);
-        }
-    }
+    dispatch!(screen.simd_level, simd => paint::draw::<_, PAINT>(simd, cloud, indices, screen, scratch, band));
 }
 
 /// The memory in which a worker draws points.

@@ -5,7 +5,7 @@
 //! most are hidden and need no more. The triangles of the others are made and drawn one by one.
 
 use fearless_simd::prelude::*;
-use fearless_simd::Simd;
+use fearless_simd::{dispatch, Simd};
 use rcs_scene::PointStyle;
 
 use super::paint::{FacePaint, BOX_SIDE, DISC, PLAIN};
@@ -98,8 +98,19 @@ pub(super) fn list<'i>(
 }
 
 impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
+    /// Draws the points with faces of one kind.
+    pub(super) fn draw<const PAINT: u8>(
+        &self,
+        screen: &Screen,
+        scratch: &mut PointScratch,
+        ranked: &mut RankedScratch,
+        band: &mut Band<'_>,
+    ) {
+        dispatch!(screen.simd_level, simd => self.draw_by_lanes::<_, PAINT>(simd, screen, scratch, ranked, band));
+    }
+
     #[inline(always)]
-    pub(super) fn draw<S: Simd, const PAINT: u8>(
+    fn draw_by_lanes<S: Simd, const PAINT: u8>(
         &self,
         simd: S,
         screen: &Screen,
@@ -232,7 +243,7 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         make_triangles(self.cloud, index, seen, screen, ranked);
         for corners in &ranked.cut {
             let surface = &self.cloud.surface;
-            triangles::draw_ranked(simd, corners.each_ref(), surface, rank, band, &mut ranked.occluders);
+            triangles::draw_ranked(corners.each_ref(), surface, rank, band, &mut ranked.occluders);
         }
     }
 }
