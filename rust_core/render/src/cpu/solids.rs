@@ -5,7 +5,6 @@
 
 use std::borrow::Cow;
 
-use fearless_simd::{dispatch, Simd};
 use rcs_scene::{Lines, Material, Mesh};
 
 use super::band::{Band, Mode};

@@ -192,7 +192,7 @@ fn is_crowded(viewpoint: &Viewpoint<'_>, fixed_from_object: &Matrix4<f64>, point
     }
     let [width, height] = viewpoint.size_px().map(f64::from);
     let picture_px = width * height;
-    let clip: Matrix4<f64> = viewpoint.clip_from_fixed() * fixed_from_object;
+    let clip: Matrix4<f64> = viewpoint.clip_from_fixed * fixed_from_object;
     let rows =
         [clip.row(0), clip.row(1), clip.row(3)].map(|row| [row[0] as f32, row[1] as f32, row[2] as f32, row[3] as f32]);
     let [_, _, w_row] = rows;

@@ -70,7 +70,14 @@ struct Shown {
 /// Where frames are, the last one remembered: markers of an array often have the same frame and stamp.
 pub(super) struct Places<'w> {
     world: &'w World<'w>,
-    last: Option<(Arc<str>, Time, Result<Isometry3<f64>, LookupError>)>,
+    last: Option<Place>,
+}
+
+/// Where a frame is at a time.
+struct Place {
+    frame: Arc<str>,
+    stamp: Time,
+    fixed_from_frame: Result<Isometry3<f64>, LookupError>,
 }
 
 impl<'w> Places<'w> {
@@ -79,14 +86,12 @@ impl<'w> Places<'w> {
     }
 
     fn fixed_from(&mut self, frame: &Arc<str>, stamp: Time) -> Result<Isometry3<f64>, LookupError> {
-        if let Some((known, time, place)) = &self.last {
-            if *time == stamp && known == frame {
-                return place.clone();
-            }
+        if let Some(last) = self.last.as_ref().filter(|last| last.stamp == stamp && last.frame == *frame) {
+            return last.fixed_from_frame.clone();
         }
-        let place = self.world.fixed_from(frame, stamp);
-        self.last = Some((frame.clone(), stamp, place.clone()));
-        place
+        let fixed_from_frame = self.world.fixed_from(frame, stamp);
+        self.last = Some(Place { frame: frame.clone(), stamp, fixed_from_frame: fixed_from_frame.clone() });
+        fixed_from_frame
     }
 }
 

@@ -30,7 +30,7 @@ mod sprites;
 #[cfg(test)]
 mod tests;
 
-use fearless_simd::{dispatch, Simd};
+use fearless_simd::dispatch;
 use nalgebra::Matrix4;
 use rcs_scene::{Camera, PointStyle, Points};
 
