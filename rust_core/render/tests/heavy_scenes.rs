@@ -167,7 +167,7 @@ fn scenes() -> impl Strategy<Value = Scene> {
 fn cameras() -> impl Strategy<Value = Camera> {
     let size = prop::sample::select(vec![[64u32, 48], [100, 77], [333, 130], [640, 70]]);
     let focal = prop::sample::select(vec![150.0, 600.0, 1900.0, -600.0]);
-    let turn = prop::sample::select(vec![[0.0; 3], TILT, [0.0, 0.0, 1.570_796_326_794_896_6]]);
+    let turn = prop::sample::select(vec![[0.0; 3], TILT, [0.0, 0.0, std::f64::consts::FRAC_PI_2]]);
     (size, focal, turn).prop_map(|(size, focal, turn)| camera_of(size, focal, turn))
 }
 

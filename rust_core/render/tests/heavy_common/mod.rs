@@ -220,6 +220,9 @@ pub fn balls(places: &[[f32; 3]], radius_m: f32, alpha: u8) -> Drawable {
     drawable(Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) })
 }
 
+/// How far before the eye each triangle lies.
+type DistanceOf = Box<dyn Fn(usize) -> f32>;
+
 /// A turn of a camera by which no axis stays along one of the fixed frame's.
 pub const TILT: [f64; 3] = [0.03, -0.02, 0.4];
 
@@ -273,7 +276,7 @@ pub fn rows(share: f64) -> Vec<Row> {
     row("1 M flat arrows".into(), 500.0, straight(1400.0), Box::new(move || arrows(&near())));
     let filled = count(100_000);
     let last = filled.max(1) as f32;
-    let kinds: [(&str, [f64; 3], Box<dyn Fn(usize) -> f32>); 5] = [
+    let kinds: [(&str, [f64; 3], DistanceOf); 5] = [
         ("towards the eye", [0.0; 3], Box::new(move |i| 3.0 - 2.0 * i as f32 / last)),
         ("away from the eye", [0.0; 3], Box::new(move |i| 1.0 + 2.0 * i as f32 / last)),
         ("at random depths", [0.0; 3], Box::new(|i| 1.0 + 2.0 * (i as f32 * 0.618_034).fract())),
