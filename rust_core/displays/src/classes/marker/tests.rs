@@ -565,7 +565,8 @@ fn a_mesh_appears_when_it_is_loaded_and_the_others_do_not_wait_for_it() {
     gate.open();
     bench.world.wait_for_version(version + 2);
     assert!(bench.update());
-    let [mesh, _cube] = bench.display.drawables() else { panic!("{:?}", bench.display.drawables()) };
+    let drawn = bench.drawn();
+    let [mesh, _cube] = drawn.as_slice() else { panic!("{drawn:?}") };
     let Geometry::Mesh { material, .. } = &mesh.geometry else { panic!("{mesh:?}") };
     assert!(matches!(material.lighting, Lighting::Lit { diffuse, .. } if diffuse.to_array() == [0.0, 0.0, 1.0, 1.0]));
     assert_eq!(bench.status("n/1"), None);
