@@ -40,16 +40,17 @@ impl WorkerCosts {
     }
 }
 
-/// The times of all workers, added for each display.
+/// What each display adds to the time of a picture that the workers draw together.
 pub(super) fn by_display<'w>(
     displays: &[DisplayId],
-    workers: impl Iterator<Item = &'w WorkerCosts>,
+    workers: impl ExactSizeIterator<Item = &'w WorkerCosts>,
 ) -> Vec<(DisplayId, Duration)> {
+    let together = u32::try_from(workers.len()).unwrap_or(u32::MAX).max(1);
     let mut sums: Vec<(DisplayId, Duration)> = Vec::new();
     for (display, cost) in workers.flat_map(|worker| displays.iter().zip(&worker.by_job)) {
         match sums.iter_mut().find(|(known, _)| known == display) {
-            Some((_, sum)) => *sum += *cost,
-            None => sums.push((*display, *cost)),
+            Some((_, sum)) => *sum += *cost / together,
+            None => sums.push((*display, *cost / together)),
         }
     }
     sums
