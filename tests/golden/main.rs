@@ -25,7 +25,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use rcs_app::camera_stream::camera_pose::Projection;
-use rcs_app::camera_stream::offline::{self, Target};
+use rcs_app::camera_stream::offline::{self, Job, Section, Target};
 use rcs_app::camera_stream::stage::Stage;
 use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
@@ -174,10 +174,12 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let parameters = offline::read_parameters(&case.params, meshes.packages())?;
     let mut stage = Stage::new(&config, None, meshes);
     offline::set_parameters(&mut stage, &parameters);
-    let target = Target::Picture { file: file.to_owned(), at_secs: None };
+    let target = Target::Picture { file: file.to_owned() };
     let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
     let bag = case.folder.join("scene.bag");
-    offline::render(&mut stage, &bag, case.camera.as_deref(), &target, renderer.as_mut(), Projection::Rviz)
+    let (camera, section, projection) = (case.camera.as_deref(), Section::default(), Projection::Rviz);
+    let job = Job { bag: &bag, camera, projector: None, section, target: &target, projection };
+    offline::render(&mut stage, &job, renderer.as_mut())
 }
 
 fn load(file: &Path) -> Result<Rgb, Failed> {

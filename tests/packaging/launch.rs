@@ -42,8 +42,82 @@ fn each_part_of_the_projection_can_be_replaced() {
 fn an_unknown_viewer_is_refused() {
     let script = format!("{}\nroslaunch --nodes rviz_camera_stream projection.launch viewer:=mirror", from_source());
     let output = crate::bash(&script);
-    assert!(printed_by(&output).contains("mirror"), "{}", printed_by(&output));
+    let error = "viewer:=mirror: there are projector_window, image_view and none";
+    assert!(printed_by(&output).contains(error), "{}", printed_by(&output));
     assert!(!printed_by(&output).contains("/camera_stream"), "{}", printed_by(&output));
+}
+
+/// The arguments of a launch file by name, and whether they are required.
+fn arguments(launch: &str) -> Vec<(String, bool)> {
+    let printed = succeed(&format!("{}\nroslaunch --ros-args rviz_camera_stream {launch}", from_source()));
+    let mut is_required = false;
+    let mut found = Vec::new();
+    for line in printed.lines() {
+        match line.strip_prefix("  ").and_then(|rest| rest.split([' ', ':']).next()) {
+            Some(name) => found.push((name.to_owned(), is_required)),
+            None => is_required = line.starts_with("Required"),
+        }
+    }
+    found
+}
+
+#[test]
+fn no_argument_is_required_or_internal() {
+    for launch in ["demo.launch", "projection.launch", "fetch.launch"] {
+        let arguments = arguments(launch);
+        assert!(arguments.len() > 2, "{launch}: {arguments:?}");
+        assert!(arguments.iter().all(|(_, is_required)| !is_required), "{launch}: {arguments:?}");
+        assert!(!arguments.iter().any(|(name, _)| name.contains("option") || name.contains("known")), "{arguments:?}");
+    }
+}
+
+#[test]
+fn the_fetch_takes_and_passes_on_every_argument_of_the_projection() {
+    let (fetch, whole) = (arguments("fetch.launch"), arguments("projection.launch"));
+    let missing: Vec<_> = whole.iter().filter(|argument| !fetch.contains(argument)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+    let text = std::fs::read_to_string(repository().join("launch/fetch.launch")).unwrap();
+    for (name, _) in whole {
+        assert!(text.contains(&format!("<arg name=\"{name}\" value=\"$(arg {name})\"/>")), "{name}");
+    }
+}
+
+/// The command line with which a launch file starts a node.
+fn command_line(node: &str, launch: &str) -> String {
+    let space = tempfile::tempdir().unwrap();
+    succeed(&format!(
+        "mkdir -p {0}/lib && ln -s {1} {0}/lib/rviz_camera_stream && echo {2} >{0}/.catkin
+         {3}
+         export CMAKE_PREFIX_PATH={0}:$CMAKE_PREFIX_PATH
+         roslaunch --args {node} rviz_camera_stream {launch}",
+        space.path().display(),
+        target().join("release").display(),
+        repository().join("ros_pkg").display(),
+        from_source(),
+    ))
+}
+
+#[test]
+fn monitor_and_fixed_frame_are_options_only_if_they_are_given() {
+    for unset in ["", "monitor:=auto fixed_frame:=auto", "monitor:= fixed_frame:="] {
+        assert!(!command_line("/projector_window", &format!("projection.launch {unset}")).contains("--monitor"));
+        assert!(!command_line("/camera_stream", &format!("projection.launch {unset}")).contains("--fixed-frame"));
+    }
+    assert!(command_line("/projector_window", "projection.launch monitor:=1").contains(" --monitor 1"));
+    assert!(command_line("/camera_stream", "fetch.launch fixed_frame:=odom").contains(" --fixed-frame odom"));
+}
+
+#[test]
+fn the_nodes_that_are_scripts_have_help() {
+    for script in ["image_view_anywhere", "image_view_overlay", "rviz_if_installed"] {
+        for option in ["--help", "-h"] {
+            let printed = succeed(&format!("ros_pkg/nodes/{script} {option}"));
+            assert!(printed.contains("Exit status"), "{script}: {printed}");
+        }
+    }
+    let output = crate::bash("ros_pkg/nodes/image_view_overlay --nope");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(output.stdout.is_empty() && printed_by(&output).contains("'--nope'"), "{}", printed_by(&output));
 }
 
 /// A devel space with the programs that are built already, and roslaunch in it; ended when it is dropped.

@@ -59,7 +59,7 @@ fn help_and_version_name_the_program() {
     for path in [camera_stream, PROJECTOR, WINDOW, CLOUD] {
         let name = path.rsplit('/').next().unwrap();
         let text = |option| String::from_utf8(program(path).arg(option).output().unwrap().stdout).unwrap();
-        assert_eq!(text("--version"), format!("{name} {}\n", env!("CARGO_PKG_VERSION")));
+        assert_eq!(text("--version"), format!("rviz_camera_stream {}\n", env!("CARGO_PKG_VERSION")));
         assert!(text("--help").contains(&format!("Usage: {name} ")), "{}", text("--help"));
     }
 }

@@ -8,7 +8,10 @@ use std::path::{Path, PathBuf};
 
 /// Writes one file with `write`, replacing one that is there. The folder must exist. `io_error` wraps the system's
 /// errors.
-pub(crate) fn write_atomically<E>(
+///
+/// # Errors
+/// Those of `write`, and the system's.
+pub fn write_atomically<E>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
     io_error: impl Fn(io::Error) -> E,

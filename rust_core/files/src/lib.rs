@@ -3,7 +3,7 @@
 
 #![forbid(unsafe_code)]
 
-mod atomic_file;
+pub mod atomic_file;
 pub mod pcd;
 pub mod picture_file;
 pub mod projector;

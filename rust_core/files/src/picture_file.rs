@@ -1,17 +1,24 @@
-//! Pictures as PNG files.
+//! Pictures as PNG and JPEG files; the name's ending says which.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
 use rcs_scene::{Encoding, Picture};
 
 use crate::atomic_file::write_atomically;
 
-/// Why a PNG file was not written.
+/// Why a picture was not written.
 #[derive(Debug, thiserror::Error)]
-pub enum PngError {
+pub enum PictureFileError {
+    /// The name's ending is that of no format.
+    #[error("{}: a picture's name ends with {}", path.display(), PictureFormat::ENDINGS)]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
     /// The pixels are not as many as width and height need.
     #[error("{}: a picture of {width_px}x{height_px} pixels needs {needed_bytes} bytes, but there are {got_bytes}", path.display())]
     WrongLength {
@@ -44,8 +51,39 @@ pub enum PngError {
     },
 }
 
-/// Writes a picture as a PNG file: colours as RGB whatever the encoding's order, mono8 as grey, mono16 as 16-bit grey.
-/// Alpha is dropped. The file appears whole or not at all, and replaces one that is there. The folder must exist.
+/// A format that pictures are written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// Lossless.
+    Png,
+    /// Lossy, of high quality; colours and greys of 8 bits.
+    Jpeg,
+}
+
+/// From 1 to 100. At this one, edges have no visible noise.
+const JPEG_QUALITY: u8 = 95;
+
+impl PictureFormat {
+    /// The endings of file names, as a text for messages.
+    pub const ENDINGS: &str = ".png, .jpg or .jpeg";
+
+    /// The format that the ending of a file's name says.
+    ///
+    /// # Errors
+    /// [`PictureFileError::UnknownFormat`].
+    pub fn of(path: &Path) -> Result<Self, PictureFileError> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        match ending.as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("jpg" | "jpeg") => Ok(Self::Jpeg),
+            _ => Err(PictureFileError::UnknownFormat { path: path.to_owned() }),
+        }
+    }
+}
+
+/// Writes a picture in the format of the name's ending: colours as RGB whatever the encoding's order, mono8 as grey,
+/// mono16 as 16-bit grey in a PNG file and as 8-bit grey in a JPEG file. Alpha is dropped. The file appears whole or not at
+/// all, and replaces one that is there. The folder must exist.
 ///
 /// ```
 /// use rcs_files::picture_file;
@@ -58,13 +96,14 @@ pub enum PngError {
 /// ```
 ///
 /// # Errors
-/// [`PngError`], naming the file, if the picture's data have the wrong length or the file cannot be written.
-pub fn write(path: &Path, picture: &Picture) -> Result<(), PngError> {
+/// [`PictureFileError`], naming the file, if the picture's data have the wrong length or the file cannot be written.
+pub fn write(path: &Path, picture: &Picture) -> Result<(), PictureFileError> {
+    let format = PictureFormat::of(path)?;
     let Picture { width_px, height_px, encoding, data } = picture;
     let (width_px, height_px) = (*width_px, *height_px);
     let needed_bytes = u64::from(width_px) * u64::from(height_px) * encoding.bytes_per_pixel() as u64;
     if data.len() as u64 != needed_bytes {
-        return Err(PngError::WrongLength {
+        return Err(PictureFileError::WrongLength {
             path: path.to_owned(),
             width_px,
             height_px,
@@ -72,15 +111,30 @@ pub fn write(path: &Path, picture: &Picture) -> Result<(), PngError> {
             got_bytes: data.len(),
         });
     }
-    let (color_type, bytes) = png_pixels(*encoding, data);
+    let (color_type, bytes) = match (format, encoding) {
+        // The high byte of each value.
+        (PictureFormat::Jpeg, Encoding::Mono16) => {
+            (ExtendedColorType::L8, data.iter().skip(1).step_by(2).copied().collect())
+        }
+        _ => png_pixels(*encoding, data),
+    };
+    let failed = |error| match error {
+        ImageError::IoError(source) => PictureFileError::Write { path: path.to_owned(), source },
+        source => PictureFileError::Encode { path: path.to_owned(), source },
+    };
     write_atomically(
         path,
         |file| {
-            PngEncoder::new(file)
-                .write_image(&bytes, width_px, height_px, color_type)
-                .map_err(|source| PngError::Encode { path: path.to_owned(), source })
+            let written = match format {
+                PictureFormat::Png => PngEncoder::new(file).write_image(&bytes, width_px, height_px, color_type),
+                PictureFormat::Jpeg => {
+                    let encoder = JpegEncoder::new_with_quality(file, JPEG_QUALITY);
+                    encoder.write_image(&bytes, width_px, height_px, color_type)
+                }
+            };
+            written.map_err(failed)
         },
-        |source| PngError::Write { path: path.to_owned(), source },
+        |source| PictureFileError::Write { path: path.to_owned(), source },
     )
 }
 
@@ -136,11 +190,33 @@ mod tests {
     }
 
     #[test]
+    fn the_ending_of_the_name_is_the_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let grey = picture(Encoding::Mono16, 16, &[0, 200].repeat(16));
+        for (name, format) in [
+            ("a.png", image::ImageFormat::Png),
+            ("a.JPG", image::ImageFormat::Jpeg),
+            ("b.jpeg", image::ImageFormat::Jpeg),
+        ] {
+            let path = folder.path().join(name);
+            write(&path, &grey).unwrap();
+            assert_eq!(image::guess_format(&std::fs::read(&path).unwrap()).unwrap(), format);
+            let read = image::load_from_memory(&std::fs::read(&path).unwrap()).unwrap().into_luma8();
+            assert!(read.get_pixel(7, 0).0[0].abs_diff(200) < 3, "{name}: {:?}", read.get_pixel(7, 0));
+        }
+        for name in ["a", "a.bmp", "png", ".png"] {
+            let error = write(&folder.path().join(name), &grey).unwrap_err();
+            assert!(matches!(error, PictureFileError::UnknownFormat { .. }), "{error}");
+            assert!(error.to_string().contains(".png, .jpg or .jpeg"), "{error}");
+        }
+    }
+
+    #[test]
     fn a_wrong_length_and_a_missing_folder_name_the_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.png");
         let error = write(&path, &picture(Encoding::Rgb8, 4, &[0; 11])).unwrap_err();
-        assert!(matches!(error, PngError::WrongLength { needed_bytes: 12, got_bytes: 11, .. }));
+        assert!(matches!(error, PictureFileError::WrongLength { needed_bytes: 12, got_bytes: 11, .. }));
         assert!(!path.exists());
         let lost = folder.path().join("missing").join("picture.png");
         let error = write(&lost, &picture(Encoding::Mono8, 1, &[0])).unwrap_err();

@@ -4,38 +4,65 @@
 //! made unit length (not by the inverse transpose, so they lean under uneven scales); materials get half the ambient
 //! colour and the diffuse texture once for every texture that the file names, of whatever kind; they are opaque.
 
-use std::{collections::HashMap, path::Path, sync::Arc};
+use std::{
+    collections::HashMap,
+    hash::{BuildHasher, RandomState},
+    path::Path,
+    sync::Arc,
+};
 
-use nalgebra::{Matrix4, Point3, Vector3};
+use hashbrown::HashTable;
+use nalgebra::{Matrix4, Vector3};
 use rcs_scene::{Mesh, Rgba, Texture, Vertex};
 
 use crate::{
-    import::{normalized, process, Imported, MaterialSpec, Triangles},
-    load_texture,
-    texture::layered,
+    import::{normalized, process, Imported, MaterialSpec, Source, Triangles, Triangulation},
+    texture::{self, layered},
     warning_texture, LoadedMesh, MeshMaterial, MeshPart, ResourceError,
 };
 
 /// OpenGL's normal where a mesh (of lines or points) sends none: the initial one, which is never set.
 const UNSET_NORMAL: [f32; 3] = [0.0, 0.0, 1.0];
+/// The most texels of all textures of a mesh, 512 MB; further textures are left out.
+const MAX_TEXELS: usize = 128 << 20;
+/// The most textures of a mesh.
+const MAX_TEXTURES: usize = 1000;
 
-/// Makes the parts of a mesh; textures are searched for beside `path`.
-pub(crate) fn assemble(imported: &Imported, path: &Path) -> LoadedMesh {
-    let mut textures = Textures { path, loaded: HashMap::new(), warnings: Vec::new() };
+/// Makes the parts of a mesh; textures are searched for beside it.
+pub(crate) fn assemble(imported: Imported, source: Source<'_>) -> LoadedMesh {
+    let Imported { meshes, materials: specs, placed } = imported;
+    let mut textures = Textures { source, loaded: HashMap::new(), texels: 0, warnings: Vec::new() };
     let mut materials: HashMap<usize, MeshMaterial> = HashMap::new();
+    let mut triangulation = Triangulation::new();
+    let mut uses: HashMap<usize, usize> = HashMap::new();
+    for placed in &placed {
+        *uses.entry(placed.mesh).or_default() += 1;
+    }
+    let mut meshes: Vec<_> = meshes.into_iter().map(|polygons| (polygons.material, Some(polygons))).collect();
     let mut processed: HashMap<usize, Vec<Triangles>> = HashMap::new();
     let mut parts = Vec::new();
-    for placed in &imported.placed {
-        let Some(polygons) = imported.meshes.get(placed.mesh) else { continue };
-        let spec = imported.materials.get(polygons.material);
+    for placed in &placed {
+        let Some((material_index, polygons)) = meshes.get_mut(placed.mesh) else { continue };
+        let spec = specs.get(*material_index);
         let material = materials
-            .entry(polygons.material)
+            .entry(*material_index)
             .or_insert_with(|| spec.map_or(MeshMaterial::none(), |spec| material(spec, &mut textures)));
         let flat = spec.is_some_and(|spec| spec.flat);
-        for triangles in processed.entry(placed.mesh).or_insert_with(|| process(polygons)) {
+        if let Some(polygons) = polygons.take() {
+            processed.insert(placed.mesh, process(polygons, &mut triangulation));
+        }
+        let is_last = uses.get_mut(&placed.mesh).is_none_or(|left| {
+            *left -= 1;
+            *left == 0
+        });
+        for triangles in processed.get(&placed.mesh).map(Vec::as_slice).unwrap_or_default() {
             if let Some(mesh) = place(triangles, &placed.object_from_mesh, flat) {
                 parts.push(MeshPart { mesh: Arc::new(mesh), material: material.clone() });
             }
+        }
+        // A large mesh is there twice no longer than it has to be.
+        if is_last {
+            processed.remove(&placed.mesh);
         }
     }
     LoadedMesh { parts, warnings: textures.warnings }
@@ -45,59 +72,108 @@ pub(crate) fn assemble(imported: &Imported, path: &Path) -> LoadedMesh {
 fn place(triangles: &Triangles, object_from_mesh: &Matrix4<f32>, flat: bool) -> Option<Mesh> {
     let rotation = object_from_mesh.fixed_view::<3, 3>(0, 0).into_owned();
     let moved = *object_from_mesh != Matrix4::identity();
-    let mut vertices = Vec::with_capacity(triangles.positions.len());
-    for (i, &position) in triangles.positions.iter().enumerate() {
-        let position = if moved {
+    let position = |i: usize| -> Option<[f32; 3]> {
+        let &position = triangles.positions.get(i)?;
+        Some(if moved {
             (rotation * Vector3::from(position) + object_from_mesh.fixed_view::<3, 1>(0, 3)).into()
         } else {
             position
-        };
-        let normal = match triangles.normals.get(i) {
+        })
+    };
+    let normal = |i: usize| -> [f32; 3] {
+        let normal = match triangles.normal(i) {
             Some(&normal) if moved => normalized((rotation * Vector3::from(normal)).into()),
             Some(&normal) => normalized(normal),
             None => UNSET_NORMAL,
         };
-        let normal = if normal.iter().all(|component| component.is_finite()) { normal } else { [0.0; 3] };
-        let uv = triangles.uvs.get(i).copied().unwrap_or_default();
-        vertices.push(Vertex { uv, ..Vertex::new(position, normal) });
-    }
-    if vertices.iter().any(|vertex| !Point3::from(vertex.position).iter().all(|x| x.is_finite())) {
+        if normal.iter().all(|component| component.is_finite()) {
+            normal
+        } else {
+            [0.0; 3]
+        }
+    };
+    let uv = |i: usize| triangles.uvs.get(i).copied().unwrap_or_default();
+    let count = triangles.positions.len();
+    if !(0..count).filter_map(position).flatten().all(f32::is_finite) {
         return None;
     }
-    let mesh = Mesh { vertices, indices: triangles.indices.clone() };
-    Some(welded(&if flat { flat_shaded(&mesh) } else { mesh }))
+
+    let mut welded = Welded::default();
+    let indices = if flat {
+        let corners = 0..triangles.indices.as_ref().map_or(count, Vec::len) / 3 * 3;
+        let corner = |i: usize| match &triangles.indices {
+            Some(indices) => indices.get(i).map(|&index| index as usize),
+            None => Some(i),
+        };
+        let mut indices = Vec::with_capacity(corners.len());
+        for first in corners.step_by(3) {
+            let face = [first, first + 1, first + 2].map(|i| corner(i).filter(|&i| i < count));
+            let [Some(a), Some(b), Some(c)] = face else { continue };
+            // One normal, that of its last corner, which is the one that OpenGL's flat shading takes.
+            let normal = normal(c);
+            for i in [a, b, c] {
+                indices.push(welded.add(Vertex { uv: uv(i), ..Vertex::new(position(i)?, normal) }));
+            }
+        }
+        indices
+    } else {
+        let mut new_index = Vec::with_capacity(count);
+        for i in 0..count {
+            new_index.push(welded.add(Vertex { uv: uv(i), ..Vertex::new(position(i)?, normal(i)) }));
+        }
+        match &triangles.indices {
+            Some(indices) => indices.iter().filter_map(|&i| new_index.get(i as usize).copied()).collect(),
+            None => new_index,
+        }
+    };
+    Some(Mesh { vertices: welded.into_vertices(), indices })
 }
 
-/// The same triangles with each vertex only once. Nothing of that is seen, but a detailed mesh has five corners in six
-/// that are the same as another one, and all are transformed for every picture.
-fn welded(mesh: &Mesh) -> Mesh {
-    let mut numbers: HashMap<[u32; 8], u32> = HashMap::with_capacity(mesh.vertices.len() / 4);
-    let mut vertices = Vec::new();
-    let new_index: Vec<u32> = mesh
-        .vertices
-        .iter()
-        .map(|vertex| {
-            let ([x, y, z], [nx, ny, nz], [u, v]) = (vertex.position, vertex.normal, vertex.uv);
-            *numbers.entry([x, y, z, nx, ny, nz, u, v].map(f32::to_bits)).or_insert_with(|| {
-                vertices.push(*vertex);
-                vertices.len() as u32 - 1
-            })
-        })
-        .collect();
-    let indices = mesh.indices.iter().filter_map(|&index| new_index.get(index as usize).copied()).collect();
-    Mesh { vertices, indices }
+/// Vertices, each only once. Nothing of that is seen, but a detailed mesh has five corners in six that are the same as
+/// another one, and all are transformed for every picture.
+#[derive(Default)]
+struct Welded {
+    vertices: Vec<Vertex>,
+    /// Numbers of vertices by what these are. The numbers alone, because a mesh may have millions.
+    numbers: HashTable<u32>,
+    hasher: RandomState,
 }
 
-/// Each triangle with one normal, that of its last corner, which is the one that OpenGL's flat shading takes.
-fn flat_shaded(mesh: &Mesh) -> Mesh {
-    let vertices: Vec<Vertex> =
-        mesh.triangles().flat_map(|[a, b, c]| [a, b, c].map(|corner| Vertex { normal: c.normal, ..*corner })).collect();
-    Mesh { indices: (0..vertices.len() as u32).collect(), vertices }
+impl Welded {
+    /// The number of a vertex.
+    fn add(&mut self, vertex: Vertex) -> u32 {
+        let Self { vertices, numbers, hasher } = self;
+        let key = bits(&vertex);
+        let key_of = |&number: &u32| vertices.get(number as usize).map(bits);
+        let rehash = |number: &u32| hasher.hash_one(key_of(number));
+        let new = vertices.len() as u32;
+        let number = *numbers
+            .entry(hasher.hash_one(Some(key)), |number| key_of(number) == Some(key), rehash)
+            .or_insert(new)
+            .get();
+        if number == new {
+            vertices.push(vertex);
+        }
+        number
+    }
+
+    fn into_vertices(self) -> Vec<Vertex> {
+        let mut vertices = self.vertices;
+        drop(self.numbers);
+        vertices.shrink_to_fit();
+        vertices
+    }
+}
+
+/// What tells a mesh file's vertices apart: their colours are all white.
+fn bits(vertex: &Vertex) -> [u32; 8] {
+    let ([x, y, z], [nx, ny, nz], [u, v]) = (vertex.position, vertex.normal, vertex.uv);
+    [x, y, z, nx, ny, nz, u, v].map(f32::to_bits)
 }
 
 fn material(spec: &MaterialSpec, textures: &mut Textures<'_>) -> MeshMaterial {
     let color = |[r, g, b]: [f32; 3]| Rgba::new(r, g, b, 1.0);
-    let texture = (spec.texture_count > 0).then(|| layered(&textures.get(&spec.diffuse_texture), spec.texture_count));
+    let texture = (spec.texture_count > 0).then(|| textures.get(&spec.diffuse_texture, spec.texture_count));
     MeshMaterial {
         embedded: true,
         diffuse: color(spec.diffuse),
@@ -111,39 +187,73 @@ fn material(spec: &MaterialSpec, textures: &mut Textures<'_>) -> MeshMaterial {
 
 /// The textures beside a mesh, each loaded once.
 struct Textures<'a> {
-    path: &'a Path,
-    loaded: HashMap<String, Arc<Texture>>,
+    source: Source<'a>,
+    /// By name, and how often each is laid onto itself.
+    loaded: HashMap<(String, usize), Arc<Texture>>,
+    /// How many texels they have.
+    texels: usize,
     warnings: Vec<ResourceError>,
 }
 
 impl Textures<'_> {
-    /// The texture of that name, or Ogre's warning texture and a warning.
-    fn get(&mut self, name: &str) -> Arc<Texture> {
-        if let Some(texture) = self.loaded.get(name) {
+    /// The texture of that name laid onto itself, or Ogre's warning texture and a warning.
+    fn get(&mut self, name: &str, times: usize) -> Arc<Texture> {
+        if let Some(texture) = self.loaded.get(&(name.to_owned(), times)) {
             return Arc::clone(texture);
         }
-        let texture = self.load(name).unwrap_or_else(|error| {
-            self.warnings.push(error);
-            warning_texture()
-        });
-        self.loaded.insert(name.to_owned(), Arc::clone(&texture));
+        let texture = match times {
+            0 | 1 => self.load(name).unwrap_or_else(|error| {
+                self.warnings.push(error);
+                warning_texture()
+            }),
+            _ => {
+                let single = self.get(name, 1);
+                self.count(&single, name).map(|()| layered(&single, times)).unwrap_or_else(|error| {
+                    self.warnings.push(error);
+                    warning_texture()
+                })
+            }
+        };
+        self.loaded.insert((name.to_owned(), times), Arc::clone(&texture));
         texture
     }
 
-    fn load(&self, name: &str) -> Result<Arc<Texture>, ResourceError> {
+    fn load(&mut self, name: &str) -> Result<Arc<Texture>, ResourceError> {
+        let Source { path, options } = self.source;
         if name.is_empty() {
-            return Err(ResourceError::NoDiffuseTexture { path: self.path.to_owned() });
+            return Err(ResourceError::NoDiffuseTexture { path: path.to_owned() });
         }
         // rviz puts a slash between the two, so an absolute name is searched for beside the mesh as well.
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let file = folder.join(name.trim_start_matches('/'));
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut file = folder.join(name.trim_start_matches('/'));
         if !file.is_file() {
             let decoded = percent_encoding::percent_decode_str(name).decode_utf8_lossy();
             let decoded = folder.join(decoded.trim_start_matches('/'));
             if decoded.is_file() {
-                return load_texture(&decoded);
+                file = decoded;
             }
         }
-        load_texture(&file)
+        if self.texels >= MAX_TEXELS || self.loaded.len() >= MAX_TEXTURES {
+            return Err(self.too_many(name));
+        }
+        let texture = texture::load(options, &file)?;
+        self.count(&texture, name)?;
+        Ok(texture)
+    }
+
+    /// Counts a texture that is kept.
+    fn count(&mut self, texture: &Texture, name: &str) -> Result<(), ResourceError> {
+        if self.texels + texture.rgba.len() > MAX_TEXELS {
+            self.texels = MAX_TEXELS;
+            return Err(self.too_many(name));
+        }
+        self.texels += texture.rgba.len();
+        Ok(())
+    }
+
+    fn too_many(&self, name: &str) -> ResourceError {
+        let mesh = self.source.path.display();
+        let reason = format!("{mesh} has more than {MAX_TEXTURES} textures, or more than {MAX_TEXELS} pixels in them");
+        ResourceError::BadImage { path: name.into(), reason }
     }
 }

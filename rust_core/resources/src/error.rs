@@ -2,7 +2,11 @@
 //!
 //! Errors are clonable, since the store keeps the failure of a mesh as it keeps a mesh.
 
-use std::{io, path::PathBuf, sync::Arc};
+use std::{
+    io,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use thiserror::Error;
 
@@ -10,7 +14,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error)]
 pub enum ResourceError {
     /// The scheme is one that is not fetched, such as `http://`.
-    #[error("{url}: {scheme}:// addresses are not supported, only package:// and file://")]
+    #[error("{url}: {scheme}:// addresses are not supported, only package:// and file://; nothing is downloaded")]
     UnsupportedScheme {
         /// The address as it was given.
         url: String,
@@ -40,6 +44,57 @@ pub enum ResourceError {
         path: PathBuf,
         /// Why.
         source: Arc<io::Error>,
+    },
+    /// Something other than a regular file.
+    #[error("{}: it is {kind}, only regular files are read", path.display())]
+    NotAFile {
+        /// Which.
+        path: PathBuf,
+        /// Such as `a FIFO`.
+        kind: &'static str,
+    },
+    /// A file that may not be read.
+    #[error(
+        "{}{} is outside of all ROS packages; to allow it, add its folder to the parameter ~mesh_folders (option \
+         --mesh-folder)",
+        path.display(),
+        leads_to(.path, .real)
+    )]
+    NotAllowed {
+        /// Which file.
+        path: PathBuf,
+        /// The same without links.
+        real: PathBuf,
+    },
+    /// A `package://` address that leads out of its package by `..`.
+    #[error("{url}: the path leaves package {package:?}")]
+    LeavesPackage {
+        /// The address as it was given.
+        url: String,
+        /// The package's name.
+        package: String,
+    },
+    /// A larger file than is read.
+    #[error("{}: larger than {max_mb} MB; the parameter ~max_mesh_mb (option --max-mesh-mb) sets the limit", path.display())]
+    TooLarge {
+        /// Which file.
+        path: PathBuf,
+        /// The limit.
+        max_mb: u64,
+    },
+    /// More resources are in use than are kept.
+    #[error("{url}: {limit} meshes and textures are in use, no more are loaded")]
+    TooMany {
+        /// The address as it was given.
+        url: String,
+        /// The limit.
+        limit: usize,
+    },
+    /// The reader of a file failed, which it never should.
+    #[error("{url}: the file's reader failed: please report this with the file")]
+    ReaderFailed {
+        /// The address as it was given.
+        url: String,
     },
     /// A mesh format that is not read.
     #[error("{}: mesh format {format} is not supported, only STL, COLLADA (.dae) and OBJ", path.display())]
@@ -122,6 +177,15 @@ pub enum MeshFault {
 impl ResourceError {
     pub(crate) fn io(path: impl Into<PathBuf>, source: io::Error) -> Self {
         Self::Io { path: path.into(), source: Arc::new(source) }
+    }
+}
+
+/// Where the links of a path lead, if there are any.
+fn leads_to(path: &Path, real: &Path) -> String {
+    if path == real {
+        String::new()
+    } else {
+        format!(": {}", real.display())
     }
 }
 

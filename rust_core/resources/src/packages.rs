@@ -9,21 +9,30 @@
 //! path, at which rospack gives up after a thousand levels, is searched once.
 //!
 //! Crawling waits until it is needed: a package that lies directly in a search folder under its own name, as in
-//! an installed `share` folder, is found without one.
+//! an installed `share` folder, is found without one. A package that was not found may be installed later: its folder
+//! is searched again, but only so often that searching takes a twentieth of the time at most.
 
 use std::{
     collections::{HashMap, HashSet},
     env, fs,
-    path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
+    path::{Component, Path, PathBuf},
+    sync::{Mutex, MutexGuard, PoisonError},
+    time::{Duration, Instant},
 };
 
 use percent_encoding::percent_decode_str;
 
-use crate::ResourceError;
+use crate::{files::read_small_text, ResourceError};
 
 /// rospack's `MAX_CRAWL_DEPTH` is 1000; no real tree is as deep as this.
 const MAX_DEPTH: usize = 100;
+/// The most folders that are searched below one of the search path, so that a search ends.
+const MAX_FOLDERS: usize = 1_000_000;
+/// The most bytes of a manifest.
+const MAX_MANIFEST_BYTES: u64 = 1 << 20;
+/// A folder is searched again after this time at the earliest, and after this many times the duration of the search.
+const SEARCH_INTERVAL: Duration = Duration::from_secs(10);
+const SEARCH_INTERVAL_FACTOR: u32 = 20;
 
 /// Finds packages by name, and files by their `package://` and `file://` addresses.
 ///
@@ -55,8 +64,8 @@ struct Root {
 struct Known {
     /// Packages found, by name.
     packages: HashMap<String, PathBuf>,
-    /// The whole folder was searched.
-    crawled: bool,
+    /// When the whole folder may be searched again; `None` as long as it never was.
+    next_crawl: Option<Instant>,
 }
 
 impl PackageIndex {
@@ -81,12 +90,26 @@ impl PackageIndex {
         self.roots.iter().find_map(|root| root.find(name))
     }
 
+    /// When a package that was not found is searched for again.
+    pub(crate) fn next_search(&self) -> Option<Instant> {
+        self.roots.iter().filter_map(|root| root.known().next_crawl).min()
+    }
+
+    /// Searches for packages that were not found again as soon as one is asked for.
+    pub(crate) fn search_again(&self) {
+        for root in &self.roots {
+            let mut known = root.known();
+            known.next_crawl = known.next_crawl.map(|_| Instant::now());
+        }
+    }
+
     /// The file that an address names: `package://NAME/path`, `file:///path`, or a bare absolute path. `%20` and the
-    /// like are decoded in addresses, as resource_retriever's curl does. The file need not exist.
+    /// like are decoded in addresses, as resource_retriever's curl does. The file need not exist. A path does not leave
+    /// its package by `..`.
     ///
     /// # Errors
     /// [`ResourceError::NoSuchPackage`]; [`ResourceError::UnsupportedScheme`] for `http://` and others;
-    /// [`ResourceError::BadUrl`] for anything that is not an address.
+    /// [`ResourceError::LeavesPackage`]; [`ResourceError::BadUrl`] for anything that is not an address.
     pub fn resolve(&self, url: &str) -> Result<PathBuf, ResourceError> {
         let bad = || ResourceError::BadUrl { url: url.to_owned() };
         if url.starts_with('/') {
@@ -101,12 +124,16 @@ impl PackageIndex {
                     return Err(bad());
                 }
                 let package = decode(package);
+                let path = decode(path);
+                let Some(path) = within(&path) else {
+                    return Err(ResourceError::LeavesPackage { url: url.to_owned(), package });
+                };
                 let folder = self.package(&package).ok_or_else(|| ResourceError::NoSuchPackage {
                     url: url.to_owned(),
                     package,
                     searched: self.roots.iter().map(|root| root.path.clone()).collect(),
                 })?;
-                Ok(folder.join(decode(path).trim_start_matches('/')))
+                Ok(folder.join(path))
             }
             "file" => {
                 // file:///path, file://localhost/path and file:/path
@@ -129,25 +156,32 @@ impl PackageIndex {
 }
 
 impl Root {
+    fn known(&self) -> MutexGuard<'_, Known> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn find(&self, name: &str) -> Option<PathBuf> {
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if !known.crawled {
-            if let Some(found) = known.packages.get(name) {
-                return Some(found.clone());
-            }
-            if let Some(found) = self.find_directly(name) {
-                known.packages.insert(name.to_owned(), found.clone());
-                return Some(found);
-            }
-            known.packages = crawl(&self.path);
-            known.crawled = true;
+        let mut known = self.known();
+        if let Some(found) = known.packages.get(name) {
+            return Some(found.clone());
         }
+        if let Some(found) = self.find_directly(name) {
+            known.packages.insert(name.to_owned(), found.clone());
+            return Some(found);
+        }
+        let begin = Instant::now();
+        if known.next_crawl.is_some_and(|next| begin < next) {
+            return None;
+        }
+        known.packages = crawl(&self.path);
+        let end = Instant::now();
+        known.next_crawl = Some(end + SEARCH_INTERVAL.max((end - begin) * SEARCH_INTERVAL_FACTOR));
         known.packages.get(name).cloned()
     }
 
     /// The package in the folder of its own name directly below, when rospack's rules lead there.
     fn find_directly(&self, name: &str) -> Option<PathBuf> {
-        if name.starts_with('.') || name.contains('/') {
+        if name.starts_with('.') || name.contains(['/', '\0']) {
             return None;
         }
         let stops = ["CATKIN_IGNORE", "rospack_nosubdirs", "package.xml", "manifest.xml"];
@@ -172,7 +206,7 @@ fn package_name(folder: &Path) -> Option<String> {
     if !manifest.is_file() {
         return None;
     }
-    let named = fs::read_to_string(&manifest).ok().and_then(|text| {
+    let named = read_small_text(&manifest, MAX_MANIFEST_BYTES).and_then(|text| {
         let document = roxmltree::Document::parse(&text).ok()?;
         let name = document.root_element().children().find(|node| node.has_tag_name("name"))?;
         Some(name.text()?.trim().to_owned())
@@ -189,7 +223,13 @@ fn crawl(root: &Path) -> HashMap<String, PathBuf> {
     let mut seen = HashSet::new();
     // Depth first, each folder's children in alphabetical order.
     let mut waiting = vec![(root.to_owned(), 0)];
+    let mut searched = 0;
     while let Some((folder, depth)) = waiting.pop() {
+        searched += 1;
+        if searched > MAX_FOLDERS {
+            log::warn!("{}: more than {MAX_FOLDERS} folders in it, the others are not searched", root.display());
+            break;
+        }
         let Ok(entries) = fs::read_dir(&folder) else { continue };
         let mut is_package = false;
         let mut is_leaf = false;
@@ -236,6 +276,20 @@ fn crawl(root: &Path) -> HashMap<String, PathBuf> {
         }
     }
     packages
+}
+
+/// A path within a folder, its `..` carried out without regard to links; `None` where it leads out of the folder.
+fn within(path: &str) -> Option<PathBuf> {
+    let mut inner = PathBuf::new();
+    for component in Path::new(path.trim_start_matches('/')).components() {
+        match component {
+            Component::Normal(name) => inner.push(name),
+            Component::ParentDir if !inner.pop() => return None,
+            Component::ParentDir | Component::CurDir => {}
+            Component::RootDir | Component::Prefix(_) => return None,
+        }
+    }
+    Some(inner)
 }
 
 fn decode(text: &str) -> String {

@@ -1,30 +1,31 @@
 //! Textures of meshes, as Ogre loads them: rows from the top, repeated, filtered within the nearest mipmap level.
 
 use std::{
-    fs::File,
-    io::BufReader,
+    io::Cursor,
     path::Path,
     sync::{Arc, OnceLock},
 };
 
-use image::{ImageFormat, ImageReader, Limits};
+use image::{ImageDecoder, ImageFormat, ImageReader, Limits};
 use rcs_scene::{Filtering, Texture, Wrapping};
 
-use crate::ResourceError;
+use crate::{ResourceError, ResourceOptions};
 
 /// Larger images are refused, as by every graphics card of the day.
 const MAX_SIDE: u32 = 16384;
-/// The most memory that an image may take while it is decoded, so that a damaged header cannot take all of it.
-const MAX_DECODED_BYTES: u64 = 1 << 30;
+/// Images of more pixels are refused: 8192 × 8192 take 256 MB. A small file can announce any size.
+const MAX_TEXELS: u64 = 8192 * 8192;
+/// The most memory that a decoder may take.
+const MAX_DECODED_BYTES: u64 = 512 << 20;
 
 /// Reads an image file: PNG, JPEG, BMP, TGA, TIFF or GIF. The format is detected from its contents, else from its name.
 ///
 /// # Errors
-/// [`ResourceError::Io`] and [`ResourceError::BadImage`].
-pub fn load_texture(path: &Path) -> Result<Arc<Texture>, ResourceError> {
-    let file = File::open(path).map_err(|source| ResourceError::io(path, source))?;
+/// [`ResourceError::BadImage`], and those of reading the file.
+pub(crate) fn load(options: &ResourceOptions, path: &Path) -> Result<Arc<Texture>, ResourceError> {
+    let bytes = options.read(path)?;
     let bad = |reason: String| ResourceError::BadImage { path: path.to_owned(), reason };
-    let mut reader = ImageReader::new(BufReader::new(file))
+    let mut reader = ImageReader::new(Cursor::new(&bytes))
         .with_guessed_format()
         .map_err(|source| ResourceError::io(path, source))?;
     if reader.format().is_none() {
@@ -37,7 +38,12 @@ pub fn load_texture(path: &Path) -> Result<Arc<Texture>, ResourceError> {
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_DECODED_BYTES);
     reader.limits(limits);
-    let image = reader.decode().map_err(|error| bad(error.to_string()))?.into_rgba8();
+    let decoder = reader.into_decoder().map_err(|error| bad(error.to_string()))?;
+    let (width, height) = decoder.dimensions();
+    if u64::from(width) * u64::from(height) > MAX_TEXELS {
+        return Err(bad(format!("{width} × {height} pixels are too many")));
+    }
+    let image = image::DynamicImage::from_decoder(decoder).map_err(|error| bad(error.to_string()))?.into_rgba8();
     let (width, height) = image.dimensions();
     if width == 0 || height == 0 {
         return Err(bad("it has no pixels".to_owned()));

@@ -156,6 +156,45 @@ fn addresses_become_paths() {
 }
 
 #[test]
+fn a_path_does_not_leave_its_package() {
+    let dir = tree(&[("share/robot/package.xml", "robot")]);
+    let index = index(&[&dir.path().join("share")]);
+    let robot = dir.path().join("share/robot");
+    for (url, path) in [
+        ("package://robot/meshes/../a.stl", robot.join("a.stl")),
+        ("package://robot/./a//b/../../c.stl", robot.join("c.stl")),
+        ("package://robot/..a/...stl", robot.join("..a/...stl")),
+    ] {
+        assert_eq!(index.resolve(url).unwrap(), path, "{url}");
+    }
+    for url in [
+        "package://robot/../../../etc/passwd",
+        "package://robot/../robot/a.stl",
+        "package://robot/meshes/../../a.stl",
+        "package://robot/%2e%2e/a.stl",
+        "package://robot/%2E%2E%2Fa.stl",
+        "package://robot//../a.stl",
+    ] {
+        assert!(matches!(index.resolve(url), Err(ResourceError::LeavesPackage { .. })), "{url}");
+    }
+    // The part that names a package is no path.
+    for url in ["package://../a.stl", "package://./a.stl", "package://%2e%2e%2f/a.stl", "package://robot%00/a.stl"] {
+        assert!(matches!(index.resolve(url), Err(ResourceError::NoSuchPackage { .. })), "{url}");
+    }
+}
+
+#[test]
+fn a_package_that_is_installed_later_is_found() {
+    let dir = tree(&[("one/package.xml", "one")]);
+    let index = index(&[dir.path()]);
+    assert_eq!(index.package("two"), None);
+    // In the folder of its name at once; elsewhere when the folder is searched again.
+    fs::create_dir_all(dir.path().join("two")).unwrap();
+    fs::write(dir.path().join("two/package.xml"), "<package><name>two</name></package>").unwrap();
+    assert_eq!(index.package("two"), Some(dir.path().join("two")));
+}
+
+#[test]
 fn bad_addresses_are_different_errors() {
     let index = PackageIndex::new([]);
     for url in ["", "mesh.stl", "package://", "package://name", "package:///x", "package:name/x", "file://host/x"] {

@@ -398,12 +398,38 @@ impl RosNode {
         self.private_param(name)?.as_str().map(str::to_owned)
     }
 
+    /// Another node's parameter, if it is a string. Waits for the master, for some seconds at most.
+    pub fn other_string_param(&self, name: &str) -> Option<String> {
+        let whole_name = self.resolve(name).ok()?;
+        self.network().registrar().master().param(&whole_name).ok()??.as_str().map(str::to_owned)
+    }
+
     /// A private parameter (`~name`) that was a boolean when the node started.
     pub fn bool_param(&self, name: &str) -> Option<bool> {
         match self.private_param(name)? {
             Value::Bool(value) => Some(*value),
             _ => None,
         }
+    }
+
+    /// A private parameter (`~name`) that was a whole number when the node started.
+    pub fn int_param(&self, name: &str) -> Option<i32> {
+        match self.private_param(name)? {
+            Value::Int(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// A private parameter (`~name`) that was a list of strings, or one string, when the node started.
+    pub fn strings_param(&self, name: &str) -> Option<Vec<String>> {
+        let value = self.private_param(name)?;
+        let one = std::slice::from_ref(value);
+        value.as_array().unwrap_or(one).iter().map(|item| item.as_str().map(str::to_owned)).collect()
+    }
+
+    /// Whether a private parameter (`~name`) was set, to whatever value, when the node started.
+    pub fn has_param(&self, name: &str) -> bool {
+        self.private_param(name).is_some()
     }
 
     /// Whether the node was asked from outside to end (`rosnode kill`, or another node that took its name).

@@ -5,9 +5,9 @@
 
 use crate::displays::{self, DisplayConfig, DisplaySettings};
 use crate::error::ConfigError;
-use crate::finding::Finding;
+use crate::finding::{one_line, Finding};
 use crate::global_options::GlobalOptions;
-use crate::node::{self, Content};
+use crate::node::{self, Content, Node};
 use crate::section::{Report, Section};
 use crate::view::ViewConfig;
 
@@ -87,6 +87,29 @@ const WINDOW_SECTIONS: [&str; 5] = ["Panels", "Custom Panels", "Preferences", "T
 
 const MANAGER: &str = "Visualization Manager";
 
+/// The beginnings of ROS 2's names of rviz's own classes.
+const ROS2_PACKAGES: [&str; 2] = ["rviz_default_plugins/", "rviz_common/"];
+/// The beginning of ROS 1's.
+const ROS1_PACKAGE: &str = "rviz/";
+
+/// The first class of ROS 2's rviz, if the file has such classes and none of ROS 1's rviz.
+fn ros2_class<'a>(root: &'a Node, manager: &'a Node) -> Option<&'a str> {
+    let lists = [manager.get("Displays"), manager.get("Tools"), root.get("Panels")];
+    let items = lists.into_iter().flatten().filter_map(|list| match &list.content {
+        Content::List(items) => Some(items.iter().map(|item| &**item)),
+        _ => None,
+    });
+    let view = manager.get("Views").and_then(|views| views.get("Current"));
+    let classes = items.flatten().chain(view).filter_map(|item| match &item.get("Class")?.content {
+        Content::Scalar(class) => Some(class.as_str()),
+        _ => None,
+    });
+    let classes: Vec<&str> = classes.collect();
+    let is_ros2 = |class: &&&str| ROS2_PACKAGES.iter().any(|package| class.starts_with(package));
+    let found = classes.iter().find(is_ros2).copied()?;
+    (!classes.iter().any(|class| class.starts_with(ROS1_PACKAGE))).then_some(found)
+}
+
 /// Reads a file's text; see [`parse`](crate::parse).
 pub(crate) fn read(text: &str, source: &str) -> Result<Config, ConfigError> {
     let file = || source.to_owned();
@@ -100,6 +123,9 @@ pub(crate) fn read(text: &str, source: &str) -> Result<Config, ConfigError> {
         Some(manager) if matches!(manager.content, Content::Map(_)) => manager,
         _ => return Err(ConfigError::NoVisualizationManager { file: file() }),
     };
+    if let Some(ros2) = ros2_class(&root, manager) {
+        return Err(ConfigError::Ros2 { file: file(), class: one_line(ros2) });
+    }
     let report = Report::default();
     let mut top = Section::new(&root, String::new(), &report);
     top.skip(&WINDOW_SECTIONS);
@@ -115,6 +141,7 @@ pub(crate) fn read(text: &str, source: &str) -> Result<Config, ConfigError> {
     let global = GlobalOptions::read(manager.child("Global Options"));
     let mut displays = displays::read_list(&mut manager, "Displays");
     displays::interactive_markers::apply_tools(&mut displays, manager.node("Tools"));
+    displays::check_visibilities(manager.node("Displays"), &displays, &displays, "Displays", &report);
     let mut views = manager.child("Views");
     let view = ViewConfig::read(views.child("Current"));
     views.skip(&["Saved"]);

@@ -33,6 +33,14 @@ pub enum ConfigError {
         /// What the parser expected.
         reason: String,
     },
+    /// The file was written by ROS 2's rviz, whose classes have other names.
+    #[error("{file}: this is a ROS 2 config ({class}); save the scene with ROS 1's rviz, or name ROS 1's classes, such as rviz/Grid")]
+    Ros2 {
+        /// The file's name.
+        file: String,
+        /// A class that tells.
+        class: String,
+    },
     /// The YAML has no map `Visualization Manager`, so it is not a `.rviz` file.
     #[error("{file}: no \"Visualization Manager\" section, so this is not a .rviz file")]
     NoVisualizationManager {

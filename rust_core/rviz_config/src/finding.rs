@@ -9,6 +9,8 @@ pub struct Finding {
     pub line: usize,
     /// Where it is: names of sections and displays, then the key, as in `Displays / cloud / Style`.
     pub path: String,
+    /// Whether it changes no picture, as in a display that is disabled.
+    pub is_note: bool,
     /// What it is.
     pub kind: FindingKind,
 }
@@ -23,6 +25,11 @@ pub enum FindingKind {
         /// The class as the file names it; empty when there is none.
         class: String,
     },
+    /// A name below a camera's Visibility that no display has at this place. It shows and hides nothing.
+    UnknownDisplay {
+        /// The names that displays have at this place.
+        present: Vec<String>,
+    },
     /// A value that cannot be taken as it stands.
     InvalidValue {
         /// The value in the file.
@@ -35,11 +42,16 @@ pub enum FindingKind {
 impl fmt::Display for Finding {
     /// One line, whatever the file holds: control characters are escaped and long values cut.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: {}: ", self.line, one_line(&self.path))?;
+        let note = if self.is_note { "note: " } else { "" };
+        write!(f, "line {}: {note}{}: ", self.line, one_line(&self.path))?;
         match &self.kind {
             FindingKind::UnknownKey => write!(f, "unknown key"),
             FindingKind::UnknownClass { class } if class.is_empty() => write!(f, "no class named"),
             FindingKind::UnknownClass { class } => write!(f, "unknown class {}", one_line(class)),
+            FindingKind::UnknownDisplay { present } if present.is_empty() => write!(f, "no display is in this place"),
+            FindingKind::UnknownDisplay { present } => {
+                write!(f, "no display has this name; there are: {}", one_line(&present.join(", ")))
+            }
             FindingKind::InvalidValue { value, used } => {
                 write!(f, "invalid value \"{}\", using {}", one_line(value), one_line(used))
             }
@@ -50,7 +62,7 @@ impl fmt::Display for Finding {
 /// Longest part of a path or value that a message repeats, in characters.
 const MAX_QUOTED_CHARS: usize = 120;
 
-fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     let mut line = String::new();
     for (index, c) in text.chars().enumerate() {
         if index == MAX_QUOTED_CHARS {
@@ -75,6 +87,7 @@ mod tests {
         let finding = Finding {
             line: 7,
             path: "Displays / a\nb / Style".to_owned(),
+            is_note: false,
             kind: FindingKind::InvalidValue { value: "x\r\n".repeat(500), used: "Points".to_owned() },
         };
         let text = finding.to_string();

@@ -7,7 +7,7 @@
 //! A [`Report::recording`] notes each property that is read with its default. A class's reader, run over a section
 //! without keys, so lists the class's properties.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
@@ -32,6 +32,8 @@ pub const ENTRY: &str = "(name)";
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     findings: RefCell<Vec<Finding>>,
+    /// Whether what is read now changes no picture.
+    notes_only: Cell<bool>,
     /// The properties that are read; `None` unless they are recorded.
     properties: Option<RefCell<Vec<Property>>>,
 }
@@ -39,7 +41,7 @@ pub(crate) struct Report {
 impl Report {
     /// One that records which properties are read.
     pub(crate) fn recording() -> Self {
-        Self { findings: RefCell::default(), properties: Some(RefCell::default()) }
+        Self { properties: Some(RefCell::default()), ..Self::default() }
     }
 
     /// The properties that were read, in the order of reading.
@@ -48,7 +50,16 @@ impl Report {
     }
 
     pub(crate) fn add(&self, line: usize, path: &str, kind: FindingKind) {
-        self.findings.borrow_mut().push(Finding { line, path: path.to_owned(), kind });
+        let is_note = self.notes_only.get();
+        self.findings.borrow_mut().push(Finding { line, path: path.to_owned(), is_note, kind });
+    }
+
+    /// Calls `read`; what it finds is a note if `is_note` says so, or if it is inside of another such call.
+    pub(crate) fn with_notes<T>(&self, is_note: bool, read: impl FnOnce() -> T) -> T {
+        let outer = self.notes_only.replace(is_note || self.notes_only.get());
+        let result = read();
+        self.notes_only.set(outer);
+        result
     }
 
     /// Reports a value that cannot be taken as it stands, and what counts instead.

@@ -211,7 +211,8 @@ impl ViewConfig {
             section.skip(&["Name", "Value", "Near Clip Distance", "Enable Stereo Rendering"]);
         } else {
             let kind = FindingKind::UnknownClass { class };
-            section.report().add(section.line(), section.path(), kind);
+            // Navigating is not what the picture is about; only the default light comes from another side.
+            section.report().with_notes(true, || section.report().add(section.line(), section.path(), kind));
             section.skip_rest();
         }
         section.finish();

@@ -34,7 +34,7 @@ use winit::window::WindowId;
 
 use crate::open::{monitors, OpenWindow};
 use crate::screen_picture::rgb_bytes;
-use rcs_files::picture_file::{self, PngError};
+use rcs_files::picture_file::{self, PictureFileError};
 use rcs_scene::{Encoding, Picture};
 
 /// What the window shows and where.
@@ -44,7 +44,7 @@ pub struct WindowOptions {
     pub source: String,
     /// The monitor to cover.
     pub monitor: MonitorChoice,
-    /// A PNG file to save the window's pixels to, once the first picture is on the screen.
+    /// A PNG or JPEG file to save the window's pixels to, once the first picture is on the screen.
     pub screenshot: Option<PathBuf>,
 }
 
@@ -75,7 +75,7 @@ pub enum WindowError {
     },
     /// The screenshot cannot be written.
     #[error(transparent)]
-    Screenshot(#[from] PngError),
+    Screenshot(#[from] PictureFileError),
 }
 
 /// What other threads ask of the window.

@@ -20,6 +20,8 @@ pub struct MonitorInfo {
     pub size_px: (u32, u32),
     /// Whether the window system calls it the primary monitor.
     pub is_primary: bool,
+    /// Whether it is only a name for a part of the desktop, given with `xrandr --setmonitor`.
+    pub is_virtual: bool,
 }
 
 impl fmt::Display for MonitorInfo {
@@ -31,6 +33,9 @@ impl fmt::Display for MonitorInfo {
         if self.is_primary {
             write!(f, " primary")?;
         }
+        if self.is_virtual {
+            write!(f, " virtual")?;
+        }
         Ok(())
     }
 }
@@ -38,7 +43,7 @@ impl fmt::Display for MonitorInfo {
 /// The monitor that the user asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum MonitorChoice {
-    /// The last monitor that is not the primary one, or the only one.
+    /// The last monitor that is neither the primary one nor virtual, or the only one.
     #[default]
     Secondary,
     /// A name, or a number counted from 0 in the order of the list. A monitor whose name is that number wins.
@@ -82,7 +87,9 @@ impl MonitorChoice {
             return Err(MonitorError::None);
         }
         let wanted = match self {
-            Self::Secondary => return Ok(monitors.iter().rposition(|m| !m.is_primary).unwrap_or(0)),
+            Self::Secondary => {
+                return Ok(monitors.iter().rposition(|m| !m.is_primary && !m.is_virtual).unwrap_or(0));
+            }
             Self::NameOrIndex(wanted) => wanted,
         };
         let by_name = monitors
@@ -96,7 +103,7 @@ impl MonitorChoice {
     }
 }
 
-/// One line for each monitor, `INDEX: NAME WIDTHxHEIGHT+X+Y [primary]`.
+/// One line for each monitor, `INDEX: NAME WIDTHxHEIGHT+X+Y [primary] [virtual]`.
 pub fn list(monitors: &[MonitorInfo]) -> Vec<String> {
     monitors.iter().enumerate().map(|(index, monitor)| format!("{index}: {monitor}")).collect()
 }
@@ -106,7 +113,7 @@ mod tests {
     use super::*;
 
     fn monitor(name: &str, x: i32, is_primary: bool) -> MonitorInfo {
-        MonitorInfo { name: name.to_owned(), position_px: (x, 0), size_px: (1280, 800), is_primary }
+        MonitorInfo { name: name.to_owned(), position_px: (x, 0), size_px: (1280, 800), is_primary, is_virtual: false }
     }
 
     fn choice(text: &str) -> MonitorChoice {
@@ -125,6 +132,15 @@ mod tests {
     fn the_only_monitor_is_chosen_even_when_it_is_primary() {
         assert_eq!(choice("").resolve(&[monitor("screen", 0, true)]), Ok(0));
         assert_eq!(choice("").resolve(&[]), Err(MonitorError::None));
+    }
+
+    #[test]
+    fn a_virtual_monitor_is_chosen_only_by_name_or_number() {
+        let half = MonitorInfo { is_virtual: true, ..monitor("left half", 0, false) };
+        let all = [monitor("eDP-1", 0, true), half.clone()];
+        assert_eq!(choice("").resolve(&all), Ok(0));
+        assert_eq!(choice("left half").resolve(&all), Ok(1));
+        assert_eq!(half.to_string(), "left half 1280x800+0+0 virtual");
     }
 
     #[test]

@@ -2,7 +2,8 @@
 //!
 //! On Wayland, and on X11 under a window manager that knows EWMH, the window system makes the window full screen. On
 //! an X server without one the window covers the monitor by itself: it has exactly the monitor's place and size, and
-//! is not offered to a manager (override-redirect). In both cases the window is watched, and put on its monitor again
+//! is not offered to a manager (override-redirect); so it does on a monitor that window managers do not know: a virtual
+//! one, or one of Xinerama's heads. In all cases the window is watched, and put on its monitor again
 //! when that changed its mode or came back.
 
 use std::num::NonZeroU32;
@@ -23,8 +24,27 @@ use crate::screen_picture::ScreenPicture;
 use crate::x11::X11Session;
 use crate::{without_place, WindowError, WindowOptions};
 
-/// All monitors, with the window system's handles.
-pub(crate) fn monitors(event_loop: &ActiveEventLoop) -> Vec<(MonitorInfo, MonitorHandle)> {
+/// All monitors, in the order in which they are counted. On X11, those that winit does not know are among them.
+pub(crate) fn monitors(event_loop: &ActiveEventLoop) -> Vec<(MonitorInfo, Option<MonitorHandle>)> {
+    let x11 = event_loop.is_x11().then(X11Session::open).flatten();
+    all_monitors(event_loop, x11.as_ref())
+}
+
+fn all_monitors(event_loop: &ActiveEventLoop, x11: Option<&X11Session>) -> Vec<(MonitorInfo, Option<MonitorHandle>)> {
+    let known = winit_monitors(event_loop);
+    let all = x11.map(X11Session::monitors).unwrap_or_default();
+    if all.is_empty() {
+        return known.into_iter().map(|(info, handle)| (info, Some(handle))).collect();
+    }
+    let handle_of = |info: &MonitorInfo| {
+        let same = |(known, _): &&(MonitorInfo, MonitorHandle)| known.name == info.name && !info.is_virtual;
+        known.iter().find(same).map(|(_, handle)| handle.clone())
+    };
+    all.into_iter().map(|info| (info.clone(), handle_of(&info))).collect()
+}
+
+/// The monitors that winit knows.
+fn winit_monitors(event_loop: &ActiveEventLoop) -> Vec<(MonitorInfo, MonitorHandle)> {
     let primary = event_loop.primary_monitor();
     event_loop
         .available_monitors()
@@ -36,6 +56,7 @@ pub(crate) fn monitors(event_loop: &ActiveEventLoop) -> Vec<(MonitorInfo, Monito
                 position_px: (position.x, position.y),
                 size_px: (size.width, size.height),
                 is_primary: primary.as_ref() == Some(&handle),
+                is_virtual: false,
             };
             (info, handle)
         })
@@ -51,6 +72,7 @@ pub(crate) struct OpenWindow {
     /// Whether no window manager puts it in its place.
     placed_by_itself: bool,
     has_keyboard: bool,
+    is_monitor_gone: bool,
     coverage: CoverageWatch,
 }
 
@@ -69,14 +91,15 @@ impl OpenWindow {
         display: OwnedDisplayHandle,
         options: &WindowOptions,
     ) -> Result<Self, WindowError> {
-        let mut monitors = monitors(event_loop);
+        let x11 = event_loop.is_x11().then(X11Session::open).flatten();
+        let mut monitors = all_monitors(event_loop, x11.as_ref());
         let infos: Vec<MonitorInfo> = monitors.iter().map(|(info, _)| info.clone()).collect();
         let chosen = options.monitor.resolve(&infos)?;
         let (monitor, handle) = monitors.swap_remove(chosen);
         log::info!("{} on monitor {monitor}", options.source);
 
-        let x11 = event_loop.is_x11().then(X11Session::open).flatten();
-        let placed_by_itself = x11.as_ref().is_some_and(|x11| !x11.has_fullscreen_manager());
+        let is_unknown_to_managers = x11.is_some() && handle.is_none();
+        let placed_by_itself = is_unknown_to_managers || x11.as_ref().is_some_and(|x11| !x11.has_fullscreen_manager());
         let attributes = attributes(&options.source, &monitor, handle, placed_by_itself);
         let window = event_loop.create_window(attributes).map_err(|error| WindowError::Open {
             monitor: monitor.clone(),
@@ -93,7 +116,8 @@ impl OpenWindow {
         window.request_redraw();
         let coverage = CoverageWatch::new(Instant::now());
         let has_keyboard = !placed_by_itself;
-        Ok(Self { surface, window, monitor, x11, placed_by_itself, has_keyboard, coverage })
+        let is_monitor_gone = false;
+        Ok(Self { surface, window, monitor, x11, placed_by_itself, has_keyboard, is_monitor_gone, coverage })
     }
 
     /// The monitor as it was polled last.
@@ -141,20 +165,18 @@ impl OpenWindow {
     /// Checks whether the window covers its monitor and has the keyboard, and puts right what is not.
     /// Returns whether the monitor's position or size changed since the last poll.
     pub(crate) fn poll(&mut self, event_loop: &ActiveEventLoop, now: Instant) -> bool {
-        let handle = monitors(event_loop).into_iter().find(|(info, _)| info.name == self.monitor.name);
-        let geometry = match &self.x11 {
-            Some(x11) => {
-                let output = x11.outputs().into_iter().find(|output| output.name == self.monitor.name);
-                output.map(|output| (output.position_px, output.size_px))
-            }
-            None => handle.as_ref().map(|(info, _)| (info.position_px, info.size_px)),
-        };
+        let mut all = all_monitors(event_loop, self.x11.as_ref()).into_iter();
+        let (found, handle) = all.find(|(info, _)| info.name == self.monitor.name).unzip();
+        let geometry = found.map(|info: MonitorInfo| (info.position_px, info.size_px));
+        let was_gone = std::mem::replace(&mut self.is_monitor_gone, geometry.is_none());
         let last_geometry = (self.monitor.position_px, self.monitor.size_px);
         let is_changed = geometry.is_some_and(|geometry| geometry != last_geometry);
         if let Some(geometry) = geometry {
             (self.monitor.position_px, self.monitor.size_px) = geometry;
         }
-        if is_changed {
+        if was_gone && !self.is_monitor_gone {
+            log::info!("monitor {} is back", self.monitor);
+        } else if is_changed {
             log::info!("the monitor is now {}", self.monitor);
         }
         self.has_keyboard = self.has_keyboard || self.take_keyboard();
@@ -162,7 +184,7 @@ impl OpenWindow {
         match self.coverage.poll(now, geometry.is_some(), self.is_in_place()) {
             CoverageStep::Nothing => {}
             CoverageStep::CoverAgain => {
-                self.cover_again(handle.map(|(_, handle)| handle));
+                self.cover_again(handle.flatten());
             }
             CoverageStep::WarnMisplaced => {
                 let (width, height) = self.size_px();
@@ -245,7 +267,12 @@ fn draw_error(monitor: &MonitorInfo, error: &SoftBufferError) -> WindowError {
     WindowError::Draw { monitor: monitor.clone(), reason: error.to_string() }
 }
 
-fn attributes(source: &str, monitor: &MonitorInfo, handle: MonitorHandle, placed_by_itself: bool) -> WindowAttributes {
+fn attributes(
+    source: &str,
+    monitor: &MonitorInfo,
+    handle: Option<MonitorHandle>,
+    placed_by_itself: bool,
+) -> WindowAttributes {
     let ((x, y), (width, height)) = (monitor.position_px, monitor.size_px);
     let attributes = Window::default_attributes()
         .with_title(source)
@@ -255,6 +282,6 @@ fn attributes(source: &str, monitor: &MonitorInfo, handle: MonitorHandle, placed
     if placed_by_itself {
         attributes.with_override_redirect(true)
     } else {
-        attributes.with_fullscreen(Some(Fullscreen::Borderless(Some(handle))))
+        attributes.with_fullscreen(Some(Fullscreen::Borderless(handle)))
     }
 }

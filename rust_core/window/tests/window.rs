@@ -75,9 +75,14 @@ struct Screen {
 impl Screen {
     fn start(with_manager: bool) -> Self {
         let size = format!("{WIDTH_PX}x{HEIGHT_PX}x24");
+        Self::start_with(with_manager, &["-screen", "0", &size])
+    }
+
+    fn start_with(with_manager: bool, arguments: &[&str]) -> Self {
         let mut server = Process::start(
             Command::new("Xvfb")
-                .args(["-displayfd", "1", "-screen", "0", &size, "-nolisten", "tcp"])
+                .args(["-displayfd", "1", "-nolisten", "tcp"])
+                .args(arguments)
                 .stdout(Stdio::piped())
                 .stderr(Stdio::null()),
         );
@@ -115,6 +120,19 @@ impl Screen {
                 .stderr(log.reopen().unwrap()),
         );
         Shown { process, log }
+    }
+
+    /// Runs xrandr on this screen.
+    fn xrandr(&self, arguments: &[&str]) {
+        let output = Command::new("xrandr").args(arguments).env("DISPLAY", &self.display).output().unwrap();
+        assert!(output.status.success(), "xrandr {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+
+    /// A pattern's pixel at each corner of a part of the screen, as they are there.
+    fn corners(&self, (left, top): (u32, u32), (width, height): (u32, u32)) -> [u32; 4] {
+        let pixels = self.pixels();
+        [(0, 0), (width - 1, 0), (0, height - 1), (width - 1, height - 1)]
+            .map(|(u, v)| pixels[((top + v) * WIDTH_PX + left + u) as usize])
     }
 
     /// The pixels of the root window, `0x00RRGGBB`.
@@ -254,6 +272,50 @@ fn a_picture_of_another_size_is_unscaled_at_the_top_left_and_warned_about_once()
         assert_eq!(warnings.len(), 1, "{log}");
         assert!(warnings[0].contains(&format!("IS {size} PIXELS")), "{warnings:?}");
         assert!(warnings[0].contains("1280x800"), "{warnings:?}");
+    }
+}
+
+/// The corners of a pattern of this size.
+fn pattern_corners((width, height): (u32, u32)) -> [u32; 4] {
+    let all = expected(width, height);
+    [(0, 0), (width - 1, 0), (0, height - 1), (width - 1, height - 1)].map(|(u, v)| all[(v * WIDTH_PX + u) as usize])
+}
+
+#[test]
+fn a_virtual_monitor_is_listed_and_covered_and_its_return_is_logged() {
+    for with_manager in [false, true] {
+        let screen = Screen::start(with_manager);
+        screen.xrandr(&["--setmonitor", "wall", "640/160x400/100+320+200", "none"]);
+        let unknown = screen.show(&["64x64", "--monitor", "none-such"]);
+        wait_for("the list", || unknown.log_text().contains("wall 640x400+320+200 virtual").then_some(()));
+        let mut window = screen.show(&["640x400", "--monitor", "wall"]);
+        let (place, size) = ((320, 200), (640, 400));
+        wait_for("the picture", || (screen.corners(place, size) == pattern_corners(size)).then_some(()));
+        assert_eq!(screen.pixels()[0], 0, "nothing is beside the monitor");
+
+        screen.xrandr(&["--delmonitor", "wall"]);
+        wait_for("the warning", || window.log_text().contains("wall 640x400+320+200 virtual is gone").then_some(()));
+        screen.xrandr(&["--setmonitor", "wall", "640/160x400/100+100+50", "none"]);
+        wait_for("the return", || window.log_text().contains("wall 640x400+100+50 virtual is back").then_some(()));
+        wait_for("the picture", || (screen.corners((100, 50), size) == pattern_corners(size)).then_some(()));
+        assert!(screen.quit(&mut window, ESCAPE).success());
+    }
+}
+
+#[test]
+fn a_head_of_xinerama_is_covered() {
+    // Xvfb puts all screens in the same place.
+    let screens = ["+xinerama", "-screen", "0", "640x480x24", "-screen", "1", "1280x800x24"];
+    for (monitor, head) in [("", "head-1 1280x800+0+0"), ("0", "head-0 640x480+0+0"), ("head-1", "head-1 1280x800+0+0")]
+    {
+        let screen = Screen::start_with(false, &screens);
+        let mut window = screen.show(&["640x480", "--monitor", monitor]);
+        wait_for("the monitor", || window.log_text().contains(&format!("on monitor {head}")).then_some(()));
+        let place = &head[7..];
+        wait_for("the window", || {
+            screen.windows().iter().any(|line| line.contains(place) && line.contains("VIEWABLE")).then_some(())
+        });
+        assert!(screen.quit(&mut window, ESCAPE).success());
     }
 }
 

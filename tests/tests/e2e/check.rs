@@ -66,3 +66,65 @@ fn a_file_that_cannot_be_read_is_one_line_and_exits_with_2() {
         assert!(output.stdout.is_empty());
     }
 }
+
+#[test]
+fn what_changes_no_picture_is_a_note_and_exits_with_0() {
+    let off = "{Class: fancy_plugins/Hologram, Name: h, Enabled: false}";
+    let text = config(&[CLOUD, off], &[CameraPub::default()]) + "  Views: {Current: {Class: jsk_rviz_plugin/View}}\n";
+    let (_folder, path) = file(&text);
+    let output = check(&path);
+    let printed = text_of_notes(&output);
+    assert_eq!(output.status.code(), Some(0), "{printed:?}");
+    assert!(printed.len() == 2 && printed[0].contains("fancy_plugins/Hologram"), "{printed:?}");
+    assert!(printed[1].contains("jsk_rviz_plugin/View"), "{printed:?}");
+}
+
+fn text_of_notes(output: &Output) -> Vec<String> {
+    text(&output.stdout).lines().filter(|line| line.contains(": note: ")).map(str::to_owned).collect()
+}
+
+#[test]
+fn cameras_that_publish_no_picture_are_reported_and_exit_with_1() {
+    let lost = CameraPub { info: "", ..CameraPub::default() };
+    let misspelt = config(&[CLOUD], &[CameraPub::default()])
+        .replace("Visibility: {Value: true}", "Visibility: {Value: true, clowd: false}");
+    let cases = [
+        (config(&[CLOUD], &[]), "no CameraPub display"),
+        (config(&[CLOUD], &[lost]), "Camera Info Topic: empty"),
+        (config(&[CLOUD], &[CameraPub::default(), CameraPub { image: "/other", ..CameraPub::default() }]), "same name"),
+        (misspelt, "Visibility / clowd: no display has this name; there are: cloud"),
+    ];
+    for (content, word) in cases {
+        let (_folder, path) = file(&content);
+        let output = check(&path);
+        let printed = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(1), "{printed}");
+        let findings = printed.lines().filter(|line| line.starts_with(&*path.display().to_string()));
+        let findings: Vec<&str> = findings.filter(|line| !line.contains("fixed frame")).collect();
+        assert!(findings.len() == 1 && findings[0].contains(word), "{word}: {printed}");
+    }
+}
+
+#[test]
+fn a_config_of_ros_2_is_one_line() {
+    let (_folder, path) = file(
+        "Panels: [{Class: rviz_common/Displays}]\nVisualization Manager:\n  Displays:\n  \
+         - {Class: rviz_default_plugins/Grid, Name: a}\n  - {Class: rviz_default_plugins/TF, Name: b}\n",
+    );
+    let output = check(&path);
+    assert_eq!(output.status.code(), Some(2));
+    let error = text(&output.stderr);
+    assert!(error.lines().count() == 1 && error.contains("this is a ROS 2 config"), "{error}");
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
+fn columns_are_aligned_with_long_names() {
+    let long = format!("{{Class: {}/Display, Name: h, Enabled: false}}", "long_name".repeat(5));
+    let (_folder, path) = file(&config(&[CLOUD, &long], &[CameraPub::default()]));
+    let printed = text(&check(&path).stdout);
+    let column =
+        |name: &str| printed.lines().find(|line| line.contains(name)).and_then(|line| line.find(name)).unwrap();
+    let columns = [column("drawn  "), column("disabled  "), column("camera  ")];
+    assert!(columns.iter().all(|place| *place == columns[0]), "{printed}");
+}

@@ -86,6 +86,10 @@ fn the_table_names_what_is_missing_and_exits_with_1_or_with_0_if_nothing_is() {
     assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
     assert!(master.output("rosnode", &["list"]).unwrap().lines().any(|name| name == "/eyes"), "{:?}", node.errors());
     assert_eq!(check(&master, &path, &["_projection:=voodoo"]).status.code(), Some(2));
+    // The parameter that a launch file set for the node.
+    master.output("rosparam", &["set", "/ears/projection", "voodoo"]).unwrap();
+    let output = check(&master, &path, &["__name:=ears"]);
+    assert_eq!(output.status.code(), Some(2), "{}{}", text(&output.stdout), text(&output.stderr));
     let elsewhere = check(&master, &path, &["--listen", "1", "--fixed-frame", "elsewhere"]);
     assert!(has_row(&text(&elsewhere.stdout), &["Global Status", "Error", "Unknown frame elsewhere"]));
     // Topics are remapped as for the node.

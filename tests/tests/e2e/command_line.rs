@@ -64,6 +64,40 @@ fn the_renderer_is_chosen_by_a_private_parameter() {
     says(&both, "with cpu");
 }
 
+/// Memory in use in MB, and the number of threads.
+fn footprint(node: &Running) -> (f64, u32) {
+    let status = std::fs::read_to_string(format!("/proc/{}/status", node.id())).unwrap();
+    let figure = |key: &str| {
+        let line = status.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+        line.split_whitespace().next().unwrap().parse::<u32>().unwrap()
+    };
+    (f64::from(figure("VmRSS:")) / 1024.0, figure("Threads:"))
+}
+
+/// Drivers that are loaded only to find no GPU stay in memory, with their threads.
+#[test]
+fn without_a_gpu_auto_needs_no_more_memory_and_threads_than_cpu() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.rviz");
+    std::fs::write(&file, config(&[CLOUD], &[CameraPub::default()])).unwrap();
+    let master = RosMaster::start().unwrap();
+    let measure = |renderer: &str| {
+        let mut command = master.environment(Command::new(program("camera_stream")));
+        let args = ["--renderer", renderer, &format!("__name:={renderer}")];
+        let node = Running::start(command.arg("-d").arg(&file).args(args)).unwrap();
+        let drawing = || node.errors().iter().find(|line| line.contains("drawing ")).cloned();
+        assert!(wait_until(PATIENCE, || drawing().is_some()), "{:?}", node.errors());
+        (drawing().unwrap(), footprint(&node))
+    };
+    let (_, (cpu_mb, cpu_threads)) = measure("cpu");
+    let (log, (auto_mb, auto_threads)) = measure("auto");
+    println!("cpu: {cpu_mb:.1} MB, {cpu_threads} threads; auto: {auto_mb:.1} MB, {auto_threads} threads ({log})");
+    if log.contains("with cpu") {
+        assert!(auto_mb < cpu_mb + 8.0, "{auto_mb} MB, with cpu {cpu_mb} MB");
+        assert!(auto_threads <= cpu_threads + 1, "{auto_threads} threads, with cpu {cpu_threads}");
+    }
+}
+
 #[test]
 fn the_arguments_that_launch_files_give_rviz_are_accepted() {
     let args = ["--splash-screen", "", "--no-stereo", "-l", "__log:=/dev/null", "--fixed-frame", "world"];

@@ -28,6 +28,23 @@ fn monitored(displays: &[&str], args: &[&str], topic: &str) -> RosFixture {
 }
 
 #[test]
+fn a_camera_info_that_a_projection_does_not_fit_is_a_warning() {
+    let fixture = monitored(&[CLOUD], &[], "/diagnostics");
+    fixture.python("latch('/tf_static', tf('map', 'eye')); viewer = Viewer('/view/image')");
+    fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000))");
+    fixture.wait_for("level('camera_stream: CameraPub') == 0");
+    fixture.python("latch('/eye/camera_info', info(P=[50, 0, 32, 0, 0, 40, 24, 0, 0, 0, 1, 0]))");
+    fixture.wait_for(
+        "level('camera_stream: CameraPub') == 1 and 'differ by 20.00 %' in message('camera_stream: CameraPub')",
+    );
+    fixture.python("latch('/eye/camera_info', info(D=[0.1, 0, 0, 0, 0], distortion_model='plumb_bob'))");
+    fixture.wait_for("'D is not zero (plumb_bob)' in message('camera_stream: CameraPub')");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    fixture.python("latch('/eye/camera_info', info())");
+    fixture.wait_for("level('camera_stream: CameraPub') == 0");
+}
+
+#[test]
 fn displays_and_cameras_report_what_is_missing_and_then_ok() {
     let disabled = "{Class: rviz/Grid, Name: hidden, Enabled: false}";
     let group =

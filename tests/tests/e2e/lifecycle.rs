@@ -142,3 +142,17 @@ fn the_node_registers_again_with_a_restarted_master() {
     newcomer.run("viewer = Viewer('/view/image')").unwrap();
     assert!(newcomer.wait_for(PATIENCE, "viewer.middle() == (255, 0, 0)"), "{}", fixture.log());
 }
+
+#[test]
+fn every_thread_has_a_name() {
+    let fixture = fixture();
+    let tasks = std::fs::read_dir(format!("/proc/{}/task", fixture.node.id())).unwrap();
+    // One that ends meanwhile has no name any more.
+    let mut names: Vec<String> =
+        tasks.filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok()).collect();
+    names.iter_mut().for_each(|name| name.truncate(name.trim_end().len()));
+    names.sort();
+    println!("{}", names.join(" "));
+    assert_eq!(names.iter().filter(|name| *name == "camera_stream").count(), 1, "the first: {names:?}");
+    assert!(names.contains(&"scene".to_owned()), "{names:?}");
+}

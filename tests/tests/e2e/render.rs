@@ -87,11 +87,15 @@ fn case_arguments(case: &Path) -> String {
 fn the_end_of_the_bag_is_drawn_or_the_time_given_by_at() {
     let render = Render::with_scene();
     let (red, green, blue) = ([255, 0, 0], [0, 255, 0], [0, 0, 255]);
-    let times =
-        [("", blue), ("--at 0", red), ("--at 1.5", green), ("--at 102", blue), ("--at 1e9", blue), ("--at 1e20", blue)];
+    let times = [("", blue), ("--at 0", red), ("--at 1.5", green), ("--at 102", blue), ("--at 3", blue)];
     for (at, color) in times {
         render.good(&format!("-d scene.rviz --bag scene.bag -o out.png {at}"));
         assert_eq!(render.pixel("out.png", 32, 24), color, "{at}");
+    }
+    for at in ["3.5", "104", "1e9", "1e20"] {
+        let error = render.bad(&format!("-d scene.rviz --bag scene.bag -o out.png --at {at}"));
+        assert!(error.contains(&format!("--at {}", at.parse::<f64>().unwrap())), "{error}");
+        assert!(error.contains("the bag ends 3 s after its first message"), "{error}");
     }
     for at in ["-1", "-1e20"] {
         let error = render.bad(&format!("-d scene.rviz --bag scene.bag -o out.png --at {at}"));
@@ -133,6 +137,194 @@ fn a_sequence_is_numbered_and_covers_the_bag() {
     render.bag("long.bag", "for secs in (1, 4000000000): bag.write('/eye/camera_info', info(), at(secs))");
     assert!(render.bad("-d scene.rviz --bag long.bag --frames folder").contains("--rate 30"));
     assert!(!render.path("folder").exists());
+}
+
+/// The colours of the pictures in a folder, in the order of their names.
+fn colors(render: &Render, folder: &str) -> Vec<[u8; 3]> {
+    let entries = fs::read_dir(render.path(folder)).unwrap().map(|entry| entry.unwrap().file_name());
+    let mut names: Vec<String> = entries.map(|name| name.into_string().unwrap()).collect();
+    names.sort();
+    names.iter().map(|name| render.pixel(&format!("{folder}/{name}"), 32, 24)).collect()
+}
+
+#[test]
+fn a_part_of_the_bag_is_a_sequence() {
+    let render = Render::with_scene();
+    let (red, green, blue) = ([255, 0, 0], [0, 255, 0], [0, 0, 255]);
+    let parts: [(&str, &[[u8; 3]]); 5] = [
+        ("--at 1.5", &[green]),
+        ("--start 1", &[green, green, blue, blue, blue]),
+        ("--end 101", &[red, red, green]),
+        ("--start 0.5 --end 1.5", &[red, green, green]),
+        ("--start 2.5 --end 60", &[blue, blue]),
+    ];
+    for (part, expected) in parts {
+        render.good(&format!("-d scene.rviz --bag scene.bag --frames part --rate 2 --overwrite {part}"));
+        assert_eq!(colors(&render, "part"), expected, "{part}");
+    }
+    for (part, word) in [("--start 4", "--start 4: the bag ends"), ("--start 2 --end 1", "--end is before --start")] {
+        let error = render.bad(&format!("-d scene.rviz --bag scene.bag --frames none {part}"));
+        assert!(error.contains(word), "{error}");
+        assert!(!render.path("none").exists());
+    }
+}
+
+#[test]
+fn a_sequence_begins_when_its_camera_appears() {
+    let render = Render::with_scene();
+    render.bag(
+        "late.bag",
+        "at = rospy.Time.from_sec\n\
+         bag.write('/cloud', cloud(0xff0000), at(100))\n\
+         bag.write('/tf_static', tf('map', 'eye'), at(100.010))\n\
+         bag.write('/eye/camera_info', info(), at(100.015))\n\
+         bag.write('/cloud', cloud(0x00ff00), at(100.5))\n\
+         bag.write('/cloud', cloud(0x00ff00), at(101.015))",
+    );
+    render.good("-d scene.rviz --bag late.bag --frames late --rate 2");
+    let output = render.run("-d scene.rviz --bag late.bag --frames fast --rate 100");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && printed.contains("0.015 s later"), "{printed}");
+    assert_eq!(colors(&render, "late"), [[255, 0, 0], [0, 255, 0], [0, 255, 0]]);
+    // One moment is what was asked for.
+    assert!(render.bad("-d scene.rviz --bag late.bag -o out.png --at 0").contains("/eye/camera_info"));
+}
+
+#[test]
+fn an_earlier_sequence_is_replaced_only_if_asked_for() {
+    let render = Render::with_scene();
+    render.good("-d scene.rviz --bag scene.bag --frames folder --rate 2");
+    let error = render.bad("-d scene.rviz --bag scene.bag --frames folder --rate 1");
+    assert!(error.contains("has 7 pictures") && error.contains("--overwrite"), "{error}");
+    assert_eq!(colors(&render, "folder").len(), 7);
+    render.good("-d scene.rviz --bag scene.bag --frames folder --rate 1 --overwrite");
+    assert_eq!(colors(&render, "folder").len(), 4);
+}
+
+#[test]
+fn the_ending_of_a_picture_is_its_format() {
+    let render = Render::with_scene();
+    render.good("-d scene.rviz --bag scene.bag -o out.jpg");
+    let jpeg = fs::read(render.path("out.jpg")).unwrap();
+    assert_eq!(image::guess_format(&jpeg).unwrap(), image::ImageFormat::Jpeg);
+    let [red, green, blue] = render.pixel("out.jpg", 32, 24);
+    assert!(red < 20 && green < 20 && blue > 235, "{red} {green} {blue}");
+    for name in ["out.bmp", "out"] {
+        let output = render.run(&format!("-d scene.rviz --bag scene.bag -o {name}"));
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains(".png, .jpg or .jpeg"), "{error}");
+    }
+}
+
+#[test]
+fn a_projectors_file_replaces_camera_info_and_frames() {
+    let render = Render::with_scene();
+    let file = "frame_id: lamp\nwidth: 32\nheight: 24\nK: [25, 0, 16, 0, 25, 12, 0, 0, 1]\n\
+                frames: [{parent: map, child: lamp}]\n";
+    fs::write(render.path("lamp.yaml"), file).unwrap();
+    render.bag(
+        "cloud.bag",
+        "bag.write('/cloud', cloud(0xff0000), at(100))\nbag.write('/cloud', cloud(0xff0000), at(101))",
+    );
+    render.good("-d scene.rviz --bag cloud.bag --projector lamp.yaml -o out.png");
+    assert_eq!(image::image_dimensions(render.path("out.png")).unwrap(), (32, 24));
+    assert_eq!(render.pixel("out.png", 16, 12), [255, 0, 0]);
+    // The bag has a CameraInfo of 64x48 pixels.
+    render.good("-d scene.rviz --bag scene.bag --projector lamp.yaml --frames all --rate 1");
+    assert_eq!(image::image_dimensions(render.path("all/frame_000003.png")).unwrap(), (32, 24));
+    fs::write(render.path("nowhere.yaml"), file.replace("frame_id: lamp\n", "")).unwrap();
+    let error = render.bad("-d scene.rviz --bag cloud.bag --projector nowhere.yaml -o out.png");
+    assert!(error.contains("nowhere.yaml") && error.contains("frame_id"), "{error}");
+    assert!(render.bad("-d scene.rviz --bag cloud.bag --projector no.yaml -o out.png").contains("no.yaml"));
+}
+
+/// A program `ffmpeg` in a folder of its own: it writes its arguments and its standard input into the last argument's
+/// file, with `before` and `after` around that.
+fn fake_ffmpeg(render: &Render, before: &str, after: &str) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = render.path("bin");
+    fs::create_dir_all(&folder).unwrap();
+    let program = folder.join("ffmpeg");
+    let script = format!(
+        "#!/bin/bash\n[[ $1 == -version ]] && exit 0\n{before}\nout=${{@: -1}}; out=${{out#file:}}\n\
+         {{ printf '%s\\n' \"$@\" END; cat; }} >\"$out\"\n{after}\n"
+    );
+    fs::write(&program, script).unwrap();
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    folder
+}
+
+/// Runs `render` with programs from this folder before all others, or from this folder alone.
+fn run_with_path(render: &Render, arguments: &str, folder: &Path, alone: bool) -> Output {
+    let mut command = Command::new(program("camera_stream"));
+    let path = if alone { folder.display().to_string() } else { format!("{}:/usr/bin:/bin", folder.display()) };
+    command.arg("render").args(arguments.split_whitespace()).args(["--renderer", "cpu"]);
+    command.env_remove("ROS_PACKAGE_PATH").env("PATH", path).current_dir(render.folder.path()).output().unwrap()
+}
+
+#[test]
+fn a_video_is_what_ffmpeg_makes_of_the_pictures() {
+    let render = Render::with_scene();
+    let folder = fake_ffmpeg(&render, "", "");
+    let arguments = "-d scene.rviz --bag scene.bag --video out.mp4 --rate 2";
+    let output = run_with_path(&render, arguments, &folder, false);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let video = fs::read(render.path("out.mp4")).unwrap();
+    let end = video.windows(5).position(|bytes| bytes == b"\nEND\n").unwrap() + 5;
+    let given = String::from_utf8(video[..end].to_vec()).unwrap();
+    for words in ["-f\nrawvideo\n-pixel_format\nrgb24\n-video_size\n64x48\n-framerate\n2\n-i\n", "-pix_fmt\nyuv420p\n"]
+    {
+        assert!(given.contains(words), "{given}");
+    }
+    let frames: Vec<&[u8]> = video[end..].chunks(64 * 48 * 3).collect();
+    assert_eq!(frames.len(), 7);
+    let middle = (24 * 64 + 32) * 3;
+    assert_eq!([frames[0], frames[6]].map(|frame| frame[middle..middle + 3].to_vec()), [[255, 0, 0], [0, 0, 255]]);
+}
+
+#[test]
+fn a_video_that_fails_leaves_no_file() {
+    let render = Render::with_scene();
+    let arguments = "-d scene.rviz --bag scene.bag --video out.mp4 --rate 1000";
+    let cases = [("echo 'Unknown encoder' >&2; exit 1", ""), ("", "echo 'Unknown encoder' >&2; exit 1")];
+    for (before, after) in cases {
+        let folder = fake_ffmpeg(&render, before, after);
+        let output = run_with_path(&render, arguments, &folder, false);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert!(error.contains("out.mp4: ffmpeg failed: Unknown encoder") && error.lines().count() == 1, "{error}");
+    }
+    fs::remove_file(render.path("bin/ffmpeg")).unwrap();
+    let output = run_with_path(&render, arguments, &render.path("bin"), true);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert!(error.contains("ffmpeg is needed") && error.contains("apt install ffmpeg"), "{error}");
+    let left = fs::read_dir(render.folder.path()).unwrap().map(|entry| entry.unwrap().file_name());
+    let left: Vec<_> = left.filter(|name| name.to_string_lossy().contains("mp4")).collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+/// A limit on the size of files stands for a full disk: writing fails in the same way.
+#[test]
+fn a_full_disk_ends_a_sequence_with_the_files_name() {
+    let render = Render::with_scene();
+    let size = 4000;
+    let file = format!("frame_id: eye\nwidth: {size}\nheight: {size}\nK: [50, 0, 32, 0, 50, 24, 0, 0, 1]\n");
+    fs::write(render.path("large.yaml"), file).unwrap();
+    let script = format!(
+        "trap '' XFSZ; ulimit -f 8; exec {} render -d scene.rviz --bag scene.bag --projector large.yaml --frames folder \
+         --rate 1 --renderer cpu",
+        program("camera_stream").display()
+    );
+    let mut running =
+        Running::start(Command::new("bash").args(["-c", &script]).current_dir(render.folder.path())).unwrap();
+    let status = running.wait(PATIENCE);
+    let errors = running.errors();
+    assert_eq!(status.and_then(|status| status.code()), Some(1), "{errors:?}");
+    let error = errors.join("\n");
+    assert!(error.contains("folder/frame_000000.png: cannot write") && errors.len() == 1, "{error}");
+    assert_eq!(fs::read_dir(render.path("folder")).unwrap().count(), 0, "nothing unfinished is left");
 }
 
 #[test]

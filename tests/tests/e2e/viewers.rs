@@ -127,3 +127,22 @@ fn the_projectors_window_shows_the_picture_pixel_for_pixel_over_the_whole_screen
     window.signal("TERM");
     assert_eq!(window.wait(Duration::from_secs(10)).unwrap().code(), Some(0), "{:?}", window.errors());
 }
+
+#[test]
+fn a_window_that_fails_unregisters_its_node() {
+    let screen = Screen::start();
+    let fixture = fixture();
+    let nodes = || fixture.master.output("rosnode", &["list"]).unwrap();
+    let mut window =
+        window(&fixture.master, &screen, &["image:=/view/image", "--screenshot", "/nowhere/at/all/screenshot.png"]);
+    let status = window.wait(PATIENCE);
+    assert_eq!(status.and_then(|status| status.code()), Some(1), "{:?}", window.errors());
+    assert!(
+        window.errors().iter().any(|line| line.contains("/nowhere/at/all/screenshot.png")),
+        "{:?}",
+        window.errors()
+    );
+    assert!(!nodes().contains("projector_window"), "{}", nodes());
+    let info = fixture.master.output("rostopic", &["info", "/view/image"]).unwrap();
+    assert!(!info.contains("projector_window"), "{info}");
+}

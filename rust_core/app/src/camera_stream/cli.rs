@@ -1,10 +1,14 @@
 //! The command line of `camera_stream`.
 
-use std::path::PathBuf;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand};
+use clap::builder::NonEmptyStringValueParser;
+use clap::{ArgGroup, Args, Parser, Subcommand};
+use rcs_files::picture_file::PictureFormat;
 use rcs_render::RendererChoice;
+use rcs_resources::ResourceOptions;
 
 use crate::camera_stream::camera_pose::Projection;
 
@@ -15,7 +19,7 @@ use crate::camera_stream::camera_pose::Projection;
 ///
 /// Exit status: 0 success (a node: ended by SIGINT or SIGTERM), 1 failure, 2 invalid arguments or an unreadable config.
 #[derive(Debug, Parser)]
-#[command(name = "camera_stream", version, args_conflicts_with_subcommands = true)]
+#[command(name = "camera_stream", display_name = "rviz_camera_stream", version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
     /// What to do instead of running as a node.
     #[command(subcommand)]
@@ -30,6 +34,48 @@ pub struct Cli {
     /// 0)
     #[arg(long, global = true, value_enum)]
     pub projection: Option<Projection>,
+    /// Which mesh files may be read.
+    #[command(flatten)]
+    pub resources: ResourceArgs,
+}
+
+/// Sizes in MB that a mesh file can be limited to.
+pub const MESH_MB: RangeInclusive<u64> = 1..=4096;
+
+/// Which mesh files, and files that these name, may be read.
+#[derive(Args, Clone, Debug, Default)]
+pub struct ResourceArgs {
+    /// The largest mesh or texture file that is read, 1 to 4096 [default: 512]
+    #[arg(long, global = true, value_name = "MB", value_parser = mesh_mb)]
+    pub max_mesh_mb: Option<u64>,
+    /// A folder whose meshes and textures may be read although it is in no ROS package; may be given several times
+    #[arg(long, global = true, value_name = "DIR")]
+    pub mesh_folder: Vec<PathBuf>,
+}
+
+impl ResourceArgs {
+    /// What a size must be.
+    pub const SIZE_RANGE: &'static str = "MB, a whole number from 1 to 4096";
+
+    /// The options for the store of meshes.
+    pub fn options(&self) -> ResourceOptions {
+        let default = ResourceOptions::default();
+        let max_file_bytes = self.max_mesh_mb.map_or(default.max_file_bytes, |size| size << 20);
+        ResourceOptions { max_file_bytes, folders: self.mesh_folder.clone() }
+    }
+
+    /// As [`options`](Self::options), for a program that a user runs with own files: meshes may lie beside these, too.
+    pub fn options_beside(&self, files: &[&Path]) -> ResourceOptions {
+        let mut options = self.options();
+        // A name without a folder is in the working directory.
+        let folder = |file: &&Path| match file.parent() {
+            Some(folder) if folder.as_os_str().is_empty() => PathBuf::from("."),
+            Some(folder) => folder.to_owned(),
+            None => PathBuf::from("."),
+        };
+        options.folders.extend(files.iter().map(folder));
+        options
+    }
 }
 
 impl Cli {
@@ -41,7 +87,8 @@ impl Cli {
 
     /// Whether pictures are drawn, perhaps with a GPU.
     pub fn may_use_gpu(&self) -> bool {
-        !matches!(self.command, Some(Command::Check(_))) && self.renderer != Some(RendererChoice::Cpu)
+        !matches!(self.command, Some(Command::Check(_) | Command::NewCamera(_)))
+            && self.renderer != Some(RendererChoice::Cpu)
     }
 }
 
@@ -97,13 +144,41 @@ pub enum Command {
     ///
     /// With --live it takes all arguments of the node: put `check --live` in front of them to diagnose a launch line.
     ///
-    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not, 2 invalid arguments, an
-    /// unreadable config or no ROS master.
+    /// What changes no picture, such as an unknown class of a disabled display, is a note and no failure.
+    ///
+    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not or there is no camera with topics,
+    /// 2 invalid arguments, an unreadable config or no ROS master.
     Check(CheckArgs),
+    /// Prints a CameraPub display to paste below a config's Displays; with -d it is added to the config
+    ///
+    /// Everything else in the config keeps its bytes. A name, an image topic or a namespace that a camera of the config
+    /// has already is refused.
+    NewCamera(NewCameraArgs),
+}
+
+/// The arguments of `new-camera`.
+#[derive(Args, Clone, Debug)]
+pub struct NewCameraArgs {
+    /// The .rviz config to add the camera to
+    #[arg(short = 'd', long = "display-config", value_name = "FILE")]
+    pub display_config: Option<PathBuf>,
+    /// The camera's name
+    #[arg(long, value_name = "NAME", default_value = "Projector", value_parser = NonEmptyStringValueParser::new())]
+    pub name: String,
+    /// The topic of its CameraInfo: size, P and frame of the picture
+    #[arg(long, value_name = "TOPIC", default_value = "/proj_view/camera_info", value_parser = NonEmptyStringValueParser::new())]
+    pub camera_info: String,
+    /// The topic that its pictures are published on
+    #[arg(long, value_name = "TOPIC", default_value = "/proj_view/image", value_parser = NonEmptyStringValueParser::new())]
+    pub image_topic: String,
+    /// The namespace of its service camera_trigger [default: that of the image topic]
+    #[arg(long, value_name = "NAMESPACE")]
+    pub display_namespace: Option<String>,
 }
 
 /// The arguments of `render`.
 #[derive(Args, Clone, Debug)]
+#[command(group(ArgGroup::new("target").required(true).args(["output", "frames", "video"])))]
 pub struct RenderArgs {
     /// The .rviz config with a CameraPub display
     #[arg(short = 'd', long = "display-config", value_name = "FILE")]
@@ -114,18 +189,35 @@ pub struct RenderArgs {
     /// The bag with /tf, CameraInfo and the displays' messages
     #[arg(long, value_name = "FILE.bag")]
     pub bag: PathBuf,
-    /// The picture to write
-    #[arg(short = 'o', long, value_name = "FILE.png", required_unless_present = "frames", conflicts_with = "frames")]
+    /// Write one picture; its ending, .png, .jpg or .jpeg, is the format
+    #[arg(short = 'o', long, value_name = "FILE.png", value_parser = picture_file)]
     pub output: Option<PathBuf>,
-    /// Render the moment this many seconds after the bag's first message [default: at its last message]
-    #[arg(long, value_name = "SECS", conflicts_with = "frames", allow_negative_numbers = true, value_parser = moment)]
-    pub at: Option<f64>,
     /// Write a sequence of numbered pictures into this folder, one million at most
     #[arg(long, value_name = "DIR")]
     pub frames: Option<PathBuf>,
-    /// Pictures a second for --frames, 1000 at most
+    /// Write a video with ffmpeg, which must be installed; its ending is the format
+    #[arg(long, value_name = "FILE.mp4", value_parser = video_file)]
+    pub video: Option<PathBuf>,
+    /// Remove the pictures of an earlier sequence from the folder of --frames; without it, they are an error
+    #[arg(long, conflicts_with_all = ["output", "video"])]
+    pub overwrite: bool,
+    /// Render this moment alone, in seconds after the bag's first message or as ROS time [default for -o: the last
+    /// message]
+    #[arg(long, value_name = "SECS", allow_negative_numbers = true, value_parser = moment)]
+    pub at: Option<f64>,
+    /// Begin a sequence or video at this moment [default: the first message, or later when the camera has its
+    /// CameraInfo and pose]
+    #[arg(long, value_name = "SECS", conflicts_with_all = ["output", "at"], allow_negative_numbers = true, value_parser = moment)]
+    pub start: Option<f64>,
+    /// End a sequence or video at this moment [default: the last message]
+    #[arg(long, value_name = "SECS", conflicts_with_all = ["output", "at"], allow_negative_numbers = true, value_parser = moment)]
+    pub end: Option<f64>,
+    /// Pictures a second for --frames and --video, 1000 at most
     #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true, value_parser = rate)]
     pub rate: f64,
+    /// Take CameraInfo and frames from a projector's file, as the node projector publishes them, in place of the bag's
+    #[arg(long, value_name = "FILE.yaml")]
+    pub projector: Option<PathBuf>,
     /// The CameraPub display to render; required if the config has several
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
@@ -170,6 +262,27 @@ fn rate(text: &str) -> Result<f64, String> {
     rate_hz.ok_or_else(|| format!("pictures a second, above 0 and not above {MAX_RATE_HZ}"))
 }
 
+/// The size of a file in MB.
+fn mesh_mb(text: &str) -> Result<u64, String> {
+    text.parse().ok().filter(|size| MESH_MB.contains(size)).ok_or_else(|| ResourceArgs::SIZE_RANGE.to_owned())
+}
+
+/// A picture, whose name ends with a format's ending.
+fn picture_file(text: &str) -> Result<PathBuf, String> {
+    match PictureFormat::of(Path::new(text)) {
+        Ok(_) => Ok(text.into()),
+        Err(_) => Err(format!("a picture's name ends with {}", PictureFormat::ENDINGS)),
+    }
+}
+
+/// A video, whose name has an ending.
+fn video_file(text: &str) -> Result<PathBuf, String> {
+    match Path::new(text).extension() {
+        Some(_) => Ok(text.into()),
+        None => Err("a video's name has the ending of its format, such as .mp4".to_owned()),
+    }
+}
+
 /// Seconds, any finite number.
 fn moment(text: &str) -> Result<f64, String> {
     text.parse::<f64>().ok().filter(|secs| secs.is_finite()).ok_or_else(|| "seconds, a finite number".to_owned())
@@ -207,7 +320,20 @@ mod tests {
         assert!(with(&[]).is_err());
         assert!(with(&["-o", "a.png", "--frames", "d"]).is_err());
         assert!(with(&["-o", "a.png", "--at", "1.5", "--renderer", "gpu"]).is_ok());
+        assert!(with(&["-o", "a.jpeg"]).is_ok());
+        assert!(with(&["-o", "a.bmp"]).unwrap_err().to_string().contains(".png, .jpg or .jpeg"));
         assert!(with(&["--frames", "d", "--rate", "10"]).is_ok());
+        assert!(with(&["--frames", "d", "--start", "1", "--end", "2", "--overwrite"]).is_ok());
+        assert!(with(&["--frames", "d", "--at", "1"]).is_ok());
+        assert!(with(&["--video", "v.mp4", "--start", "1"]).is_ok());
+        let refused = [
+            &["--frames", "d", "--at", "1", "--end", "2"][..],
+            &["-o", "a.png", "--start", "1"],
+            &["-o", "a.png", "--overwrite"],
+            &["--video", "video"],
+            &["--video", "v.mp4", "--frames", "d"],
+        ];
+        assert!(refused.iter().all(|args| with(args).is_err()));
         assert!(with(&["-o", "a.png", "--renderer", "voodoo"]).is_err());
     }
 
@@ -228,6 +354,21 @@ mod tests {
         for secs in ["NaN", "inf", "-inf", "1e999", "soon"] {
             assert_eq!(exit_code(&["-o", "a.png", "--at", secs]), 2, "{secs}");
         }
+    }
+
+    #[test]
+    fn the_size_of_meshes_has_bounds_and_folders_add_up() {
+        let size = |text: &str| parse(&["camera_stream", "-d", "x.rviz", "--max-mesh-mb", text]);
+        assert_eq!(size("2").unwrap().resources.options().max_file_bytes, 2 << 20);
+        for wrong in ["0", "4097", "-1", "1.5", "much"] {
+            assert_eq!(size(wrong).map_or_else(|error| error.exit_code(), |_| 0), 2, "{wrong}");
+        }
+        let args = ["camera_stream", "render", "--bag", "/b/x.bag", "-d", "x.rviz", "-o", "a.png"];
+        let folders = ["--mesh-folder", "/a", "--mesh-folder", "/c"];
+        let resources = parse(&[&args[..], &folders].concat()).unwrap().resources;
+        let options = resources.options_beside(&[Path::new("x.rviz"), Path::new("/b/x.bag")]);
+        assert_eq!(options.folders, ["/a", "/c", ".", "/b"].map(PathBuf::from));
+        assert_eq!(options.max_file_bytes, ResourceOptions::default().max_file_bytes);
     }
 
     #[test]

@@ -3,10 +3,12 @@
 pub mod camera_pose;
 pub mod check;
 pub mod cli;
+mod new_camera;
 pub mod node;
 pub mod offline;
 pub mod outputs;
 mod private_parameters;
+mod projector_fit;
 mod rolling_window;
 pub mod stage;
 mod status_log;
@@ -20,11 +22,11 @@ use anyhow::{anyhow, Result};
 use clap::Parser;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::restart;
-use rcs_rviz_config::Config;
+use rcs_rviz_config::{Config, Finding};
 
 use crate::camera_stream::check::live::LiveArgs;
 use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
-use crate::camera_stream::offline::Target;
+use crate::camera_stream::offline::{Job, Section, Target};
 use crate::camera_stream::stage::Stage;
 use crate::logging;
 use crate::small_node::own_arguments;
@@ -53,6 +55,7 @@ pub fn main() -> ExitCode {
         quiet_graphics_libraries();
     }
     let file = match &cli.command {
+        Some(Command::NewCamera(args)) => return finished(new_camera::run(args)),
         Some(Command::Check(args)) => Some(args.file()),
         Some(Command::Render(args)) => Some(args.display_config.clone()),
         None => cli.node.display_config.clone(),
@@ -71,7 +74,13 @@ pub fn main() -> ExitCode {
         }
         Some(Command::Render(args)) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
         None => node::run(&cli, &config).map(|()| ExitCode::SUCCESS),
+        Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
     };
+    finished(result)
+}
+
+/// The exit status of a result. An error is printed.
+fn finished(result: Result<ExitCode>) -> ExitCode {
     result.unwrap_or_else(|error| {
         eprintln!("camera_stream: {}", logging::one_line(&error));
         ExitCode::FAILURE
@@ -90,6 +99,14 @@ fn quiet_graphics_libraries() {
     }
 }
 
+/// Logs what was not understood, but for what was known before; what changes no picture as a debug message.
+fn log_findings(config: &Config, known: &[Finding]) {
+    for finding in config.findings.iter().filter(|finding| !known.contains(finding)) {
+        let level = if finding.is_note { log::Level::Debug } else { log::Level::Warn };
+        log::log!(level, "{}: {finding}", config.source);
+    }
+}
+
 fn invalid(error: &dyn std::fmt::Display) -> ExitCode {
     eprintln!("camera_stream: {error}");
     ExitCode::from(INVALID)
@@ -97,7 +114,8 @@ fn invalid(error: &dyn std::fmt::Display) -> ExitCode {
 
 fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
     let (listen, fixed_frame) = (args.listen, args.node.fixed_frame.clone());
-    let args = LiveArgs { listen, fixed_frame, projection: cli.projection };
+    let resources = cli.resources.clone();
+    let args = LiveArgs { listen, fixed_frame, projection: cli.projection, resources };
     match check::live::run(config, &args, &mut std::io::stdout().lock()) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
@@ -106,20 +124,32 @@ fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
 }
 
 fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
-    for finding in &config.findings {
-        log::warn!("{}: {finding}", config.source);
-    }
+    log_findings(config, &[]);
     let packages = PackageIndex::from_env(&args.package_path);
-    let parameters = offline::read_parameters(&args.param, &packages)?;
-    let meshes = MeshStore::new(packages);
+    // The user's own files may lie beside each other, in no package.
+    let options = cli.resources.options_beside(&[&args.display_config, &args.bag]);
+    // What a picture shows does not depend on how fast files are read: each is loaded when it is asked for.
+    let meshes = MeshStore::with_options(packages, options);
+    let parameters = offline::read_parameters(&args.param, meshes.packages())?;
     let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
     offline::set_parameters(&mut stage, &parameters);
-    let target = match (&args.output, &args.frames) {
-        (_, Some(folder)) => Target::Sequence { folder: folder.clone(), rate_hz: args.rate },
-        (Some(file), None) => Target::Picture { file: file.clone(), at_secs: args.at },
-        (None, None) => return Err(anyhow!("no output: name one with -o FILE.png or --frames DIR")),
+    let (rate_hz, overwrite) = (args.rate, args.overwrite);
+    let target = match (&args.output, &args.frames, &args.video) {
+        (Some(file), ..) => Target::Picture { file: file.clone() },
+        (_, Some(folder), _) => Target::Sequence { folder: folder.clone(), rate_hz, overwrite },
+        (.., Some(file)) => Target::Video { file: file.clone(), rate_hz },
+        (None, None, None) => {
+            return Err(anyhow!("no output: name one with -o FILE.png, --frames DIR or --video FILE.mp4"))
+        }
+    };
+    let job = Job {
+        bag: &args.bag,
+        camera: args.camera.as_deref(),
+        projector: args.projector.as_deref(),
+        section: Section { at_secs: args.at, start_secs: args.start, end_secs: args.end },
+        target: &target,
+        projection: cli.projection.unwrap_or_default(),
     };
     let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
-    let projection = cli.projection.unwrap_or_default();
-    offline::render(&mut stage, &args.bag, args.camera.as_deref(), &target, renderer.as_mut(), projection)
+    offline::render(&mut stage, &job, renderer.as_mut())
 }

@@ -1,13 +1,16 @@
 //! Options that may be given on the command line or as private ROS parameters; the command line wins.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::{anyhow, Result};
 use clap::ValueEnum;
 use rcs_render::RendererChoice;
+use rcs_resources::ResourceOptions;
 use rcs_ros::RosNode;
 
 use crate::camera_stream::camera_pose::Projection;
+use crate::camera_stream::cli::{ResourceArgs, MESH_MB};
 
 /// What draws: `--renderer`, else `~renderer`.
 ///
@@ -25,6 +28,26 @@ pub(crate) fn projection(ros: &RosNode, given: Option<Projection>, parameters: &
     choose(ros, given, parameters, |text| Projection::from_str(text, true))
 }
 
+/// Which mesh files may be read: `--max-mesh-mb`, else `~max_mesh_mb`; the folders of `--mesh-folder` and `~mesh_folders`.
+///
+/// # Errors
+/// When a parameter has no valid value; names the parameter.
+pub(crate) fn resources(ros: &RosNode, given: &ResourceArgs) -> Result<ResourceOptions> {
+    const SIZE: &str = "~max_mesh_mb";
+    const FOLDERS: &str = "~mesh_folders";
+    let mut args = given.clone();
+    if args.max_mesh_mb.is_none() && ros.has_param(SIZE) {
+        let size = ros.int_param(SIZE).and_then(|size| u64::try_from(size).ok()).filter(|size| MESH_MB.contains(size));
+        args.max_mesh_mb = Some(size.ok_or_else(|| anyhow!("parameter {SIZE}: {}", ResourceArgs::SIZE_RANGE))?);
+    }
+    if ros.has_param(FOLDERS) {
+        let folders = ros.strings_param(FOLDERS);
+        let folders = folders.ok_or_else(|| anyhow!("parameter {FOLDERS}: it is a list of folders"))?;
+        args.mesh_folder.extend(folders.into_iter().map(PathBuf::from));
+    }
+    Ok(args.options())
+}
+
 fn choose<T: Default>(
     ros: &RosNode,
     given: Option<T>,
@@ -34,7 +57,8 @@ fn choose<T: Default>(
     if let Some(given) = given {
         return Ok(given);
     }
-    let set = parameters.iter().find_map(|name| Some((name, ros.string_param(name)?)));
+    let text = |name: &str| if name.starts_with('~') { ros.string_param(name) } else { ros.other_string_param(name) };
+    let set = parameters.iter().find_map(|name| Some((name, text(name)?)));
     set.map_or_else(
         || Ok(T::default()),
         |(name, text)| parse(&text).map_err(|error| anyhow!("parameter {name}: {error}")),

@@ -59,6 +59,8 @@ pub struct Stage {
     transforms: TransformTree,
     fixed_frame: String,
     meshes: MeshStore,
+    /// That of the meshes at the last update.
+    meshes_version: u64,
     camera_infos: HashMap<String, Arc<CameraInfo>>,
     warned: std::collections::HashSet<String>,
     /// It was logged that there are too many frames.
@@ -73,6 +75,7 @@ impl Stage {
             transforms: TransformTree::new(),
             fixed_frame: fixed_frame_of(config, fixed_frame),
             meshes,
+            meshes_version: 0,
             camera_infos: HashMap::new(),
             warned: std::collections::HashSet::new(),
             has_warned_of_frames: false,
@@ -179,8 +182,20 @@ impl Stage {
         self.displays.publisher_left(topic);
     }
 
+    /// Whether meshes or textures were loaded since the last update, which the displays then show.
+    pub fn has_new_resources(&self) -> bool {
+        self.meshes.version() != self.meshes_version
+    }
+
+    /// Looks at meshes and textures again that could not be used.
+    pub fn retry_resources(&self) {
+        self.meshes.retry_failures();
+    }
+
     /// Brings the displays up to date. Returns whether the scene changed.
     pub fn update(&mut self, now: Time) -> bool {
+        // First: what is loaded from now on is seen by the next update.
+        self.meshes_version = self.meshes.version();
         let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
         self.displays.update(&world)
     }

@@ -11,6 +11,7 @@ use rcs_scene::DisplayId;
 use rcs_transforms::{Time, TransformTree};
 
 use crate::camera_stream::camera_pose::{CameraProblem, Projection};
+use crate::camera_stream::projector_fit;
 use crate::camera_stream::stage::Stage;
 
 /// The name of the status about a topic's publishers. rviz has none: it does not report a topic of another type.
@@ -143,7 +144,15 @@ pub(crate) fn camera(stage: &Stage, view: &CameraView, projection: Projection) -
     } else {
         values.push(("camera info topic", settings.camera_info_topic.clone()));
         match stage.camera(view, projection) {
-            Ok(_) => statuses.set(Level::Ok, "Camera Info", "OK"),
+            Ok(_) => {
+                let info = stage.camera_info(view);
+                let deviations = info.map(|info| projector_fit::deviations(info, projection)).unwrap_or_default();
+                if deviations.is_empty() {
+                    statuses.set(Level::Ok, "Camera Info", "OK");
+                } else {
+                    statuses.set(Level::Warn, "Camera Info", deviations.join("; "));
+                }
+            }
             Err(problem @ CameraProblem::NoCameraInfo { .. }) => {
                 statuses.set(Level::Warn, "Camera Info", problem.to_string());
             }

@@ -101,6 +101,23 @@ impl Format {
     }
 }
 
+/// A text without control characters: names that come from messages may have any, and would forge lines or break a
+/// terminal.
+pub(super) fn printable(text: String) -> String {
+    if !text.contains(char::is_control) {
+        return text;
+    }
+    let mut out = String::with_capacity(text.len());
+    for character in text.chars() {
+        if character.is_control() {
+            out.extend(character.escape_default());
+        } else {
+            out.push(character);
+        }
+    }
+    out
+}
+
 fn put(out: &mut String, token: Token, line: &Line<'_>) -> std::fmt::Result {
     match token {
         Token::Severity => write!(out, "{:>5}", line.level.as_str()),
@@ -156,6 +173,13 @@ mod tests {
         assert_eq!(format.apply(&line(None)), "[ WARN] [12.000000034]: no frame");
         let simulated = line(Some(Duration::from_millis(1500)));
         assert_eq!(format.apply(&simulated), "[ WARN] [12.000000034, 1.500000000]: no frame");
+    }
+
+    #[test]
+    fn a_frames_name_with_control_characters_stays_on_its_line() {
+        let printed = |text: &str| printable(text.to_owned());
+        assert_eq!(printed("frame [a\n[ERROR] forged\x1b[2J\0]"), "frame [a\\n[ERROR] forged\\u{1b}[2J\\u{0}]");
+        assert_eq!(printed("[/grün] \\n"), "[/grün] \\n");
     }
 
     #[test]

@@ -281,7 +281,7 @@ impl Log for Console {
         if !self.enabled(record.metadata()) || (!is_chosen && !self.filter.matches(record)) {
             return;
         }
-        let text = record.args().to_string();
+        let text = format::printable(record.args().to_string());
         let kept = || Kept {
             level: record.level(),
             target: record.target().to_owned(),

@@ -24,6 +24,7 @@ const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 #[derive(Parser)]
 #[command(
     name = "projector",
+    display_name = "rviz_camera_stream",
     version,
     after_help = "\
 Topics published: /proj_view/camera_info (sensor_msgs/CameraInfo, latched), /tf_static (tf2_msgs/TFMessage, latched)

@@ -25,6 +25,7 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
 #[derive(Parser)]
 #[command(
     name = "projector_window",
+    display_name = "rviz_camera_stream",
     version,
     after_help = "\
 Topic subscribed to: /proj_view/image (sensor_msgs/Image); image:=/topic remaps it, as for image_view
@@ -67,16 +68,24 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
     // The window system needs the main thread; the node runs on another one and closes the window when it ends.
     let (outcome, node_outcome) = mpsc::channel();
     let node_end = end.clone();
-    window::run(options, move |sink| {
-        thread::spawn(move || {
+    let shown = window::run(options, move |sink| {
+        let closing = sink.clone();
+        let following = move || {
             let result = follow_topic(&topic, &node_end, &sink);
             sink.close();
             // Nobody receives it if the window was closed first.
             let _ = outcome.send(result);
-        });
-    })?;
+        };
+        if let Err(error) = thread::Builder::new().name("node".to_owned()).spawn(following) {
+            log::error!("cannot start the node's thread: {error}");
+            closing.close();
+        }
+    });
+    // Whatever the window's end was: the node unregisters. One that was never started has hung up.
     end.request();
-    node_outcome.recv_timeout(Duration::from_secs(4)).unwrap_or(Ok(()))
+    let node_result = node_outcome.recv_timeout(Duration::from_secs(4)).unwrap_or(Ok(()));
+    shown?;
+    node_result
 }
 
 /// Hands the topic's pictures to the window until the shutdown is requested.

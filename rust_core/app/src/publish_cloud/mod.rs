@@ -19,6 +19,7 @@ use crate::small_node::{self, EndRequest};
 #[derive(Parser)]
 #[command(
     name = "publish_cloud",
+    display_name = "rviz_camera_stream",
     version,
     after_help = "\
 Topic published: cloud (sensor_msgs/PointCloud2, latched)

@@ -1,6 +1,11 @@
-//! The world in which displays are tested: frames, a time, and no packages.
+//! The world in which displays are tested: frames, a time, and no packages. Its meshes are loaded when they are asked for,
+//! or in the background when a test lets them.
 
-use rcs_resources::{MeshStore, PackageIndex};
+use std::path::Path;
+use std::sync::{Arc, Condvar, Mutex};
+use std::time::{Duration, Instant};
+
+use rcs_resources::{MeshStore, PackageIndex, ResourceOptions, Retry};
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use crate::World;
@@ -25,6 +30,39 @@ impl TestWorld {
         Self { tree: TransformTree::new(), now, fixed_frame, meshes: MeshStore::new(PackageIndex::new([])) }
     }
 
+    /// Loads meshes of a folder in the background from now on, but none before the gate is opened.
+    pub(crate) fn load_behind_gate(&mut self, folder: &Path) -> Gate {
+        let gate = Gate(Arc::default());
+        let wait = Arc::clone(&gate.0);
+        let waker = move || {
+            let (is_open, opened) = &*wait;
+            drop(opened.wait_while(is_open.lock().unwrap(), |is_open| !*is_open).unwrap());
+        };
+        let options = ResourceOptions { folders: vec![folder.to_owned()], ..ResourceOptions::default() };
+        self.meshes = MeshStore::in_background(PackageIndex::new([]), options, waker);
+        // Each of the threads is busy with calling the waker then.
+        let threads = std::thread::available_parallelism().unwrap().get().clamp(2, 4);
+        for i in 0..threads {
+            assert!(self.meshes.mesh(&format!("http://busy/{i}"), Retry::Yes).is_pending());
+        }
+        self.wait_for_version(threads as u64);
+        gate
+    }
+
+    /// Waits until so many meshes were loaded or failed.
+    pub(crate) fn wait_for_version(&self, version: u64) {
+        let end = Instant::now() + Duration::from_secs(60);
+        while self.meshes.version() < version {
+            assert!(Instant::now() < end, "{} of {version}", self.meshes.version());
+            std::thread::yield_now();
+        }
+    }
+
+    /// How many meshes were loaded or failed.
+    pub(crate) fn version(&self) -> u64 {
+        self.meshes.version()
+    }
+
     /// The world as displays see it.
     pub(crate) fn get(&self) -> World<'_> {
         World { transforms: &self.tree, fixed_frame: self.fixed_frame, now: self.now, meshes: &self.meshes }
@@ -46,3 +84,24 @@ impl TestWorld {
         self.tree.insert(&transform, is_static, "/test").unwrap();
     }
 }
+
+/// Holds up the threads that load meshes until it is opened.
+pub(crate) struct Gate(Arc<(Mutex<bool>, Condvar)>);
+
+impl Gate {
+    pub(crate) fn open(&self) {
+        let (is_open, opened) = &*self.0;
+        *is_open.lock().unwrap() = true;
+        opened.notify_all();
+    }
+}
+
+impl Drop for Gate {
+    fn drop(&mut self) {
+        self.open();
+    }
+}
+
+/// A text STL file of one triangle.
+pub(crate) const STL: &str = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+     endloop\nendfacet\nendsolid\n";

@@ -7,9 +7,9 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::Simd;
+use fearless_simd::{Level, Simd};
 
-use super::lanes::{F, LANES, M, U};
+use super::lanes::{inlined, F, LANES, M, U};
 use super::screen::{Screen, FARTHEST};
 
 /// How fragments are combined with the pixels.
@@ -44,6 +44,7 @@ impl Mode {
 pub(super) struct BandBuffers {
     color: Vec<u32>,
     depth: Vec<f32>,
+    rank: Vec<u32>,
 }
 
 impl BandBuffers {
@@ -61,9 +62,12 @@ impl BandBuffers {
             width: width as i32,
             first_row: first_row as i32,
             end_row: (first_row + rows) as i32,
+            simd_level: screen.simd_level,
             stride,
             color: &mut self.color,
             depth: &mut self.depth,
+            rank: &mut self.rank,
+            has_ranks: false,
         }
     }
 }
@@ -77,10 +81,15 @@ pub(super) struct Band<'a> {
     pub first_row: i32,
     /// The row after its last.
     pub end_row: i32,
+    /// The instruction set that loops over pixels use.
+    pub simd_level: Level,
     /// Pixels from row to row: behind each row there is room for what sticks out of it.
     stride: usize,
     color: &'a mut [u32],
     depth: &'a mut [f32],
+    /// The rank of the face that each pixel shows, where faces are not drawn in their order.
+    rank: &'a mut Vec<u32>,
+    has_ranks: bool,
 }
 
 impl Band<'_> {
@@ -114,6 +123,33 @@ impl Band<'_> {
         while let (Some(colors), Some(depths)) = (colors.get_mut(at..at + LANES), depths.get_mut(at..at + LANES)) {
             let (Some(colors), Some(depths)) = (colors.first_chunk_mut(), depths.first_chunk_mut()) else { return };
             work(Window { colors, depths });
+            at += self.stride;
+        }
+    }
+
+    /// As [`Self::for_windows`], for faces with a rank.
+    #[inline(always)]
+    pub(super) fn for_ranked_windows(&mut self, rows: Range<i32>, begin: i32, mut work: impl FnMut(RankedWindow<'_>)) {
+        if !self.has_ranks {
+            // Whatever is there was drawn before.
+            self.rank.clear();
+            self.rank.resize(self.color.len(), 0);
+            self.has_ranks = true;
+        }
+        let mut at = (rows.start - self.first_row) as usize * self.stride + begin as usize;
+        for _ in rows {
+            let range = at..at + LANES;
+            let (Some(colors), Some(depths), Some(ranks)) =
+                (self.color.get_mut(range.clone()), self.depth.get_mut(range.clone()), self.rank.get_mut(range))
+            else {
+                return;
+            };
+            let (Some(colors), Some(depths), Some(ranks)) =
+                (colors.first_chunk_mut(), depths.first_chunk_mut(), ranks.first_chunk_mut())
+            else {
+                return;
+            };
+            work(RankedWindow { colors, depths, ranks });
             at += self.stride;
         }
     }
@@ -164,6 +200,37 @@ impl Window<'_> {
     }
 }
 
+/// [`LANES`] pixels side by side that know the ranks of what they show.
+#[derive(Debug)]
+pub(super) struct RankedWindow<'a> {
+    colors: &'a mut [u32; LANES],
+    depths: &'a mut [f32; LANES],
+    ranks: &'a mut [u32; LANES],
+}
+
+impl RankedWindow<'_> {
+    /// As [`Window::meet`] for opaque fragments, which need not come in their order: of equal depths that of the higher
+    /// rank wins.
+    #[inline(always)]
+    pub(super) fn meet<S: Simd>(self, mask: M<S>, depths: F<S>, rank: u32, shade: impl FnOnce(M<S>) -> (M<S>, U<S>)) {
+        let simd = depths.token();
+        let behind = F::load_array_ref(simd, self.depths);
+        let wins = mask & depths.simd_le(behind);
+        if !wins.any_true() {
+            return;
+        }
+        let ranks = U::load_array_ref(simd, self.ranks);
+        let wins = wins & (depths.simd_lt(behind) | ranks.simd_le(rank));
+        if !wins.any_true() {
+            return;
+        }
+        let (wins, colors) = shade(wins);
+        wins.select(depths, behind).store_array(self.depths);
+        wins.select(colors, U::load_array_ref(simd, self.colors)).store_array(self.colors);
+        wins.select(U::splat(simd, rank), ranks).store_array(self.ranks);
+    }
+}
+
 /// A colour as the buffers hold it: four bytes, red first in memory.
 #[inline]
 pub(super) fn pack(color: [u8; 4]) -> u32 {
@@ -195,20 +262,29 @@ pub(super) fn blend(behind: u32, color: [u8; 4]) -> u32 {
     pack([channel(0), channel(1), channel(2), channel(3)])
 }
 
-/// As [`blend`], several at once.
+/// As [`blend`], several at once: two channels in each half of the bits.
 #[inline(always)]
 fn blend_lanes<S: Simd>(behind: U<S>, colors: U<S>) -> U<S> {
-    let simd = colors.token();
-    let mut blended = U::splat(simd, 0);
+    const EVEN: u32 = 0x00ff_00ff;
     let alpha = (colors >> channel_shift(3)) & 255;
     let rest = 255 - alpha;
-    for channel in 0..4 {
-        let shift = channel_shift(channel);
-        let (over, under) = (((colors >> shift) & 255) * alpha, ((behind >> shift) & 255) * rest);
-        let sum = ((over + (over >> 8) + 128) >> 8) + ((under + (under >> 8) + 128) >> 8);
-        blended |= sum.min(255) << shift;
-    }
-    blended
+    // As `scale`: what is added to a product of 16 bits never leaves them.
+    let scale = inlined(
+        #[inline(always)]
+        |values: U<S>, factor: U<S>| {
+            let product = values * factor;
+            ((product + ((product >> 8) & EVEN) + 0x0080_0080) >> 8) & EVEN
+        },
+    );
+    let sum = inlined(
+        #[inline(always)]
+        |over: U<S>, under: U<S>| {
+            let sum = scale(over & EVEN, alpha) + scale(under & EVEN, rest);
+            // 256 becomes 255.
+            sum - ((sum >> 8) & 0x0001_0001)
+        },
+    );
+    sum(colors, behind) | (sum(colors >> 8, behind >> 8) << 8)
 }
 
 /// By how many bits a channel is shifted in a packed colour.

@@ -38,7 +38,7 @@ impl ClipVertex {
 const SIDES: usize = 6;
 
 /// Triangles may reach this far outside of the picture, in w.
-const GUARD: f32 = 4.0;
+pub(super) const GUARD: f32 = 4.0;
 
 fn distance(side: usize, [x, y, z, w]: [f32; 4], guard: f32) -> f32 {
     match side {

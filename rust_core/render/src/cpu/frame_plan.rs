@@ -64,6 +64,17 @@ pub(super) enum Job {
     Pieces(Range<usize>),
 }
 
+impl Job {
+    /// Whether the faces of both may be drawn together: both are of one cloud, or both of triangles.
+    pub(super) fn goes_with(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Points(cloud, _), Self::Points(other, _)) => cloud == other,
+            (Self::Pieces(_), Self::Pieces(_)) => true,
+            _ => false,
+        }
+    }
+}
+
 /// Some primitives of the solid with this index.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {

@@ -5,6 +5,8 @@
 //! the line leaves the diamond around its centre, so that joined lines draw their common pixel once. Mesa's test for
 //! that mirrors the slope in one case, which is repeated here.
 
+use std::ops::Range;
+
 use super::band::{meet, unorm8, Band, Mode};
 use super::clip::{clip_line, ClipVertex};
 use super::screen::{snap, Screen, FARTHEST, SUBPIXELS};
@@ -106,19 +108,40 @@ fn diamond_exit(a: [f32; 2], b: [f32; 2], axis: usize) -> (i32, i32) {
 impl Line {
     /// The pixel across at a pixel along.
     fn across(&self, along: i32) -> i32 {
-        let [[a0, c0], [a1, c1]] = self.ends.map(|end| end.map(i64::from));
-        let (length, subpixels) = ((a1 - a0).max(1), i64::from(SUBPIXELS));
-        let doubled = (2 * c0 - subpixels) * length + 2 * (i64::from(along) * subpixels - a0) * (c1 - c0);
-        // The smallest whole number not below doubled / (2 · 256 · length).
-        -(-doubled).div_euclid(2 * subpixels * length) as i32
+        Across::new(&self.ends, along).across as i32
+    }
+
+    /// The steps along whose pixels lie in the rows of a band; for a flat line, about.
+    fn steps(&self, band: &Band<'_>) -> Range<i32> {
+        if self.steep {
+            return band.rows(self.first, self.after);
+        }
+        if self.rows.0 >= band.first_row && self.rows.1 <= band.end_row {
+            return self.first..self.after;
+        }
+        let [[a0, c0], [a1, c1]] = self.ends.map(|end| end.map(f64::from));
+        if (c1 - c0).abs() < 1.0 {
+            return self.first..self.after;
+        }
+        // Where the line crosses the band's borders, and a few pixels more.
+        let scale = f64::from(SUBPIXELS);
+        let along = |row: i32| (a0 + (f64::from(row) * scale - c0) * (a1 - a0) / (c1 - c0)) / scale;
+        let (one, other) = (along(band.first_row - 1), along(band.end_row));
+        let (low, high) = (one.min(other) - 2.0, one.max(other) + 3.0);
+        self.first.max(low as i32)..self.after.min(high as i32)
     }
 
     /// Draws the rows of a band.
     pub(super) fn draw(&self, band: &mut Band<'_>) {
-        let steps = if self.steep { band.rows(self.first, self.after) } else { self.first..self.after };
         let length = (self.end.along - self.begin.along).max(f32::MIN_POSITIVE);
-        for along in steps {
-            let across = self.across(along);
+        let (begin_w, end_w) = (self.begin.inverse_w, self.end.inverse_w);
+        let least_w = 0.5 * begin_w.min(end_w);
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        // Of one colour at both ends.
+        let single = self.begin.color.iter().zip(&self.end.color).all(|(a, b)| a == b);
+        let single = single.then(|| self.begin.color.map(unorm8));
+        let steps = self.steps(band);
+        for (along, across) in steps.clone().zip(Across::new(&self.ends, steps.start)) {
             let (x, y) = if self.steep { (across, along) } else { (along, across) };
             if y < band.first_row || y >= band.end_row {
                 continue;
@@ -126,16 +149,86 @@ impl Line {
             let (_, colors, depths) = band.span(y, x, x + 1);
             if let (Some(pixel), Some(depth)) = (colors.first_mut(), depths.first_mut()) {
                 let t = (along as f32 - self.begin.along) / length;
-                let mix = |a: f32, b: f32| a + (b - a) * t;
-                // A line that runs towards the eye within a pixel could be extended past it.
-                let (begin_w, end_w) = (self.begin.inverse_w, self.end.inverse_w);
-                let w = 1.0 / mix(begin_w, end_w).max(0.5 * begin_w.min(end_w));
-                let color = [0, 1, 2, 3].map(|i| {
-                    let (a, b) = (self.begin.color[i], self.end.color[i]);
-                    unorm8(if a == b { a } else { mix(a * self.begin.inverse_w, b * self.end.inverse_w) * w })
+                let depth_there = mix(self.begin.depth, self.end.depth, t).clamp(0.0, FARTHEST);
+                if self.mode.depth_test && depth_there > *depth {
+                    continue;
+                }
+                let color = single.unwrap_or_else(|| {
+                    // A line that runs towards the eye within a pixel could be extended past it.
+                    let w = 1.0 / mix(begin_w, end_w, t).max(least_w);
+                    [0, 1, 2, 3].map(|i| {
+                        let (a, b) = (self.begin.color[i], self.end.color[i]);
+                        unorm8(if a == b { a } else { mix(a * begin_w, b * end_w, t) * w })
+                    })
                 });
-                let depth_there = mix(self.begin.depth, self.end.depth).clamp(0.0, FARTHEST);
                 meet(pixel, depth, depth_there, color, self.mode);
+            }
+        }
+    }
+}
+
+/// The pixel across at a pixel along: the smallest whole number not below a quotient whose dividend grows by the same
+/// from pixel to pixel. The division is done once.
+struct Across {
+    across: i64,
+    /// What the division leaves, negated: from 0 to before the divisor.
+    rest: i64,
+    divisor: i64,
+    step: i64,
+    rest_step: i64,
+}
+
+impl Across {
+    #[inline]
+    fn new(ends: &[[i32; 2]; 2], along: i32) -> Self {
+        let [[a0, c0], [a1, c1]] = ends.map(|end| end.map(i64::from));
+        let (length, subpixels) = ((a1 - a0).max(1), i64::from(SUBPIXELS));
+        let doubled = (2 * c0 - subpixels) * length + 2 * (i64::from(along) * subpixels - a0) * (c1 - c0);
+        let divisor = 2 * subpixels * length;
+        let growth = 2 * subpixels * (c1 - c0);
+        Self {
+            across: -(-doubled).div_euclid(divisor),
+            rest: (-doubled).rem_euclid(divisor),
+            divisor,
+            step: -(-growth).div_euclid(divisor),
+            rest_step: (-growth).rem_euclid(divisor),
+        }
+    }
+}
+
+impl Iterator for Across {
+    type Item = i32;
+
+    #[inline]
+    fn next(&mut self) -> Option<i32> {
+        let across = self.across;
+        self.across += self.step;
+        self.rest += self.rest_step;
+        if self.rest >= self.divisor {
+            self.rest -= self.divisor;
+            self.across -= 1;
+        }
+        Some(across as i32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pixel_across_is_that_of_a_division_at_each_step() {
+        let mut state = 1_u32;
+        let mut next = |limit: i32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as i32 % limit - limit / 3
+        };
+        for _ in 0..2000 {
+            let begin = [next(200_000), next(200_000)];
+            let ends = [begin, [begin[0] + next(150_000).abs(), begin[1] + next(300_000)]];
+            let first = next(700);
+            for (along, across) in (first..first + 300).zip(Across::new(&ends, first)) {
+                assert_eq!(across, Across::new(&ends, along).next().unwrap_or(0));
             }
         }
     }

@@ -9,6 +9,9 @@
 //!    is done. There is no frame buffer of the whole picture, and no two threads write to the same pixel, so that the
 //!    picture does not depend on the number of threads.
 //!
+//! Opaque faces that lie over each other many times are drawn by their *ranks* instead of in their order, so that those
+//! which others hide cost next to nothing ([`ranked`], [`occlusion`]). The picture is the same.
+//!
 //! What is drawn is what OpenGL draws with rviz's shaders on Mesa's software rasteriser; [`points`], [`triangles`] and
 //! [`lines`] describe how.
 //!
@@ -17,11 +20,14 @@
 mod band;
 mod bins;
 mod clip;
+mod fill;
 mod frame_plan;
 mod lanes;
 mod lighting;
 mod lines;
+mod occlusion;
 mod points;
+mod ranked;
 mod screen;
 mod solids;
 mod surface;
@@ -29,6 +35,7 @@ mod texture;
 mod triangles;
 
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use fearless_simd::Level;
@@ -38,6 +45,7 @@ use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
 use self::frame_plan::{FramePlan, FramePlanMemory, Job, Textures};
 use self::points::PointScratch;
+use self::ranked::{Load, RankedScratch};
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
 use crate::{RenderError, Renderer, View};
@@ -50,11 +58,34 @@ pub struct CpuRenderer {
     textures: Textures,
     /// The instruction set to use; `None`: the best that there is.
     simd_level: Option<Level>,
+    culling: Culling,
+    turns: Vec<Turn>,
     memory: FramePlanMemory,
     /// Drawn and not yet returned, the oldest first.
     finished: VecDeque<Picture>,
     /// Memory for the next picture.
     unused_picture: Picture,
+}
+
+/// When faces that others hide are looked for. The picture does not depend on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Culling {
+    /// Where many large faces lie over each other.
+    #[default]
+    Heavy,
+    /// Everywhere.
+    Always,
+    /// Nowhere.
+    Never,
+}
+
+/// What is drawn next in each band.
+#[derive(Clone, Debug)]
+enum Turn {
+    /// A job, in its order.
+    Job(usize),
+    /// Jobs whose faces are drawn by their ranks.
+    Ranked(Range<usize>),
 }
 
 /// The memory that a thread keeps.
@@ -63,12 +94,14 @@ struct Worker {
     band: BandBuffers,
     scratch: PointScratch,
     vertices: VertexCache,
+    ranked: RankedScratch,
 }
 
 /// The result of a job; only the part that belongs to its kind is filled.
 #[derive(Debug, Default)]
 struct Outcome {
     points: Bins,
+    points_load: Load,
     primitives: Primitives,
 }
 
@@ -82,6 +115,12 @@ impl CpuRenderer {
     pub fn with_threads(threads: usize) -> Self {
         let workers = (0..threads.max(1)).map(|_| Worker::default()).collect();
         Self { workers, ..Self::default() }
+    }
+
+    /// Chooses when faces that others hide are looked for; for tests and measurements.
+    #[must_use]
+    pub fn with_culling(self, culling: Culling) -> Self {
+        Self { culling, ..self }
     }
 }
 
@@ -147,22 +186,94 @@ impl CpuRenderer {
 
         plan.cull_clouds(|job| self.outcomes.get(job).into_iter().flat_map(|outcome| outcome.points.all()));
 
+        let mut turns = std::mem::take(&mut self.turns);
+        self.list_turns(&plan, &screen, &mut turns);
+
         let [r, g, b] = view.background;
         let background = pack([r, g, b, 255]);
         let step = picture.step();
         let outcomes = &self.outcomes;
         let bands = picture.data.chunks_mut(step * screen.band_rows()).enumerate();
         in_parallel(&mut self.workers, bands, |worker, (index, rows)| {
-            let mut band = worker.band.begin(&screen, index, background);
-            for (job, outcome) in plan.jobs.iter().zip(outcomes) {
-                outcome.draw(job, &plan, &screen, index, &mut worker.scratch, &mut band);
+            let Worker { band, scratch, ranked, .. } = worker;
+            let mut band = band.begin(&screen, index, background);
+            ranked.begin();
+            for turn in &turns {
+                match turn {
+                    Turn::Job(at) => {
+                        if let (Some(job), Some(outcome)) = (plan.jobs.get(*at), outcomes.get(*at)) {
+                            outcome.draw(job, &plan, &screen, index, scratch, &mut band);
+                        }
+                    }
+                    Turn::Ranked(jobs) => {
+                        let (Some(job), Some(outcomes)) = (plan.jobs.get(jobs.start), outcomes.get(jobs.clone()))
+                        else {
+                            continue;
+                        };
+                        draw_ranked(job, outcomes, &plan, (&screen, index), (scratch, ranked), &mut band);
+                    }
+                }
             }
             for (pixels, row) in band.pixel_rows().zip(rows.chunks_mut(step)) {
                 view.encoding.write_row(pixels, row);
             }
         });
         self.memory.keep(plan);
+        self.turns = turns;
         Ok(())
+    }
+
+    /// Lists the jobs in their order, those together whose faces are drawn by their ranks.
+    fn list_turns(&self, plan: &FramePlan<'_>, screen: &Screen, turns: &mut Vec<Turn>) {
+        turns.clear();
+        let mut begin = 0;
+        while let Some(job) = plan.jobs.get(begin) {
+            let (mut end, mut load) = (begin, Load::default());
+            for (job_there, outcome) in plan.jobs.iter().zip(&self.outcomes).skip(begin) {
+                let both = load.and(outcome.load(job_there, plan));
+                if both.in_order || !job.goes_with(job_there) {
+                    break;
+                }
+                (end, load) = (end + 1, both);
+            }
+            let is_ranked = match self.culling {
+                Culling::Heavy => load.is_heavy(screen),
+                Culling::Always => end > begin,
+                Culling::Never => false,
+            };
+            if is_ranked {
+                turns.push(Turn::Ranked(begin..end));
+            } else {
+                turns.extend((begin..end.max(begin + 1)).map(Turn::Job));
+            }
+            begin = end.max(begin + 1);
+        }
+    }
+}
+
+/// Draws a band's rows of jobs of one kind whose faces are drawn by their ranks.
+fn draw_ranked(
+    job: &Job,
+    outcomes: &[Outcome],
+    plan: &FramePlan<'_>,
+    (screen, index): (&Screen, usize),
+    (scratch, ranked): (&mut PointScratch, &mut RankedScratch),
+    band: &mut Band<'_>,
+) {
+    match job {
+        Job::Points(cloud, _) => {
+            if let Some(cloud) = plan.clouds.get(*cloud) {
+                let indices = |job: usize| outcomes.get(job).map_or(&[][..], |outcome| outcome.points.band(index));
+                points::draw_ranked(cloud, indices, outcomes.len(), screen, scratch, ranked, band);
+            }
+        }
+        Job::Pieces(_) => Primitives::draw_ranked(outcomes, &plan.solids, index, band, ranked),
+    }
+}
+
+impl AsRef<Primitives> for Outcome {
+    fn as_ref(&self) -> &Primitives {
+        &self.primitives
     }
 }
 
@@ -190,12 +301,23 @@ fn in_parallel<W: Send, T: Send>(
 }
 
 impl Outcome {
+    /// How much there is to draw.
+    fn load(&self, job: &Job, plan: &FramePlan<'_>) -> Load {
+        match job {
+            Job::Points(cloud, _) => {
+                let in_order = plan.clouds.get(*cloud).is_none_or(|cloud| !cloud.can_be_ranked());
+                Load { in_order, ..self.points_load }
+            }
+            Job::Pieces(_) => self.primitives.load(),
+        }
+    }
+
     fn prepare(&mut self, job: &Job, plan: &FramePlan<'_>, screen: &Screen, worker: &mut Worker) {
         match job {
             Job::Points(index, range) => {
                 let Some(cloud) = plan.clouds.get(*index) else { return };
                 self.points.reset(screen);
-                cloud.select(screen, range.clone(), &mut self.points);
+                self.points_load = cloud.select(screen, range.clone(), &mut self.points);
             }
             Job::Pieces(pieces) => {
                 self.primitives.clear(screen);

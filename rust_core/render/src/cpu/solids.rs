@@ -5,15 +5,18 @@
 
 use std::borrow::Cow;
 
+use fearless_simd::{dispatch, Simd};
 use rcs_scene::{Lines, Material, Mesh};
 
 use super::band::{Band, Mode};
 use super::bins::Bins;
 use super::clip::{ClipVertex, Outside};
+use super::fill::can_fill;
 use super::lighting::vertex_color;
 use super::lines::{self, Line};
+use super::ranked::{scattered, Load, RankedScratch};
 use super::screen::{ObjectTransform, Screen};
-use super::surface::Surface;
+use super::surface::{DepthBias, Surface};
 use super::triangles::{self, Corner, ScreenPosition};
 
 /// Something made of triangles or lines.
@@ -96,6 +99,7 @@ pub(super) struct Primitives {
     lines: Vec<Line>,
     /// Twice a triangle's index, or twice a line's and one.
     bins: Bins,
+    load: Load,
 }
 
 impl Primitives {
@@ -105,6 +109,12 @@ impl Primitives {
         self.triangles.clear();
         self.lines.clear();
         self.bins.reset(screen);
+        self.load = Load::default();
+    }
+
+    /// How much there is to draw.
+    pub(super) fn load(&self) -> Load {
+        self.load
     }
 
     /// Makes a range of a solid's primitives ready. `index` identifies the solid.
@@ -118,6 +128,7 @@ impl Primitives {
     ) {
         match &solid.shape {
             Shape::Mesh(mesh, material) => {
+                self.load.in_order |= solid.surface.mode != Mode::OPAQUE || !can_fill(&solid.surface);
                 cache.clear();
                 let source =
                     Source { mesh, material, transform: &solid.transform, surface: &solid.surface, index, screen };
@@ -127,6 +138,7 @@ impl Primitives {
                 }
             }
             Shape::Lines(lines) => {
+                self.load.in_order = true;
                 for (a, b) in lines.segments().skip(range.start).take(range.len()) {
                     let vertex = |i: usize| {
                         Some(ClipVertex {
@@ -162,6 +174,7 @@ impl Primitives {
             return;
         }
         let rows = triangles::rows(positions);
+        self.load.add(triangles::reach_px(positions, source.screen));
         for (&index, &key) in indices.iter().zip(corners) {
             self.corners[index as usize].light(source, key);
         }
@@ -183,8 +196,9 @@ impl Primitives {
         triangles::cut([&a, &b, &c], source.surface, source.screen, |corners| {
             let first = self.corners.len() as u32;
             self.corners.extend(corners.map(|corner| ReadyCorner { corner, is_lit: true }));
-            let rows = triangles::rows(corners.each_ref().map(|corner| &corner.position));
-            self.push_triangle([first, first + 1, first + 2], rows, source);
+            let positions = corners.each_ref().map(|corner| &corner.position);
+            self.load.add(triangles::reach_px(positions, source.screen));
+            self.push_triangle([first, first + 1, first + 2], triangles::rows(positions), source);
         });
     }
 
@@ -197,6 +211,52 @@ impl Primitives {
         if let Some(line) = lines::set_up(a, b, mode, screen) {
             bin_rows(&mut self.bins, self.lines.len() as u32 * 2 + 1, line.rows(), screen);
             self.lines.push(line);
+        }
+    }
+
+    /// Draws a band's rows of the triangles of several jobs that need not be drawn in their order.
+    pub(super) fn draw_ranked(
+        jobs: &[impl AsRef<Self>],
+        solids: &[Solid<'_>],
+        index: usize,
+        band: &mut Band<'_>,
+        scratch: &mut RankedScratch,
+    ) {
+        scratch.faces.clear();
+        for (job, primitives) in jobs.iter().enumerate() {
+            scratch.faces.extend(primitives.as_ref().bins.band(index).iter().map(|number| [job as u32, number / 2]));
+        }
+        let count = scratch.faces.len();
+        let Some(first_rank) = scratch.take_ranks(count, band.width, [band.first_row, band.end_row]) else {
+            return jobs.iter().for_each(|primitives| primitives.as_ref().draw(solids, index, band));
+        };
+        dispatch!(band.simd_level, simd => {
+            for at in scattered(count) {
+                let Some(&[job, number]) = scratch.faces.get(at) else { continue };
+                let Some(primitives) = jobs.get(job as usize) else { continue };
+                primitives.as_ref().draw_one_ranked(simd, solids, number, first_rank + at as u32, band, scratch);
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn draw_one_ranked<S: Simd>(
+        &self,
+        simd: S,
+        solids: &[Solid<'_>],
+        number: u32,
+        rank: u32,
+        band: &mut Band<'_>,
+        scratch: &mut RankedScratch,
+    ) {
+        let Some(triangle) = self.triangles.get(number as usize) else { return };
+        let Some(solid) = solids.get(triangle.solid as usize) else { return };
+        let corners = triangle.corners.map(|index| &self.corners[index as usize].corner);
+        let [a, b, c] = corners.map(|corner| corner.position.bits());
+        let has_bias = solid.surface.depth_bias != DepthBias::NONE;
+        let key = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]];
+        if has_bias || !scratch.recent_triangles.covers(&key, rank) {
+            triangles::draw_ranked(simd, corners, &solid.surface, rank, band, &mut scratch.occluders);
         }
     }
 

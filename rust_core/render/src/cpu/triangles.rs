@@ -6,26 +6,31 @@
 //! linear in the window, and everything else is linear in space: it is carried divided by w, and divided by 1/w per
 //! pixel.
 
+use std::ops::Range;
+
+use fearless_simd::{dispatch, Simd};
 use rcs_scene::CullMode;
 use wide::{f32x4, i32x4};
 
 use super::band::{meet, unorm8, Band};
 use super::clip::{ClipVertex, Polygon};
+use super::fill::{can_fill, Fill};
+use super::occlusion::{Area, Occluders};
 use super::screen::{first_pixel, snap_lanes, Screen, FARTHEST, SUBPIXELS};
 use super::surface::{DepthBias, Paint, Surface};
 
 /// A quantity that is linear in the window: its value at the reference pixel and the change by a pixel to the right
 /// and by a pixel down.
 #[derive(Clone, Copy, Debug, Default)]
-struct Plane {
-    at: f32,
-    dx: f32,
-    dy: f32,
+pub(super) struct Plane {
+    pub at: f32,
+    pub dx: f32,
+    pub dy: f32,
 }
 
 impl Plane {
     #[inline]
-    fn value(&self, x: f32, y: f32) -> f32 {
+    pub(super) fn value(&self, x: f32, y: f32) -> f32 {
         self.at + self.dx * x + self.dy * y
     }
 }
@@ -33,10 +38,10 @@ impl Plane {
 /// A vertex's position on the picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ScreenPosition {
-    x: i32,
-    y: i32,
-    depth: f32,
-    inverse_w: f32,
+    pub x: i32,
+    pub y: i32,
+    pub depth: f32,
+    pub inverse_w: f32,
 }
 
 impl ScreenPosition {
@@ -50,6 +55,21 @@ impl ScreenPosition {
         let [_, _, depth, _] = window.to_array();
         Self { x, y, depth: depth * FARTHEST, inverse_w }
     }
+
+    /// All of its numbers.
+    pub(super) fn bits(&self) -> [u32; 4] {
+        [self.x as u32, self.y as u32, self.depth.to_bits(), self.inverse_w.to_bits()]
+    }
+}
+
+/// About as many pixels of the picture as a triangle covers.
+#[inline]
+pub(super) fn reach_px([a, b, c]: [&ScreenPosition; 3], screen: &Screen) -> u64 {
+    let side = |a: i32, b: i32, c: i32, end: u32| {
+        let (first, after) = between(a, b, c);
+        (after.min(end as i32) - first.max(0)).max(0) as u64
+    };
+    side(a.x, b.x, c.x, screen.width_px) * side(a.y, b.y, c.y, screen.height_px) / 2
 }
 
 /// Twice the area in snapped places. Window y points down, so what runs counter-clockwise to the eye has a negative
@@ -152,6 +172,9 @@ pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mu
             let (first, after) = edges.row(y - begin, right - left);
             draw_row(y, (left + first, left + after), band);
         }
+    } else if right - left >= Wide::MIN_WIDTH_PX && can_fill(surface) {
+        let wide = Wide { planes: Planes::new([a, b, c], area, surface), edges: Edge::around(positions) };
+        dispatch!(band.simd_level, simd => wide.draw(simd, surface, (left, right), (begin, end), band));
     } else {
         let edges = Edge::around(positions);
         for y in band.rows(begin, end) {
@@ -164,16 +187,76 @@ pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mu
     }
 }
 
+/// Draws the rows of a band of an opaque triangle, not in its turn but with its rank in it; the surface is one that
+/// [`can_fill`].
+#[inline(always)]
+pub(super) fn draw_ranked<S: Simd>(
+    simd: S,
+    [a, mut b, mut c]: [&Corner; 3],
+    surface: &Surface,
+    rank: u32,
+    band: &mut Band<'_>,
+    occluders: &mut Occluders,
+) {
+    let mut area = doubled_area([&a.position, &b.position, &c.position]);
+    if area == 0 {
+        return;
+    }
+    if area < 0 {
+        std::mem::swap(&mut b, &mut c);
+        area = -area;
+    }
+    let positions = [&a.position, &b.position, &c.position];
+    let (left, right) = between(a.position.x, b.position.x, c.position.x);
+    let (begin, end) = rows(positions);
+    let Range { start: top, end: bottom } = band.rows(begin, end);
+    let pixels = Area { left: left.max(0), right: right.min(band.width), top, bottom };
+    if pixels.left < pixels.right && pixels.top < pixels.bottom {
+        let planes = Planes::new([a, b, c], area, surface);
+        Fill::new(simd, &planes, surface).ranked(&Edge::around(positions), pixels, rank, band, occluders);
+    }
+}
+
+/// A triangle with long rows.
+struct Wide {
+    planes: Planes,
+    edges: [Edge; 3],
+}
+
+impl Wide {
+    const MIN_WIDTH_PX: i32 = 24;
+
+    #[inline(always)]
+    fn draw<S: Simd>(
+        &self,
+        simd: S,
+        surface: &Surface,
+        (left, right): (i32, i32),
+        (begin, end): (i32, i32),
+        band: &mut Band<'_>,
+    ) {
+        let fill = Fill::new(simd, &self.planes, surface);
+        let (left, right) = (left.max(0), right.min(band.width));
+        for y in band.rows(begin, end) {
+            let (mut first, mut after) = (left, right.max(left));
+            for edge in &self.edges {
+                edge.narrow(y, &mut first, &mut after);
+            }
+            fill.row(y, first, after, band);
+        }
+    }
+}
+
 /// The values that are interpolated over a triangle.
 #[derive(Clone, Copy, Debug)]
-struct Planes {
+pub(super) struct Planes {
     /// All corners have one colour, which `color` holds undivided.
-    flat: bool,
-    depth: Plane,
-    inverse_w: Plane,
-    color: [Plane; 4],
+    pub flat: bool,
+    pub depth: Plane,
+    pub inverse_w: Plane,
+    pub color: [Plane; 4],
     /// Only where the surface has use for it.
-    uv: [Plane; 2],
+    pub uv: [Plane; 2],
 }
 
 impl Planes {
@@ -303,10 +386,10 @@ impl SmallEdges {
 }
 
 /// A straight edge: a pixel (x, y) is on its inner side where `c + x · dx + y · dy` is not negative.
-struct Edge {
-    c: i64,
-    dx: i64,
-    dy: i64,
+pub(super) struct Edge {
+    pub c: i64,
+    pub dx: i64,
+    pub dy: i64,
 }
 
 impl Edge {

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use wgpu::{Adapter, Backend, Backends, DeviceType};
 
+use super::hardware::may_have_gpu;
 use super::stats::GpuStats;
 use crate::RenderError;
 
@@ -39,6 +40,9 @@ impl Device {
     /// Opens the best adapter that works: hardware before software, discrete before integrated, Vulkan before GL. GL
     /// is not tried where Vulkan has hardware.
     pub(super) fn open(hardware_only: bool) -> Result<Self, RenderError> {
+        if hardware_only && !may_have_gpu() {
+            return Err(RenderError::NoAdapter { reason: "there is no device file of a GPU".into() });
+        }
         let allowed = Backends::from_env().unwrap_or(Backends::all());
         let wanted = std::env::var("WGPU_ADAPTER_NAME").unwrap_or_default().to_lowercase();
         let mut failure = None;

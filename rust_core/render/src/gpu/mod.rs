@@ -1,6 +1,7 @@
 //! The GPU renderer: the same picture as the CPU's, drawn with wgpu.
 //!
 //! ```text
+//! hardware   whether there may be a GPU at all
 //! device     an adapter (Vulkan before GL, hardware before software) and its errors
 //! points     ┐ one file for each kind of primitive, with a shader of the same name: an immutable set of pipelines,
 //! lines      │ made when the device is opened, and the draw data of one drawable in one picture
@@ -27,6 +28,7 @@
 mod cells;
 mod device;
 mod geometry;
+mod hardware;
 mod lines;
 mod pipeline;
 mod points;

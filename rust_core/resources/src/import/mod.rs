@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::Matrix4;
 
-use crate::{MeshFault, ResourceError};
+use crate::{MeshFault, ResourceError, ResourceOptions};
 
 mod collada;
 mod lenient_float;
@@ -15,9 +15,19 @@ mod stl;
 mod triangulate;
 
 pub(crate) use process::{normalized, process, Triangles};
+pub(crate) use triangulate::Triangulation;
 
-/// The most corners that a file may make, counted after instancing; a damaged file must not ask for all memory.
-const MAX_CORNERS: usize = 60_000_000;
+/// The most meshes of a file, counted after instancing; each is drawn by itself.
+const MAX_MESHES: usize = 50_000;
+/// The most materials of a file.
+const MAX_MATERIALS: usize = 10_000;
+
+/// A mesh file, and the rules by which files beside it are read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) options: &'a ResourceOptions,
+}
 
 /// Which reader a file goes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,17 +70,31 @@ pub(crate) struct Placed {
     pub(crate) object_from_mesh: Matrix4<f32>,
 }
 
+/// The faces of a mesh.
+#[derive(Clone, Debug)]
+pub(crate) enum Faces {
+    /// Triangles only. Normals are those of the faces, one for each.
+    Triangles,
+    /// Corners of each face: 1 a point, 2 a line. Normals are those of the corners.
+    Sizes(Vec<u32>),
+}
+
+impl Default for Faces {
+    fn default() -> Self {
+        Self::Sizes(Vec::new())
+    }
+}
+
 /// Faces of any number of corners, which share none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polygons {
     /// The corners of the first face, then of the second, and so on.
     pub(crate) positions: Vec<[f32; 3]>,
-    /// One for each corner, or none at all.
+    /// One for each corner or, see [`Faces`], each face; or none at all.
     pub(crate) normals: Vec<[f32; 3]>,
     /// One for each corner, or none at all; v up, as in the files.
     pub(crate) uvs: Vec<[f32; 2]>,
-    /// Corners of each face: 1 a point, 2 a line.
-    pub(crate) face_sizes: Vec<u32>,
+    pub(crate) faces: Faces,
     /// Index into [`Imported::materials`].
     pub(crate) material: usize,
 }
@@ -106,22 +130,30 @@ impl MaterialSpec {
     };
 }
 
-/// Reads the contents of a mesh file; files that it names are searched for beside `path`.
-pub(crate) fn import(format: Format, bytes: &[u8], path: &Path) -> Result<Imported, MeshFault> {
+/// Reads the contents of a mesh file.
+pub(crate) fn import(format: Format, bytes: &[u8], source: Source<'_>) -> Result<Imported, MeshFault> {
+    let max_corners = source.options.max_corners();
     let imported = match format {
         Format::Stl => stl::read(bytes),
-        Format::Collada => collada::read(bytes),
-        Format::Obj => obj::read(bytes, path),
+        Format::Collada => collada::read(bytes, max_corners),
+        Format::Obj => obj::read(bytes, source),
     }?;
-    let mut corners = 0_usize;
-    for placed in &imported.placed {
-        corners += imported.meshes.get(placed.mesh).map_or(0, |mesh| mesh.positions.len());
-        if corners > MAX_CORNERS {
-            return Err(MeshFault::TooLarge { limit: MAX_CORNERS, what: "corners" });
-        }
-    }
+    // A small file may place a mesh any number of times.
+    check_count(imported.placed.len(), MAX_MESHES, "meshes")?;
+    check_count(imported.materials.len(), MAX_MATERIALS, "materials")?;
+    let placed = imported.placed.iter().filter_map(|placed| imported.meshes.get(placed.mesh));
+    let corners = placed.fold(0_usize, |sum, mesh| sum.saturating_add(mesh.positions.len()));
+    check_count(corners, max_corners, "corners")?;
     if corners == 0 {
         return Err(MeshFault::Empty);
     }
     Ok(imported)
+}
+
+/// Refuses more than is plausible.
+fn check_count(count: usize, limit: usize, what: &'static str) -> Result<(), MeshFault> {
+    if count > limit {
+        return Err(MeshFault::TooLarge { limit, what });
+    }
+    Ok(())
 }

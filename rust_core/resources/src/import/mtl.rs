@@ -2,7 +2,7 @@
 
 use super::{
     lenient_float::{leading_f32, three},
-    MaterialSpec,
+    MaterialSpec, MAX_MATERIALS,
 };
 
 /// How statements that name a texture begin, each with the kind of texture that it is; the first that fits counts.
@@ -54,6 +54,10 @@ pub(super) fn read(text: &str, materials: &mut Vec<Named>, mut defined: impl FnM
         if keyword == "newmtl" {
             let name = if rest.trim().is_empty() { super::obj::DEFAULT_MATERIAL } else { rest.trim() };
             let known = materials.iter().position(|material| material.name == name);
+            if known.is_none() && materials.len() > MAX_MATERIALS {
+                // One more than there may be: the file is refused.
+                return;
+            }
             let index = known.unwrap_or_else(|| {
                 materials.push(Named::new(name));
                 materials.len() - 1

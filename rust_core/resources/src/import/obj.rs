@@ -6,22 +6,27 @@
 //! coordinate takes them from the whole mesh. Vertex colours are not used. `l` and `p` statements make lines and
 //! points.
 
-use std::{fs, path::Path};
+use std::{borrow::Cow, collections::HashMap, path::Path};
 
 use nalgebra::Matrix4;
 
 use super::{
+    check_count,
     lenient_float::{leading_f32, three},
     mtl::{self, Named},
-    Imported, Placed, Polygons,
+    Faces, Imported, Placed, Polygons, Source, MAX_MATERIALS, MAX_MESHES,
 };
-use crate::MeshFault;
+use crate::{MeshFault, ResourceError};
 
 /// Assimp's name for the material of faces that have none.
 pub(super) const DEFAULT_MATERIAL: &str = "DefaultMaterial";
 
+/// What the next material library is counted for besides its size.
+const LIBRARY_BYTES: u64 = 4096;
+
 /// An OBJ file while it is read.
-struct Reader {
+struct Reader<'a> {
+    source: Source<'a>,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
@@ -29,14 +34,19 @@ struct Reader {
     current_material: Option<usize>,
     meshes: Vec<Mesh>,
     group: String,
-    objects: Vec<String>,
+    objects: HashMap<String, usize>,
+    object_count: usize,
     current_object: Option<usize>,
+    corners: usize,
+    library_bytes: u64,
 }
 
 /// A mesh while it is read.
 #[derive(Default)]
 struct Mesh {
+    /// All but its faces.
     polygons: Polygons,
+    face_sizes: Vec<u32>,
     /// Index of the object that it was begun in.
     object: usize,
     material: Option<usize>,
@@ -62,10 +72,11 @@ struct Corner {
     normal: Option<usize>,
 }
 
-/// Reads an OBJ file and the material libraries beside `path` that it names.
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Imported, MeshFault> {
+/// Reads an OBJ file and the material libraries beside it that it names.
+pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Imported, MeshFault> {
     let text = String::from_utf8_lossy(bytes);
     let mut reader = Reader {
+        source,
         positions: Vec::new(),
         normals: Vec::new(),
         uvs: Vec::new(),
@@ -73,8 +84,11 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Imported, MeshFault> {
         current_material: None,
         meshes: Vec::new(),
         group: String::new(),
-        objects: Vec::new(),
+        objects: HashMap::new(),
+        object_count: 0,
         current_object: None,
+        corners: 0,
+        library_bytes: 0,
     };
     let mut joined = String::new();
     for (number, line) in text.lines().enumerate() {
@@ -85,20 +99,23 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Imported, MeshFault> {
             continue;
         }
         let result = if joined.is_empty() {
-            reader.line(line, path)
+            reader.line(line)
         } else {
             joined.push_str(line);
-            let result = reader.line(&joined, path);
+            let result = reader.line(&joined);
             joined.clear();
             result
         };
         result.map_err(|what| MeshFault::Line { line: number + 1, what })?;
+        check_count(reader.corners, source.options.max_corners(), "corners")?;
+        check_count(reader.meshes.len(), MAX_MESHES, "meshes")?;
+        check_count(reader.materials.len(), MAX_MATERIALS, "materials")?;
     }
     Ok(reader.finish())
 }
 
-impl Reader {
-    fn line(&mut self, line: &str, path: &Path) -> Result<(), String> {
+impl Reader<'_> {
+    fn line(&mut self, line: &str) -> Result<(), String> {
         let line = line.trim();
         let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
         match keyword {
@@ -122,7 +139,7 @@ impl Reader {
                 self.begin_object(rest.trim());
             }
             "usemtl" => self.use_material(rest.trim()),
-            "mtllib" => self.library(rest.trim(), path),
+            "mtllib" => self.library(rest.trim()),
             _ => {}
         }
         Ok(())
@@ -164,20 +181,21 @@ impl Reader {
             mesh.polygons.uvs.push(uv.flatten().copied().unwrap_or_default());
             Ok(())
         };
+        self.corners += corners.len();
         match kind {
             Kind::Polygon => {
                 corners.iter().try_for_each(&mut push)?;
-                mesh.polygons.face_sizes.push(corners.len() as u32);
+                mesh.face_sizes.push(corners.len() as u32);
             }
             Kind::Line => {
                 for pair in corners.windows(2) {
                     pair.iter().try_for_each(&mut push)?;
-                    mesh.polygons.face_sizes.push(2);
+                    mesh.face_sizes.push(2);
                 }
             }
             Kind::Point => {
                 corners.iter().try_for_each(&mut push)?;
-                mesh.polygons.face_sizes.extend(corners.iter().map(|_| 1));
+                mesh.face_sizes.extend(corners.iter().map(|_| 1));
             }
         }
         Ok(())
@@ -211,16 +229,18 @@ impl Reader {
         if name.is_empty() {
             return;
         }
-        match self.objects.iter().position(|object| object == name) {
+        match self.objects.get(name) {
             // An object that comes again goes on with the mesh at hand; the next one is its.
-            Some(object) => self.current_object = Some(object),
+            Some(&object) => self.current_object = Some(object),
             None => self.begin_object(name),
         }
     }
 
     fn begin_object(&mut self, name: &str) {
-        let object = self.objects.len();
-        self.objects.push(name.to_owned());
+        let object = self.object_count;
+        self.object_count += 1;
+        // Of two groups of one name the first is found.
+        self.objects.entry(name.to_owned()).or_insert(object);
         self.current_object = Some(object);
         self.meshes.push(Mesh { object, material: self.current_material, ..Mesh::default() });
     }
@@ -238,9 +258,7 @@ impl Reader {
         self.current_material = Some(index);
         match self.meshes.last_mut() {
             // Faces of another material are there: a mesh has only one.
-            Some(mesh)
-                if mesh.material.is_some_and(|material| material != index) && !mesh.polygons.face_sizes.is_empty() =>
-            {
+            Some(mesh) if mesh.material.is_some_and(|material| material != index) && !mesh.face_sizes.is_empty() => {
                 let object = self.current_object.unwrap_or(0);
                 self.meshes.push(Mesh { object, material: Some(index), ..Mesh::default() });
             }
@@ -250,18 +268,27 @@ impl Reader {
     }
 
     /// Reads a material library: the file of that name beside the mesh, else the mesh's own name with `.mtl`.
-    fn library(&mut self, name: &str, path: &Path) {
+    fn library(&mut self, name: &str) {
+        let Source { path, options } = self.source;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let bytes = fs::read(folder.join(name.trim_start_matches('/'))).or_else(|error| {
-            fs::read(path.with_extension("mtl")).map_err(|_| error) // the first failure is the one of interest
-        });
-        let text = match &bytes {
-            Ok(bytes) => String::from_utf8_lossy(bytes),
+        self.library_bytes = self.library_bytes.saturating_add(LIBRARY_BYTES);
+        let text = if self.library_bytes > options.max_file_bytes {
+            Err(ResourceError::TooLarge { path: path.to_owned(), max_mb: options.max_file_bytes >> 20 })
+        } else {
+            options.read(&folder.join(name.trim_start_matches('/'))).or_else(|error| {
+                // The first failure is the one of interest.
+                options.read(&path.with_extension("mtl")).map_err(|_| error)
+            })
+        };
+        let bytes = match text {
+            Ok(bytes) => bytes,
             Err(error) => {
                 log::warn!("{}: material library {name:?}: {error}", path.display());
                 return;
             }
         };
+        self.library_bytes = self.library_bytes.saturating_add(bytes.len() as u64);
+        let text: Cow<'_, str> = String::from_utf8_lossy(&bytes);
         let (current, meshes) = (&mut self.current_material, &mut self.meshes);
         mtl::read(&text, &mut self.materials, |index, is_new| {
             *current = Some(index);
@@ -277,7 +304,7 @@ impl Reader {
         let mut meshes = Vec::new();
         self.meshes.sort_by_key(|mesh| mesh.object);
         for mut mesh in self.meshes {
-            if mesh.polygons.face_sizes.is_empty() {
+            if mesh.face_sizes.is_empty() {
                 continue;
             }
             if !mesh.has_normals || mesh.bad_normals {
@@ -286,7 +313,8 @@ impl Reader {
             if !mesh.has_uvs || mesh.bad_uvs {
                 mesh.polygons.uvs.clear();
             }
-            meshes.push(Polygons { material: mesh.material.unwrap_or(0), ..mesh.polygons });
+            let faces = Faces::Sizes(mesh.face_sizes);
+            meshes.push(Polygons { material: mesh.material.unwrap_or(0), faces, ..mesh.polygons });
         }
         let placed = (0..meshes.len()).map(|mesh| Placed { mesh, object_from_mesh: Matrix4::identity() }).collect();
         Imported { meshes, materials: self.materials.into_iter().map(|material| material.spec).collect(), placed }

@@ -5,27 +5,39 @@
 //! dropped, and so are a mesh's normals when a single one of them is zero or not a number; and triangles that then have
 //! no normals get those of their faces (`aiProcess_GenNormals` does not smooth). Corners are never merged.
 
-use super::{triangulate::triangulate, Polygons};
+use super::{triangulate::Triangulation, Faces, Polygons};
 
 /// A mesh of one kind of primitive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Triangles {
     pub(crate) positions: Vec<[f32; 3]>,
-    /// One for each position; points and lines may have none at all.
+    /// One for each position or, without indices, each triangle; points and lines may have none at all.
     pub(crate) normals: Vec<[f32; 3]>,
     /// One for each position, or none at all; v down.
     pub(crate) uvs: Vec<[f32; 2]>,
-    /// Three for each triangle. For points and lines too: rviz passes the indices of their faces to Ogre one after
-    /// the other, and Ogre draws triangles.
-    pub(crate) indices: Vec<u32>,
+    /// Three for each triangle; `None` for the positions in their order. For points and lines too: rviz passes the
+    /// indices of their faces to Ogre one after the other, and Ogre draws triangles.
+    pub(crate) indices: Option<Vec<u32>>,
 }
 
-/// A mesh as rviz gets it from Assimp: up to three of them, points, lines and triangles.
-pub(crate) fn process(polygons: &Polygons) -> Vec<Triangles> {
+impl Triangles {
+    /// The normal of a corner.
+    pub(crate) fn normal(&self, corner: usize) -> Option<&[f32; 3]> {
+        self.normals.get(if self.indices.is_some() { corner } else { corner / 3 })
+    }
+}
+
+/// A mesh as rviz gets it from Assimp: up to three of them, points, lines and triangles. `triangulation` is that of all
+/// meshes of the file.
+pub(crate) fn process(polygons: Polygons, triangulation: &mut Triangulation) -> Vec<Triangles> {
+    let face_sizes = match &polygons.faces {
+        Faces::Sizes(face_sizes) => face_sizes,
+        Faces::Triangles => return finish(whole(polygons, None), true).into_iter().collect(),
+    };
     let mut by_kind: [Vec<u32>; 3] = Default::default();
     let [points, lines, triangles] = &mut by_kind;
     let mut start = 0_usize;
-    for &size in &polygons.face_sizes {
+    for &size in face_sizes {
         let end = start + size as usize;
         let Some(corners) = polygons.positions.get(start..end) else { break };
         let first = start as u32;
@@ -34,30 +46,24 @@ pub(crate) fn process(polygons: &Polygons) -> Vec<Triangles> {
             1 => points.push(first),
             2 => lines.extend([first, first + 1]),
             3 => triangles.extend([first, first + 1, first + 2]),
-            _ => triangulate(corners, |[a, b, c]| triangles.extend([first + a, first + b, first + c])),
+            _ => triangulation.cut(corners, |[a, b, c]| triangles.extend([first + a, first + b, first + c])),
         }
         start = end;
     }
     let kinds = by_kind.iter().filter(|indices| !indices.is_empty()).count();
-    by_kind
-        .into_iter()
-        .enumerate()
-        .filter(|(_, indices)| !indices.is_empty())
-        .filter_map(|(kind, indices)| {
-            let corners = if kinds > 1 { unshared(polygons, &indices) } else { whole(polygons, indices) };
-            finish(corners, kind == 2)
-        })
-        .collect()
+    let mut by_kind = by_kind.into_iter().enumerate().filter(|(_, indices)| !indices.is_empty());
+    if kinds == 1 {
+        let only = by_kind.next().map(|(kind, indices)| finish(whole(polygons, Some(indices)), kind == 2));
+        return only.flatten().into_iter().collect();
+    }
+    by_kind.filter_map(|(kind, indices)| finish(unshared(&polygons, &indices), kind == 2)).collect()
 }
 
 /// All corners, shared as the triangulation shares them.
-fn whole(polygons: &Polygons, indices: Vec<u32>) -> Triangles {
-    Triangles {
-        positions: polygons.positions.clone(),
-        normals: polygons.normals.clone(),
-        uvs: polygons.uvs.iter().map(|&uv| flipped(uv)).collect(),
-        indices,
-    }
+fn whole(polygons: Polygons, indices: Option<Vec<u32>>) -> Triangles {
+    let Polygons { positions, normals, mut uvs, .. } = polygons;
+    uvs.iter_mut().for_each(|uv| *uv = flipped(*uv));
+    Triangles { positions, normals, uvs, indices }
 }
 
 /// The corners of some faces, each index with its own.
@@ -69,7 +75,7 @@ fn unshared(polygons: &Polygons, indices: &[u32]) -> Triangles {
         positions: pick(&polygons.positions, indices),
         normals: pick(&polygons.normals, indices),
         uvs: pick(&polygons.uvs, indices).into_iter().map(flipped).collect(),
-        indices: (0..indices.len() as u32).collect(),
+        indices: Some((0..indices.len() as u32).collect()),
     }
 }
 
@@ -80,25 +86,53 @@ fn flipped([u, v]: [f32; 2]) -> [f32; 2] {
 /// Drops invalid data and makes normals; `None` when nothing is left.
 fn finish(mut mesh: Triangles, is_triangles: bool) -> Option<Triangles> {
     let count = mesh.positions.len();
-    let mut used = vec![false; count];
-    for &index in &mesh.indices {
-        *used.get_mut(index as usize)? = true;
-    }
+    let used = match &mesh.indices {
+        None => Used::All,
+        Some(indices) => {
+            let mut used = vec![false; count];
+            for &index in indices {
+                *used.get_mut(index as usize)? = true;
+            }
+            Used::Some(used)
+        }
+    };
     if !is_valid(&mesh.positions, &used, Demand::Different) {
         return None;
     }
     if mesh.uvs.len() != count || !is_valid(&mesh.uvs, &used, Demand::Different) {
-        mesh.uvs.clear();
+        mesh.uvs = Vec::new();
     }
-    if mesh.normals.len() != count || (is_triangles && !is_valid(&mesh.normals, &used, Demand::NonZero)) {
-        mesh.normals.clear();
+    let normal_count = if mesh.indices.is_some() { count } else { count / 3 };
+    if mesh.normals.len() != normal_count || (is_triangles && !is_valid(&mesh.normals, &used, Demand::NonZero)) {
+        mesh.normals = Vec::new();
     }
     if mesh.normals.is_empty() && is_triangles {
         mesh.normals = face_normals(&mesh);
     }
     // Of points and lines the last few may not make a triangle.
-    mesh.indices.truncate(mesh.indices.len() / 3 * 3);
-    (!mesh.indices.is_empty()).then_some(mesh)
+    let corners = match &mut mesh.indices {
+        Some(indices) => {
+            indices.truncate(indices.len() / 3 * 3);
+            indices.len()
+        }
+        None => count,
+    };
+    (corners > 0).then_some(mesh)
+}
+
+/// Which corners a mesh uses.
+enum Used {
+    All,
+    Some(Vec<bool>),
+}
+
+impl Used {
+    fn contains(&self, corner: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Some(used) => used.get(corner).is_some_and(|used| *used),
+        }
+    }
 }
 
 /// What vectors must be besides finite.
@@ -110,12 +144,12 @@ enum Demand {
     NonZero,
 }
 
-fn is_valid<const N: usize>(vectors: &[[f32; N]], used: &[bool], demand: Demand) -> bool {
+fn is_valid<const N: usize>(vectors: &[[f32; N]], used: &Used, demand: Demand) -> bool {
     let mut previous: Option<&[f32; N]> = None;
     let mut all_same = true;
     let mut count = 0_usize;
-    for (vector, used) in vectors.iter().zip(used) {
-        if *used {
+    for (corner, vector) in vectors.iter().enumerate() {
+        if used.contains(corner) {
             count += 1;
             if vector.iter().any(|component| !component.is_finite()) {
                 return false;
@@ -132,11 +166,16 @@ fn is_valid<const N: usize>(vectors: &[[f32; N]], used: &[bool], demand: Demand)
 
 /// The normal of each face at its corners; where faces share a corner the last one's.
 fn face_normals(mesh: &Triangles) -> Vec<[f32; 3]> {
+    let normal = |a, b, c| normalized(cross(minus(b, a), minus(c, a)));
+    let Some(indices) = &mesh.indices else {
+        let faces = mesh.positions.chunks_exact(3);
+        return faces.map(|face| if let [a, b, c] = face { normal(a, b, c) } else { [0.0; 3] }).collect();
+    };
     let mut normals = vec![[0.0; 3]; mesh.positions.len()];
-    for face in mesh.indices.chunks_exact(3) {
+    for face in indices.chunks_exact(3) {
         let corner = |i: usize| face.get(i).and_then(|&index| mesh.positions.get(index as usize));
         let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else { continue };
-        let normal = normalized(cross(minus(b, a), minus(c, a)));
+        let normal = normal(a, b, c);
         for &index in face {
             if let Some(slot) = normals.get_mut(index as usize) {
                 *slot = normal;

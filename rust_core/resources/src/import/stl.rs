@@ -3,11 +3,11 @@
 //! As in Assimp: a file is binary when its size fits the triangle count in its header, whatever the header begins with
 //! (many binary files begin with "solid"); the normals are the file's, three times the same for each face, and are
 //! computed only when one of them is zero or not a number; colours are not used. Each `solid` of a text file is a
-//! part. Beyond Assimp, bytes after a binary file's last triangle are ignored.
+//! part. Faces keep one normal, not three copies of it. Beyond Assimp, bytes after a binary file's last triangle are ignored.
 
 use nalgebra::Matrix4;
 
-use super::{lenient_float::three, Imported, Placed, Polygons};
+use super::{lenient_float::three, Faces, Imported, Placed, Polygons};
 use crate::MeshFault;
 
 const HEADER_BYTES: usize = 84;
@@ -55,7 +55,8 @@ fn read_binary(bytes: &[u8]) -> Result<Imported, MeshFault> {
     let body = bytes.get(HEADER_BYTES..).ok_or(MeshFault::NotStl)?;
     let mut mesh = Polygons {
         positions: Vec::with_capacity(3 * faces.min(body.len() / FACE_BYTES)),
-        normals: Vec::with_capacity(3 * faces.min(body.len() / FACE_BYTES)),
+        normals: Vec::with_capacity(faces.min(body.len() / FACE_BYTES)),
+        faces: Faces::Triangles,
         ..Polygons::default()
     };
     for face in body.chunks_exact(FACE_BYTES).take(faces) {
@@ -65,16 +66,15 @@ fn read_binary(bytes: &[u8]) -> Result<Imported, MeshFault> {
         });
         let normal = vectors.next().unwrap_or([0.0; 3]);
         mesh.positions.extend(vectors.take(3));
-        mesh.normals.extend([normal; 3]);
+        mesh.normals.push(normal);
     }
-    mesh.face_sizes = vec![3; mesh.positions.len() / 3];
     Ok(one_part_each(vec![mesh]))
 }
 
 fn read_text(bytes: &[u8]) -> Result<Imported, MeshFault> {
     let text = String::from_utf8_lossy(bytes);
     let mut solids = Vec::new();
-    let mut solid = Polygons::default();
+    let mut solid = empty_solid();
     let mut normal = [0.0; 3];
     // Corners of the facet at hand.
     let mut corners: Vec<[f32; 3]> = Vec::new();
@@ -96,14 +96,15 @@ fn read_text(bytes: &[u8]) -> Result<Imported, MeshFault> {
                     corners.push(corner);
                     if corners.len() == 3 {
                         solid.positions.append(&mut corners);
-                        solid.normals.extend([normal; 3]);
-                        solid.face_sizes.push(3);
+                        solid.normals.push(normal);
                     } else if corners.len() > 3 {
                         return Err(bad("a facet has more than three vertices"));
                     }
                 }
                 "endsolid" => {
-                    solids.push(std::mem::take(&mut solid));
+                    if !solid.positions.is_empty() {
+                        solids.push(std::mem::replace(&mut solid, empty_solid()));
+                    }
                     break;
                 }
                 // The solid's name follows, which may be any words.
@@ -112,9 +113,14 @@ fn read_text(bytes: &[u8]) -> Result<Imported, MeshFault> {
             }
         }
     }
-    solids.push(solid);
-    solids.retain(|solid| !solid.face_sizes.is_empty());
+    if !solid.positions.is_empty() {
+        solids.push(solid);
+    }
     Ok(one_part_each(solids))
+}
+
+fn empty_solid() -> Polygons {
+    Polygons { faces: Faces::Triangles, ..Polygons::default() }
 }
 
 fn one_part_each(meshes: Vec<Polygons>) -> Imported {

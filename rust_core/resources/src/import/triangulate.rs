@@ -11,18 +11,35 @@ use super::process::{dot, minus, normalized};
 
 /// The most corner-in-triangle tests of one polygon; past that it is damaged, and its rest is not drawn.
 const MAX_TESTS: usize = 20_000_000;
+/// The most such tests of all polygons of a file, a few seconds' worth; past that their rests are not drawn.
+const MAX_TESTS_OF_FILE: usize = 1_000_000_000;
 
-/// Calls `emit` with the corner numbers of each triangle of a polygon of four or more corners.
-pub(super) fn triangulate(corners: &[[f32; 3]], mut emit: impl FnMut([u32; 3])) {
-    match corners {
-        [a, b, c, d] => {
-            let first = reflex_corner([a, b, c, d]);
-            let corner = |i: u32| (first + i) % 4;
-            emit([corner(0), corner(1), corner(2)]);
-            emit([corner(0), corner(2), corner(3)]);
+/// Cuts the polygons of a file.
+#[derive(Debug)]
+pub(crate) struct Triangulation {
+    tests_left: usize,
+}
+
+impl Triangulation {
+    pub(crate) fn new() -> Self {
+        Self { tests_left: MAX_TESTS_OF_FILE }
+    }
+
+    /// Calls `emit` with the corner numbers of each triangle of a polygon of four or more corners.
+    pub(super) fn cut(&mut self, corners: &[[f32; 3]], mut emit: impl FnMut([u32; 3])) {
+        match corners {
+            [a, b, c, d] => {
+                let first = reflex_corner([a, b, c, d]);
+                let corner = |i: u32| (first + i) % 4;
+                emit([corner(0), corner(1), corner(2)]);
+                emit([corner(0), corner(2), corner(3)]);
+            }
+            _ if corners.len() > 4 => {
+                let tests = cut_ears(&projected(corners), MAX_TESTS.min(self.tests_left), emit);
+                self.tests_left = self.tests_left.saturating_sub(tests);
+            }
+            _ => {}
         }
-        _ if corners.len() > 4 => cut_ears(&projected(corners), emit),
-        _ => {}
     }
 }
 
@@ -62,8 +79,9 @@ fn projected(corners: &[[f32; 3]]) -> Vec<[f32; 2]> {
     corners.iter().map(|corner| [corner[u], corner[v]]).collect()
 }
 
-/// Cuts one ear after another from the ring of corners that are left, going around it.
-fn cut_ears(corners: &[[f32; 2]], mut emit: impl FnMut([u32; 3])) {
+/// Cuts one ear after another from the ring of corners that are left, going around it. Returns the number of
+/// corner-in-triangle tests, of which it makes no more than `max_tests`.
+fn cut_ears(corners: &[[f32; 2]], max_tests: usize, mut emit: impl FnMut([u32; 3])) -> usize {
     let mut ring: Vec<usize> = (0..corners.len()).collect();
     let mut at = 0;
     let mut tests = 0;
@@ -77,9 +95,9 @@ fn cut_ears(corners: &[[f32; 2]], mut emit: impl FnMut([u32; 3])) {
                 return false;
             }
             tests += corners.len();
-            tests < MAX_TESTS && is_empty(&triangle, corners)
+            tests < max_tests && is_empty(&triangle, corners)
         });
-        let Some(ear) = ear else { return };
+        let Some(ear) = ear else { return tests };
         emit(around(ear).map(|corner| corner as u32));
         ring.remove(ear);
         at = ear % ring.len();
@@ -87,6 +105,7 @@ fn cut_ears(corners: &[[f32; 2]], mut emit: impl FnMut([u32; 3])) {
     if let &[a, b, c] = ring.as_slice() {
         emit([a, b, c].map(|corner| corner as u32));
     }
+    tests
 }
 
 /// Whether a corner (the second) is concave between its neighbours.
@@ -117,8 +136,25 @@ mod tests {
 
     fn triangles(corners: &[[f32; 3]]) -> Vec<[u32; 3]> {
         let mut out = Vec::new();
-        triangulate(corners, |triangle| out.push(triangle));
+        Triangulation::new().cut(corners, |triangle| out.push(triangle));
         out
+    }
+
+    #[test]
+    fn the_polygons_of_a_file_take_no_more_than_seconds() {
+        let polygon: Vec<_> =
+            (0..4000).map(|i| (i as f32 / 4000.0 * 2.0 * PI).sin_cos()).map(|(x, y)| [x, y, 0.0]).collect();
+        let mut triangulation = Triangulation::new();
+        let cut = |triangulation: &mut Triangulation| {
+            let mut count = 0;
+            triangulation.cut(&polygon, |_| count += 1);
+            count
+        };
+        assert_eq!(cut(&mut triangulation), 3998);
+        // Each takes millions of tests; not all of these are cut.
+        let whole = (0..200).filter(|_| cut(&mut triangulation) == 3998).count();
+        assert!((10..200).contains(&whole), "{whole}");
+        assert_eq!(triangulation.tests_left, 0);
     }
 
     fn area(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> f32 {

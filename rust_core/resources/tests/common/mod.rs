@@ -1,12 +1,26 @@
 //! Small mesh files and what they are loaded as.
 
-use std::{fs, path::Path, sync::Arc};
+use std::{fs, path::Path, sync::Arc, task::Poll};
 
-use rcs_resources::{LoadedMesh, MeshStore, PackageIndex, ResourceError};
+use rcs_resources::{LoadedMesh, MeshStore, PackageIndex, ResourceError, ResourceOptions, Retry};
 
 /// Loads a file by its path.
 pub(crate) fn load(path: &Path) -> Result<Arc<LoadedMesh>, ResourceError> {
-    MeshStore::new(PackageIndex::new([])).get(path.to_str().unwrap())
+    get(&store_of(path.parent().unwrap()), path.to_str().unwrap())
+}
+
+/// A store that loads at once, what is in packages and in a folder.
+pub(crate) fn store_of(folder: &Path) -> MeshStore {
+    let options = ResourceOptions { folders: vec![folder.to_owned()], ..ResourceOptions::default() };
+    MeshStore::with_options(PackageIndex::new([]), options)
+}
+
+/// The mesh of an address, from a store that loads at once.
+pub(crate) fn get(store: &MeshStore, url: &str) -> Result<Arc<LoadedMesh>, ResourceError> {
+    match store.mesh(url, Retry::Yes) {
+        Poll::Ready(result) => result,
+        Poll::Pending => panic!("{url} is loading in the background"),
+    }
 }
 
 /// Loads a file of that name and contents, alone in a folder.

@@ -241,17 +241,55 @@ fn read_display(node: &Node, group_path: &str, report: &Report) -> DisplayConfig
         _ => String::new(),
     };
     let (name, class) = (plain("Name"), plain("Class"));
-    let label = if name.is_empty() { &class } else { &name };
-    let path = join(group_path, label);
+    let path = join(group_path, label(&name, &class));
     let mut section = Section::new(node, path, report);
     section.skip(&["Name", "Class"]);
     // rviz loads the display's own value first and the key that it calls Enabled after it.
     let mut enabled = false;
     section.bool("Value", &mut enabled);
     section.bool("Enabled", &mut enabled);
-    let settings = read_class(&class, &mut section).unwrap_or_else(|| read_unknown(&class, node.line, &mut section));
-    section.finish();
+    let settings = report.with_notes(!enabled, || {
+        let settings = read_class(&class, &mut section);
+        let settings = settings.unwrap_or_else(|| read_unknown(&class, node.line, &mut section));
+        section.finish();
+        settings
+    });
     DisplayConfig { name, class, enabled, line: node.line, settings }
+}
+
+/// What a display goes by in paths.
+fn label<'a>(name: &'a str, class: &'a str) -> &'a str {
+    if name.is_empty() {
+        class
+    } else {
+        name
+    }
+}
+
+/// Reports the names in the cameras' Visibility that no display has. `displays` are those of the list `node`, and `all`
+/// is the whole tree.
+pub(crate) fn check_visibilities(
+    node: Option<&Node>,
+    displays: &[DisplayConfig],
+    all: &[DisplayConfig],
+    path: &str,
+    report: &Report,
+) {
+    let Some(Content::List(items)) = node.map(|node| &node.content) else { return };
+    for (item, display) in items.iter().zip(displays) {
+        let path = join(path, label(&display.name, &display.class));
+        report.with_notes(!display.enabled, || match &display.settings {
+            DisplaySettings::CameraPub(_) => {
+                if let Some(visibility) = item.get("Visibility") {
+                    visibility::check(visibility, &join(&path, "Visibility"), &all.iter().collect::<Vec<_>>(), report);
+                }
+            }
+            DisplaySettings::Group(group) => {
+                check_visibilities(item.get("Displays"), &group.displays, all, &path, report);
+            }
+            _ => {}
+        });
+    }
 }
 
 /// Passes over the keys of a class that is not known, but for its topic.

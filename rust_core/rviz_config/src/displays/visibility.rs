@@ -6,7 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::section::Section;
+use crate::displays::{DisplayConfig, DisplaySettings};
+use crate::finding::FindingKind;
+use crate::node::{Content, Node};
+use crate::section::{join, Report, Section};
 
 /// A tick box of a camera's Visibility, with those below it.
 ///
@@ -90,6 +93,31 @@ impl Visibility {
             }
         }
         visibility
+    }
+
+    fn hides_something(&self) -> bool {
+        !self.value || self.children.values().any(Visibility::hides_something)
+    }
+}
+
+/// Reports the names in a camera's Visibility that none of `displays` has. One that would hide nothing is a note.
+pub(crate) fn check(node: &Node, path: &str, displays: &[&DisplayConfig], report: &Report) {
+    let Content::Map(entries) = &node.content else { return };
+    for entry in entries.iter().filter(|entry| entry.key != OWN_VALUE) {
+        let path = join(path, &entry.key);
+        let mut named = displays.iter().filter(|display| display.name == entry.key).peekable();
+        if named.peek().is_none() {
+            let present = displays.iter().map(|display| display.name.clone()).collect();
+            let boxes = Visibility::read(Section::new(&entry.value, String::new(), &Report::default()));
+            let kind = FindingKind::UnknownDisplay { present };
+            report.with_notes(!boxes.hides_something(), || report.add(entry.line, &path, kind));
+            continue;
+        }
+        let inside = named.filter_map(|display| match &display.settings {
+            DisplaySettings::Group(group) => Some(&group.displays),
+            _ => None,
+        });
+        check(&entry.value, &path, &inside.flatten().collect::<Vec<_>>(), report);
     }
 }
 

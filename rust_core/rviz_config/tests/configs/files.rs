@@ -297,7 +297,7 @@ fn views_of_each_class_are_read() {
 fn an_unknown_view_is_reported_and_is_the_default() {
     let text = "Visualization Manager:\n  Views:\n    Current:\n      Class: some/View\n      Zoom: 1\n";
     let config = parse(text, "t").unwrap();
-    assert_eq!(messages(&config), ["line 4: Views / Current: unknown class some/View"]);
+    assert_eq!(messages(&config), ["line 4: note: Views / Current: unknown class some/View"]);
     assert_eq!(config.view, ViewConfig::default());
 }
 
@@ -312,6 +312,20 @@ fn files_that_are_no_rviz_files_are_errors_that_say_where() {
     for text in ["", "x: 1", "- 1", "Visualization Manager: ~", "Visualization Manager: 3"] {
         assert!(matches!(parse(text, "t"), Err(ConfigError::NoVisualizationManager { .. })));
     }
+}
+
+#[test]
+fn a_config_of_ros_2_is_refused_in_one_sentence() {
+    let ros2 = "Panels:\n- {Class: rviz_common/Displays}\nVisualization Manager:\n  Displays:\n  \
+                - {Class: rviz_default_plugins/Grid, Name: g, Enabled: true, Reference Frame: <Fixed Frame>}\n  \
+                Tools: [{Class: rviz_default_plugins/MoveCamera}]\n";
+    let error = parse(ros2, "two.rviz").unwrap_err();
+    assert!(matches!(&error, ConfigError::Ros2 { .. }), "{error}");
+    let text = error.to_string();
+    assert!(text.starts_with("two.rviz: this is a ROS 2 config (rviz_default_plugins/Grid)"), "{text}");
+    // A ROS 1 config into which one such display was pasted is read.
+    let mixed = ros2.replace("rviz_common/Displays", "rviz/Displays");
+    assert_eq!(messages(&parse(&mixed, "t").unwrap()).len(), 1);
 }
 
 #[test]

@@ -99,7 +99,40 @@ fn an_unknown_class_is_reported_once_and_its_keys_are_not() {
     assert_eq!(config.displays[0].topic(), Some("/plan"));
     assert!(matches!(settings(&config), DisplaySettings::Unknown { .. }));
     let config = parse("Visualization Manager: {Displays: [{Name: x}]}", "t").unwrap();
-    assert_eq!(messages(&config), ["line 1: Displays / x: no class named"]);
+    assert_eq!(messages(&config), ["line 1: note: Displays / x: no class named"]);
+}
+
+#[test]
+fn what_is_found_in_a_disabled_display_is_a_note() {
+    let text = "Visualization Manager:\n  Displays:\n  - {Class: my/Own, Name: a, Enabled: false}\n  \
+                - {Class: my/Own, Name: b, Enabled: true}\n  \
+                - {Class: rviz/Grid, Name: c, Enabled: false, Colour: red}\n  \
+                - Class: rviz/Group\n    Name: g\n    Displays: [{Class: my/Own, Name: d, Enabled: true}]\n";
+    let config = parse(text, "t").unwrap();
+    let expected = [
+        "line 3: note: Displays / a: unknown class my/Own",
+        "line 4: Displays / b: unknown class my/Own",
+        "line 5: note: Displays / c / Colour: unknown key",
+        "line 8: note: Displays / g / d: unknown class my/Own",
+    ];
+    assert_eq!(messages(&config), expected);
+}
+
+#[test]
+fn a_name_in_a_visibility_that_no_display_has_is_reported() {
+    let text = "Visualization Manager:\n  Displays:\n  - {Class: rviz/Grid, Name: floor, Enabled: true}\n  \
+                - {Class: rviz/Group, Name: robot, Enabled: true, Displays: [{Class: rviz/TF, Name: frames, Enabled: true}]}\n  \
+                - Class: rviz_camera_stream/CameraPub\n    Name: eye\n    Enabled: true\n    Visibility:\n      \
+                Value: true\n      flor: false\n      floor: false\n      gone: true\n      \
+                robot:\n        Value: true\n        frames: false\n        floor: false\n      eye: true\n";
+    let config = parse(text, "t").unwrap();
+    let there = "no display has this name; there are:";
+    let expected = [
+        format!("line 10: Displays / eye / Visibility / flor: {there} floor, robot, eye"),
+        format!("line 12: note: Displays / eye / Visibility / gone: {there} floor, robot, eye"),
+        format!("line 16: Displays / eye / Visibility / robot / floor: {there} frames"),
+    ];
+    assert_eq!(messages(&config), expected);
 }
 
 #[test]

@@ -12,6 +12,8 @@ use rcs_transforms::Time;
 
 use crate::camera_stream::camera_pose::Projection;
 use crate::camera_stream::check::node_name::NodeName;
+use crate::camera_stream::check::table;
+use crate::camera_stream::cli::ResourceArgs;
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
@@ -47,6 +49,8 @@ pub struct LiveArgs {
     pub fixed_frame: Option<String>,
     /// Overrides the node's private parameter.
     pub projection: Option<Projection>,
+    /// Which mesh files may be read, besides the private parameters.
+    pub resources: ResourceArgs,
 }
 
 /// Subscribes for a while and prints the table. Returns whether every status is Ok and all of the config is understood.
@@ -75,7 +79,11 @@ fn check(
     let parameters = ["~projection", &format!("{}/projection", name.diagnosed)];
     let projection = private_parameters::projection(ros, args.projection, &parameters)
         .map_err(|error| LiveError::Parameter(error.to_string()))?;
-    let mut stage = Stage::new(config, args.fixed_frame.as_deref(), MeshStore::new(PackageIndex::from_env(&[])));
+    let resources =
+        private_parameters::resources(ros, &args.resources).map_err(|error| LiveError::Parameter(error.to_string()))?;
+    let events = ros.events().clone();
+    let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
+    let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
     receive(&mut stage, args.listen, ros, end)?;
     ros.query_publications();
     let mut entries = stage.status_entries(ros_time(ros));
@@ -85,11 +93,9 @@ fn check(
     entries.extend(stage.cameras().iter().map(|view| status_tree::camera(&stage, view, projection)));
     status_tree::add_ros_graph(&mut entries, ros);
     print(&entries, out)?;
-    for finding in &config.findings {
-        writeln!(out, "{}: {finding}", config.source)?;
-    }
+    let is_understood = super::print_findings(config, out)?;
     let is_ok = entries.iter().all(|entry| entry.level() == Level::Ok);
-    Ok(is_ok && config.findings.is_empty())
+    Ok(is_ok && is_understood)
 }
 
 fn ros_time(ros: &RosNode) -> Time {
@@ -126,8 +132,7 @@ fn rows(entry: &StatusEntry<'_>) -> Vec<[String; 5]> {
     };
     let text = |(name, status): (&str, &Status)| format!("{name}: {}", status.one_line());
     if entry.level() == Level::Ok {
-        let texts: Vec<String> = entry.statuses.iter().map(text).collect();
-        return vec![row(Level::Ok, texts.join(", "))];
+        return vec![row(Level::Ok, summary(entry.statuses.iter().map(text)))];
     }
     let is_listed = |(name, status): &(&str, &Status)| status.level > Level::Ok || *name == VISIBILITY;
     let mut listed: Vec<_> = entry.statuses.iter().filter(is_listed).collect();
@@ -135,21 +140,28 @@ fn rows(entry: &StatusEntry<'_>) -> Vec<[String; 5]> {
     listed.into_iter().map(|(name, status)| row(status.level, text((name, status)))).collect()
 }
 
-/// Prints the table, each column as wide as its widest cell.
+/// The longest list of statuses in one row, in characters. TF has a status for each frame.
+const MAX_SUMMARY_CHARS: usize = 100;
+
+/// The texts in one line, and how many there are if that would be too long.
+fn summary(texts: impl Iterator<Item = String>) -> String {
+    let texts: Vec<String> = texts.collect();
+    let mut shown = String::new();
+    for (index, text) in texts.iter().enumerate() {
+        let comma = if index == 0 { "" } else { ", " };
+        if index > 0 && shown.chars().count() + comma.len() + text.chars().count() > MAX_SUMMARY_CHARS {
+            return format!("{shown}, … ({} statuses, all Ok)", texts.len());
+        }
+        shown += &format!("{comma}{text}");
+    }
+    shown
+}
+
+/// Prints the table.
 fn print(entries: &[StatusEntry<'_>], out: &mut dyn Write) -> io::Result<()> {
     let rows: Vec<[String; 5]> =
         std::iter::once(HEAD.map(str::to_owned)).chain(entries.iter().flat_map(rows)).collect();
-    let width = |column: usize| {
-        let widths = rows.iter().filter_map(|row| row.get(column)).map(|text| text.chars().count());
-        widths.max().unwrap_or(0)
-    };
-    let (path_width, class_width, topic_width, status_width) = (width(0), width(1), width(2), width(3));
-    for [path, class, topic, status, text] in &rows {
-        let line =
-            format!("{path:path_width$}  {class:class_width$}  {topic:topic_width$}  {status:status_width$}  {text}");
-        writeln!(out, "{}", line.trim_end())?;
-    }
-    Ok(())
+    table::print(&rows, "", out)
 }
 
 #[cfg(test)]
@@ -160,6 +172,16 @@ mod tests {
 
     use super::*;
     use crate::camera_stream::status_tree::EntryKind;
+
+    #[test]
+    fn many_statuses_are_a_line_with_their_number() {
+        let text = |index| format!("frame_{index}: Transform OK");
+        assert_eq!(summary((0..2).map(text)), "frame_0: Transform OK, frame_1: Transform OK");
+        let many = summary((0..60).map(text));
+        assert!(many.starts_with("frame_0: Transform OK, ") && many.ends_with(", … (60 statuses, all Ok)"), "{many}");
+        assert!(many.chars().count() < MAX_SUMMARY_CHARS + 40, "{many}");
+        assert_eq!(summary(std::iter::once("x".repeat(300))).len(), 300, "one is whole");
+    }
 
     #[test]
     fn the_table_has_a_row_for_each_problem_and_one_for_an_ok_entry() {

@@ -1,19 +1,22 @@
 //! `camera_stream check`: which parts of a config are understood and drawn.
 
+mod cameras;
 pub mod live;
 mod node_name;
+mod table;
 
 use std::io::{self, Write};
 
-use rcs_rviz_config::{Config, Role};
+use rcs_rviz_config::{Config, PlacedDisplay, Role};
 
-/// Prints each display and each finding; `fixed_frame` overrides the config's. Returns whether all was understood.
+/// Prints each display, what keeps the cameras from publishing, and each finding; `fixed_frame` overrides the config's.
+/// Returns whether all is well: notes, which change no picture, do not matter.
 ///
 /// # Errors
 /// When the output cannot be written.
 pub fn print(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) -> io::Result<bool> {
     writeln!(out, "{}: fixed frame {}", config.source, fixed_frame.unwrap_or(&config.global.fixed_frame))?;
-    for placed in config.placed_displays() {
+    let row = |placed: &PlacedDisplay<'_>| {
         let display = placed.display;
         let drawn = match (display.settings.role(), placed.enabled) {
             (_, false) => "disabled",
@@ -24,14 +27,22 @@ pub fn print(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) ->
             (Role::Scene, _) => "drawn",
         };
         let class = if display.class.is_empty() { "(no class)" } else { &display.class };
-        write!(out, "  line {:>4}  {:<28}  {:<14}  {}", display.line, class, drawn, placed.path.join(" / "))?;
-        match display.topic() {
-            Some(topic) => writeln!(out, "  {topic}")?,
-            None => writeln!(out)?,
-        }
+        let (line, path) = (format!("line {:>4}", display.line), placed.path.join(" / "));
+        [line, class.to_owned(), drawn.to_owned(), path, display.topic().unwrap_or_default().to_owned()]
+    };
+    let rows: Vec<[String; 5]> = config.placed_displays().iter().map(row).collect();
+    table::print(&rows, "  ", out)?;
+    print_findings(config, out)
+}
+
+/// Prints what keeps the cameras from publishing, and each finding. Returns whether there is nothing but notes.
+fn print_findings(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
+    let problems = cameras::problems(config);
+    for problem in &problems {
+        writeln!(out, "{}: {problem}", config.source)?;
     }
     for finding in &config.findings {
         writeln!(out, "{}: {finding}", config.source)?;
     }
-    Ok(config.findings.is_empty())
+    Ok(problems.is_empty() && config.findings.iter().all(|finding| finding.is_note))
 }

@@ -18,6 +18,7 @@ use super::camera_plan;
 use super::file_watch::FileWatch;
 use super::shared::{Reload, Shared};
 use crate::camera_stream::cli::Cli;
+use crate::camera_stream::log_findings;
 use crate::logging::{self, one_line};
 use crate::small_node::EndRequest;
 
@@ -179,13 +180,13 @@ impl Control {
     /// What is wrong with the file; nothing has changed then.
     fn read(&mut self) -> Result<Option<Config>> {
         let config = rcs_rviz_config::load(&self.file)?;
+        self.shared.retry_resources();
+        self.shared.ros.events().wake();
         camera_plan::plans(&self.shared.ros, &config).with_context(|| config.source.clone())?;
         if config == self.config {
             return Ok(None);
         }
-        for finding in config.findings.iter().filter(|finding| !self.config.findings.contains(finding)) {
-            log::warn!("{}: {finding}", config.source);
-        }
+        log_findings(&config, &self.config.findings);
         self.config = config.clone();
         Ok(Some(config))
     }

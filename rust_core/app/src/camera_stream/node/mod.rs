@@ -35,7 +35,7 @@ use anyhow::{Context, Result};
 use rcs_rviz_config::Config;
 
 use crate::camera_stream::cli::Cli;
-use crate::camera_stream::NODE_NAME;
+use crate::camera_stream::{log_findings, NODE_NAME};
 use crate::small_node::{self, EndRequest};
 use control::Control;
 use scene_loop::SceneLoop;
@@ -46,10 +46,9 @@ use shared::Shared;
 /// # Errors
 /// One line that names what failed: the master's address, a topic, the renderer.
 pub fn run(cli: &Cli, config: &Config) -> Result<()> {
-    for finding in &config.findings {
-        log::warn!("{}: {finding}", config.source);
-    }
+    log_findings(config, &[]);
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
+    rcs_render::name_threads();
     let Some(ros) = small_node::connect(NODE_NAME, &end)? else { return Ok(()) };
     let shared = Arc::new(Shared::new(ros));
     let result = run_threads(cli, config, &shared, &end);

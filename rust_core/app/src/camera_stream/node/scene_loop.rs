@@ -57,7 +57,9 @@ impl SceneLoop {
         let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
         let projection = private_parameters::projection(ros, cli.projection, &["~projection"])?;
         let renderer = rcs_render::create(renderer_choice)?;
-        let meshes = MeshStore::new(PackageIndex::from_env(&[]));
+        let resources = private_parameters::resources(ros, &cli.resources)?;
+        let events = Arc::clone(ros.events());
+        let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
         let mut stage = Stage::new(config, cli.node.fixed_frame.as_deref(), meshes);
         if stage.cameras().is_empty() {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
@@ -96,7 +98,7 @@ impl SceneLoop {
             shared.activity.rest();
             let events = shared.ros.events().wait(self.sleep());
             self.costs.clear();
-            let mut has_news = !events.is_empty();
+            let mut has_news = !events.is_empty() || self.stage.has_new_resources();
             for event in events {
                 self.handle(event);
             }
@@ -113,13 +115,17 @@ impl SceneLoop {
     /// Applies what the control thread has taken: another config, a user's settings. Returns whether the scene may have
     /// changed.
     fn apply_changes(&mut self) -> bool {
+        let is_retry = self.shared.take_retry();
+        if is_retry {
+            self.stage.retry_resources();
+        }
         // Taken out first, so that the place is not locked meanwhile.
         let reload = self.shared.reload().take();
         let is_reloaded = reload.map(|reload| self.reload(reload)).is_some();
         for camera in self.shared.cameras().iter_mut() {
             camera.apply_new_settings(self.stage.displays());
         }
-        is_reloaded
+        is_reloaded || is_retry
     }
 
     /// Applies another config. Only what differs changes: subscriptions, publishers and services that are kept are not

@@ -20,6 +20,8 @@ pub(super) struct Shared {
     diagnostics: Mutex<Diagnostics>,
     /// A config that the scene's thread is to apply.
     reload: Mutex<Option<Reload>>,
+    /// Meshes and textures that could not be used are to be looked at again.
+    retry: AtomicBool,
     end: AtomicBool,
 }
 
@@ -39,7 +41,7 @@ impl Shared {
     pub(super) fn new(ros: RosNode) -> Self {
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
         let (activity, cameras, reload) = (Activity::default(), Mutex::default(), Mutex::default());
-        Self { ros, activity, cameras, diagnostics, reload, end: AtomicBool::new(false) }
+        Self { ros, activity, cameras, diagnostics, reload, retry: AtomicBool::new(false), end: AtomicBool::new(false) }
     }
 
     /// The cameras, in the config's order. Only the scene's thread adds and removes some.
@@ -55,6 +57,16 @@ impl Shared {
     /// The place of the next config.
     pub(super) fn reload(&self) -> MutexGuard<'_, Option<Reload>> {
         lock(&self.reload)
+    }
+
+    /// Has the scene's thread look again at meshes and textures that could not be used.
+    pub(super) fn retry_resources(&self) {
+        self.retry.store(true, Ordering::Release);
+    }
+
+    /// Whether it is to do so; once for each request.
+    pub(super) fn take_retry(&self) -> bool {
+        self.retry.swap(false, Ordering::AcqRel)
     }
 
     /// Asks the scene's thread to end.

@@ -4,19 +4,21 @@
 //! whether anybody is watching. To add one (a window in this process, say): implement the trait in a file beside
 //! these, and add it to [`Outputs`].
 
-mod png;
+mod picture_files;
 mod topic;
+mod video;
 
 use std::sync::Arc;
 
-use rcs_files::picture_file::PngError;
+use rcs_files::picture_file::PictureFileError;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
 use rcs_ros::image_topic::SendError;
 use rcs_scene::Picture;
 
-pub use png::{PngFile, PngSequence};
+pub use picture_files::{PictureFile, PictureSequence, SequenceError};
 pub use topic::{retain, TopicNames, TopicOutput};
+pub use video::{VideoError, VideoFile};
 
 /// A finished picture with the CameraInfo it was drawn with. Cheap to clone: picture and CameraInfo are shared.
 #[derive(Clone, Debug)]
@@ -35,9 +37,12 @@ pub enum OutputError {
     /// A topic cannot be published on.
     #[error(transparent)]
     Topic(#[from] SendError),
-    /// A PNG file cannot be written.
+    /// A picture cannot be written to a file.
     #[error(transparent)]
-    Png(#[from] PngError),
+    Picture(#[from] PictureFileError),
+    /// A video cannot be written.
+    #[error(transparent)]
+    Video(#[from] VideoError),
 }
 
 /// Hands a camera's finished pictures on.
@@ -47,6 +52,14 @@ pub trait Output {
     /// # Errors
     /// See [`OutputError`].
     fn send(&mut self, frame: &Frame) -> Result<(), OutputError>;
+
+    /// Completes what was handed on, after the last frame.
+    ///
+    /// # Errors
+    /// See [`OutputError`].
+    fn finish(&mut self) -> Result<(), OutputError> {
+        Ok(())
+    }
 
     /// Whether anybody is watching. Nothing is drawn for an output that nobody watches.
     fn is_watched(&self) -> bool {

@@ -7,9 +7,9 @@ use rcs_messages::{quaternion_xyzw, PlainTransform};
 use rcs_scene::{DisplayId, Drawable, Facing, FacingPart};
 use rcs_transforms::Time;
 
-use crate::classes::marker::{ControlMarker, SortPoint};
+use crate::classes::marker::{ControlMarker, NotShown, SortPoint};
 use crate::framework::world::stamp;
-use crate::{StatusText, World};
+use crate::World;
 
 /// How a control is turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,35 +33,41 @@ pub(super) struct Control {
 
 impl Control {
     /// Builds a completed control. A marker with a frame of its own stands there and then moves with the control; what
-    /// cannot be shown for want of a file is added to `problems`.
+    /// cannot be shown for want of a file is added to `missing`.
     pub(super) fn new(
         control: &InteractiveMarkerControl,
         reference_from_marker: &Isometry3<f64>,
         fixed_from_reference: &Isometry3<f64>,
         world: &World<'_>,
-        problems: &mut Vec<StatusText>,
+        missing: &mut Vec<NotShown>,
     ) -> Self {
         let inherits = control.orientation_mode == InteractiveMarkerControl::INHERIT;
         let rotation = if inherits { reference_from_marker.rotation } else { UnitQuaternion::identity() };
         let fixed_from_control =
             fixed_from_reference * Isometry3::from_parts(reference_from_marker.translation, rotation);
-        let place = |marker: &Marker| match ControlMarker::of(marker, world.meshes) {
-            Ok(parts) => {
-                let mut parts = parts?;
-                if !marker.header.frame_id.is_empty() {
-                    let fixed_from_frame = world.fixed_from(&marker.header.frame_id, time(marker, world)).ok()?;
-                    let fixed_from_marker = fixed_from_frame * parts.frame_from_marker;
-                    parts.frame_from_marker = fixed_from_control.inv_mul(&fixed_from_marker);
-                }
-                Some(parts)
+        let place = |marker: &Marker| {
+            let (mut parts, not_shown) = ControlMarker::of(marker, world.meshes)?;
+            missing.extend(not_shown);
+            if !marker.header.frame_id.is_empty() {
+                let fixed_from_frame = world.fixed_from(&marker.header.frame_id, time(marker, world)).ok()?;
+                let fixed_from_marker = fixed_from_frame * parts.frame_from_marker;
+                parts.frame_from_marker = fixed_from_control.inv_mul(&fixed_from_marker);
             }
-            Err(problem) => {
-                problems.push(problem.into());
-                None
-            }
+            Some(parts)
         };
         let markers = control.markers.iter().filter_map(place).collect();
         Self { always_visible: control.always_visible, turn: turn(control), markers }
+    }
+
+    /// Builds markers whose meshes were missing. What still cannot be shown is added to `missing`. Returns whether there
+    /// were any.
+    pub(super) fn rebuild(&mut self, world: &World<'_>, missing: &mut Vec<NotShown>) -> bool {
+        let mut had_missing = false;
+        for marker in self.markers.iter_mut().filter(|marker| marker.is_missing()) {
+            had_missing = true;
+            missing.extend(marker.rebuild(world.meshes));
+        }
+        had_missing
     }
 
     /// The drawables of the control.

@@ -54,6 +54,8 @@ pub(crate) struct InteractiveMarkersDisplay {
     drawables: Vec<Drawable>,
     statuses: Statuses,
     changed: bool,
+    /// That of the meshes when those that were missing were last looked for.
+    meshes_version: u64,
 }
 
 /// An error after which rviz ignores all messages: the name of the marker and the reason.
@@ -76,6 +78,7 @@ impl InteractiveMarkersDisplay {
             drawables: Vec::new(),
             statuses,
             changed: false,
+            meshes_version: 0,
         };
         shown.check_topic();
         shown
@@ -128,12 +131,12 @@ impl InteractiveMarkersDisplay {
             if marker.controls.is_empty() {
                 return Err(Fatal(marker.name.clone(), "Marker empty."));
             }
-            let mut problems = Vec::new();
-            let new = Shown::new(marker, world, &mut problems);
-            match problems.into_iter().next() {
-                Some(problem) => self.statuses.set(Level::Error, &marker.name, problem),
-                None => self.statuses.set(Level::Ok, &marker.name, new.status()),
-            }
+            let (new, unplaced) = Shown::new(marker, world);
+            let (level, text) = match unplaced {
+                Some(error) => (Level::Error, StatusText::about_frame(error.to_string())),
+                None => new.status(),
+            };
+            self.statuses.set(level, &marker.name, text);
             shown.insert(marker.name.clone(), new);
         }
         Ok(())
@@ -183,7 +186,25 @@ impl InteractiveMarkersDisplay {
                 }
             }
             if marker.is_located() && !was_located {
-                self.statuses.set(Level::Ok, name, marker.status());
+                let (level, text) = marker.status();
+                self.statuses.set(level, name, text);
+            }
+        }
+    }
+
+    /// Builds markers whose meshes were loaded since the last call.
+    fn build_loaded(&mut self, world: &World<'_>) {
+        let version = world.meshes.version();
+        if std::mem::replace(&mut self.meshes_version, version) == version {
+            return;
+        }
+        for (name, marker) in self.markers.values_mut().flatten() {
+            if marker.rebuild(world) {
+                self.changed = true;
+                if marker.is_located() {
+                    let (level, text) = marker.status();
+                    self.statuses.set(level, name, text);
+                }
             }
         }
     }
@@ -234,6 +255,7 @@ impl Display for InteractiveMarkersDisplay {
             }
         }
         self.follow(world);
+        self.build_loaded(world);
         let changed = std::mem::take(&mut self.changed);
         if changed {
             let markers = self.markers.values().flat_map(BTreeMap::values);

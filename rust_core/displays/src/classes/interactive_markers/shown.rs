@@ -11,9 +11,10 @@ use rcs_transforms::{LookupError, Time};
 use super::complete::complete_control;
 use super::control::Control;
 use super::handles;
+use crate::classes::marker::NotShown;
 use crate::framework::world::{isometry, stamp};
 use crate::parts::solids::{axes, axes_materials};
-use crate::{StatusText, World};
+use crate::{Level, StatusText, World};
 
 /// The thickness of the axes, in lengths of the axes.
 const AXES_THICKNESS: f64 = 0.05;
@@ -30,11 +31,13 @@ pub(super) struct Shown {
     fixed_from_reference: Option<Isometry3<f64>>,
     controls: Vec<Control>,
     title: Option<Control>,
+    /// Which meshes of the controls are loading or cannot be shown.
+    missing: Vec<NotShown>,
 }
 
 impl Shown {
-    /// Builds a completed marker whose numbers are finite. What cannot be shown is added to `problems`.
-    pub(super) fn new(marker: &InteractiveMarker, world: &World<'_>, problems: &mut Vec<StatusText>) -> Self {
+    /// Builds a completed marker whose numbers are finite. Returns also why it is not known where it is.
+    pub(super) fn new(marker: &InteractiveMarker, world: &World<'_>) -> (Self, Option<LookupError>) {
         let mut shown = Self {
             frame: marker.header.frame_id.clone(),
             is_locked: stamp(&marker.header).is_zero(),
@@ -43,20 +46,33 @@ impl Shown {
             fixed_from_reference: None,
             controls: Vec::new(),
             title: None,
+            missing: Vec::new(),
         };
-        if let Err(error) = shown.locate(world) {
-            problems.push(StatusText::about_frame(error.to_string()));
-        }
+        let unplaced = shown.locate(world).err();
+        let mut missing = Vec::new();
         let fixed_from_reference = shown.fixed_from_reference.unwrap_or_default();
         let reference_from_marker = shown.reference_from_marker;
-        let mut build = |control| Control::new(control, &reference_from_marker, &fixed_from_reference, world, problems);
+        let mut build =
+            |control| Control::new(control, &reference_from_marker, &fixed_from_reference, world, &mut missing);
         shown.controls = marker.controls.iter().map(&mut build).collect();
         if !marker.description.is_empty() {
             let mut title = handles::title(marker);
             complete_control(shown.size_m, &mut title, true);
             shown.title = Some(build(&title));
         }
-        shown
+        shown.missing = missing;
+        (shown, unplaced)
+    }
+
+    /// Builds markers of the controls whose meshes were missing. Returns whether there were any.
+    pub(super) fn rebuild(&mut self, world: &World<'_>) -> bool {
+        self.missing.clear();
+        let Self { controls, missing, .. } = self;
+        let mut had_missing = false;
+        for control in controls {
+            had_missing |= control.rebuild(world, missing);
+        }
+        had_missing
     }
 
     /// Moves the marker to a pose in the frame of a header.
@@ -75,13 +91,16 @@ impl Shown {
         self.locate(world).map(|_| ())
     }
 
-    /// rviz's status of the marker's position.
-    pub(super) fn status(&self) -> String {
-        if self.is_locked {
-            format!("Locked to frame {}", self.frame)
-        } else {
-            "Position is fixed.".to_owned()
+    /// Which of its meshes cannot be shown, else which is loading, else rviz's status of the marker's position.
+    pub(super) fn status(&self) -> (Level, StatusText) {
+        let failed = self.missing.iter().find(|missing| matches!(missing, NotShown::Failed(_)));
+        if let Some(missing) = failed.or(self.missing.first()) {
+            let (level, text) = missing.clone().status();
+            return (level, text.into());
         }
+        let text =
+            if self.is_locked { format!("Locked to frame {}", self.frame) } else { "Position is fixed.".to_owned() };
+        (Level::Ok, text.into())
     }
 
     /// Follows the frame if it is to. Returns whether the marker moved, came or went.

@@ -7,6 +7,7 @@ use nalgebra::{Point3, Vector3};
 use rcs_messages::std_msgs::Header;
 use rcs_messages::visualization_msgs::{
     InteractiveMarker, InteractiveMarkerControl, InteractiveMarkerInit, InteractiveMarkerPose, InteractiveMarkerUpdate,
+    Marker,
 };
 use rcs_messages::AnyMessage;
 use rcs_rviz_config::InteractiveMarkersSettings;
@@ -15,7 +16,7 @@ use rcs_transforms::{Time, TransformTree};
 
 use super::InteractiveMarkersDisplay;
 use crate::framework::display::Display;
-use crate::framework::test_world::TestWorld;
+use crate::framework::test_world::{TestWorld, STL};
 use crate::{Level, StatusCause, Statuses};
 
 /// A display with the world around it. The frame `map` is fixed.
@@ -345,4 +346,31 @@ fn handles_are_coloured_by_their_axis_and_half_transparent_unless_transparency_i
             assert!(place.cross(&Vector3::y()).norm() < 1e-6 && (1.0..1.8).contains(&place.y.abs()), "{place}");
         }
     }
+}
+
+#[test]
+fn a_mesh_of_a_control_appears_when_it_is_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.stl"), STL).unwrap();
+    let mut bench = Bench::new();
+    let gate = bench.world.load_behind_gate(folder.path());
+    let with_mesh = |name: &str, url: &str| {
+        let mesh = Marker { type_: Marker::MESH_RESOURCE.into(), mesh_resource: url.into(), ..Marker::default() };
+        let mut marker = ring(name, header("map", 0), 1.0);
+        marker.controls[0].markers = vec![mesh];
+        marker
+    };
+    let url = format!("file://{}/a.stl", folder.path().display());
+    bench.start(&[with_mesh("a", &url), with_mesh("b", "http://x/y.stl"), ring("c", header("map", 0), 3.0)]);
+    assert_eq!(bench.places(), [[3.0, 0.0, 0.0]]);
+    assert_eq!(bench.status("a"), Some((Level::Ok, format!("loading [{url}]"))));
+    let version = bench.world.version();
+    gate.open();
+    bench.world.wait_for_version(version + 2);
+    assert!(bench.update());
+    assert_eq!(bench.places(), [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0]]);
+    assert_eq!(bench.text("a"), "Locked to frame map");
+    let (level, text) = bench.status("b").unwrap();
+    assert!(level == Level::Error && text.contains("could not load"), "{text}");
+    assert!(!bench.update(), "nothing new");
 }

@@ -6,26 +6,47 @@ use rcs_resources::MeshStore;
 
 use super::checks::check_marker;
 use super::kind::Kind;
+use super::mesh::NotShown;
 use super::primitive::Primitive;
 
 /// The primitives of a marker, and its pose in the frame of its header.
 #[derive(Clone, Debug)]
 pub(crate) struct ControlMarker {
     pub(crate) frame_from_marker: Isometry3<f64>,
+    /// None while the marker's mesh is missing.
     pub(crate) parts: Vec<Primitive>,
+    kind: Kind,
 }
 
 impl ControlMarker {
-    /// Builds a marker as rviz draws a new one. `None` for one that rviz refuses.
-    ///
-    /// # Errors
-    /// Why a marker that is in order shows nothing (its mesh cannot be loaded).
-    pub(crate) fn of(marker: &Marker, meshes: &MeshStore) -> Result<Option<Self>, String> {
+    /// Builds a marker as rviz draws a new one. `None` for one that rviz refuses. Returns also why a marker that is in
+    /// order shows nothing (its mesh is loading, or cannot be loaded).
+    pub(crate) fn of(marker: &Marker, meshes: &MeshStore) -> Option<(Self, Option<NotShown>)> {
         if check_marker(marker).is_fatal() {
-            return Ok(None);
+            return None;
         }
-        let Some(mut kind) = Kind::of(marker) else { return Ok(None) };
-        let Some(frame_from_marker) = kind.frame_from_marker(marker) else { return Ok(None) };
-        Ok(Some(Self { frame_from_marker, parts: kind.primitives(marker, meshes)? }))
+        let mut kind = Kind::of(marker)?;
+        let frame_from_marker = kind.frame_from_marker(marker)?;
+        let (parts, not_shown) = split(kind.primitives(marker, meshes));
+        Some((Self { frame_from_marker, parts, kind }, not_shown))
+    }
+
+    /// Whether the marker's mesh is loading or cannot be shown.
+    pub(crate) fn is_missing(&self) -> bool {
+        self.kind.is_missing()
+    }
+
+    /// Builds a marker whose mesh was missing. Returns why it still shows nothing.
+    pub(crate) fn rebuild(&mut self, meshes: &MeshStore) -> Option<NotShown> {
+        let (parts, not_shown) = split(self.kind.rebuild(meshes));
+        self.parts = parts;
+        not_shown
+    }
+}
+
+fn split(built: Result<Vec<Primitive>, NotShown>) -> (Vec<Primitive>, Option<NotShown>) {
+    match built {
+        Ok(parts) => (parts, None),
+        Err(not_shown) => (Vec::new(), Some(not_shown)),
     }
 }

@@ -6,7 +6,7 @@ use rcs_messages::PlainTransform;
 use rcs_resources::MeshStore;
 
 use super::arrow::Arrow;
-use super::mesh::MeshMarker;
+use super::mesh::{MeshMarker, NotShown};
 use super::primitive::Primitive;
 use super::triangles::Triangles;
 use super::{lines, point_lists, shape, text};
@@ -48,7 +48,7 @@ impl Kind {
     ///
     /// # Errors
     /// Why it shows nothing.
-    pub(super) fn primitives(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, String> {
+    pub(super) fn primitives(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, NotShown> {
         Ok(match self {
             Self::Arrow(arrow) => arrow.primitives(marker),
             Self::Shape(shape) => shape::primitives(marker, *shape),
@@ -59,6 +59,22 @@ impl Kind {
             Self::Mesh(mesh) => mesh.primitives(marker, meshes)?,
             Self::Triangles(triangles) => triangles.primitives(marker),
         })
+    }
+
+    /// Whether the mesh of the last message is loading or cannot be shown.
+    pub(super) fn is_missing(&self) -> bool {
+        matches!(self, Self::Mesh(mesh) if mesh.is_missing())
+    }
+
+    /// Builds what the last message shows, if it is a mesh that was missing.
+    ///
+    /// # Errors
+    /// Why it shows nothing.
+    pub(super) fn rebuild(&mut self, meshes: &MeshStore) -> Result<Vec<Primitive>, NotShown> {
+        match self {
+            Self::Mesh(mesh) => mesh.rebuild(meshes),
+            _ => Ok(Vec::new()),
+        }
     }
 
     /// The marker's pose in the frame of its header; `None` when a number that counts is NaN or infinite. Text does not

@@ -4,16 +4,21 @@
 //! once more in the marker's colour with at most half opacity: a tint. A colour of all zeros stands for no tint and the
 //! file's own opacity, but only where the mesh is new: rviz does not check again when a later message changes the
 //! colour, and then shows a mesh of alpha zero.
+//!
+//! A mesh may still be loading when its message comes, or its file may be broken and repaired later. What a message says
+//! is kept, so that the marker is built when the mesh is there.
 
 use std::sync::Arc;
+use std::task::Poll;
 
 use nalgebra::Matrix4;
 use rcs_messages::visualization_msgs::Marker;
-use rcs_resources::{LoadedMesh, MeshMaterial, MeshStore};
+use rcs_resources::{LoadedMesh, MeshMaterial, MeshStore, Retry};
 use rcs_scene::{Blending, Lighting, Material, Rgba};
 
 use super::message_fields::{rgba, scale};
 use super::primitive::Primitive;
+use crate::Level;
 
 /// The most opaque that a tint can be.
 const MAX_TINT_ALPHA: f32 = 0.5;
@@ -28,37 +33,99 @@ pub(super) struct MeshMarker {
 struct Shown {
     url: String,
     embedded: bool,
-    mesh: Arc<LoadedMesh>,
+    mesh: State,
+    scale: [f64; 3],
     color: Rgba,
     /// The colour that was last set on the materials; `None` while they are as the file has them.
     paint: Option<Rgba>,
 }
 
+#[derive(Clone, Debug)]
+enum State {
+    Loading,
+    Failed,
+    Loaded(Arc<LoadedMesh>),
+}
+
+/// Why a marker shows nothing although its message is in order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum NotShown {
+    /// The mesh of this address is being loaded.
+    Loading(String),
+    /// Why the mesh cannot be shown, with its address.
+    Failed(String),
+}
+
+impl NotShown {
+    /// The marker's status.
+    pub(crate) fn status(self) -> (Level, String) {
+        match self {
+            Self::Loading(url) => (Level::Ok, format!("loading [{url}]")),
+            Self::Failed(text) => (Level::Error, text),
+        }
+    }
+}
+
 impl MeshMarker {
-    /// The parts of the mesh.
+    /// The parts of the mesh of a message.
     ///
     /// # Errors
-    /// Why the mesh cannot be shown, with its address.
-    pub(super) fn primitives(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, String> {
+    /// Why there are none.
+    pub(super) fn primitives(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, NotShown> {
         let (url, embedded, color) = (&marker.mesh_resource, marker.mesh_use_embedded_materials, rgba(&marker.color));
-        let shown = match self.shown.take().filter(|shown| shown.url == *url && shown.embedded == embedded) {
+        let is_kept =
+            |shown: &Shown| shown.url == *url && shown.embedded == embedded && !matches!(shown.mesh, State::Failed);
+        let mut shown = match self.shown.take().filter(is_kept) {
             Some(shown) => {
                 Shown { paint: if color == shown.color { shown.paint } else { Some(color) }, color, ..shown }
             }
             None => {
-                let mesh = meshes.get(url).map_err(|error| format!("could not load [{url}]: {error}"))?;
                 let own_colors = embedded && color == Rgba::TRANSPARENT;
-                Shown { url: url.clone(), embedded, mesh, color, paint: (!own_colors).then_some(color) }
+                let paint = (!own_colors).then_some(color);
+                Shown { url: url.clone(), embedded, mesh: State::Loading, scale: [0.0; 3], color, paint }
             }
         };
-        let marker_from_mesh = Matrix4::new_nonuniform_scaling(&scale(marker).into());
+        shown.scale = scale(marker);
+        let parts = shown.primitives(meshes, Retry::Yes);
+        self.shown = Some(shown);
+        parts
+    }
+
+    /// Whether the mesh of the last message is loading or cannot be shown.
+    pub(super) fn is_missing(&self) -> bool {
+        self.shown.as_ref().is_some_and(|shown| !matches!(shown.mesh, State::Loaded(_)))
+    }
+
+    /// The parts of the mesh of the last message, perhaps loaded since then.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub(super) fn rebuild(&mut self, meshes: &MeshStore) -> Result<Vec<Primitive>, NotShown> {
+        self.shown.as_mut().map_or_else(|| Ok(Vec::new()), |shown| shown.primitives(meshes, Retry::No))
+    }
+}
+
+impl Shown {
+    fn primitives(&mut self, meshes: &MeshStore, retry: Retry) -> Result<Vec<Primitive>, NotShown> {
+        let mesh = match &self.mesh {
+            State::Loaded(mesh) => mesh.clone(),
+            State::Loading | State::Failed => match meshes.mesh(&self.url, retry) {
+                Poll::Ready(Ok(mesh)) => mesh,
+                Poll::Ready(Err(error)) => {
+                    self.mesh = State::Failed;
+                    return Err(NotShown::Failed(format!("could not load [{}]: {error}", self.url)));
+                }
+                Poll::Pending => return Err(NotShown::Loading(self.url.clone())),
+            },
+        };
+        let marker_from_mesh = Matrix4::new_nonuniform_scaling(&self.scale.into());
         let mut parts = Vec::new();
-        for part in &shown.mesh.parts {
-            for material in materials(&part.material, embedded, shown.paint) {
+        for part in &mesh.parts {
+            for material in materials(&part.material, self.embedded, self.paint) {
                 parts.push(Primitive::mesh(marker_from_mesh, part.mesh.clone(), material));
             }
         }
-        self.shown = Some(shown);
+        self.mesh = State::Loaded(mesh);
         Ok(parts)
     }
 }

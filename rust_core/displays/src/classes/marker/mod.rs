@@ -26,6 +26,7 @@ mod triangles;
 mod tests;
 
 pub(crate) use control_marker::ControlMarker;
+pub(crate) use mesh::NotShown;
 pub(crate) use message_fields::{is_finite_color, is_unit_quaternion};
 pub(crate) use primitive::SortPoint;
 

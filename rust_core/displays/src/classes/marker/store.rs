@@ -27,6 +27,8 @@ pub(super) struct MarkerStore {
     /// How many markers were made so far.
     made: u64,
     changed: bool,
+    /// That of the meshes when those that were missing were last looked for.
+    meshes_version: u64,
 }
 
 /// A marker of a namespace and id.
@@ -47,6 +49,8 @@ struct Shown {
     expires: Option<Time>,
     /// What is wrong with the message.
     finding: Option<(Level, String)>,
+    /// The status while its mesh is loading or cannot be shown.
+    missing: Option<(Level, String)>,
 }
 
 impl MarkerStore {
@@ -118,10 +122,14 @@ impl MarkerStore {
             }
         };
         let Some(mut kind) = kind else { return };
-        let parts = kind.primitives(marker, world.meshes).unwrap_or_else(|problem| {
-            set_error(&id, problem, statuses);
-            Vec::new()
-        });
+        let (parts, missing) = match kind.primitives(marker, world.meshes) {
+            Ok(parts) => (parts, None),
+            Err(not_shown) => {
+                let missing = not_shown.status();
+                set_status(&id, Some(missing.clone()), statuses);
+                (Vec::new(), Some(missing))
+            }
+        };
         // Points may have a pose that is not finite; they are not drawn.
         let Some(frame_from_marker) = kind.frame_from_marker(marker) else { return };
         let mut shown = Shown {
@@ -136,6 +144,7 @@ impl MarkerStore {
             fixed_from_marker: None,
             expires: lifetime(marker).map(|lifetime| world.now.saturating_add(lifetime)),
             finding,
+            missing,
         };
         match shown.locate(world) {
             Ok(place) => shown.fixed_from_marker = Some(place),
@@ -144,9 +153,31 @@ impl MarkerStore {
         self.markers.insert(id, shown);
     }
 
-    /// Drops markers whose lifetime is over and moves those that follow their frames. Returns whether anything changed
-    /// since the last call.
+    /// Builds markers whose meshes were loaded since the last call.
+    fn build_loaded(&mut self, world: &World<'_>, statuses: &mut Statuses) {
+        let version = world.meshes.version();
+        if std::mem::replace(&mut self.meshes_version, version) == version {
+            return;
+        }
+        for (id, shown) in self.markers.iter_mut().filter(|(_, shown)| shown.kind.is_missing()) {
+            match shown.kind.rebuild(world.meshes) {
+                Ok(parts) => {
+                    (shown.parts, shown.missing) = (parts, None);
+                    self.changed = true;
+                }
+                Err(not_shown) => shown.missing = Some(not_shown.status()),
+            }
+            // While it cannot be placed, the status says why.
+            if shown.fixed_from_marker.is_some() {
+                set_status(id, shown.status(), statuses);
+            }
+        }
+    }
+
+    /// Drops markers whose lifetime is over, moves those that follow their frames, and shows those whose meshes were
+    /// loaded. Returns whether anything changed since the last call.
     pub(super) fn update(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
+        self.build_loaded(world, statuses);
         let before = self.markers.len();
         self.markers.retain(|id, shown| {
             let alive = shown.expires.is_none_or(|expires| world.now < expires);
@@ -160,7 +191,7 @@ impl MarkerStore {
             let place = shown.locate(world);
             match &place {
                 Err(error) => set_error(id, problem(error, world.fixed_frame), statuses),
-                Ok(_) if shown.fixed_from_marker.is_none() => set_status(id, shown.finding.clone(), statuses),
+                Ok(_) if shown.fixed_from_marker.is_none() => set_status(id, shown.status(), statuses),
                 Ok(_) => {}
             }
             let place = place.ok();
@@ -197,6 +228,11 @@ impl MarkerStore {
 }
 
 impl Shown {
+    /// Its status once it is placed.
+    fn status(&self) -> Option<(Level, String)> {
+        self.missing.clone().or_else(|| self.finding.clone())
+    }
+
     fn locate(&self, world: &World<'_>) -> Result<Isometry3<f64>, LookupError> {
         Ok(world.fixed_from(&self.frame, self.stamp)? * self.frame_from_marker)
     }

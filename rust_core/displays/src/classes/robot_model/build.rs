@@ -3,12 +3,15 @@
 //! Which material a piece gets is rviz's rule. A mesh keeps the materials of its file, each with the link's opacity on
 //! top of its own; everything else has the last material that the link's visuals named before, in the order of the file
 //! and with the collision shapes at the end. Before any was named that is plain red.
+//!
+//! While meshes and textures are loading the pieces that need them are left out; the robot is then built again.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
+use std::task::Poll;
 
 use nalgebra::{Isometry3, Matrix4};
-use rcs_resources::{load_texture, warning_texture, LoadedMesh, MeshStore};
+use rcs_resources::{warning_texture, LoadedMesh, MeshStore, Retry};
 use rcs_scene::{Lighting, Material, Mesh, Rgba, Texture};
 
 use crate::parts::urdf::{Link, Robot, UrdfMaterial, UrdfShape};
@@ -36,6 +39,16 @@ pub(super) struct LinkPieces {
 struct Look {
     color: Rgba,
     texture: Option<Arc<Texture>>,
+    /// The texture is not there yet.
+    is_loading: bool,
+}
+
+/// Why a shape has no pieces.
+enum Missing {
+    /// A file of it is being loaded.
+    Loading,
+    /// What is wrong.
+    Failed(String),
 }
 
 /// rviz's material for links without one.
@@ -50,15 +63,20 @@ const UPRIGHT: Matrix4<f64> = Matrix4::new(
     0.0, 0.0, 0.0, 1.0,
 );
 
-/// Reads the files of a robot and makes its links, each with `alpha` for its opacity.
+/// Makes the links of a robot, each with `alpha` for its opacity.
 pub(super) struct Builder<'a> {
     meshes: &'a MeshStore,
-    textures: HashMap<String, Arc<Texture>>,
+    retry: Retry,
+    textures: HashMap<String, Poll<Arc<Texture>>>,
+    /// The addresses of textures whose failure was logged.
+    logged: &'a mut BTreeSet<String>,
+    /// The addresses of files that are being loaded.
+    loading: BTreeSet<String>,
 }
 
 impl<'a> Builder<'a> {
-    /// Loads all meshes of a robot at once, which takes all processors.
-    pub(super) fn new(robot: &Robot, meshes: &'a MeshStore) -> Self {
+    /// Has all meshes of a robot loaded at once.
+    pub(super) fn new(robot: &Robot, meshes: &'a MeshStore, retry: Retry, logged: &'a mut BTreeSet<String>) -> Self {
         let shapes = robot.links.values().flat_map(|link| {
             let visuals = link.visuals.iter().map(|visual| &visual.shape);
             visuals.chain(link.collisions.iter().map(|collision| &collision.shape))
@@ -67,8 +85,14 @@ impl<'a> Builder<'a> {
             UrdfShape::Mesh { url, .. } if !url.is_empty() => Some(url.as_str()),
             _ => None,
         });
-        meshes.load_all(urls);
-        Self { meshes, textures: HashMap::new() }
+        meshes.load_all(urls, retry);
+        // What they are asked for from now on is known, or being loaded.
+        Self { meshes, retry, textures: HashMap::new(), logged, loading: BTreeSet::new() }
+    }
+
+    /// How many files are being loaded that links need.
+    pub(super) fn loading(&self) -> usize {
+        self.loading.len()
     }
 
     /// The pieces of a link; `alpha` is the display's and the link's opacity together.
@@ -96,14 +120,19 @@ impl<'a> Builder<'a> {
         link: &Link,
         look: &mut Option<Look>,
         alpha: f32,
-    ) -> Result<Vec<Piece>, String> {
+    ) -> Result<Vec<Piece>, Missing> {
         let (mesh, shape_from_object) = match shape {
             UrdfShape::Mesh { url, .. } if url.is_empty() => return Ok(Vec::new()),
-            UrdfShape::Mesh { url, scale } => {
-                let mesh = self.meshes.get(url);
-                let mesh = mesh.map_err(|error| format!("Could not load mesh resource '{url}': {error}"))?;
-                (Some(mesh), scaling(*scale))
-            }
+            UrdfShape::Mesh { url, scale } => match self.meshes.mesh(url, Retry::No) {
+                Poll::Ready(Ok(mesh)) => (Some(mesh), scaling(*scale)),
+                Poll::Ready(Err(error)) => {
+                    return Err(Missing::Failed(format!("Could not load mesh resource '{url}': {error}")));
+                }
+                Poll::Pending => {
+                    self.loading.insert(url.clone());
+                    return Err(Missing::Loading);
+                }
+            },
             UrdfShape::Sphere { radius_m } => (None, scaling([radius_m * 2.0; 3])),
             UrdfShape::Box { size_m } => (None, scaling(*size_m)),
             UrdfShape::Cylinder { radius_m, length_m } => {
@@ -116,6 +145,9 @@ impl<'a> Builder<'a> {
             *look = Some(self.look(material));
         }
         let look = look.as_ref();
+        if look.is_some_and(|look| look.is_loading) {
+            return Err(Missing::Loading);
+        }
         let plain = || look.map_or_else(|| Material::lit(UNNAMED), Look::material);
         let link_from_object = link_from_shape.to_homogeneous() * shape_from_object;
         let piece = |mesh: Arc<Mesh>, material: Material| Piece {
@@ -131,22 +163,35 @@ impl<'a> Builder<'a> {
 
     fn look(&mut self, material: Option<&UrdfMaterial>) -> Look {
         match material {
-            None => Look { color: UNNAMED, texture: None },
-            Some(material) if material.texture.is_empty() => Look { color: material.rgba.into(), texture: None },
-            Some(material) => Look { color: Rgba::WHITE, texture: Some(self.texture(&material.texture)) },
+            None => Look { color: UNNAMED, texture: None, is_loading: false },
+            Some(material) if material.texture.is_empty() => {
+                Look { color: material.rgba.into(), texture: None, is_loading: false }
+            }
+            Some(material) => match self.texture(&material.texture) {
+                Poll::Ready(texture) => Look { color: Rgba::WHITE, texture: Some(texture), is_loading: false },
+                Poll::Pending => Look { color: Rgba::WHITE, texture: None, is_loading: true },
+            },
         }
     }
 
     /// The image at an address; where it cannot be read, the one that Ogre shows then.
-    fn texture(&mut self, url: &str) -> Arc<Texture> {
+    fn texture(&mut self, url: &str) -> Poll<Arc<Texture>> {
         if let Some(known) = self.textures.get(url) {
             return known.clone();
         }
-        let loaded = self.meshes.packages().resolve(url).and_then(|path| load_texture(&path));
-        let texture = loaded.unwrap_or_else(|error| {
-            log::warn!("texture {url} of a robot's link: {error}");
-            warning_texture()
-        });
+        let texture = match self.meshes.texture(url, self.retry) {
+            Poll::Ready(Ok(texture)) => Poll::Ready(texture),
+            Poll::Ready(Err(error)) => {
+                if self.logged.insert(url.to_owned()) {
+                    log::warn!("texture {url} of a robot's link: {error}");
+                }
+                Poll::Ready(warning_texture())
+            }
+            Poll::Pending => {
+                self.loading.insert(url.to_owned());
+                Poll::Pending
+            }
+        };
         self.textures.insert(url.to_owned(), texture.clone());
         texture
     }
@@ -158,10 +203,11 @@ impl Look {
     }
 }
 
-fn add(made: Result<Vec<Piece>, String>, pieces: &mut Vec<Piece>, faults: &mut Vec<String>) {
+fn add(made: Result<Vec<Piece>, Missing>, pieces: &mut Vec<Piece>, faults: &mut Vec<String>) {
     match made {
         Ok(made) => pieces.extend(made),
-        Err(fault) => faults.push(fault),
+        Err(Missing::Loading) => {}
+        Err(Missing::Failed(fault)) => faults.push(fault),
     }
 }
 

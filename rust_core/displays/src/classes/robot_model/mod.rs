@@ -2,15 +2,17 @@
 //!
 //! The links follow TF at its latest time. One whose frame is not known stays where it was last (at first: in the fixed
 //! frame's origin) and is drawn in plain white without light, with its own materials no more, until its frame comes:
-//! that is how rviz shows that something is missing.
+//! that is how rviz shows that something is missing. Links appear as their meshes and textures are loaded.
 
 mod build;
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::sync::Arc;
 use std::time::Duration;
 
 use nalgebra::{Isometry3, Matrix4, Vector3};
+use rcs_resources::Retry;
 use rcs_rviz_config::{LinkSettings, RobotModelSettings};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material};
 use rcs_transforms::Time;
@@ -80,8 +82,12 @@ pub(crate) struct RobotModelDisplay {
     settings: RobotModelSettings,
     description: RobotDescription,
     links: Vec<ShownLink>,
-    /// What is wrong with the links' files.
-    faults: String,
+    /// The robot of the links, as long as files of it are loading or cannot be used.
+    unfinished: Option<Robot>,
+    /// That of the meshes when the links were last built.
+    meshes_version: u64,
+    /// The addresses of textures whose failure was logged.
+    logged: BTreeSet<String>,
     axes_materials: [Arc<Material>; 3],
     unplaced_material: Arc<Material>,
     /// When the links were last moved.
@@ -103,7 +109,9 @@ impl RobotModelDisplay {
             description: RobotDescription::new(&settings.robot_description, &mut statuses),
             settings,
             links: Vec::new(),
-            faults: String::new(),
+            unfinished: None,
+            meshes_version: 0,
+            logged: BTreeSet::new(),
             axes_materials: axes_materials(1.0),
             unplaced_material: Arc::new(Material { vertex_colors: false, ..Material::unlit(false) }),
             updated: None,
@@ -112,33 +120,52 @@ impl RobotModelDisplay {
         }
     }
 
-    fn load(&mut self, robot: &Robot, world: &World<'_>) {
-        let mut builder = Builder::new(robot, world.meshes);
-        self.faults.clear();
-        for (name, link) in &robot.links {
+    /// Makes the links of a robot.
+    fn load(&mut self, robot: Robot, world: &World<'_>) {
+        for name in robot.links.keys() {
             let settings = self.settings.link(name).clone();
-            let pieces = builder.link(link, self.settings.alpha * settings.alpha);
-            if !pieces.faults.is_empty() {
-                // Writing to a text does not fail.
-                let _ = write!(self.faults, "\n• for link '{name}':\n{}", pieces.faults.join("\n"));
-            }
             self.links.push(ShownLink {
                 frame: link_frame(&self.settings.tf_prefix, name),
                 trail: settings.show_trail.then(trail_from_origin),
                 settings,
-                pieces,
+                pieces: LinkPieces::default(),
                 fixed_from_link: Isometry3::identity(),
                 is_placed: None,
             });
         }
-        self.report_faults();
+        self.build(robot, world, Retry::Yes);
     }
 
-    fn report_faults(&mut self) {
-        if !self.faults.is_empty() {
-            let text = format!("Errors loading geometries:{}", self.faults);
-            self.statuses.set(Level::Error, STATUS, text);
+    /// Makes what the links are drawn with, as far as their files are loaded.
+    fn build(&mut self, robot: Robot, world: &World<'_>, retry: Retry) {
+        self.meshes_version = world.meshes.version();
+        let mut builder = Builder::new(&robot, world.meshes, retry, &mut self.logged);
+        let mut faults = String::new();
+        for (shown, (name, link)) in self.links.iter_mut().zip(&robot.links) {
+            shown.pieces = builder.link(link, self.settings.alpha * shown.settings.alpha);
+            if !shown.pieces.faults.is_empty() {
+                // Writing to a text does not fail.
+                let _ = write!(faults, "\n• for link '{name}':\n{}", shown.pieces.faults.join("\n"));
+            }
         }
+        let loading = builder.loading();
+        let (level, text) = match loading {
+            _ if !faults.is_empty() => (Level::Error, format!("Errors loading geometries:{faults}")),
+            0 => (Level::Ok, STATUS_TEXTS.good.to_owned()),
+            _ => (Level::Ok, format!("Loading geometries: {loading} left")),
+        };
+        self.statuses.set(level, STATUS, text);
+        self.unfinished = (loading > 0 || !faults.is_empty()).then_some(robot);
+    }
+
+    /// Builds the links again if files of them were loaded since the last call. Returns whether it did.
+    fn build_loaded(&mut self, world: &World<'_>) -> bool {
+        if world.meshes.version() == self.meshes_version {
+            return false;
+        }
+        let Some(robot) = self.unfinished.take() else { return false };
+        self.build(robot, world, Retry::No);
+        true
     }
 
     fn interval(&self) -> Option<Duration> {
@@ -193,18 +220,20 @@ impl Display for RobotModelDisplay {
 
     fn take_parameter(&mut self, _name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
         if let Some(robot) = self.description.take(text, &STATUS_TEXTS, &mut self.statuses) {
-            self.load(&robot, world);
+            self.load(robot, world);
         }
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {
-        if self.links.is_empty() || !self.is_due(world.now) {
+        if self.links.is_empty() {
             return false;
         }
-        self.updated = Some(world.now);
-        let mut changed = false;
-        for link in &mut self.links {
-            changed |= link.follow(world, &mut self.statuses);
+        let mut changed = self.build_loaded(world);
+        if self.is_due(world.now) {
+            self.updated = Some(world.now);
+            for link in &mut self.links {
+                changed |= link.follow(world, &mut self.statuses);
+            }
         }
         if changed {
             self.draw();

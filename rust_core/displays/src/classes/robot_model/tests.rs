@@ -1,7 +1,7 @@
 //! A small robot in frames that come and go.
 
 use super::*;
-use crate::framework::test_world::TestWorld;
+use crate::framework::test_world::{TestWorld, STL};
 use rcs_scene::Lighting;
 
 const ROBOT: &str = "<robot name='r'>
@@ -114,4 +114,44 @@ fn links_move_once_in_an_update_interval() {
         assert_eq!(bench.shown()[0].0, x, "at {secs}");
     }
     assert_eq!(bench.display.next_change(), Some(Time::from_secs_f64(11.1)));
+}
+
+#[test]
+fn links_appear_as_their_meshes_and_textures_are_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.stl"), STL).unwrap();
+    image::RgbaImage::from_pixel(2, 2, image::Rgba([1, 2, 3, 255])).save(folder.path().join("t.png")).unwrap();
+    let at = |file: &str| format!("file://{}/{file}", folder.path().display());
+    let description = format!(
+        "<robot name='r'><link name='a'><visual><geometry><mesh filename='{mesh}'/></geometry></visual></link>
+         <link name='b'><visual><geometry><box size='1 1 1'/></geometry><material name='m'><texture filename='{image}'/>
+         </material></visual></link><link name='c'><visual><geometry><sphere radius='1'/></geometry></visual></link>
+         <joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>
+         <joint name='k' type='fixed'><parent link='a'/><child link='c'/></joint></robot>",
+        mesh = at("a.stl"),
+        image = at("t.png"),
+    );
+    let mut world = TestWorld::at(Time::from_secs_f64(10.0));
+    let gate = world.load_behind_gate(folder.path());
+    for link in ["a", "b", "c"] {
+        world.place_static(link, [0.0; 3]);
+    }
+    // Links that move once in an hour appear all the same.
+    let settings = RobotModelSettings { update_interval_secs: 3600.0, ..RobotModelSettings::default() };
+    let mut display = RobotModelDisplay::new(0, settings);
+    display.take_parameter("robot_description", Some(&description.into()), &world.get());
+    assert!(display.update(&world.get()));
+    assert_eq!(display.drawables().len(), 1, "the sphere");
+    let status = |display: &RobotModelDisplay| display.statuses.get("URDF").unwrap().text.clone();
+    assert_eq!(status(&display), "Loading geometries: 2 left");
+    assert!(!display.update(&world.get()), "nothing new");
+    let version = world.version();
+    gate.open();
+    world.wait_for_version(version + 2);
+    assert!(display.update(&world.get()));
+    assert_eq!(display.drawables().len(), 3);
+    assert_eq!(status(&display), "URDF parsed OK");
+    let is_textured = |drawable: &Drawable| matches!(&drawable.geometry, Geometry::Mesh { material, .. } if material.texture.is_some());
+    assert_eq!(display.drawables().iter().filter(|drawable| is_textured(drawable)).count(), 1);
+    assert!(!display.update(&world.get()), "nothing new");
 }

@@ -12,16 +12,18 @@ use super::{Cloud, BLOCK};
 use crate::bounds::Bounds;
 use crate::cpu::band::pack;
 use crate::cpu::bins::Bins;
+use crate::cpu::ranked::Load;
 use crate::cpu::screen::Screen;
 
 impl Cloud<'_> {
-    /// Sorts the points of a range that may be seen into the picture's bands.
-    pub(in crate::cpu) fn select(&self, screen: &Screen, range: Range<usize>, out: &mut Bins) {
-        dispatch!(screen.simd_level, simd => self.select_by_lanes(simd, screen, range, out));
+    /// Sorts the points of a range that may be seen into the picture's bands. Returns how much there is to draw.
+    pub(in crate::cpu) fn select(&self, screen: &Screen, range: Range<usize>, out: &mut Bins) -> Load {
+        dispatch!(screen.simd_level, simd => self.select_by_lanes(simd, screen, range, out))
     }
 
     #[inline(always)]
-    fn select_by_lanes<S: Simd>(&self, _: S, screen: &Screen, range: Range<usize>, out: &mut Bins) {
+    fn select_by_lanes<S: Simd>(&self, _: S, screen: &Screen, range: Range<usize>, out: &mut Bins) -> Load {
+        let mut load = Load::default();
         let reach = Reach::of(self);
         let positions = self.points.buffer.positions.get(range.clone()).unwrap_or(&[]);
         let mut rows = [[0u32; BLOCK]; 2];
@@ -30,10 +32,18 @@ impl Cloud<'_> {
             transpose(positions, &mut coordinates);
             self.rows(screen, &reach, &coordinates, &mut rows);
             let [first, after] = &rows;
+            // About as wide as high.
+            let pixels = first.iter().zip(after).take(positions.len()).map(|(first, after)| {
+                let height = after.saturating_sub(*first);
+                (height.wrapping_mul(height), u32::from(height != 0))
+            });
+            let (pixels, faces) = pixels.fold((0, 0), |(pixels, faces), (p, f)| (pixels + u64::from(p), faces + f));
+            load = load.and(Load { pixels, faces: u64::from(faces), in_order: false });
             for (i, (first, after)) in first.iter().zip(after).take(positions.len()).enumerate() {
                 out.add((begin + i) as u32, *first, *after);
             }
         }
+        load
     }
 
     /// Whether Ogre culls the whole cloud: it tests only the box around the points' positions, so that faces that reach

@@ -24,6 +24,8 @@ mod choose;
 mod faces;
 mod paint;
 mod place;
+mod ranked;
+mod rough;
 mod sprites;
 #[cfg(test)]
 mod tests;
@@ -36,7 +38,10 @@ use self::choose::PointBlock;
 use self::faces::Faces;
 use self::paint::{BOX_SIDE, DISC, EDGED, PLAIN};
 use self::place::FaceBlock;
+use self::rough::RoughFaces;
+use super::band::Mode;
 use super::band::{unorm8, Band};
+use super::ranked::RankedScratch;
 use super::screen::{ObjectTransform, Screen};
 use super::surface::Surface;
 use crate::shading::MAX_REJECTED_ALPHA;
@@ -79,6 +84,51 @@ impl<'a> Cloud<'a> {
     }
 }
 
+impl Cloud<'_> {
+    /// Whether its faces need not be drawn in their order.
+    pub(super) fn can_be_ranked(&self) -> bool {
+        let has_faces = match self.points.style {
+            PointStyle::Points { .. } => false,
+            PointStyle::Boxes { size_m } => !is_inside_out(size_m),
+            _ => true,
+        };
+        has_faces && self.surface.mode == Mode::OPAQUE
+    }
+}
+
+/// Boxes that a negative size turns inside out show other sides.
+fn is_inside_out(size_m: [f32; 3]) -> bool {
+    !size_m.iter().all(|side_m| *side_m >= 0.0)
+}
+
+/// Draws a band's rows of a cloud by the ranks of its points, given the indices of those that touch the band, by job.
+pub(super) fn draw_ranked<'i>(
+    cloud: &Cloud<'_>,
+    indices: impl Fn(usize) -> &'i [u32],
+    jobs: usize,
+    screen: &Screen,
+    scratch: &mut PointScratch,
+    ranked: &mut RankedScratch,
+    band: &mut Band<'_>,
+) {
+    if cloud.is_culled {
+        return;
+    }
+    let Some(first_rank) = ranked::list(&indices, jobs, ranked, band) else {
+        return (0..jobs).for_each(|job| draw(cloud, indices(job), screen, scratch, band));
+    };
+    let run = ranked::Run { cloud, indices, first_rank };
+    dispatch!(screen.simd_level, simd => match cloud.points.style {
+        PointStyle::Points { .. } => {}
+        PointStyle::FlatSquares { .. } => run.draw::<_, { PLAIN }>(simd, screen, scratch, ranked, band),
+        PointStyle::Squares { .. } | PointStyle::Tiles { .. } => {
+            run.draw::<_, { EDGED }>(simd, screen, scratch, ranked, band);
+        }
+        PointStyle::Spheres { .. } => run.draw::<_, { DISC }>(simd, screen, scratch, ranked, band),
+        PointStyle::Boxes { .. } => run.draw::<_, { BOX_SIDE }>(simd, screen, scratch, ranked, band),
+    });
+}
+
 /// Whether something of this opacity is drawn at all; boxes are, whatever theirs is.
 #[inline]
 fn is_visible(alpha: f32) -> bool {
@@ -117,8 +167,7 @@ fn draw_by_lanes<S: Simd>(
             paint::draw::<S, { EDGED }>(simd, cloud, indices, screen, scratch, band);
         }
         PointStyle::Spheres { .. } => paint::draw::<S, { DISC }>(simd, cloud, indices, screen, scratch, band),
-        // Boxes that a negative size turns inside out show other sides.
-        PointStyle::Boxes { size_m } if !size_m.iter().all(|side_m| *side_m >= 0.0) => {
+        PointStyle::Boxes { size_m } if is_inside_out(size_m) => {
             paint::draw_exactly(cloud, indices, screen, band);
         }
         PointStyle::Boxes { .. } => {
@@ -134,10 +183,12 @@ pub(super) struct PointScratch {
     points: PointBlock,
     /// Their faces.
     faces: Vec<FaceBlock>,
+    /// Their large faces.
+    rough: RoughFaces,
 }
 
 impl Default for PointScratch {
     fn default() -> Self {
-        Self { points: PointBlock::default(), faces: FaceBlock::of_boxes() }
+        Self { points: PointBlock::default(), faces: FaceBlock::of_boxes(), rough: RoughFaces::default() }
     }
 }

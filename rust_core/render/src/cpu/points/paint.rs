@@ -39,7 +39,7 @@ pub(super) fn draw<S: Simd, const PAINT: u8>(
     scratch: &mut PointScratch,
     band: &mut Band<'_>,
 ) {
-    let PointScratch { points, faces } = scratch;
+    let PointScratch { points, faces, .. } = scratch;
     let sides = if PAINT == BOX_SIDE { SIDES } else { 1 };
     let sides = faces.get_mut(..sides).unwrap_or(&mut []);
     let view = BandView {
@@ -89,7 +89,7 @@ pub(super) fn draw_exactly(cloud: &Cloud<'_>, indices: &[u32], screen: &Screen, 
 
 #[cold]
 fn draw_triangles(cloud: &Cloud<'_>, index: u32, screen: &Screen, band: &mut Band<'_>) {
-    cloud.faces.triangles(&cloud.transform, index as usize, |triangle| {
+    cloud.faces.triangles(&cloud.transform, index as usize, !0, |triangle| {
         triangles::cut(triangle, &cloud.surface, screen, |corners| {
             triangles::draw(corners.each_ref(), &cloud.surface, band);
         });
@@ -159,7 +159,7 @@ fn draw_face<S: Simd, const PAINT: u8>(
 }
 
 /// How a face is painted.
-struct FacePaint<S: Simd, const PAINT: u8> {
+pub(super) struct FacePaint<S: Simd, const PAINT: u8> {
     packed: U<S>,
     /// 0 to 255, with a box's side's brightness.
     rgb: [f32; 3],
@@ -170,7 +170,7 @@ struct FacePaint<S: Simd, const PAINT: u8> {
 impl<S: Simd, const PAINT: u8> FacePaint<S, PAINT> {
     /// For a face of a packed colour; of a box it is the side along or against an axis.
     #[inline(always)]
-    fn new(simd: S, color: u32, axis: usize, is_along: bool) -> Self {
+    pub(super) fn new(simd: S, color: u32, axis: usize, is_along: bool) -> Self {
         if PAINT == PLAIN {
             return Self { packed: U::splat(simd, color), rgb: [0.0; 3], contrast: 0.0 };
         }
@@ -193,7 +193,7 @@ impl<S: Simd, const PAINT: u8> FacePaint<S, PAINT> {
 
     /// Which of the places given by 1/w, u/w and v/w belong to the face.
     #[inline(always)]
-    fn mask(&self, [q, u, v]: [F<S>; 3], mask: M<S>) -> M<S> {
+    pub(super) fn mask(&self, [q, u, v]: [F<S>; 3], mask: M<S>) -> M<S> {
         if PAINT == DISC {
             mask & (u * u + v * v).simd_lt(q * q * DISC_RADIUS_SQUARED)
         } else {
@@ -203,7 +203,7 @@ impl<S: Simd, const PAINT: u8> FacePaint<S, PAINT> {
 
     /// The colours at places given by 1/w, u/w and v/w.
     #[inline(always)]
-    fn colors(&self, [q, u, v]: [F<S>; 3]) -> U<S> {
+    pub(super) fn colors(&self, [q, u, v]: [F<S>; 3]) -> U<S> {
         if PAINT == PLAIN {
             return self.packed;
         }

@@ -7,6 +7,8 @@ use crate::{import::lenient_float::leading_f32, MeshFault};
 
 /// The most prefixes without a namespace that are accepted.
 const MAX_PREFIXES: usize = 16;
+/// The most nodes of the XML tree, which take far more memory than their text.
+const MAX_XML_NODES: u32 = 4_000_000;
 
 /// Parses a document and passes its root to `read`. Prefixes that are used but not declared, which some exporters
 /// write and lenient parsers ignore, are declared.
@@ -14,7 +16,7 @@ pub(super) fn parse<T>(text: &str, read: impl FnOnce(Node<'_, '_>) -> Result<T, 
     let mut text = std::borrow::Cow::Borrowed(text);
     for _ in 0..MAX_PREFIXES {
         // roxmltree bounds what entities of a document type can expand to.
-        let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+        let options = ParsingOptions { allow_dtd: true, nodes_limit: MAX_XML_NODES, ..ParsingOptions::default() };
         match Document::parse_with_options(&text, options) {
             Ok(document) => return read(document.root_element()),
             Err(Error::UnknownNamespace(prefix, _)) => {

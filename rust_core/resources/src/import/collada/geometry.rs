@@ -11,7 +11,7 @@ use super::{
     source::{indices_per_corner, read_inputs, Input, Semantic, Sources},
 };
 use crate::{
-    import::{Polygons, MAX_CORNERS},
+    import::{self, check_count, Polygons},
     MeshFault,
 };
 
@@ -26,6 +26,8 @@ pub(super) struct Geometry {
     normals: Vec<[f32; 3]>,
     uvs: [Vec<[f32; 2]>; UV_SETS],
     face_sizes: Vec<u32>,
+    /// The most corners that it may have.
+    max_corners: usize,
 }
 
 /// The faces of one primitive element.
@@ -40,7 +42,7 @@ pub(super) struct Group {
 pub(super) type Geometries = HashMap<String, Geometry>;
 
 /// Reads `library_geometries`; of two geometries with one id the first counts.
-pub(super) fn read_geometries(root: Node<'_, '_>) -> Result<Geometries, MeshFault> {
+pub(super) fn read_geometries(root: Node<'_, '_>, max_corners: usize) -> Result<Geometries, MeshFault> {
     let mut sources = Sources::default();
     let mut geometries = Geometries::new();
     for library in children(root, "library_geometries") {
@@ -49,7 +51,7 @@ pub(super) fn read_geometries(root: Node<'_, '_>) -> Result<Geometries, MeshFaul
             if geometries.contains_key(id) {
                 continue;
             }
-            let mut read = Geometry::default();
+            let mut read = Geometry { max_corners, ..Geometry::default() };
             for mesh in children(geometry, "mesh") {
                 read.read_mesh(mesh, &mut sources)?;
             }
@@ -104,13 +106,16 @@ impl Geometry {
             let mut channels = vertex_channels.transpose().map_err(|what| fault(p, what))?.unwrap_or_default();
             channels.extend(sources.channels(&inputs, None).map_err(|what| fault(p, what))?);
             // Some exporters write negative indices; they count as 0.
-            let indices: Vec<usize> = p
+            let indices: Vec<u32> = p
                 .text()
                 .unwrap_or_default()
                 .split_ascii_whitespace()
                 .map_while(|word| word.parse::<i64>().ok())
-                .map(|index| usize::try_from(index).unwrap_or(0))
+                .map(|index| u32::try_from(index.max(0)).unwrap_or(u32::MAX))
                 .collect();
+            // A strip has three corners for each of its indices.
+            let possible = self.positions.len().saturating_add(indices.len() / per_corner);
+            check_count(possible, self.max_corners, "corners")?;
             let faces = Faces::of(element.tag_name().name(), indices.len() / per_corner, announced, &counts)
                 .filter(|_| indices.len().is_multiple_of(per_corner))
                 .ok_or_else(|| fault(p, format!("{} indices do not fit the primitives announced", indices.len())))?;
@@ -118,15 +123,13 @@ impl Geometry {
                 let start = corner * per_corner;
                 for channel in &channels {
                     let index = indices.get(start + channel.offset).copied().unwrap_or(0);
-                    let value = channel.value(index).map_err(|what| fault(p, what))?;
+                    let value = channel.value(index as usize).map_err(|what| fault(p, what))?;
                     self.push(channel.semantic, value);
                 }
             }
             face_count += faces.sizes.len();
             self.face_sizes.extend(faces.sizes);
-            if self.positions.len() > MAX_CORNERS {
-                return Err(MeshFault::TooLarge { limit: MAX_CORNERS, what: "corners" });
-            }
+            check_count(self.positions.len(), self.max_corners, "corners")?;
         }
         let corners: usize = self.face_sizes.iter().map(|&size| size as usize).sum();
         if self.positions.len() != corners {
@@ -161,7 +164,7 @@ impl Geometry {
             positions: self.positions.get(range.clone())?.to_vec(),
             normals: self.normals.get(range.clone()).unwrap_or_default().to_vec(),
             uvs: self.uvs.iter().find_map(|uvs| uvs.get(range.clone())).unwrap_or_default().to_vec(),
-            face_sizes,
+            faces: import::Faces::Sizes(face_sizes),
             material: 0,
         })
     }

@@ -19,16 +19,16 @@ use dom::{parse, Node};
 use super::Imported;
 use crate::MeshFault;
 
-/// Reads a COLLADA file.
-pub(super) fn read(bytes: &[u8]) -> Result<Imported, MeshFault> {
+/// Reads a COLLADA file that may make so many corners.
+pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFault> {
     let text = String::from_utf8_lossy(bytes);
     parse(text.trim_start_matches('\u{feff}'), |root| {
         if root.tag_name().name() != "COLLADA" {
             return Err(dom::fault(root, "the root element is not <COLLADA>"));
         }
         let materials = effect::read_materials(root);
-        let geometries = geometry::read_geometries(root)?;
-        scene::build(root, &geometries, materials)
+        let geometries = geometry::read_geometries(root, max_corners)?;
+        scene::build(root, &geometries, materials, max_corners)
     })
 }
 

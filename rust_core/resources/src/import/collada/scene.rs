@@ -11,7 +11,7 @@ use super::{
     unit_metres,
 };
 use crate::{
-    import::{Imported, MaterialSpec, Placed, MAX_CORNERS},
+    import::{check_count, Imported, MaterialSpec, Placed, MAX_MESHES},
     MeshFault,
 };
 
@@ -39,11 +39,19 @@ struct Builder<'a, 'i> {
     made: HashMap<(&'a str, usize, &'a str), usize>,
     imported: Imported,
     corners: usize,
+    max_corners: usize,
     nodes: usize,
+    /// Meshes placed so far.
+    placings: usize,
 }
 
 /// Walks the scene that the file instances.
-pub(super) fn build(root: Node<'_, '_>, geometries: &Geometries, materials: Materials) -> Result<Imported, MeshFault> {
+pub(super) fn build(
+    root: Node<'_, '_>,
+    geometries: &Geometries,
+    materials: Materials,
+    max_corners: usize,
+) -> Result<Imported, MeshFault> {
     let mut library = HashMap::new();
     for group in root.children() {
         let name = match group.tag_name().name() {
@@ -68,7 +76,9 @@ pub(super) fn build(root: Node<'_, '_>, geometries: &Geometries, materials: Mate
         made: HashMap::new(),
         imported: Imported::default(),
         corners: 0,
+        max_corners,
         nodes: 0,
+        placings: 0,
     };
     let mut placing = builder.node(scene, 0)?;
     // Assimp turns the root by the up axis too, but rviz takes only its scale and place.
@@ -106,9 +116,7 @@ fn flatten(placing: &Placing, root_from_parent: &Matrix4<f32>, placed: &mut Vec<
 impl<'a, 'i> Builder<'a, 'i> {
     fn node(&mut self, node: Node<'a, 'i>, depth: usize) -> Result<Placing, MeshFault> {
         self.nodes += 1;
-        if self.nodes > MAX_NODES {
-            return Err(MeshFault::TooLarge { limit: MAX_NODES, what: "nodes" });
-        }
+        check_count(self.nodes, MAX_NODES, "nodes")?;
         if depth > MAX_DEPTH {
             return Err(fault(node, "nodes nest too deeply, or contain themselves"));
         }
@@ -156,6 +164,8 @@ impl<'a, 'i> Builder<'a, 'i> {
         let bound = bound_materials(element);
         let (mut first_face, mut first_corner) = (0, 0);
         for (number, group) in geometry.groups.iter().enumerate().filter(|(_, group)| group.faces > 0) {
+            self.placings += 1;
+            check_count(self.placings, MAX_MESHES, "meshes")?;
             // A symbol that is not bound takes the material of the first that is.
             let material_id =
                 bound.get(group.symbol.as_str()).or_else(|| bound.values().next()).copied().unwrap_or_default();
@@ -173,9 +183,7 @@ impl<'a, 'i> Builder<'a, 'i> {
             first_face += group.faces;
             first_corner += polygons.positions.len();
             self.corners += polygons.positions.len();
-            if self.corners > MAX_CORNERS {
-                return Err(MeshFault::TooLarge { limit: MAX_CORNERS, what: "corners" });
-            }
+            check_count(self.corners, self.max_corners, "corners")?;
             self.made.insert(key, self.imported.meshes.len());
             meshes.push(self.imported.meshes.len());
             self.imported.meshes.push(polygons);

@@ -1,0 +1,230 @@
+//! `camera_stream render`: pictures from a config and a bag, without a ROS master.
+
+mod moments;
+mod player;
+mod projector;
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+
+use anyhow::{bail, Context, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+use rcs_bag::Bag;
+use rcs_displays::{time_from_stamp, CameraView};
+use rcs_render::Renderer;
+use rcs_resources::PackageIndex;
+use rcs_scene::Picture;
+use rcs_transforms::Time;
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use crate::camera_stream::camera_pose::Projection;
+use crate::camera_stream::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
+use crate::camera_stream::stage::{renderer_view, Stage};
+
+pub use moments::Section;
+use moments::{BagTimes, Moments};
+use player::Player;
+pub use projector::Projector;
+
+/// Where pictures are rendered to.
+#[derive(Clone, Debug)]
+pub enum Target {
+    /// One picture of a moment, by default after the bag's last message.
+    Picture {
+        /// The PNG or JPEG file.
+        file: PathBuf,
+    },
+    /// Pictures numbered from 0: `frame_000000.png`.
+    Sequence {
+        /// The folder; it is created if it does not exist.
+        folder: PathBuf,
+        /// Pictures a second.
+        rate_hz: f64,
+        /// Whether the pictures of an earlier sequence in the folder are removed, or are an error.
+        overwrite: bool,
+    },
+    /// A video.
+    Video {
+        /// The file.
+        file: PathBuf,
+        /// Pictures a second.
+        rate_hz: f64,
+    },
+}
+
+/// What is rendered of a bag.
+#[derive(Debug)]
+pub struct Job<'a> {
+    /// The bag's file.
+    pub bag: &'a Path,
+    /// The name of the camera; `None` if the config has only one.
+    pub camera: Option<&'a str>,
+    /// The file that takes the place of the bag's CameraInfo and frames.
+    pub projector: Option<&'a Path>,
+    /// Which part of the bag.
+    pub section: Section,
+    /// Where to.
+    pub target: &'a Target,
+    /// How P becomes a projection.
+    pub projection: Projection,
+}
+
+/// Renders what one camera of the stage sees of a bag.
+///
+/// A sequence begins when the camera has a CameraInfo and a pose, if that is after the moment that was asked for.
+///
+/// # Errors
+/// One line that names the bag, the camera, the topic, the frame or the file that is the reason.
+pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> Result<()> {
+    let view = choose_camera(stage.cameras(), job.camera)?.clone();
+    let bag = Bag::open(job.bag)?;
+    let Some((start, end)) = bag.time_range() else { bail!("{}: the bag holds no messages", job.bag.display()) };
+    let times = BagTimes { start: time_from_stamp(start), end: time_from_stamp(end) };
+    let projector = job.projector.map(|file| Projector::read(file, &view)).transpose()?;
+    if let Some(projector) = &projector {
+        projector.place(stage, times.start);
+    }
+    let mut player = Player::new(stage, &bag, projector);
+    let moments = job.moments(&mut player, stage, &view, times)?;
+    let interrupted = Interrupted::watch()?;
+    let mut output = job.target.open()?;
+    let progress = progress(moments.count());
+    let mut picture = Arc::new(Picture::default());
+    for moment in moments.iter() {
+        if interrupted.is_set() {
+            bail!("interrupted at {moment}");
+        }
+        player.play_until(stage, moment);
+        stage.update(moment);
+        let camera = stage.camera(&view, job.projection).with_context(|| job.bag.display().to_string())?;
+        let scene = stage.scene();
+        renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
+        let info = stage.camera_info(&view).cloned().unwrap_or_default();
+        output.send(&Frame { picture: Arc::clone(&picture), info, stamp: ros_time(moment) })?;
+        progress.inc(1);
+    }
+    output.finish()?;
+    progress.finish_and_clear();
+    player.status_log.conclude(&stage.status_entries(moments.last()), moments.last());
+    Ok(())
+}
+
+impl Job<'_> {
+    /// The moments to be rendered. Plays the bag up to the first of a sequence.
+    fn moments(&self, player: &mut Player, stage: &mut Stage, view: &CameraView, times: BagTimes) -> Result<Moments> {
+        let rate_hz = match self.target {
+            Target::Picture { .. } => return self.section.single(times),
+            Target::Sequence { rate_hz, .. } | Target::Video { rate_hz, .. } => *rate_hz,
+        };
+        let [first, last] = self.section.bounds(times)?;
+        let whole = Moments::between([first, last], rate_hz)?;
+        let Some(begin) = player.play_until_camera(stage, view, self.projection, [first, last]) else {
+            // The error of the first picture says what is missing.
+            return Ok(whole);
+        };
+        if begin > first {
+            let late_secs = begin.secs_since(first);
+            let is_missing_pictures = late_secs * rate_hz >= 1.0;
+            let level = if is_missing_pictures { log::Level::Info } else { log::Level::Debug };
+            log::log!(
+                level,
+                "the first picture is of {begin}: {late_secs:.3} s later the camera has its CameraInfo and pose"
+            );
+        }
+        Moments::between([begin, last], rate_hz)
+    }
+}
+
+/// Whether a signal asks the program to end: at the next picture, so that what is unfinished is removed. A second
+/// signal ends it at once.
+struct Interrupted(Arc<AtomicBool>);
+
+impl Interrupted {
+    fn watch() -> Result<Self> {
+        let flag = Arc::new(AtomicBool::new(false));
+        for signal in [SIGINT, SIGTERM] {
+            signal_hook::flag::register_conditional_default(signal, Arc::clone(&flag))?;
+            signal_hook::flag::register(signal, Arc::clone(&flag))?;
+        }
+        Ok(Self(flag))
+    }
+
+    fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+impl Target {
+    fn open(&self) -> Result<Box<dyn Output>> {
+        Ok(match self {
+            Self::Picture { file } => Box::new(PictureFile::new(file)),
+            Self::Sequence { folder, overwrite, .. } => Box::new(PictureSequence::create(folder, *overwrite)?),
+            Self::Video { file, rate_hz } => Box::new(VideoFile::create(file, *rate_hz)?),
+        })
+    }
+}
+
+/// The most bytes of a parameter's text.
+const MAX_PARAMETER_BYTES: u64 = 64 << 20;
+
+/// The texts of parameters that are given as `NAME=FILE`, the file by its path or its `package://` address. The user's
+/// own file may be anything that can be read, such as the output of another program.
+///
+/// # Errors
+/// One line that names the parameter and the file that cannot be read.
+pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<HashMap<String, Arc<str>>> {
+    let read = |parameter: &String| {
+        let (name, file) =
+            parameter.split_once('=').with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
+        let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
+        let mut bytes = Vec::new();
+        let opened = File::open(&path);
+        let read = opened.and_then(|file| file.take(MAX_PARAMETER_BYTES + 1).read_to_end(&mut bytes));
+        read.with_context(|| format!("--param {name}: {}", path.display()))?;
+        if bytes.len() as u64 > MAX_PARAMETER_BYTES {
+            bail!("--param {name}: {}: larger than {} MB", path.display(), MAX_PARAMETER_BYTES >> 20);
+        }
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        Ok((name.trim_start_matches('/').to_owned(), text.into()))
+    };
+    given.iter().map(read).collect()
+}
+
+/// Sets the parameters that the stage reads; those that are not among `parameters` are not set.
+pub fn set_parameters(stage: &mut Stage, parameters: &HashMap<String, Arc<str>>) {
+    for name in stage.parameters() {
+        let text = parameters.get(name.trim_start_matches('/'));
+        stage.take_parameter(&name, text, Time::ZERO);
+    }
+}
+
+fn choose_camera<'a>(cameras: &'a [CameraView], name: Option<&str>) -> Result<&'a CameraView> {
+    let names = || cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>().join(", ");
+    match (name, cameras) {
+        (_, []) => bail!("the config has no enabled CameraPub display"),
+        (Some(name), _) => match cameras.iter().find(|camera| camera.name == name) {
+            Some(camera) => Ok(camera),
+            None => bail!("the config has no enabled CameraPub display named {name}; it has: {}", names()),
+        },
+        (None, [camera]) => Ok(camera),
+        (None, _) => bail!("the config has several cameras, choose one with --camera: {}", names()),
+    }
+}
+
+fn ros_time(time: Time) -> rcs_messages::Time {
+    let (sec, nsec) = time.as_secs_nanos();
+    rcs_messages::Time { sec, nsec }
+}
+
+/// A progress bar on a terminal for more than one picture, nothing on a pipe.
+fn progress(pictures: u64) -> ProgressBar {
+    if pictures < 2 {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} pictures, {eta} left");
+    ProgressBar::new(pictures).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -1,0 +1,159 @@
+//! Pictures as files: one, or a numbered sequence.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rcs_files::picture_file;
+
+use super::{Frame, Output, OutputError};
+
+/// One picture file; each frame replaces it.
+#[derive(Clone, Debug)]
+pub struct PictureFile {
+    file: PathBuf,
+}
+
+impl PictureFile {
+    /// Writes to this file, whose folder must exist.
+    pub fn new(file: &Path) -> Self {
+        Self { file: file.to_owned() }
+    }
+}
+
+impl Output for PictureFile {
+    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+        Ok(picture_file::write(&self.file, &frame.picture)?)
+    }
+}
+
+/// Numbered PNG files in a folder: `frame_000000.png` and so on.
+#[derive(Clone, Debug)]
+pub struct PictureSequence {
+    folder: PathBuf,
+    next_number: u64,
+}
+
+/// Why no sequence can be written into a folder.
+#[derive(Debug, thiserror::Error)]
+pub enum SequenceError {
+    /// The folder cannot be created or read, or an old picture in it cannot be removed.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The folder or the picture.
+        path: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// The folder has pictures of an earlier sequence, which would mix with the new ones.
+    #[error("{}: has {count} pictures of an earlier sequence ({example}); --overwrite removes them", path.display())]
+    NotEmpty {
+        /// The folder.
+        path: PathBuf,
+        /// How many there are.
+        count: usize,
+        /// The name of one of them.
+        example: String,
+    },
+}
+
+const PREFIX: &str = "frame_";
+const ENDING: &str = ".png";
+
+impl PictureSequence {
+    /// Writes into this folder, which is created if it does not exist. `overwrite` removes the pictures of an earlier
+    /// sequence, which are an error otherwise.
+    ///
+    /// # Errors
+    /// [`SequenceError`].
+    pub fn create(folder: &Path, overwrite: bool) -> Result<Self, SequenceError> {
+        let failed = |path: &Path| {
+            let path = path.to_owned();
+            |source| SequenceError::Io { path, source }
+        };
+        fs::create_dir_all(folder).map_err(failed(folder))?;
+        let mut old = Vec::new();
+        for entry in fs::read_dir(folder).map_err(failed(folder))? {
+            let name = entry.map_err(failed(folder))?.file_name();
+            old.extend(name.to_str().filter(|name| is_numbered(name)).map(str::to_owned));
+        }
+        old.sort();
+        match old.first() {
+            Some(example) if !overwrite => {
+                let (path, count, example) = (folder.to_owned(), old.len(), example.clone());
+                return Err(SequenceError::NotEmpty { path, count, example });
+            }
+            _ => {}
+        }
+        for path in old.iter().map(|name| folder.join(name)) {
+            fs::remove_file(&path).map_err(failed(&path))?;
+        }
+        Ok(Self { folder: folder.to_owned(), next_number: 0 })
+    }
+}
+
+/// Whether a file's name is one that a sequence gives.
+fn is_numbered(name: &str) -> bool {
+    let number = name.strip_prefix(PREFIX).and_then(|rest| rest.strip_suffix(ENDING));
+    number.is_some_and(|number| number.len() == 6 && number.bytes().all(|digit| digit.is_ascii_digit()))
+}
+
+impl Output for PictureSequence {
+    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+        let name = format!("{PREFIX}{:06}{ENDING}", self.next_number);
+        picture_file::write(&self.folder.join(name), &frame.picture)?;
+        self.next_number += 1;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use rcs_messages::Time;
+    use rcs_scene::{Encoding, Picture};
+
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_and_a_sequence_is_numbered() {
+        let folder = tempfile::tempdir().unwrap();
+        let frame = |width_px: u32| {
+            let mut picture = Picture::default();
+            picture.reset(width_px, 1, Encoding::Mono8);
+            Frame { picture: Arc::new(picture), info: Arc::default(), stamp: Time::default() }
+        };
+        let (file, sequence) = (folder.path().join("one.png"), folder.path().join("new/folder"));
+        let mut outputs: [Box<dyn Output>; 2] =
+            [Box::new(PictureFile::new(&file)), Box::new(PictureSequence::create(&sequence, false).unwrap())];
+        for output in &mut outputs {
+            assert!(output.is_watched() && !output.take_new_watcher());
+            output.send(&frame(1)).unwrap();
+            output.send(&frame(2)).unwrap();
+        }
+        // The width stands in bytes 16 to 19 of a PNG file.
+        let width = |path: &Path| std::fs::read(path).unwrap()[19];
+        assert_eq!(width(&file), 2);
+        let numbered = ["frame_000000.png", "frame_000001.png"].map(|name| width(&sequence.join(name)));
+        assert_eq!(numbered, [1, 2]);
+        let missing = PictureFile::new(&folder.path().join("missing/one.png")).send(&frame(1)).unwrap_err();
+        assert!(missing.to_string().contains("missing/one.png"), "{missing}");
+    }
+
+    #[test]
+    fn an_earlier_sequence_is_an_error_or_is_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for name in ["frame_000007.png", "frame_000008.png", "frame_7.png", "notes.txt"] {
+            fs::write(path(name), b"").unwrap();
+        }
+        let error = PictureSequence::create(folder.path(), false).unwrap_err().to_string();
+        assert!(error.contains("has 2 pictures") && error.contains("frame_000007.png"), "{error}");
+        assert!(path("frame_000007.png").exists());
+        PictureSequence::create(folder.path(), true).unwrap();
+        let left = ["frame_000007.png", "frame_000008.png", "frame_7.png", "notes.txt"].map(|name| path(name).exists());
+        assert_eq!(left, [false, false, true, true]);
+        PictureSequence::create(folder.path(), false).unwrap();
+    }
+}

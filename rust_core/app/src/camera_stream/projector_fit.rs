@@ -1,0 +1,163 @@
+//! Where a picture does not fit the world when it is projected, although it is the picture that rviz draws.
+//!
+//! rviz uses one focal length and its own sign of `P[7]`, and neither rviz nor this program distorts the picture as the
+//! lens does that D describes. For a picture on a screen that hardly matters; a projection misses its objects.
+
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_scene::Intrinsics;
+
+use crate::camera_stream::camera_pose::Projection;
+
+/// One phrase for each deviation, with its size.
+pub(crate) fn deviations(info: &CameraInfo, projection: Projection) -> Vec<String> {
+    let Ok(intrinsics) = Intrinsics::from_p(info.width, info.height, &info.P) else { return Vec::new() };
+    let mut phrases = Vec::new();
+    if projection == Projection::Rviz && !intrinsics.rviz_is_exact() {
+        phrases.extend(focal_lengths(&intrinsics));
+        if intrinsics.ty != 0.0 {
+            phrases.push(format!(
+                "P[7] is {}, and rviz moves the camera to the other side: what is 1 m away is {:.1} px too high or too \
+                 low; --projection exact follows P",
+                intrinsics.ty,
+                2.0 * intrinsics.ty.abs()
+            ));
+        }
+    }
+    phrases.extend(distortion(info, &intrinsics));
+    phrases
+}
+
+fn focal_lengths(intrinsics: &Intrinsics) -> Option<String> {
+    let Intrinsics { fx_px, fy_px, width_px, height_px, .. } = *intrinsics;
+    let zoom = (fx_px / fy_px).min(fy_px / fx_px);
+    if (1.0 - zoom).abs() < 1e-6 {
+        return None;
+    }
+    let (axis, side_px) = if fy_px > fx_px { ("height", height_px) } else { ("width", width_px) };
+    let percent = 100.0 * (1.0 - zoom);
+    let edge_px = (1.0 - zoom) * f64::from(side_px) / 2.0;
+    Some(format!(
+        "fx {fx_px} and fy {fy_px} differ by {percent:.2} %, and rviz draws with the shorter: in {axis}, the picture is \
+         {percent:.2} % too small, {edge_px:.1} px at its edges; --projection exact follows P"
+    ))
+}
+
+/// Lens distortion, which is not in the picture.
+fn distortion(info: &CameraInfo, intrinsics: &Intrinsics) -> Option<String> {
+    if info.D.iter().all(|coefficient| *coefficient == 0.0) {
+        return None;
+    }
+    let model = &info.distortion_model;
+    let Some(moved_px) = largest_shift_px(info, intrinsics) else {
+        return Some(format!(
+            "D is not zero (distortion_model \"{model}\"), and the picture is drawn without distortion"
+        ));
+    };
+    let percent = 100.0 * moved_px / f64::from(intrinsics.width_px);
+    Some(format!(
+        "D is not zero ({model}), and the picture is drawn without distortion: that lens moves pixels by up to \
+         {moved_px:.1} px, {percent:.2} % of the width; it fits only a projector that undistorts by itself"
+    ))
+}
+
+/// The farthest that the distortion moves one of the picture's corners, middles of its edges, or centre. `None` where
+/// the model is not known, or moves a point to nowhere.
+fn largest_shift_px(info: &CameraInfo, intrinsics: &Intrinsics) -> Option<f64> {
+    let Intrinsics { width_px, height_px, fx_px, fy_px, cx_px, cy_px, .. } = *intrinsics;
+    let mut largest_px = 0.0_f64;
+    for column in [0.0, 0.5, 1.0] {
+        for row in [0.0, 0.5, 1.0] {
+            let x = (column * f64::from(width_px) - cx_px) / fx_px;
+            let y = (row * f64::from(height_px) - cy_px) / fy_px;
+            let [distorted_x, distorted_y] = distort(&info.distortion_model, &info.D, [x, y])?;
+            let shift_px = ((distorted_x - x) * fx_px).hypot((distorted_y - y) * fy_px);
+            largest_px = largest_px.max(shift_px.is_finite().then_some(shift_px)?);
+        }
+    }
+    Some(largest_px)
+}
+
+/// Where the lens of a CameraInfo shows a direction, both as x / z and y / z. The models are those that
+/// `sensor_msgs/distortion_models.h` names, with OpenCV's order of coefficients.
+fn distort(model: &str, coefficients: &[f64], [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    let d = |index: usize| coefficients.get(index).copied().unwrap_or(0.0);
+    let r2 = x * x + y * y;
+    match (model, coefficients.len()) {
+        ("plumb_bob", 4 | 5) | ("rational_polynomial", 8) => {
+            let numerator = 1.0 + r2 * (d(0) + r2 * (d(1) + r2 * d(4)));
+            let radial = numerator / (1.0 + r2 * (d(5) + r2 * (d(6) + r2 * d(7))));
+            let (p1, p2) = (d(2), d(3));
+            let tangential = [2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x), p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y];
+            Some([x * radial + tangential[0], y * radial + tangential[1]])
+        }
+        ("equidistant", 4) => {
+            let r = r2.sqrt();
+            if r == 0.0 {
+                return Some([x, y]);
+            }
+            let angle = r.atan();
+            let a2 = angle * angle;
+            let scale = angle * (1.0 + a2 * (d(0) + a2 * (d(1) + a2 * (d(2) + a2 * d(3))))) / r;
+            Some([x * scale, y * scale])
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn info(fx: f64, fy: f64, ty: f64, model: &str, d: &[f64]) -> CameraInfo {
+        CameraInfo {
+            width: 1000,
+            height: 800,
+            distortion_model: model.to_owned(),
+            D: d.to_vec(),
+            P: [fx, 0.0, 500.0, 0.0, 0.0, fy, 400.0, ty, 0.0, 0.0, 1.0, 0.0],
+            ..CameraInfo::default()
+        }
+    }
+
+    #[test]
+    fn an_ideal_projector_has_no_deviation() {
+        for projection in [Projection::Rviz, Projection::Exact] {
+            assert_eq!(deviations(&info(1000.0, 1000.0, 0.0, "plumb_bob", &[0.0; 5]), projection), [""; 0]);
+            assert_eq!(deviations(&info(1000.0, 1000.0, 0.0, "", &[]), projection), [""; 0]);
+        }
+    }
+
+    #[test]
+    fn focal_lengths_and_offsets_matter_only_to_rvizs_projection() {
+        let one = |fx, fy, ty| {
+            let info = info(fx, fy, ty, "", &[]);
+            assert_eq!(deviations(&info, Projection::Exact), [""; 0]);
+            let found = deviations(&info, Projection::Rviz);
+            assert_eq!(found.len(), 1, "{found:?}");
+            found[0].clone()
+        };
+        let tall = one(950.0, 1000.0, 0.0);
+        assert!(tall.contains("differ by 5.00 %") && tall.contains("in height") && tall.contains("20.0 px"), "{tall}");
+        let wide = one(1000.0, 990.0, 0.0);
+        assert!(wide.contains("in width, the picture is 1.00 % too small, 5.0 px"), "{wide}");
+        assert!(one(1000.0, 1000.0, -3.5).contains("7.0 px too high or too low"));
+    }
+
+    #[test]
+    fn distortion_is_measured_where_it_is_largest() {
+        let phrase = |model: &str, d: &[f64]| {
+            let found = deviations(&info(1000.0, 1000.0, 0.0, model, d), Projection::Exact);
+            assert_eq!(found.len(), 1, "{found:?}");
+            found[0].clone()
+        };
+        // At the corner, r² = 0.5² + 0.4² = 0.41: k1 moves it by 1000 px · k1 · r³.
+        let expected = format!("up to {:.1} px, ", 1000.0 * 0.1 * 0.41_f64.powf(1.5));
+        assert!(phrase("plumb_bob", &[0.1, 0.0, 0.0, 0.0, 0.0]).contains(&expected));
+        assert!(phrase("rational_polynomial", &[0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).contains(&expected));
+        // p1 at the middle of an edge above or below: 3 p1 y², and more at a corner.
+        assert!(phrase("plumb_bob", &[0.0, 0.0, 0.01, 0.0]).contains("D is not zero (plumb_bob)"));
+        let fisheye = 1000.0 * (0.41_f64.sqrt() - 0.41_f64.sqrt().atan());
+        assert!(phrase("equidistant", &[1e-12, 0.0, 0.0, 0.0]).contains(&format!("up to {fisheye:.1} px")));
+        assert!(phrase("own_model", &[1.0]).contains("distortion_model \"own_model\""));
+    }
+}

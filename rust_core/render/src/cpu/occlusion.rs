@@ -1,0 +1,271 @@
+//! What hides what: how far away a band's pixels are already covered, by tile and by block of tiles.
+//!
+//! Thousands of faces may lie over each other on the picture, such as a depth camera's cloud right before the lens. To
+//! test each of their fragments against the depth buffer would take seconds; here a face is compared with whole tiles
+//! of [`TILE_PX`] × [`TILE_PX`] pixels and blocks of [`BLOCK_PX`] × [`BLOCK_PX`]. A cell (tile or block) keeps the
+//! plane of depths of one face that covered it: no pixel of the cell is farther away than that, because depths only
+//! ever decrease while a band is drawn. Planes, not the largest depth: neighbouring faces that turn to the eye differ
+//! by less than each of them changes over a tile.
+//!
+//! A face is hidden in a cell where its own plane lies behind the cell's by more than both can be off: the depths of
+//! fragments are rounded, so that a plane comes with a bound of that, its `noise`. Planes of constant depth are exact.
+//! Of exactly equal depths the later face in the order of drawing wins; faces have a rank by which a cell knows.
+//!
+//! Which fragments are drawn is not changed by any of this, only how many are looked at.
+
+use fearless_simd::prelude::*;
+use fearless_simd::Simd;
+
+use super::lanes::{lane_indices, load, F, LANES, U};
+use super::screen::FARTHEST;
+
+/// Side of a tile in pixels: a window's.
+pub(super) const TILE_PX: i32 = LANES as i32;
+
+/// Side of a block in pixels.
+pub(super) const BLOCK_PX: i32 = 32;
+
+/// The depths of a face's fragments: `at` at pixel (x, y) and its change to the right and down; each may be off by
+/// `noise`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DepthPlane {
+    pub at: f32,
+    pub dx: f32,
+    pub dy: f32,
+    pub x: f32,
+    pub y: f32,
+    pub noise: f32,
+}
+
+impl DepthPlane {
+    /// At a place, exactly.
+    fn value(&self, x: f64, y: f64) -> f64 {
+        f64::from(self.at) + f64::from(self.dx) * (x - f64::from(self.x)) + f64::from(self.dy) * (y - f64::from(self.y))
+    }
+}
+
+/// The most that a sum or product of at most this magnitude is rounded by.
+#[inline(always)]
+pub(super) fn rounding(magnitude: f32) -> f32 {
+    // Half of the place value of the last of 24 bits.
+    const HALF_LAST_BIT: f32 = 1.0 / (1 << 24) as f32;
+    f32::from_bits(magnitude.abs().to_bits() & 0x7f80_0000) * HALF_LAST_BIT
+}
+
+/// Cells of one size.
+#[derive(Debug, Default)]
+struct Level {
+    side: f32,
+    /// The band's first row.
+    first_row: f32,
+    /// Cells from row to row.
+    stride: usize,
+    /// The plane at the cell's middle, in two parts whose sum has more digits than one; infinite where there is none.
+    middle: Vec<f32>,
+    rest: Vec<f32>,
+    dx: Vec<f32>,
+    dy: Vec<f32>,
+    noise: Vec<f32>,
+    rank: Vec<u32>,
+}
+
+impl Level {
+    fn reset(&mut self, side: i32, width_px: i32, rows: i32, first_row: i32) {
+        (self.side, self.first_row) = (side as f32, first_row as f32);
+        // Behind each row of cells there is room for a window's.
+        self.stride = (width_px as usize).div_ceil(side as usize) + LANES;
+        let cells = self.stride * (rows as usize).div_ceil(side as usize);
+        for numbers in [&mut self.rest, &mut self.dx, &mut self.dy, &mut self.noise] {
+            numbers.clear();
+            numbers.resize(cells, 0.0);
+        }
+        self.middle.clear();
+        self.middle.resize(cells, f32::INFINITY);
+        self.rank.clear();
+        self.rank.resize(cells, 0);
+    }
+
+    /// In which of [`LANES`] cells from `column` on something of a face may be seen.
+    #[inline(always)]
+    fn seen<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, row: i32, column: i32) -> u32 {
+        let begin = row as usize * self.stride + column as usize;
+        let numbers = |all: &[f32]| load(simd, all, begin);
+        let half = (self.side - 1.0) * 0.5;
+        let y = self.first_row + row as f32 * self.side + half - plane.y;
+        let x = lane_indices(simd).to_float::<F<S>>() * self.side + (column as f32 * self.side + half - plane.x);
+        let apart = plane.at - numbers(&self.middle);
+        let (right, down) = (x * plane.dx, plane.dy * y);
+        let slopes = (plane.dx - numbers(&self.dx)).abs() + (plane.dy - numbers(&self.dy)).abs();
+        let behind = (apart + (right + down)) - (numbers(&self.rest) + slopes * half);
+        // Beside the planes' noise, that of the sums here.
+        let unsure = (apart.abs() + (right.abs() + down.abs()) + slopes * half) * (1.0 / (1 << 20) as f32);
+        let unsure = unsure + (numbers(&self.noise) + plane.noise);
+        let ranks = self.rank.get(begin..).and_then(<[u32]>::first_chunk);
+        let is_earlier = ranks.map_or(U::splat(simd, 0), |ranks| U::load_array_ref(simd, ranks)).simd_gt(rank);
+        let is_hidden = behind.simd_gt(unsure) | (behind.simd_ge(unsure) & is_earlier);
+        !(is_hidden.to_bitmask() as u32) & ((1 << LANES) - 1)
+    }
+
+    /// Takes the plane of a face that covers a cell, if it is nearer than the one that is there.
+    fn offer(&mut self, plane: &DepthPlane, rank: u32, row: i32, column: i32) {
+        let cell = row as usize * self.stride + column as usize;
+        let half = f64::from(self.side - 1.0) * 0.5;
+        let x = f64::from(column) * f64::from(self.side) + half;
+        let y = f64::from(self.first_row) + f64::from(row) * f64::from(self.side) + half;
+        let value = plane.value(x, y);
+        let reach = (f64::from(plane.dx.abs()) + f64::from(plane.dy.abs())) * half + f64::from(plane.noise);
+        // Depths are clamped outside of these, so that a plane says less about them.
+        if !(value - reach > 0.0 && value + reach < f64::from(FARTHEST)) {
+            return;
+        }
+        let Some(middle) = self.middle.get_mut(cell) else { return };
+        let known = f64::from(*middle) + f64::from(self.rest[cell]) + f64::from(self.noise[cell]);
+        let offered = value + f64::from(plane.noise);
+        if offered > known || (offered == known && rank < self.rank[cell]) {
+            return;
+        }
+        *middle = value as f32;
+        self.rest[cell] = (value - f64::from(*middle)) as f32;
+        (self.dx[cell], self.dy[cell]) = (plane.dx, plane.dy);
+        (self.noise[cell], self.rank[cell]) = (plane.noise, rank);
+    }
+}
+
+/// A band's tiles and blocks.
+#[derive(Debug, Default)]
+pub(super) struct Occluders {
+    tiles: Level,
+    blocks: Level,
+    width: i32,
+    first_row: i32,
+    end_row: i32,
+}
+
+/// Pixels from left to before right and from top to before bottom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Area {
+    pub left: i32,
+    pub right: i32,
+    pub top: i32,
+    pub bottom: i32,
+}
+
+/// A cell of which something may be seen.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    row: i32,
+    column: i32,
+}
+
+impl Occluders {
+    /// Forgets all, for a band of these rows.
+    pub(super) fn reset(&mut self, width: i32, first_row: i32, end_row: i32) {
+        self.tiles.reset(TILE_PX, width, end_row - first_row, first_row);
+        self.blocks.reset(BLOCK_PX, width, end_row - first_row, first_row);
+        (self.width, self.first_row, self.end_row) = (width, first_row, end_row);
+    }
+
+    /// The pixels of a cell.
+    fn area(&self, cell: Cell, side: i32) -> Area {
+        let (left, top) = (cell.column * side, self.first_row + cell.row * side);
+        Area { left, right: (left + side).min(self.width), top, bottom: (top + side).min(self.end_row) }
+    }
+
+    /// Whether nothing is seen of a face within an area, which lies in the band.
+    #[inline(always)]
+    pub(super) fn hides<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, area: Area) -> bool {
+        let [top, bottom] = [area.top, area.bottom - 1].map(|y| (y - self.first_row) / BLOCK_PX);
+        let [left, right] = [area.left, area.right - 1].map(|x| x / BLOCK_PX);
+        for row in top..=bottom {
+            for column in (left..=right).step_by(LANES) {
+                let mut seen = self.blocks.seen(simd, plane, rank, row, column) & up_to(right - column);
+                while seen != 0 {
+                    let block = Cell { row, column: column + seen.trailing_zeros() as i32 };
+                    seen &= seen - 1;
+                    if self.seen_tiles(simd, plane, rank, area, block) != [0; TILES as usize] {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+
+    /// The tiles of a block, row by row, in which something of a face may be seen.
+    #[inline(always)]
+    fn seen_tiles<S: Simd>(
+        &self,
+        simd: S,
+        plane: &DepthPlane,
+        rank: u32,
+        area: Area,
+        block: Cell,
+    ) -> [u32; TILES as usize] {
+        let mut seen = [0; TILES as usize];
+        let column = block.column * TILES;
+        let [left, right] = [area.left, area.right - 1].map(|x| x / TILE_PX - column);
+        let [top, bottom] = [area.top, area.bottom - 1].map(|y| (y - self.first_row) / TILE_PX - block.row * TILES);
+        let columns = up_to(right.min(TILES - 1)) & !(up_to(left - 1));
+        for row in top.max(0)..=bottom.min(TILES - 1) {
+            seen[row as usize] = columns & self.tiles.seen(simd, plane, rank, block.row * TILES + row, column);
+        }
+        seen
+    }
+
+    /// Draws a face within an area: `draw` is given this, and the pixels of each tile of which something may be seen,
+    /// and says whether the face covers all of them. `covers` says the same of other pixels.
+    #[inline(always)]
+    pub(super) fn draw<S: Simd>(
+        &mut self,
+        simd: S,
+        plane: &DepthPlane,
+        rank: u32,
+        area: Area,
+        mut draw: impl FnMut(Area) -> bool,
+        covers: impl Fn(Area) -> bool,
+    ) {
+        if area.left >= area.right || area.top >= area.bottom {
+            return;
+        }
+        let [top, bottom] = [area.top, area.bottom - 1].map(|y| (y - self.first_row) / BLOCK_PX);
+        let [left, right] = [area.left, area.right - 1].map(|x| x / BLOCK_PX);
+        for row in top..=bottom {
+            for column in (left..=right).step_by(LANES) {
+                let mut seen = self.blocks.seen(simd, plane, rank, row, column) & up_to(right - column);
+                while seen != 0 {
+                    let block = Cell { row, column: column + seen.trailing_zeros() as i32 };
+                    seen &= seen - 1;
+                    let mut is_drawn = false;
+                    for (i, tiles) in self.seen_tiles(simd, plane, rank, area, block).into_iter().enumerate() {
+                        let mut tiles = tiles;
+                        is_drawn |= tiles != 0;
+                        while tiles != 0 {
+                            let column = block.column * TILES + tiles.trailing_zeros() as i32;
+                            tiles &= tiles - 1;
+                            let tile = Cell { row: row * TILES + i as i32, column };
+                            if draw(self.area(tile, TILE_PX)) {
+                                self.tiles.offer(plane, rank, tile.row, tile.column);
+                            }
+                        }
+                    }
+                    if is_drawn && covers(self.area(block, BLOCK_PX)) {
+                        self.blocks.offer(plane, rank, block.row, block.column);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Tiles on a side of a block.
+const TILES: i32 = BLOCK_PX / TILE_PX;
+
+/// Bits up to this one, which may be -1 for none, of those that there are lanes.
+#[inline(always)]
+fn up_to(bit: i32) -> u32 {
+    match bit {
+        ..0 => 0,
+        bit if bit >= LANES as i32 - 1 => (1 << LANES) - 1,
+        bit => (2 << bit) - 1,
+    }
+}

@@ -1,0 +1,314 @@
+//! Drawing a cloud whose faces lie over each other many times, by [ranks](crate::cpu::ranked).
+//!
+//! Small faces are placed as always; [`paint`](super::paint)'s way over their pixels leads through the tiles of which
+//! something may be seen. Of large faces only a plane below all of their depths is set up at first, several at once:
+//! most are hidden and need no more. The triangles of the others are made and drawn one by one.
+
+use fearless_simd::prelude::*;
+use fearless_simd::Simd;
+use rcs_scene::PointStyle;
+
+use super::paint::{FacePaint, BOX_SIDE, DISC, PLAIN};
+use super::place::{
+    set_up_boxes, set_up_tiles, set_up_upright, BandView, Batch, FaceBlock, AXES, DEPTH, EDGES, PLACE, SIDES,
+};
+use super::rough::RoughFaces;
+use super::{Cloud, PointScratch, BLOCK};
+use crate::cpu::band::Band;
+use crate::cpu::lanes::{lane_indices, map, F, I, LANES};
+use crate::cpu::occlusion::{rounding, Area, DepthPlane};
+use crate::cpu::ranked::{scattered, RankedScratch};
+use crate::cpu::screen::{Screen, FARTHEST};
+use crate::cpu::triangles;
+use crate::shading::DISC_RADIUS_SQUARED;
+
+/// So many neighbouring points of a list are drawn one after the other: their memory comes together.
+const CHUNK: usize = 8;
+
+/// The points of a cloud that touch a band.
+pub(super) struct Run<'a, I> {
+    pub cloud: &'a Cloud<'a>,
+    /// Their indices, by job.
+    pub indices: I,
+    pub first_rank: u32,
+}
+
+/// Lists the chunks of a run. Returns the first of their ranks; `None` where there are too many.
+pub(super) fn list<'i>(
+    indices: impl Fn(usize) -> &'i [u32],
+    jobs: usize,
+    ranked: &mut RankedScratch,
+    band: &Band<'_>,
+) -> Option<u32> {
+    ranked.faces.clear();
+    for job in 0..jobs {
+        let begins = (0..indices(job).len()).step_by(CHUNK);
+        ranked.faces.extend(begins.map(|begin| [job as u32, begin as u32]));
+    }
+    let count = ranked.faces.len() * CHUNK;
+    ranked.take_ranks(count, band.width, [band.first_row, band.end_row])
+}
+
+impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
+    #[inline(always)]
+    pub(super) fn draw<S: Simd, const PAINT: u8>(
+        &self,
+        simd: S,
+        screen: &Screen,
+        scratch: &mut PointScratch,
+        ranked: &mut RankedScratch,
+        band: &mut Band<'_>,
+    ) {
+        let view = BandView {
+            width_px: screen.width_px as f32,
+            rows: [band.first_row as f32, band.end_row as f32],
+            half_size: screen.half_size(),
+        };
+        let (mut indices, mut ranks, mut count) = ([0; BLOCK], [0; BLOCK], 0);
+        for at in scattered(ranked.faces.len()) {
+            if count + CHUNK > BLOCK {
+                self.draw_block::<S, PAINT>(simd, &indices[..count], &ranks, &view, screen, scratch, ranked, band);
+                count = 0;
+            }
+            let Some(&[job, begin]) = ranked.faces.get(at) else { continue };
+            let chunk = (self.indices)(job as usize).get(begin as usize..).unwrap_or(&[]);
+            // Of neighbours, too, the last is the most likely to hide the others.
+            for (i, &index) in chunk.iter().take(CHUNK).enumerate().rev() {
+                let rank = self.first_rank + (at * CHUNK + i) as u32;
+                if self.is_needed(index, rank, ranked) {
+                    (indices[count % BLOCK], ranks[count % BLOCK]) = (index, rank);
+                    count += 1;
+                }
+            }
+        }
+        self.draw_block::<S, PAINT>(simd, &indices[..count], &ranks, &view, screen, scratch, ranked, band);
+    }
+
+    /// Whether a point is not too faint, and no later one lies in the same place.
+    #[inline(always)]
+    fn is_needed(&self, index: u32, rank: u32, ranked: &mut RankedScratch) -> bool {
+        let buffer = &self.cloud.points.buffer;
+        let Some(position) = buffer.positions.get(index as usize) else { return false };
+        let [.., alpha] = buffer.colors.get(index as usize);
+        self.cloud.opacities[usize::from(alpha)].is_some()
+            && !ranked.recent_points.covers(&position.map(f32::to_bits), rank)
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "it is a part of the loop above")]
+    fn draw_block<S: Simd, const PAINT: u8>(
+        &self,
+        simd: S,
+        indices: &[u32],
+        ranks: &[u32; BLOCK],
+        view: &BandView,
+        screen: &Screen,
+        scratch: &mut PointScratch,
+        ranked: &mut RankedScratch,
+        band: &mut Band<'_>,
+    ) {
+        let cloud = self.cloud;
+        let PointScratch { points, faces, rough } = scratch;
+        let sides = if PAINT == BOX_SIDE { SIDES } else { 1 };
+        let sides = faces.get_mut(..sides).unwrap_or(&mut []);
+        points.gather(cloud, indices);
+        sides.iter_mut().for_each(FaceBlock::clear);
+        for begin in (0..points.len).step_by(LANES) {
+            let batch = Batch { simd, cloud, view, points, begin };
+            if PAINT == BOX_SIDE {
+                set_up_boxes(&batch, sides);
+            } else if let Some(faces) = sides.first_mut() {
+                match cloud.points.style {
+                    PointStyle::Tiles { .. } => set_up_tiles(&batch, faces),
+                    _ => set_up_upright(&batch, PAINT != PLAIN, faces),
+                }
+            }
+            let there = ((1 << (points.len - begin).min(LANES)) - 1) << begin;
+            let general = sides.iter().fold(0, |any, faces| any | faces.general) & there;
+            if general != 0 {
+                rough.set_up(&batch);
+            }
+            let mut seen = sides.iter().fold(general, |any, faces| any | faces.small) & there;
+            while seen != 0 {
+                let i = seen.trailing_zeros() as usize;
+                seen &= seen - 1;
+                if general & 1 << i != 0 {
+                    self.draw_large(simd, rough, i - begin, points.indices[i], ranks[i], screen, ranked, band);
+                    continue;
+                }
+                for (faces, axis) in sides.iter().zip(AXES) {
+                    if faces.small & 1 << i != 0 {
+                        draw_small::<S, PAINT>(simd, faces, i, (axis, points.colors[i]), ranks[i], ranked, band);
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "it is a part of the loop above")]
+    fn draw_large<S: Simd>(
+        &self,
+        simd: S,
+        rough: &RoughFaces,
+        lane: usize,
+        index: u32,
+        rank: u32,
+        screen: &Screen,
+        ranked: &mut RankedScratch,
+        band: &mut Band<'_>,
+    ) {
+        let mut seen = 0;
+        for number in 0..self.cloud.faces.count() {
+            let is_seen = match rough.face(number, lane) {
+                Some((_, area)) if area.left >= area.right || area.top >= area.bottom => false,
+                Some((plane, area)) => !ranked.occluders.hides(simd, &plane, rank, area),
+                None => rough.may_be_front(number, lane),
+            };
+            seen |= u32::from(is_seen) << number;
+        }
+        if seen == 0 {
+            return;
+        }
+        ranked.cut.clear();
+        make_triangles(self.cloud, index, seen, screen, ranked);
+        for corners in &ranked.cut {
+            let surface = &self.cloud.surface;
+            triangles::draw_ranked(simd, corners.each_ref(), surface, rank, band, &mut ranked.occluders);
+        }
+    }
+}
+
+/// Makes the triangles of some faces of a point.
+#[inline(never)]
+fn make_triangles(cloud: &Cloud<'_>, index: u32, faces: u32, screen: &Screen, ranked: &mut RankedScratch) {
+    cloud.faces.triangles(&cloud.transform, index as usize, faces, |triangle| {
+        triangles::cut(triangle, &cloud.surface, screen, |corners| ranked.cut.push(*corners));
+    });
+}
+
+#[inline(always)]
+fn draw_small<S: Simd, const PAINT: u8>(
+    simd: S,
+    faces: &FaceBlock,
+    i: usize,
+    (axis, color): (usize, u32),
+    rank: u32,
+    ranked: &mut RankedScratch,
+    band: &mut Band<'_>,
+) {
+    let [left, right, top, bottom] = faces.bounds.each_ref().map(|all| all[i]);
+    let area = Area { left, right, top, bottom };
+    let [depth, depth_right, depth_down] = faces.plane(DEPTH, i);
+    let noise = if depth_right == 0.0 && depth_down == 0.0 {
+        0.0
+    } else {
+        let (width, height) = ((right - left + TILE) as f32, (bottom - top) as f32);
+        let reach = depth_right.abs() * width + depth_down.abs() * height;
+        // Each row adds to the depth, from the first one on.
+        rounding(reach) * (height + 2.0) + rounding(FARTHEST) * 1.01 + rounding(depth.abs() + reach)
+    };
+    let plane = DepthPlane { at: depth, dx: depth_right, dy: depth_down, x: left as f32, y: top as f32, noise };
+    let edges = [faces.edge(0, i), faces.edge(1, i), faces.edge(2, i), faces.edge(3, i)];
+    let places = [faces.plane(PLACE, i), faces.plane(PLACE + 1, i), faces.plane(PLACE + 2, i)];
+    let paint = FacePaint::<S, PAINT>::new(simd, color, axis, faces.along & 1 << i != 0);
+    let covers = |pixels: Area| {
+        let corners = [
+            [pixels.left, pixels.top],
+            [pixels.right - 1, pixels.top],
+            [pixels.left, pixels.bottom - 1],
+            [pixels.right - 1, pixels.bottom - 1],
+        ];
+        corners.iter().all(|[x, y]| {
+            let (x, y) = (x - left, y - top);
+            // Beyond the face's bounds an edge's value might not fit into its number.
+            let is_inside = x >= 0
+                && y >= 0
+                && x < right - left
+                && y < bottom - top
+                && edges.iter().all(|[at, dx, dy]| at + dx * x + dy * y >= 0);
+            is_inside && (PAINT != DISC || is_in_disc(&places, x as f32, y as f32))
+        })
+    };
+    ranked.occluders.draw(
+        simd,
+        &plane,
+        rank,
+        area,
+        #[inline(always)]
+        |tile| {
+            let columns = lane_indices(simd) + (tile.left - left);
+            let mut edges_at = map(
+                edges,
+                #[inline(always)]
+                |[at, dx, _]| columns * dx + at,
+            );
+            let columns = columns.to_float::<F<S>>();
+            let mut depth_from_first = columns * depth_right;
+            let mut places_at = [F::splat(simd, 0.0); 3];
+            if PAINT != PLAIN {
+                places_at = map(
+                    places,
+                    #[inline(always)]
+                    |[at, dx, _]| columns * dx + at,
+                );
+            }
+            // From the face's first row on, as depths add up.
+            let mut to_next_row = inlined_step::<S, PAINT>(edges, depth_down, places);
+            for _ in top..tile.top {
+                to_next_row(&mut edges_at, &mut depth_from_first, &mut places_at);
+            }
+            band.for_ranked_windows(
+                tile.top.max(top)..tile.bottom.min(bottom),
+                tile.left,
+                #[inline(always)]
+                |window| {
+                    let [e0, e1, e2, e3] = edges_at;
+                    let mask = ((e0 | e1) | (e2 | e3)).simd_ge(I::splat(simd, 0));
+                    window.meet(
+                        mask,
+                        depth_from_first + depth,
+                        rank,
+                        #[inline(always)]
+                        |seen| (paint.mask(places_at, seen), paint.colors(places_at)),
+                    );
+                    to_next_row(&mut edges_at, &mut depth_from_first, &mut places_at);
+                },
+            );
+            covers(tile)
+        },
+        covers,
+    );
+}
+
+const TILE: i32 = crate::cpu::occlusion::TILE_PX;
+
+/// What leads from a row of a face to the next one.
+#[expect(clippy::type_complexity, reason = "the names of lanes are as short as they can be")]
+#[inline(always)]
+fn inlined_step<S: Simd, const PAINT: u8>(
+    edges: [[i32; 3]; EDGES],
+    depth_down: f32,
+    places: [[f32; 3]; 3],
+) -> impl FnMut(&mut [I<S>; EDGES], &mut F<S>, &mut [F<S>; 3]) {
+    crate::cpu::lanes::inlined(
+        #[inline(always)]
+        move |edges_at: &mut [I<S>; EDGES], depth: &mut F<S>, places_at: &mut [F<S>; 3]| {
+            for k in 0..EDGES {
+                edges_at[k] += edges[k][2];
+            }
+            *depth += depth_down;
+            if PAINT != PLAIN {
+                for k in 0..3 {
+                    places_at[k] += places[k][2];
+                }
+            }
+        },
+    )
+}
+
+/// Whether a place on a face, given by its pixel from the first one, surely is in its disc.
+fn is_in_disc(places: &[[f32; 3]; 3], x: f32, y: f32) -> bool {
+    let [q, u, v] = places.map(|[at, dx, dy]| at + dx * x + dy * y);
+    u * u + v * v < q * q * (DISC_RADIUS_SQUARED * 0.999)
+}

@@ -1,0 +1,162 @@
+//! Drawing opaque faces not in their order.
+//!
+//! Where many opaque faces follow each other, their order matters only for equal depths, so that they may come in any
+//! order if each pixel knows the *rank* of the face that it shows: its place in the order of drawing. Faces that lie
+//! over each other a thousandfold are drawn in a scattered order, whatever order the scene has: after a few of them
+//! each part of the picture is covered by one that is nearer than most, and the [`Occluders`] hide the others.
+//! Scattered, not sorted by depth: the nearest face of each tile is another one, and in an unfortunate order every face
+//! is nearer than all before it.
+//!
+//! A face that has exactly the corners of one with a higher rank is not drawn at all.
+
+use super::occlusion::Occluders;
+use super::screen::Screen;
+use super::triangles::Corner;
+
+/// What a worker keeps for drawing faces by their ranks.
+#[derive(Debug, Default)]
+pub(super) struct RankedScratch {
+    pub occluders: Occluders,
+    /// The faces of a run, in their order; what the numbers mean is up to who draws them.
+    pub faces: Vec<[u32; 2]>,
+    /// The triangles that were drawn last, by their corners.
+    pub recent_triangles: Recent<12>,
+    /// The points that were drawn last, by their positions.
+    pub recent_points: Recent<3>,
+    /// Memory for the triangles of a face.
+    pub cut: Vec<[Corner; 3]>,
+    /// The first rank that is free in this band.
+    next_rank: u32,
+}
+
+impl RankedScratch {
+    /// Begins a band.
+    pub(super) fn begin(&mut self) {
+        self.next_rank = 0;
+    }
+
+    /// So many ranks, in a band of these rows: the first one; `None` where there are too many.
+    pub(super) fn take_ranks(&mut self, count: usize, width: i32, [first_row, end_row]: [i32; 2]) -> Option<u32> {
+        if self.next_rank == 0 {
+            self.occluders.reset(width, first_row, end_row);
+            // Pixels have none at first.
+            self.next_rank = 1;
+        }
+        let first = self.next_rank;
+        self.next_rank = first.checked_add(u32::try_from(count).ok()?)?;
+        self.recent_triangles.begin();
+        self.recent_points.begin();
+        Some(first)
+    }
+}
+
+/// How much a job has to draw.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Load {
+    /// Pixels, counted as often as they are covered; about.
+    pub pixels: u64,
+    /// Faces.
+    pub faces: u64,
+    /// Some have to be drawn in their order.
+    pub in_order: bool,
+}
+
+impl Load {
+    /// Adds a face.
+    #[inline]
+    pub(super) fn add(&mut self, pixels: u64) {
+        self.pixels += pixels;
+        self.faces += 1;
+    }
+
+    /// Whether faces of some size lie over each other many times.
+    pub(super) fn is_heavy(&self, screen: &Screen) -> bool {
+        const MANY_TIMES: u64 = 16;
+        const FACE_PX: u64 = 256;
+        let picture_px = u64::from(screen.width_px) * u64::from(screen.height_px);
+        self.pixels > MANY_TIMES * picture_px && self.pixels > FACE_PX * self.faces
+    }
+
+    /// Both.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            pixels: self.pixels + other.pixels,
+            faces: self.faces + other.faces,
+            in_order: self.in_order || other.in_order,
+        }
+    }
+}
+
+/// The numbers below `count`, each once, in an order that looks random.
+pub(super) fn scattered(count: usize) -> impl Iterator<Item = usize> {
+    // Each step can be undone within so many bits, so that no number comes twice.
+    let bits = usize::BITS - count.saturating_sub(1).leading_zeros();
+    let (mask, shift) = ((1usize << bits) - 1, bits.div_ceil(2));
+    let mixed = move |number: usize| {
+        let mut number = number;
+        for factor in [0x9e37_79b1, 0x85eb_ca6b, 0xc2b2_ae35] {
+            number = number.wrapping_mul(factor) & mask;
+            number ^= number >> shift;
+        }
+        number
+    };
+    (0..1usize << bits).map(mixed).filter(move |number| *number < count)
+}
+
+/// What identifies a face among those of its run: numbers that say where its corners are.
+pub(super) type FaceKey<const N: usize> = [u32; N];
+
+/// The faces that were drawn last.
+#[derive(Debug, Default)]
+pub(super) struct Recent<const N: usize> {
+    /// Each with its rank; none where that is 0.
+    entries: Vec<(FaceKey<N>, u32)>,
+}
+
+impl<const N: usize> Recent<N> {
+    const SIZE: usize = 1024;
+
+    fn begin(&mut self) {
+        self.entries.clear();
+        self.entries.resize(Self::SIZE, ([0; N], 0));
+    }
+
+    /// Whether the same face was drawn with a higher rank; else this one is kept.
+    #[inline]
+    pub(super) fn covers(&mut self, key: &FaceKey<N>, rank: u32) -> bool {
+        let mix = |hash: u32, number: &u32| (hash ^ number).wrapping_mul(0x9e37_79b1).rotate_left(15);
+        let hash = key.iter().fold(0, mix) as usize;
+        let Some((known, known_rank)) = self.entries.get_mut(hash % Self::SIZE) else { return false };
+        if *known_rank > rank && known == key {
+            return true;
+        }
+        (*known, *known_rank) = (*key, rank);
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scattered_order_has_every_number_once() {
+        for count in [0, 1, 2, 3, 10, 100, 1024, 9973] {
+            let mut all: Vec<_> = scattered(count).collect();
+            all.sort_unstable();
+            assert!(all.into_iter().eq(0..count), "{count}");
+        }
+    }
+
+    #[test]
+    fn a_face_is_covered_by_the_same_one_with_a_higher_rank() {
+        let mut recent = Recent::<12>::default();
+        recent.begin();
+        let key = |number: u32| [number; 12];
+        assert!(!recent.covers(&key(1), 5));
+        assert!(recent.covers(&key(1), 4) && !recent.covers(&key(2), 4));
+        assert!(!recent.covers(&key(1), 6) && recent.covers(&key(1), 5));
+        recent.begin();
+        assert!(!recent.covers(&key(1), 3));
+    }
+}

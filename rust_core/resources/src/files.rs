@@ -1,0 +1,189 @@
+//! Which files may be read, and how: the rules for every file that a message, a robot description or another file names.
+//!
+//! - **Where.** Once all links are followed, a file must lie in a ROS package or in an allowed folder. A folder with a
+//!   `package.xml` or `manifest.xml` is a package, with all that is below it. So a link in an installed package that leads
+//!   to the package in the source space works, one that leads to `/etc` does not. The links of a package may also lead to
+//!   other folders of its repository or workspace, whose files may not be read by their own addresses. Which folders are
+//!   allowed besides is [`ResourceOptions::folders`].
+//! - **What.** Regular files only, checked before and after opening. The file is opened without blocking, so that nothing
+//!   waits for the other end of a FIFO, and nothing but regular files is opened at all: opening a device can have effects.
+//! - **How much.** At most [`ResourceOptions::max_file_bytes`], also of a file that grows while it is read.
+
+use std::{
+    fs::{File, Metadata, OpenOptions},
+    io::Read,
+    os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt},
+    path::{Component, Path, PathBuf},
+};
+
+use rustix::fs::OFlags;
+
+use crate::ResourceError;
+
+/// The files whose folder is a ROS package.
+const MANIFESTS: [&str; 2] = ["package.xml", "manifest.xml"];
+/// What the top folder of a repository or of a catkin workspace has.
+const TOPS: [&str; 5] = [".git", ".hg", ".svn", ".catkin_workspace", ".catkin_tools"];
+/// The size of a triangle in a binary STL file.
+const STL_TRIANGLE_BYTES: u64 = 50;
+
+/// What may be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ResourceOptions {
+    /// The largest file that is read. A mesh may not expand to more triangles than a binary STL file of this size has,
+    /// whatever its format.
+    pub max_file_bytes: u64,
+    /// Folders whose files may be read although they are in no ROS package.
+    pub folders: Vec<PathBuf>,
+}
+
+impl Default for ResourceOptions {
+    fn default() -> Self {
+        Self { max_file_bytes: 512 << 20, folders: Vec::new() }
+    }
+}
+
+impl ResourceOptions {
+    /// The most corners of triangles that a mesh may have.
+    pub(crate) fn max_corners(&self) -> usize {
+        usize::try_from(self.max_file_bytes / STL_TRIANGLE_BYTES * 3).unwrap_or(usize::MAX).max(3)
+    }
+
+    /// Opens a file that may be read. Returns it with its size, which is within the limit.
+    ///
+    /// # Errors
+    /// [`ResourceError::Io`], [`ResourceError::NotAFile`], [`ResourceError::NotAllowed`], [`ResourceError::TooLarge`].
+    pub(crate) fn open(&self, path: &Path) -> Result<(File, u64), ResourceError> {
+        let io = |source| ResourceError::io(path, source);
+        let real = path.canonicalize().map_err(io)?;
+        check_kind(path, &real.metadata().map_err(io)?)?;
+        if !self.allows(&real) && !is_linked(path, &real) {
+            return Err(ResourceError::NotAllowed { path: path.to_owned(), real });
+        }
+        // NONBLOCK for a FIFO, NOFOLLOW for a link, that took the file's place this very moment.
+        let flags = OFlags::NONBLOCK | OFlags::NOFOLLOW | OFlags::NOCTTY;
+        let flags = i32::try_from(flags.bits()).unwrap_or(0);
+        let file = OpenOptions::new().read(true).custom_flags(flags).open(&real).map_err(io)?;
+        let metadata = file.metadata().map_err(io)?;
+        check_kind(path, &metadata)?;
+        if metadata.len() > self.max_file_bytes {
+            return Err(self.too_large(path));
+        }
+        Ok((file, metadata.len()))
+    }
+
+    /// The contents of a file that may be read.
+    ///
+    /// # Errors
+    /// Those of [`ResourceOptions::open`].
+    pub(crate) fn read(&self, path: &Path) -> Result<Vec<u8>, ResourceError> {
+        let (file, size) = self.open(path)?;
+        read_up_to(file, size, self.max_file_bytes)
+            .map_err(|source| ResourceError::io(path, source))?
+            .ok_or_else(|| self.too_large(path))
+    }
+
+    /// Whether a path without links lies in an allowed folder or in a ROS package.
+    fn allows(&self, real: &Path) -> bool {
+        let is_in = |folder: &PathBuf| folder.canonicalize().is_ok_and(|folder| real.starts_with(folder));
+        self.folders.iter().any(is_in) || real.ancestors().skip(1).any(is_package)
+    }
+
+    fn too_large(&self, path: &Path) -> ResourceError {
+        ResourceError::TooLarge { path: path.to_owned(), max_mb: self.max_file_bytes >> 20 }
+    }
+}
+
+fn is_package(folder: &Path) -> bool {
+    MANIFESTS.iter().any(|name| folder.join(name).is_file())
+}
+
+/// Whether a path goes through a package, whose links lead to a file of the package's repository or workspace. Not with
+/// `..`, which after a link is another folder than the path says.
+fn is_linked(path: &Path, real: &Path) -> bool {
+    let is_plain = path.is_absolute() && !path.components().any(|component| component == Component::ParentDir);
+    let packages = path.ancestors().skip(1).filter(|folder| is_plain && is_package(folder));
+    let mut places = packages.filter_map(|package| package.canonicalize().ok());
+    places.any(|package| {
+        let mut tops = package.ancestors().filter(|folder| TOPS.iter().any(|name| folder.join(name).exists()));
+        tops.any(|top| real.starts_with(top))
+    })
+}
+
+/// The contents of an open file; `None` where there are more than `max_bytes`.
+fn read_up_to(file: File, size: u64, max_bytes: u64) -> std::io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::with_capacity(usize::try_from(size.min(max_bytes)).unwrap_or(0));
+    file.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= max_bytes).then_some(bytes))
+}
+
+/// Refuses everything but regular files.
+fn check_kind(path: &Path, metadata: &Metadata) -> Result<(), ResourceError> {
+    let kind = metadata.file_type();
+    if kind.is_file() {
+        return Ok(());
+    }
+    let kind = match kind {
+        kind if kind.is_dir() => "a folder",
+        kind if kind.is_fifo() => "a FIFO",
+        kind if kind.is_socket() => "a socket",
+        _ => "a device",
+    };
+    Err(ResourceError::NotAFile { path: path.to_owned(), kind })
+}
+
+/// The text of a small file beside which nothing is to be feared, such as a manifest; `None` where it is not a regular
+/// file of at most `max_bytes`.
+pub(crate) fn read_small_text(path: &Path, max_bytes: u64) -> Option<String> {
+    let options = ResourceOptions { max_file_bytes: max_bytes, folders: vec![PathBuf::from("/")] };
+    String::from_utf8(options.read(path).ok()?).ok()
+}
+
+/// By what a file is known to be the same as before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct FileStamp {
+    device: u64,
+    inode: u64,
+    size: u64,
+    modified: (i64, i64),
+}
+
+impl FileStamp {
+    /// The size of the file in bytes.
+    pub(crate) fn size(&self) -> u64 {
+        self.size
+    }
+
+    /// The stamp of a file now; `None` where there is none.
+    pub(crate) fn of(path: &Path) -> Option<Self> {
+        let metadata = path.metadata().ok()?;
+        Some(Self {
+            device: metadata.dev(),
+            inode: metadata.ino(),
+            size: metadata.size(),
+            modified: (metadata.mtime(), metadata.mtime_nsec()),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    #[test]
+    fn a_file_that_grows_while_it_is_read_is_not_read_past_the_limit() {
+        let mut file = tempfile::tempfile().unwrap();
+        file.write_all(&[7; 1000]).unwrap();
+        let open = || {
+            use std::io::Seek;
+            let mut file = file.try_clone().unwrap();
+            file.rewind().unwrap();
+            file
+        };
+        // It had 10 bytes when it was opened.
+        assert_eq!(read_up_to(open(), 10, 1000).unwrap().unwrap().len(), 1000);
+        assert_eq!(read_up_to(open(), 10, 999).unwrap(), None);
+    }
+}

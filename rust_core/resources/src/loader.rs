@@ -1,0 +1,111 @@
+//! Loads one mesh or texture, on whichever thread.
+
+use std::{
+    panic::{catch_unwind, AssertUnwindSafe},
+    path::Path,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use rcs_scene::Texture;
+
+use crate::{
+    assemble,
+    files::FileStamp,
+    import::{self, Source},
+    texture, LoadedMesh, MeshFault, PackageIndex, ResourceError, ResourceOptions,
+};
+
+/// Files of at least this size are loaded one at a time, so that their memory does not add up.
+const LARGE_FILE_BYTES: u64 = 32 << 20;
+
+/// What is loaded from a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Kind {
+    Mesh,
+    Texture,
+}
+
+/// A resource by its address.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Key {
+    pub(crate) kind: Kind,
+    pub(crate) url: String,
+}
+
+/// A resource that is loaded.
+#[derive(Clone, Debug)]
+pub(crate) enum Resource {
+    Mesh(Arc<LoadedMesh>),
+    Texture(Arc<Texture>),
+}
+
+impl Resource {
+    /// Whether nobody but its owner has it.
+    pub(crate) fn is_unused(&self) -> bool {
+        match self {
+            // A marker keeps the mesh; a robot's link keeps the parts of it.
+            Self::Mesh(mesh) => {
+                Arc::strong_count(mesh) == 1 && mesh.parts.iter().all(|part| Arc::strong_count(&part.mesh) == 1)
+            }
+            Self::Texture(texture) => Arc::strong_count(texture) == 1,
+        }
+    }
+}
+
+/// A resource, or why it cannot be used.
+pub(crate) type Outcome = Result<Resource, ResourceError>;
+
+/// Finds and reads files.
+#[derive(Debug)]
+pub(crate) struct Loader {
+    pub(crate) packages: PackageIndex,
+    pub(crate) options: ResourceOptions,
+    large_file: Mutex<()>,
+}
+
+impl Loader {
+    pub(crate) fn new(packages: PackageIndex, options: ResourceOptions) -> Self {
+        Self { packages, options, large_file: Mutex::default() }
+    }
+
+    /// Loads a resource. Returns it with its file's stamp from before it was read; `None` where the file's stamp is still
+    /// that of the last failure.
+    pub(crate) fn load(&self, key: &Key, failed: Option<FileStamp>) -> Option<(Outcome, Option<FileStamp>)> {
+        let path = match self.packages.resolve(&key.url) {
+            Ok(path) => path,
+            Err(error) => return Some((Err(error), None)),
+        };
+        let stamp = FileStamp::of(&path);
+        if failed.is_some() && failed == stamp {
+            return None;
+        }
+        let is_large = stamp.is_some_and(|stamp| stamp.size() >= LARGE_FILE_BYTES);
+        let _one_at_a_time = is_large.then(|| self.large_file.lock().unwrap_or_else(PoisonError::into_inner));
+        let load = || match key.kind {
+            Kind::Mesh => self.mesh(&key.url, &path).map(|mesh| Resource::Mesh(Arc::new(mesh))),
+            Kind::Texture => texture::load(&self.options, &path).map(Resource::Texture),
+        };
+        // Nothing is left half-done: what is made of the file is dropped.
+        let outcome = catch_unwind(AssertUnwindSafe(load))
+            .unwrap_or_else(|_| Err(ResourceError::ReaderFailed { url: key.url.clone() }));
+        Some((outcome, stamp))
+    }
+
+    /// Reads a mesh file and the textures that it names.
+    fn mesh(&self, url: &str, path: &Path) -> Result<LoadedMesh, ResourceError> {
+        let bad = |fault| ResourceError::BadMesh { path: path.to_owned(), fault };
+        let format = import::Format::from_path(path)?;
+        let source = Source { path, options: &self.options };
+        let bytes = self.options.read(path)?;
+        let imported = import::import(format, &bytes, source).map_err(bad)?;
+        drop(bytes);
+        let mesh = assemble::assemble(imported, source);
+        if mesh.parts.is_empty() {
+            return Err(bad(MeshFault::Empty));
+        }
+        for warning in &mesh.warnings {
+            log::warn!("mesh {url}: {warning}");
+        }
+        Ok(mesh)
+    }
+}

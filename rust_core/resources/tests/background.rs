@@ -1,0 +1,152 @@
+//! Stores that load in the background: nobody waits, and whoever asked is woken.
+#![expect(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
+
+#[expect(dead_code, reason = "other tests use the rest")]
+mod common;
+
+use std::{
+    fs,
+    path::Path,
+    sync::{
+        mpsc::{channel, Receiver},
+        Arc,
+    },
+    task::Poll,
+    time::{Duration, Instant},
+};
+
+use common::{binary_stl, get, store_of, TEXT_STL, TRIANGLES};
+use rcs_resources::{LoadedMesh, MeshStore, PackageIndex, ResourceError, ResourceOptions, Retry};
+
+/// Waits for longer than any machine needs.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A store, and where its waker is heard.
+fn background(roots: &[&Path], folder: &Path) -> (MeshStore, Receiver<()>) {
+    let (sender, woken) = channel();
+    let options = ResourceOptions { folders: vec![folder.to_owned()], ..ResourceOptions::default() };
+    let packages = PackageIndex::new(roots.iter().map(|root| root.to_path_buf()));
+    (MeshStore::in_background(packages, options, move || sender.send(()).unwrap_or(())), woken)
+}
+
+/// The answer once it is there, asked for again only when the store says so.
+fn wait(store: &MeshStore, woken: &Receiver<()>, url: &str) -> Result<Arc<LoadedMesh>, ResourceError> {
+    loop {
+        if let Poll::Ready(result) = store.mesh(url, Retry::No) {
+            return result;
+        }
+        woken.recv_timeout(PATIENCE).unwrap();
+    }
+}
+
+#[test]
+fn asking_for_a_large_mesh_takes_no_time_and_gives_what_loading_it_at_once_gives() {
+    let dir = tempfile::tempdir().unwrap();
+    let triangles: Vec<_> = TRIANGLES.iter().copied().cycle().take(300_000).collect();
+    fs::write(dir.path().join("big.stl"), binary_stl(b"", &triangles)).unwrap();
+    let url = format!("file://{}/big.stl", dir.path().display());
+    let (store, woken) = background(&[], dir.path());
+    let version = store.version();
+    assert!(store.mesh(&url, Retry::Yes).is_pending());
+    let mesh = wait(&store, &woken, &url).unwrap();
+    assert_ne!(store.version(), version);
+    let at_once = get(&store_of(dir.path()), &url).unwrap();
+    assert_eq!(mesh.parts[0].mesh, at_once.parts[0].mesh);
+    // Shared, however many ask.
+    let again = store.mesh(&url, Retry::Yes);
+    assert!(matches!(again, Poll::Ready(Ok(again)) if Arc::ptr_eq(&again, &mesh)));
+}
+
+#[test]
+fn a_missing_package_is_searched_for_once_and_beside() {
+    let dir = tempfile::tempdir().unwrap();
+    // Many folders, so that a search takes a while.
+    for i in 0..1500 {
+        fs::create_dir_all(dir.path().join(format!("a{i}/b/c"))).unwrap();
+    }
+    let (store, woken) = background(&[dir.path()], dir.path());
+    let url = "package://late/a.stl";
+    let asking = Instant::now();
+    let mut longest = Duration::ZERO;
+    let mut answers = 0;
+    // Many markers of that package, of different files.
+    for i in 0..200 {
+        let begin = Instant::now();
+        answers += usize::from(store.mesh(&format!("package://late/{i}.stl"), Retry::Yes).is_ready());
+        longest = longest.max(begin.elapsed());
+    }
+    println!("200 questions in {:?}, the longest took {longest:?}", asking.elapsed());
+    assert!(store.mesh(url, Retry::Yes).is_pending() || answers > 0);
+    assert!(matches!(wait(&store, &woken, url), Err(ResourceError::NoSuchPackage { .. })));
+    let searching = Instant::now();
+    PackageIndex::new([dir.path().to_owned()]).package("late");
+    let search = searching.elapsed();
+    println!("a search takes {search:?}");
+
+    // It is installed, deep in the tree, and the config is reloaded.
+    fs::create_dir_all(dir.path().join("x/y/late")).unwrap();
+    fs::write(dir.path().join("x/y/late/package.xml"), "<package><name>late</name></package>").unwrap();
+    fs::write(dir.path().join("x/y/late/a.stl"), TEXT_STL).unwrap();
+    store.retry_failures();
+    let end = Instant::now() + PATIENCE;
+    while !matches!(store.mesh(url, Retry::No), Poll::Ready(Ok(_))) {
+        woken.recv_timeout(end.saturating_duration_since(Instant::now())).unwrap();
+    }
+}
+
+#[test]
+fn a_failure_stays_until_its_file_changes_and_somebody_asks() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.stl");
+    let url = format!("file://{}", path.display());
+    fs::write(&path, "no mesh").unwrap();
+    let (store, woken) = background(&[], dir.path());
+    assert!(store.mesh(&url, Retry::Yes).is_pending());
+    assert!(wait(&store, &woken, &url).is_err());
+    let version = store.version();
+    // Markers go on naming it: the failure is the answer, and nobody is woken for the same again.
+    for _ in 0..1000 {
+        assert!(matches!(store.mesh(&url, Retry::Yes), Poll::Ready(Err(_))));
+    }
+    assert!(woken.recv_timeout(Duration::from_millis(700)).is_err());
+    assert_eq!(store.version(), version);
+    // It is corrected.
+    fs::write(&path, TEXT_STL).unwrap();
+    assert!(matches!(store.mesh(&url, Retry::No), Poll::Ready(Err(_))), "nobody asked");
+    assert!(matches!(store.mesh(&url, Retry::Yes), Poll::Ready(Err(_))), "not yet");
+    woken.recv_timeout(PATIENCE).unwrap();
+    assert!(matches!(store.mesh(&url, Retry::No), Poll::Ready(Ok(_))));
+}
+
+#[test]
+fn addresses_without_end_do_not_take_memory_without_end() {
+    let dir = tempfile::tempdir().unwrap();
+    let store = store_of(dir.path());
+    for i in 0..10_000 {
+        assert!(get(&store, &format!("http://localhost/{i}.stl")).is_err());
+    }
+    let text = format!("{store:?}");
+    let count = text.split("resources: ").nth(1).and_then(|rest| rest.split(',').next()).unwrap();
+    assert!((3000..=4096).contains(&count.trim().parse::<usize>().unwrap()), "{text}");
+}
+
+#[test]
+fn a_store_that_is_dropped_while_it_loads_holds_nobody_up() {
+    let dir = tempfile::tempdir().unwrap();
+    let triangles: Vec<_> = TRIANGLES.iter().copied().cycle().take(100_000).collect();
+    for i in 0..20 {
+        fs::write(dir.path().join(format!("{i}.stl")), binary_stl(b"", &triangles)).unwrap();
+    }
+    let (store, woken) = background(&[], dir.path());
+    let urls: Vec<_> = (0..20).map(|i| format!("file://{}/{i}.stl", dir.path().display())).collect();
+    store.load_all(urls.iter().map(String::as_str), Retry::Yes);
+    drop(store);
+    // The waker is dropped with the last thread, so nothing keeps on loading.
+    let end = Instant::now() + PATIENCE;
+    let mut loaded = 0;
+    while woken.recv_timeout(end.saturating_duration_since(Instant::now())).is_ok() {
+        loaded += 1;
+    }
+    assert!(Instant::now() < end, "its threads end");
+    assert!(loaded < 20, "{loaded}");
+}

@@ -1,0 +1,69 @@
+"""Configs that `./soak` saves while the node runs: edited ones, and ones that cannot be read."""
+
+import collections
+import os
+
+import soak_scene
+
+EXTRAS = [
+    'Class: rviz/Grid, Plane: YZ, Plane Cell Count: 5, Color: 200; 80; 80',
+    'Class: rviz/PointCloud2, Topic: /soak/lidar, Style: Boxes, Size (m): 0.02, Color Transformer: AxisColor',
+    'Class: rviz/PointCloud2, Topic: /soak/nobody, Style: Points',
+    'Class: rviz/LaserScan, Topic: /soak/lidar',
+    'Class: rviz/Axes, Reference Frame: no_such_frame',
+    'Class: rviz/Map, Topic: /soak/map, Color Scheme: raw, Draw Behind: true',
+    'Class: rviz/MarkerArray, Marker Topic: /soak/markers, Namespaces: {array: false}',
+    'Class: rviz/RobotModel, Robot Description: no_such_description',
+    'Class: rviz/RobotModel, Robot Description: robot_description, Alpha: 0.4, Collision Enabled: true',
+    'Class: rviz/TF, Show Names: false',
+    'Class: fancy_plugins/Hologram, Topic: /soak/lidar',
+]
+
+
+def edited(rng):
+    """The config with displays removed, added and changed, and perhaps another camera."""
+    displays = collections.OrderedDict(soak_scene.DISPLAYS)
+    removable = [name for name in displays if name not in ('polygon', 'range', 'beacon')]
+    for name in rng.sample(removable, rng.randrange(0, 6)):
+        del displays[name]
+    for name in rng.sample(list(displays), 3):
+        if 'Alpha: ' in displays[name]:
+            displays[name] = displays[name].replace('Alpha: ', 'Alpha: 0.3, Old Alpha: ')
+    for number, extra in enumerate(rng.sample(EXTRAS, rng.randrange(0, 5))):
+        displays['extra {}'.format(number)] = extra
+    return soak_scene.config(displays, ['more_{}'.format(number) for number in range(rng.randrange(0, 2))])
+
+
+def without_handles():
+    """The config without interactive markers, to reset them."""
+    displays = collections.OrderedDict(soak_scene.DISPLAYS)
+    del displays['handles']
+    return soak_scene.config(displays)
+
+
+def save(file, text, rng=None):
+    """Saves the config in place as rviz does, or as many editors do, by renaming."""
+    if rng and rng.random() < 0.5:
+        with open(file + '.new', 'w') as out:
+            out.write(text)
+        os.replace(file + '.new', file)
+    else:
+        with open(file, 'w') as out:
+            out.write(text)
+
+
+def write(file, data):
+    with open(file, 'wb') as out:
+        out.write(data)
+
+
+TEXT = soak_scene.config().encode()
+BREAKS = {
+    'cut in half': lambda file, rng: write(file, TEXT[:rng.randrange(len(TEXT) // 2)]),
+    'empty': lambda file, rng: write(file, b''),
+    'noise': lambda file, rng: write(file, bytes(rng.randrange(256) for _ in range(2000))),
+    'deleted': lambda file, rng: os.remove(file),
+    'nested': lambda file, rng: write(file, b'{a: ' * 20000),
+    'aliases': lambda file, rng: write(file, b'a: &a [1,1]\n' + b''.join(
+        b'%c: &%c [*%c,*%c]\n' % (c + 1, c + 1, c, c) for c in range(97, 121))),
+}
