@@ -15,40 +15,13 @@ use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, ImageFormat};
 use rcs_bag::Bag;
-use rcs_fuzz_harness::{display_configs, Record};
-use rcs_messages::{std_msgs, Message, MessageKind, RosMsg, Time};
+use rcs_fuzz_harness::{display_topics, Record};
+use rcs_messages::sensor_msgs::{CameraInfo, CompressedImage};
+use rcs_messages::{std_msgs, Image, Message, MessageKind, RosMsg, Time};
 use rcs_test_support::BagWriter;
 
 /// Longer inputs slow fuzzing down more than they help.
 const MOST_BYTES: usize = 6000;
-
-/// The topics of a display of each kind of config, by a word in it.
-const TOPICS: [(&str, &[MessageKind]); 24] = [
-    ("PointCloud2", &[MessageKind::PointCloud2]),
-    ("PointCloud,", &[MessageKind::PointCloud]),
-    ("LaserScan", &[MessageKind::LaserScan]),
-    ("FluidPressure", &[MessageKind::FluidPressure]),
-    ("Illuminance", &[MessageKind::Illuminance]),
-    ("RelativeHumidity", &[MessageKind::RelativeHumidity]),
-    ("Temperature", &[MessageKind::Temperature]),
-    ("MarkerArray", &[MessageKind::MarkerArray, MessageKind::Marker]),
-    ("rviz/Marker,", &[MessageKind::Marker, MessageKind::MarkerArray]),
-    ("InteractiveMarkers", &[MessageKind::InteractiveMarkerUpdate, MessageKind::InteractiveMarkerInit]),
-    ("Map", &[MessageKind::OccupancyGrid, MessageKind::OccupancyGridUpdate]),
-    ("GridCells", &[MessageKind::GridCells]),
-    ("Path", &[MessageKind::Path]),
-    ("PoseArray", &[MessageKind::PoseArray]),
-    ("PoseWithCovariance", &[MessageKind::PoseWithCovarianceStamped]),
-    ("Pose", &[MessageKind::PoseStamped]),
-    ("Odometry", &[MessageKind::Odometry]),
-    ("PointStamped", &[MessageKind::PointStamped]),
-    ("Polygon", &[MessageKind::PolygonStamped]),
-    ("Range", &[MessageKind::Range]),
-    ("Wrench", &[MessageKind::WrenchStamped]),
-    ("Twist", &[MessageKind::TwistStamped]),
-    ("Accel", &[MessageKind::AccelStamped]),
-    ("Effort", &[MessageKind::JointState]),
-];
 
 /// Files of the repository: the target that reads them, the folders, the end of their names.
 const FILES: [(&str, &[&str], &str); 8] = [
@@ -112,7 +85,8 @@ fn main() {
         seeds.add(&target, &fs::read(&path).unwrap());
     }
     meshes(&mut seeds);
-    pictures(&mut seeds);
+    images(&mut seeds);
+    depth(&mut seeds);
     clouds(&mut seeds);
     bags(&mut seeds);
     connections(&mut seeds);
@@ -134,19 +108,16 @@ fn messages(seeds: &mut Seeds, root: &Path) {
             seeds.add_chosen("messages", index, bytes);
         }
         for target in ["clouds", "markers", "interactive", "maps", "poses", "frames"] {
-            for (index, display) in display_configs(target).iter().enumerate() {
-                let topics = TOPICS.iter().find(|(word, _)| display.contains(word)).map_or(&[][..], |(_, kinds)| kinds);
+            for (index, topics) in display_topics(target).iter().enumerate() {
                 let mut input = vec![index as u8, 0];
                 let mut is_used = false;
                 for (kind, latching, _, bytes) in &all {
-                    let topic = match (topics.iter().position(|topic| topic == kind), kind) {
+                    let topic = match (topics.iter().position(|(_, topic)| topic == kind), kind) {
                         (Some(topic), _) => topic,
                         (None, MessageKind::TFMessage) => topics.len() + usize::from(!latching),
-                        // A camera's comes after the display's topics.
-                        (None, MessageKind::CameraInfo) if target == "frames" => topics.len(),
                         _ => continue,
                     };
-                    is_used |= topic < topics.len() || target == "frames";
+                    is_used |= *kind != MessageKind::CameraInfo && (topic < topics.len() || target == "frames");
                     Record { topic: topic as u8, bytes }.write(&mut input);
                 }
                 if is_used {
@@ -154,7 +125,6 @@ fn messages(seeds: &mut Seeds, root: &Path) {
                 }
             }
         }
-        depth(seeds, &all);
     }
     let empty = |count: u32| [count.to_le_bytes().to_vec(), vec![0; 16]].concat();
     for choice in 0..4 {
@@ -164,34 +134,50 @@ fn messages(seeds: &mut Seeds, root: &Path) {
     seeds.add_chosen("messages", MessageKind::ALL.len() + 1, &names);
 }
 
-type Recorded = (MessageKind, bool, std::sync::Arc<str>, Vec<u8>);
-
-/// Depth images with what belongs to them.
-fn depth(seeds: &mut Seeds, all: &[Recorded]) {
-    let is_packed = |topic: &str| topic.ends_with("compressedDepth") || topic.ends_with("compressed");
-    for index in 0..display_configs("depth").len() {
-        let mut input = vec![index as u8, 0];
-        let mut is_used = false;
-        for (kind, latching, topic, bytes) in all {
-            let is_depth = topic.contains("depth");
-            // The topics in order: depth, colour (if any), the depth's CameraInfo.
-            let number = match kind {
-                MessageKind::Image | MessageKind::CompressedImage if is_packed(topic) == (index == 2) => {
-                    is_used = true;
-                    usize::from(!is_depth)
-                }
-                MessageKind::CameraInfo if is_depth => 2 - usize::from(index == 1),
-                MessageKind::TFMessage => 4 - usize::from(index == 1) + usize::from(!latching),
-                _ => continue,
-            };
-            Record { topic: number as u8, bytes }.write(&mut input);
-            if let (MessageKind::CompressedImage, true) = (kind, index == 2) {
-                if let Ok(rcs_messages::AnyMessage::CompressedImage(image)) = kind.decode(bytes) {
-                    seeds.add_chosen("compressed_image", if is_depth { 2 } else { 4 }, &image.data);
-                }
+/// Depth images of 4 × 4 pixels with what belongs to them.
+fn depth(seeds: &mut Seeds) {
+    let header = || std_msgs::Header { frame_id: "base_link".to_owned(), ..Default::default() };
+    let info = CameraInfo {
+        header: header(),
+        width: 4,
+        height: 4,
+        K: [4.0, 0.0, 2.0, 0.0, 4.0, 2.0, 0.0, 0.0, 1.0],
+        P: [4.0, 0.0, 2.0, 0.0, 0.0, 4.0, 2.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        ..CameraInfo::default()
+    };
+    let image = |encoding: &str, pixel: &[u8]| {
+        let step = 4 * pixel.len() as u32;
+        rcs_messages::encode(&Image::new(header(), [4, 4], encoding, step, pixel.repeat(16).into()))
+    };
+    let packed = |format: &str, data: &[u8]| {
+        rcs_messages::encode(&CompressedImage { header: header(), format: format.to_owned(), data: data.to_vec() })
+    };
+    let metres = 1.5_f32.to_le_bytes();
+    let pairs = [
+        (image("32FC1", &metres), image("rgb8", &[200, 100, 50])),
+        (image("16UC1", &[0xdc, 5]), image("bgra8", &[200, 100, 50, 255])),
+        (image("mono16", &[0xdc, 5]), image("mono8", &[90])),
+        (image("32FC1", &metres), image("bayer_rggb8", &[90])),
+        (image("32FC1", &metres), image("rgb16", &[90; 6])),
+    ];
+    let jpeg = picture(&pictures()[1], ImageFormat::Jpeg);
+    let depth_png = [&[0; 12][..], &picture(&pictures()[5], ImageFormat::Png)].concat();
+    let packed_pairs = [
+        (packed("16UC1; compressedDepth rvl", &rvl()), packed("rgb8; jpeg compressed bgr8", &jpeg)),
+        (packed("16UC1; compressedDepth png", &depth_png), packed("rgb8; jpeg compressed bgr8", &jpeg)),
+    ];
+    for (index, topics) in display_topics("depth").iter().enumerate() {
+        let is_packed = topics.iter().any(|(_, kind)| *kind == MessageKind::CompressedImage);
+        for (depth, colour) in if is_packed { &packed_pairs[..] } else { &pairs[..] } {
+            let mut input = vec![index as u8, 0];
+            for (number, (topic, kind)) in topics.iter().enumerate() {
+                let bytes = match kind {
+                    MessageKind::CameraInfo => &rcs_messages::encode(&info),
+                    _ if topic.starts_with("/d") => depth,
+                    _ => colour,
+                };
+                Record { topic: number as u8, bytes }.write(&mut input);
             }
-        }
-        if is_used {
             seeds.add("display_depth", &input);
         }
     }
@@ -208,44 +194,57 @@ fn meshes(seeds: &mut Seeds) {
     seeds.add("stl", &binary);
 }
 
-/// Pictures of a few pixels in all formats.
-fn pictures(seeds: &mut Seeds) {
-    let formats =
-        [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp, ImageFormat::Tga, ImageFormat::Tiff, ImageFormat::Gif];
+/// Pictures of 4 × 4 pixels, with all kinds of them.
+fn pictures() -> [DynamicImage; 6] {
     let pixel = |x: u32, y: u32| [(x * 60) as u8, (y * 50) as u8, 200, 128];
     let rgba = DynamicImage::ImageRgba8(image::ImageBuffer::from_fn(4, 4, |x, y| image::Rgba(pixel(x, y))));
     let grey = DynamicImage::ImageLuma16(image::ImageBuffer::from_fn(4, 4, |x, y| image::Luma([(x * y * 500) as u16])));
-    let pictures = [
+    [
         rgba.clone(),
         rgba.to_rgb8().into(),
         rgba.to_luma8().into(),
         rgba.to_luma_alpha8().into(),
         rgba.to_rgb16().into(),
         grey,
-    ];
-    for picture in pictures {
+    ]
+}
+
+/// The file of a picture; empty where the format has no such pixels.
+fn picture(picture: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, format).map_or_else(|_| Vec::new(), |()| bytes.into_inner())
+}
+
+/// A depth image of 4 × 4 pixels.
+fn rvl() -> Vec<u8> {
+    [vec![0; 12], vec![4, 0, 0, 0, 4, 0, 0, 0], vec![0x11, 0x22, 0x93, 0x17, 0x80, 0x44, 0x21, 0x19]].concat()
+}
+
+/// Textures and compressed images in all formats.
+fn images(seeds: &mut Seeds) {
+    let formats =
+        [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp, ImageFormat::Tga, ImageFormat::Tiff, ImageFormat::Gif];
+    for pixels in &pictures() {
         for (choice, format) in formats.into_iter().enumerate() {
-            let mut bytes = Cursor::new(Vec::new());
-            if picture.write_to(&mut bytes, format).is_ok() {
-                let bytes = bytes.into_inner();
-                seeds.add_chosen("texture", choice, &bytes);
-                match format {
-                    ImageFormat::Png => {
-                        let with_header = [&[0; 12][..], &bytes].concat();
-                        (0..2).for_each(|choice| seeds.add_chosen("compressed_image", choice, &with_header));
-                        (5..8).for_each(|choice| seeds.add_chosen("compressed_image", choice, &bytes));
-                    }
-                    ImageFormat::Jpeg => {
-                        [4, 7].into_iter().for_each(|choice| seeds.add_chosen("compressed_image", choice, &bytes))
-                    }
-                    _ => {}
+            let bytes = picture(pixels, format);
+            if bytes.is_empty() {
+                continue;
+            }
+            seeds.add_chosen("texture", choice, &bytes);
+            let with_header = [&[0; 12][..], &bytes].concat();
+            match format {
+                ImageFormat::Png => {
+                    (0..2).for_each(|choice| seeds.add_chosen("compressed_image", choice, &with_header));
+                    (5..8).for_each(|choice| seeds.add_chosen("compressed_image", choice, &bytes));
                 }
+                ImageFormat::Jpeg => {
+                    [4, 7].into_iter().for_each(|choice| seeds.add_chosen("compressed_image", choice, &bytes));
+                }
+                _ => {}
             }
         }
     }
-    let rvl =
-        [vec![0; 12], vec![4, 0, 0, 0, 4, 0, 0, 0], vec![0x11, 0x22, 0x93, 0x17, 0x80, 0x44, 0x21, 0x19]].concat();
-    (2..4).for_each(|choice| seeds.add_chosen("compressed_image", choice, &rvl));
+    (2..4).for_each(|choice| seeds.add_chosen("compressed_image", choice, &rvl()));
 }
 
 /// Points that are no text.

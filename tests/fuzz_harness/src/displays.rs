@@ -21,7 +21,8 @@ use rcs_transforms::Time;
 use crate::first_byte;
 use crate::stream::Record;
 
-pub(crate) const FIXED_FRAME: &str = "map";
+/// The one of the conformance cases, so that their messages are shown.
+pub(crate) const FIXED_FRAME: &str = "base_link";
 
 /// The displays of each target, one in each config.
 const CONFIGS: [(&str, &[&str]); 7] = [
@@ -110,9 +111,13 @@ const CONFIGS: [(&str, &[&str]); 7] = [
     ),
 ];
 
-/// The displays of a target in order, as the first byte of an input chooses them.
-pub fn display_configs(name: &str) -> &'static [&'static str] {
-    CONFIGS.iter().find(|(target, _)| *target == name).map_or(&[], |(_, displays)| displays)
+/// The topics of each display of a target, as the records of an input number them: first those of the display, then that
+/// of the camera's CameraInfo. The next numbers are static transforms, other transforms, and other events.
+pub fn display_topics(name: &str) -> Vec<Vec<(String, MessageKind)>> {
+    let topics = |config: &Config| -> Vec<_> {
+        Shown::new(config).stage.topics().into_iter().map(|request| (request.topic, request.kind)).collect()
+    };
+    configs(name).iter().map(topics).collect()
 }
 
 /// A config with a display, and a camera that looks at it.

@@ -17,7 +17,7 @@ mod stream;
 mod texts;
 mod wire;
 
-pub use displays::display_configs;
+pub use displays::display_topics;
 pub use stream::Record;
 
 use std::alloc::System;
