@@ -21,7 +21,7 @@ use rcs_messages::{std_msgs, Image, Message, MessageKind, RosMsg, Time};
 use rcs_test_support::BagWriter;
 
 /// Longer inputs slow fuzzing down more than they help.
-const MOST_BYTES: usize = 6000;
+const MOST_BYTES: usize = 4096;
 
 /// Files of the repository: the target that reads them, the folders, the end of their names.
 const FILES: [(&str, &[&str], &str); 8] = [

@@ -28,7 +28,10 @@ pub(crate) fn rviz_config(data: &[u8]) {
     let kept = shown.reconfigure(&config);
     assert_eq!((kept.added, kept.removed), (0, 0), "the same config changes no display");
     shown.advance();
-    shown.draw();
+    // Most of the time would go into drawing.
+    if data.len() % 4 == 0 {
+        shown.draw();
+    }
 }
 
 /// A projector file: what was read is written and read as the same.
