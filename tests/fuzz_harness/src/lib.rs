@@ -55,48 +55,50 @@ impl Target {
     }
 }
 
-/// All targets; each has a file in `fuzz/fuzz_targets` and a folder in `fuzz/corpus`.
-pub const TARGETS: &[Target] = &[
-    target("messages", "messages of every type, and requests of services", 32, messages::read),
-    target("display_clouds", "clouds and scans, in all styles", 256, |data| displays::show("clouds", data)),
-    target("display_markers", "Marker and MarkerArray", 256, |data| displays::show("markers", data)),
-    target("display_interactive", "InteractiveMarkerInit and InteractiveMarkerUpdate", 256, |data| {
-        displays::show("interactive", data)
-    }),
-    target("display_maps", "OccupancyGrid with updates, GridCells", 256, |data| displays::show("maps", data)),
-    target("display_poses", "poses, paths, covariances, screws, ranges and the like", 256, |data| {
-        displays::show("poses", data)
-    }),
-    target("display_depth", "Image and CompressedImage with CameraInfo", 256, |data| displays::show("depth", data)),
-    target("display_frames", "TFMessage, and a camera's CameraInfo", 256, |data| displays::show("frames", data)),
-    target("compressed_image", "JPEG, PNG and RVL of image_transport", 1024, displays::compressed_image),
-    target("urdf", "robot descriptions", 64, robots::urdf),
-    target("package_xml", "package.xml", 32, resources::package_xml),
-    target("stl", "STL", 64, resources::stl),
-    target("collada", "COLLADA", 64, resources::collada),
-    target("obj", "OBJ and its MTL", 64, resources::obj),
-    target("texture", "textures: PNG, JPEG, BMP, TGA, TIFF, GIF", 2048, resources::texture),
-    target("rviz_config", ".rviz", 64, texts::rviz_config),
-    target("projector", "projector files", 32, texts::projector),
-    target("pcd", "PCD", 64, texts::pcd),
-    target("bag", "bags", 256, bags::bag),
-    target("tcpros_header", "connection headers of TCPROS", 32, wire::tcpros_header),
-    target("http", "HTTP messages of XML-RPC", 32, wire::http),
-    target("xmlrpc", "XML-RPC calls and answers", 64, wire::xmlrpc),
-];
+/// Makes a constant of each target, and the list of all.
+macro_rules! targets {
+    ($($constant:ident: $name:literal, $reads:literal, $most_mib:literal MiB, $function:expr;)*) => {
+        $(
+            #[doc = concat!("Reads ", $reads, ".")]
+            ///
+            /// A constant of its own: a binary that names it has nothing of what others run. libFuzzer looks at the whole
+            /// binary's counters after each input, which takes longer than reading most inputs.
+            pub const $constant: Target =
+                Target { name: $name, reads: $reads, most_bytes: $most_mib * MIB, function: $function };
+        )*
 
-const fn target(name: &'static str, reads: &'static str, most_mib: usize, function: fn(&[u8])) -> Target {
-    Target { name, reads, most_bytes: most_mib * MIB, function }
+        /// All targets; each has a file in `fuzz/fuzz_targets` and a folder in `fuzz/corpus`.
+        pub const TARGETS: &[Target] = &[$($constant),*];
+    };
 }
 
-/// Runs the target of a name.
-///
-/// # Panics
-/// As [`Target::run`], or when there is no such target.
-pub fn run(name: &str, data: &[u8]) {
-    let target = TARGETS.iter().find(|target| target.name == name);
-    let target = target.unwrap_or_else(|| panic!("there is no target {name}"));
-    target.run(data);
+targets! {
+    MESSAGES: "messages", "messages of every type, and requests of services", 32 MiB, messages::read;
+    DISPLAY_CLOUDS: "display_clouds", "clouds and scans, in all styles", 256 MiB, |data| displays::show("clouds", data);
+    DISPLAY_MARKERS: "display_markers", "Marker and MarkerArray", 256 MiB, |data| displays::show("markers", data);
+    DISPLAY_INTERACTIVE: "display_interactive", "InteractiveMarkerInit and InteractiveMarkerUpdate", 256 MiB,
+        |data| displays::show("interactive", data);
+    DISPLAY_MAPS: "display_maps", "OccupancyGrid with updates, GridCells", 256 MiB, |data| displays::show("maps", data);
+    DISPLAY_POSES: "display_poses", "poses, paths, covariances, screws, ranges and the like", 256 MiB,
+        |data| displays::show("poses", data);
+    DISPLAY_DEPTH: "display_depth", "Image and CompressedImage with CameraInfo", 256 MiB,
+        |data| displays::show("depth", data);
+    DISPLAY_FRAMES: "display_frames", "TFMessage, and a camera's CameraInfo", 256 MiB,
+        |data| displays::show("frames", data);
+    COMPRESSED_IMAGE: "compressed_image", "JPEG, PNG and RVL of image_transport", 1024 MiB, displays::compressed_image;
+    URDF: "urdf", "robot descriptions", 64 MiB, robots::urdf;
+    PACKAGE_XML: "package_xml", "package.xml", 32 MiB, resources::package_xml;
+    STL: "stl", "STL", 64 MiB, resources::stl;
+    COLLADA: "collada", "COLLADA", 64 MiB, resources::collada;
+    OBJ: "obj", "OBJ and its MTL", 64 MiB, resources::obj;
+    TEXTURE: "texture", "textures: PNG, JPEG, BMP, TGA, TIFF, GIF", 2048 MiB, resources::texture;
+    RVIZ_CONFIG: "rviz_config", ".rviz", 64 MiB, texts::rviz_config;
+    PROJECTOR: "projector", "projector files", 32 MiB, texts::projector;
+    PCD: "pcd", "PCD", 64 MiB, texts::pcd;
+    BAG: "bag", "bags", 256 MiB, bags::bag;
+    TCPROS_HEADER: "tcpros_header", "connection headers of TCPROS", 32 MiB, wire::tcpros_header;
+    HTTP: "http", "HTTP messages of XML-RPC", 32 MiB, wire::http;
+    XMLRPC: "xmlrpc", "XML-RPC calls and answers", 64 MiB, wire::xmlrpc;
 }
 
 /// Splits off the first byte; 0 where there is none.

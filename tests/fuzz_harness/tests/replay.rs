@@ -106,7 +106,8 @@ fn every_target_has_a_binary_and_a_corpus_and_nothing_is_left_over() {
     for name in &names {
         assert!(!files(&fuzz_folder().join("corpus").join(name)).is_empty(), "{name} has no corpus");
         let source = fs::read_to_string(fuzz_folder().join(format!("fuzz_targets/{name}.rs"))).unwrap();
-        assert!(source.contains(&format!("run(\"{name}\", data)")), "{name}.rs runs another target");
+        let run = format!("rcs_fuzz_harness::{}.run(data)", name.to_uppercase());
+        assert!(source.contains(&run), "{name}.rs runs another target");
         assert!(manifest.contains(&format!("name = \"{name}\"")), "{name} is not in fuzz/Cargo.toml");
     }
 }
