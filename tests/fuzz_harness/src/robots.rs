@@ -39,8 +39,5 @@ pub(crate) fn urdf(data: &[u8]) {
     shown.advance();
     shown.take("/joint_states", &AnyMessage::JointState(state.into()));
     shown.advance();
-    // Most of the time would go into drawing.
-    if data.len() % 4 == 0 {
-        shown.draw();
-    }
+    shown.draw_some(data);
 }
