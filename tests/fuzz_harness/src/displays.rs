@@ -283,6 +283,14 @@ pub(crate) fn show(target: &str, data: &[u8]) {
     shown.draw_some(data);
 }
 
+/// Whether an RVL image says that it has so many pixels that reading it takes a second: thirty bytes can. Only those of
+/// fewer pixels, and of more than are allowed, are tried.
+fn is_long_rvl(data: &[u8]) -> bool {
+    const MANY_PX: std::ops::RangeInclusive<u64> = 1 << 14..=1 << 25;
+    let side = |at: usize| data.get(at..at + 4).and_then(|bytes| Some(u32::from_le_bytes(bytes.try_into().ok()?)));
+    side(12).zip(side(16)).is_some_and(|(width, height)| MANY_PX.contains(&(u64::from(width) * u64::from(height))))
+}
+
 /// An image of the transports `compressed` and `compressedDepth`: the first byte chooses the format.
 pub(crate) fn compressed_image(data: &[u8]) {
     const FORMATS: [(&str, &str); 8] = [
@@ -299,6 +307,9 @@ pub(crate) fn compressed_image(data: &[u8]) {
     let Some(config) = configs.last() else { return };
     let (choice, data) = first_byte(data);
     let (topic, format) = FORMATS[usize::from(choice) % FORMATS.len()];
+    if format.ends_with("rvl") && is_long_rvl(data) {
+        return;
+    }
     let mut shown = Shown::new(config);
     // A picture of 4 × 4 on the other topic, so that there is a pair.
     let mut info = CameraInfo { width: 4, height: 4, ..CameraInfo::default() };

@@ -60,7 +60,8 @@ fn load(files: &[(&str, &[u8])], name: &str) {
     FOLDER.with(|folder| {
         files.iter().for_each(|(name, bytes)| write(folder.path(), name, bytes));
         let store = MeshStore::new(index(folder.path()));
-        let mesh = match store.mesh(&format!("package://robot/{name}"), Retry::Yes) {
+        let url = format!("file://{}/robot/{name}", folder.path().display());
+        let mesh = match store.mesh(&url, Retry::Yes) {
             Poll::Ready(Ok(mesh)) => mesh,
             Poll::Ready(Err(error)) => {
                 assert!(!error.to_string().is_empty());
