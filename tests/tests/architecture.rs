@@ -41,7 +41,7 @@ fn repository() -> PathBuf {
 /// The folders of all crates, by the names that the tables give them.
 fn crate_folders() -> BTreeMap<String, PathBuf> {
     let core = LAYERS.iter().map(|(name, _)| ((*name).to_owned(), repository().join("rust_core").join(name)));
-    let tests = ["tests", "tests/support"].map(|name| (name.to_owned(), repository().join(name)));
+    let tests = ["tests", "tests/support", "tests/fuzz_harness"].map(|name| (name.to_owned(), repository().join(name)));
     core.chain(tests).collect()
 }
 
@@ -73,7 +73,11 @@ fn dependencies(folder: &Path) -> Dependencies {
 /// The name in the tables of a crate of this repository; none for one from crates.io.
 fn own_name(dependency: &str) -> Option<String> {
     let name = dependency.strip_prefix("rcs_")?;
-    Some(if name == "test_support" { "tests/support".to_owned() } else { name.to_owned() })
+    Some(match name {
+        "test_support" => "tests/support".to_owned(),
+        "fuzz_harness" => "tests/fuzz_harness".to_owned(),
+        _ => name.to_owned(),
+    })
 }
 
 #[test]

@@ -146,7 +146,7 @@ impl Bag {
         self.connections.values()
     }
 
-    /// The times of the first and the last message, unless there is none.
+    /// The times of the first and the last message by the index, unless there is none. The first is not after the last.
     pub fn time_range(&self) -> Option<(Time, Time)> {
         let start = self.chunks.iter().map(|chunk| chunk.start_nanos).min()?;
         let end = self.chunks.iter().map(|chunk| chunk.end_nanos).max()?;
@@ -186,12 +186,16 @@ impl BagFile {
                     };
                     connections.insert(found.id, Arc::new(connection));
                 }
-                IndexRecord::ChunkInfo(info) => chunks.push(ChunkRef {
-                    at: info.chunk_pos,
-                    start_nanos: nanos(info.start_time),
-                    end_nanos: nanos(info.end_time),
-                    connections: info.entries().map(|entry| entry.conn_id).collect(),
-                }),
+                IndexRecord::ChunkInfo(info) => {
+                    // A damaged index may say that a chunk ends before it begins.
+                    let (one, other) = (nanos(info.start_time), nanos(info.end_time));
+                    chunks.push(ChunkRef {
+                        at: info.chunk_pos,
+                        start_nanos: one.min(other),
+                        end_nanos: one.max(other),
+                        connections: info.entries().map(|entry| entry.conn_id).collect(),
+                    });
+                }
                 IndexRecord::IndexData(_) => {}
             }
         }

@@ -91,6 +91,30 @@ fn a_damaged_chunk_is_an_error_and_the_others_are_read() {
 }
 
 #[test]
+fn a_bag_whose_index_swaps_a_chunks_times_does_not_end_before_it_begins() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("swapped.bag");
+    let mut writer = BagWriter::create(&path).unwrap();
+    writer.write("/a", false, time(10), &text("first")).unwrap();
+    writer.write("/a", false, time(50), &text("last")).unwrap();
+    writer.finish().unwrap();
+    let mut bytes = fs::read(&path).unwrap();
+    let mut value_of = |name: &[u8], value: Option<[u8; 8]>| -> [u8; 8] {
+        let at = bytes.windows(name.len()).position(|window| window == name).unwrap() + name.len();
+        let old = bytes[at..at + 8].try_into().unwrap();
+        bytes[at..at + 8].copy_from_slice(&value.unwrap_or(old));
+        old
+    };
+    let start = value_of(b"start_time=", None);
+    let end = value_of(b"end_time=", Some(start));
+    value_of(b"start_time=", Some(end));
+    fs::write(&path, bytes).unwrap();
+    let bag = Bag::open(&path).unwrap();
+    assert_eq!(bag.time_range(), Some((time(10), time(50))));
+    assert_eq!(secs(&bag, |_| true), [10, 50]);
+}
+
+#[test]
 fn other_files_are_no_bags_and_the_error_names_them() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("b.bag");

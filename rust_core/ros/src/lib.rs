@@ -37,8 +37,10 @@
 //! | `rosrust_master` | what rosrust takes for the master |
 //! | `graph` | the master's API, and what it knows of the other nodes |
 //! | `acceptor` | a listening socket whose connections have a thread each |
+//! | `timed_read` | reading from a connection by a deadline |
 //! | `tcpros` | connections with publishers, subscribers and services' callers |
 //! | `xmlrpc` | calls to the master and to nodes, and a server of them |
+//! | `fuzzing` | the readers of foreign bytes by themselves, for `tests/fuzz_harness` |
 
 #![forbid(unsafe_code)]
 
@@ -46,6 +48,8 @@ mod acceptor;
 mod clock;
 pub mod diagnostics_topic;
 mod events;
+#[doc(hidden)]
+pub mod fuzzing;
 mod graph;
 pub mod image_topic;
 mod latched_publisher;
@@ -61,6 +65,7 @@ mod rosout;
 mod rosrust_master;
 mod startup;
 mod tcpros;
+mod timed_read;
 mod topic;
 mod waiting;
 mod xmlrpc;

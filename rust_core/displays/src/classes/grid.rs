@@ -9,14 +9,18 @@ use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Ma
 use crate::framework::display::Display;
 use crate::framework::frame;
 use crate::parts::solids::drawable;
-use crate::{Statuses, World};
+use crate::{Level, Statuses, World};
+
+/// The most lines that are drawn. rviz makes any number of them, until its memory is used up.
+const MAX_LINES: u64 = 2_000_000;
 
 /// A Grid display.
 #[derive(Debug)]
 pub(crate) struct GridDisplay {
     display: DisplayId,
     settings: GridSettings,
-    geometry: Geometry,
+    /// None for too many lines.
+    geometry: Option<Geometry>,
     place: Option<Isometry3<f64>>,
     drawables: Vec<Drawable>,
     statuses: Statuses,
@@ -29,8 +33,13 @@ pub(crate) fn create(display: DisplayId, settings: &GridSettings) -> Box<dyn Dis
 
 impl GridDisplay {
     pub(crate) fn new(display: DisplayId, settings: GridSettings) -> Self {
-        let geometry = geometry(&settings);
-        Self { display, settings, geometry, place: None, drawables: Vec::new(), statuses: Statuses::default() }
+        let count = line_count(&settings);
+        let geometry = (count <= MAX_LINES).then(|| geometry(&settings));
+        let mut statuses = Statuses::default();
+        if geometry.is_none() {
+            statuses.set(Level::Error, "Grid", format!("{count} lines are too many, at most {MAX_LINES} are drawn"));
+        }
+        Self { display, settings, geometry, place: None, drawables: Vec::new(), statuses }
     }
 }
 
@@ -42,9 +51,10 @@ impl Display for GridDisplay {
             return false;
         }
         self.place = Some(place);
+        let Some(geometry) = &self.geometry else { return false };
         let fixed_from_grid = place.to_homogeneous() * frame_from_grid(&self.settings);
-        let mut grid = drawable(self.display, fixed_from_grid, self.geometry.clone());
-        if let Geometry::Ribbons(_) = self.geometry {
+        let mut grid = drawable(self.display, fixed_from_grid, geometry.clone());
+        if let Geometry::Ribbons(_) = geometry {
             // Ogre sorts chains by the middle of their box in their own frame, which is a grid's origin.
             grid.sort_point = Point3::origin();
         }
@@ -103,6 +113,13 @@ fn geometry(settings: &GridSettings) -> Geometry {
     }
 }
 
+/// How many lines [`segments`] makes.
+fn line_count(settings: &GridSettings) -> u64 {
+    let (sides, layers) = (u64::from(settings.plane_cell_count.max(1)) + 1, u64::from(settings.normal_cell_count));
+    let posts = if layers > 0 { sides.saturating_mul(sides) } else { 0 };
+    (layers + 1).saturating_mul(2 * sides).saturating_add(posts)
+}
+
 /// All lines, each by its two ends, in rviz's order.
 fn segments(settings: &GridSettings) -> Vec<[[f32; 3]; 2]> {
     let (cells, layers) = (settings.plane_cell_count.max(1), settings.normal_cell_count);
@@ -131,7 +148,10 @@ fn segments(settings: &GridSettings) -> Vec<[[f32; 3]; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use rcs_transforms::Time;
+
     use super::*;
+    use crate::framework::test_world::TestWorld;
 
     #[test]
     fn a_grid_has_its_lines_and_lies_in_its_plane() {
@@ -151,5 +171,19 @@ mod tests {
     fn a_grid_with_height_has_posts() {
         let settings = GridSettings { plane_cell_count: 2, normal_cell_count: 3, ..GridSettings::default() };
         assert_eq!(segments(&settings).len(), 4 * 6 + 9);
+        assert_eq!(line_count(&settings), 4 * 6 + 9);
+        assert_eq!(line_count(&GridSettings::default()), segments(&GridSettings::default()).len() as u64);
+    }
+
+    #[test]
+    fn a_grid_of_more_lines_than_memory_is_an_error_status() {
+        let world = TestWorld::at(Time::ZERO);
+        for (plane_cell_count, normal_cell_count) in [(u32::MAX, 0), (i32::MAX as u32, i32::MAX as u32), (2000, 1)] {
+            let settings = GridSettings { plane_cell_count, normal_cell_count, ..GridSettings::default() };
+            let mut display = GridDisplay::new(0, settings);
+            assert!(!display.update(&world.get()) && display.drawables().is_empty());
+            let status = display.statuses().get("Grid").unwrap();
+            assert!(status.level == Level::Error && status.text.contains("too many"), "{}", status.text);
+        }
     }
 }

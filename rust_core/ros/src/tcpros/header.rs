@@ -1,9 +1,11 @@
 //! The fields that both ends of a connection send first: `name=value`, each behind its length, all behind theirs.
 
 use std::collections::BTreeMap;
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
+
+use crate::timed_read::TimedRead;
 
 /// The longest header that is read. The definition of a message of many parts has some ten thousand bytes.
 const MAX_BYTES: usize = 1 << 20;
@@ -17,14 +19,14 @@ fn invalid(text: &str) -> io::Error {
 }
 
 /// Reads exactly so many bytes, at the latest by the deadline.
-pub(super) fn read_exact(stream: &mut TcpStream, bytes: &mut [u8], deadline: Instant) -> io::Result<()> {
+pub(super) fn read_exact(stream: &mut impl TimedRead, bytes: &mut [u8], deadline: Instant) -> io::Result<()> {
     let mut filled = 0;
     while let Some(rest) = bytes.get_mut(filled..).filter(|rest| !rest.is_empty()) {
         let left = deadline.saturating_duration_since(Instant::now());
         if left.is_zero() {
             return Err(io::ErrorKind::TimedOut.into());
         }
-        stream.set_read_timeout(Some(left.max(Duration::from_millis(1))))?;
+        stream.limit_read_time(left.max(Duration::from_millis(1)))?;
         match stream.read(rest) {
             Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
             Ok(len) => filled += len,
@@ -87,7 +89,7 @@ impl Header {
     ///
     /// # Errors
     /// The connection's; `TimedOut` at the deadline, `InvalidData` for what is no header.
-    pub(crate) fn read(stream: &mut TcpStream, deadline: Instant) -> io::Result<Self> {
+    pub(crate) fn read(stream: &mut impl TimedRead, deadline: Instant) -> io::Result<Self> {
         let mut len = [0; 4];
         read_exact(stream, &mut len, deadline)?;
         let len = u32::from_le_bytes(len) as usize;

@@ -12,7 +12,7 @@
 //!
 //! Source: the ROS wiki's pages *ROS/TCPROS* and *ROS/Connection Header*.
 
-mod header;
+pub(crate) mod header;
 mod listener;
 mod publication;
 mod service;

@@ -1,8 +1,10 @@
 //! One HTTP message on a connection, read within limits of size and time.
 
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
+
+use crate::timed_read::TimedRead;
 
 /// No client of ROS sends a longer head.
 const MAX_HEAD_BYTES: usize = 16 * 1024;
@@ -14,7 +16,7 @@ const MAX_HEADERS: usize = 64;
 
 /// Which message is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
+pub(crate) enum Side {
     Request,
     Response,
 }
@@ -42,12 +44,12 @@ fn bad(text: impl Into<String>) -> io::Error {
 }
 
 /// Reads what is there, at the latest at the deadline.
-fn read_some(stream: &mut TcpStream, bytes: &mut Vec<u8>, deadline: Instant) -> io::Result<usize> {
+fn read_some(stream: &mut impl TimedRead, bytes: &mut Vec<u8>, deadline: Instant) -> io::Result<usize> {
     let left = deadline.saturating_duration_since(Instant::now());
     if left.is_zero() {
         return Err(io::ErrorKind::TimedOut.into());
     }
-    stream.set_read_timeout(Some(left.max(Duration::from_millis(1))))?;
+    stream.limit_read_time(left.max(Duration::from_millis(1)))?;
     let mut piece = [0; 16 * 1024];
     let len = loop {
         match stream.read(&mut piece) {
@@ -100,26 +102,36 @@ fn head(bytes: &[u8], side: Side) -> io::Result<Option<Head>> {
     }))
 }
 
-/// The body of a chunked message, once it is complete.
-fn dechunked(mut bytes: &[u8], max_bytes: usize) -> io::Result<Option<Vec<u8>>> {
-    let mut body = Vec::new();
-    loop {
-        let (at, size) = match httparse::parse_chunk_size(bytes) {
-            Ok(httparse::Status::Complete((at, size))) => (at, size as usize),
-            Ok(httparse::Status::Partial) => return Ok(None),
-            Err(_) => return Err(bad("a chunk of no valid size")),
-        };
-        if size == 0 {
-            return Ok(Some(body));
+/// The body of a chunked message as far as it has come. Each chunk is read once, however many pieces it comes in.
+#[derive(Default)]
+struct Chunks {
+    body: Vec<u8>,
+    /// Where the next chunk begins in what was received.
+    next: usize,
+}
+
+impl Chunks {
+    /// Reads the chunks that are complete in `bytes`, all that was received so far. Returns whether the last is among
+    /// them.
+    fn read(&mut self, bytes: &[u8], max_bytes: usize) -> io::Result<bool> {
+        loop {
+            let rest = bytes.get(self.next..).unwrap_or_default();
+            let (at, size) = match httparse::parse_chunk_size(rest) {
+                Ok(httparse::Status::Complete((at, size))) => (at, usize::try_from(size).unwrap_or(usize::MAX)),
+                Ok(httparse::Status::Partial) => return Ok(false),
+                Err(_) => return Err(bad("a chunk of no valid size")),
+            };
+            if size == 0 {
+                return Ok(true);
+            }
+            if self.body.len().saturating_add(size) > max_bytes {
+                return Err(bad("the HTTP body is too long"));
+            }
+            let end = at + size + b"\r\n".len();
+            let (Some(chunk), true) = (rest.get(at..at + size), end <= rest.len()) else { return Ok(false) };
+            self.body.extend_from_slice(chunk);
+            self.next += end;
         }
-        if body.len().saturating_add(size) > max_bytes {
-            return Err(bad("the HTTP body is too long"));
-        }
-        let (Some(chunk), Some(rest)) = (bytes.get(at..at + size), bytes.get(at + size + 2..)) else {
-            return Ok(None);
-        };
-        body.extend_from_slice(chunk);
-        bytes = rest;
     }
 }
 
@@ -128,7 +140,7 @@ fn dechunked(mut bytes: &[u8], max_bytes: usize) -> io::Result<Option<Vec<u8>>> 
 /// # Errors
 /// The connection's; `TimedOut` at the deadline, `UnexpectedEof` where it ends early, `InvalidData` for what is no
 /// HTTP, an answer other than 200 included.
-pub(super) fn read_body(stream: &mut TcpStream, side: Side, deadline: Instant) -> io::Result<Vec<u8>> {
+pub(crate) fn read_body(stream: &mut (impl TimedRead + Write), side: Side, deadline: Instant) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let head = loop {
         if read_some(stream, &mut bytes, deadline)? == 0 {
@@ -143,9 +155,10 @@ pub(super) fn read_body(stream: &mut TcpStream, side: Side, deadline: Instant) -
     }
     let mut body = bytes.split_off(head.len);
     if head.is_chunked {
+        let mut chunks = Chunks::default();
         loop {
-            if let Some(whole) = dechunked(&body, side.max_body_bytes())? {
-                return Ok(whole);
+            if chunks.read(&body, side.max_body_bytes())? {
+                return Ok(chunks.body);
             }
             if read_some(stream, &mut body, deadline)? == 0 {
                 return Err(io::ErrorKind::UnexpectedEof.into());
@@ -194,4 +207,21 @@ pub(super) fn write_all(stream: &mut TcpStream, bytes: &[u8], deadline: Instant)
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fuzzing::Pieces;
+
+    /// It exceeded its deadline when all chunks so far were read again after each piece.
+    #[test]
+    fn a_body_of_many_chunks_in_many_pieces_is_read_once() {
+        let message =
+            [b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n".to_vec(), b"8\r\n01234567\r\n".repeat(500_000)];
+        let bytes = [message.concat().as_slice(), b"0\r\n\r\n"].concat();
+        let mut pieces = Pieces { bytes: &bytes, piece_bytes: 1000 };
+        let body = read_body(&mut pieces, Side::Response, Instant::now() + Duration::from_secs(10)).unwrap();
+        assert_eq!(body.len(), 4_000_000);
+    }
 }

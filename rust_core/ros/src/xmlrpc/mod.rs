@@ -8,9 +8,9 @@
 //! API*.
 
 pub(crate) mod client;
-mod http;
+pub(crate) mod http;
 pub(crate) mod server;
-mod value;
+pub(crate) mod value;
 
 pub(crate) use client::{call, CallError};
 pub(crate) use server::{Answer, Server};

@@ -15,6 +15,8 @@ use super::encoding::Pixel;
 
 /// The longest side of an image, in pixels.
 const MAX_SIDE_PX: u32 = 16_384;
+/// The most pixels of an RVL image: a run of zeros of any length takes some bytes, so that the data do not limit it.
+const MAX_RVL_PX: usize = 1 << 25;
 
 /// Bytes before the data of `compressedDepth`: a number of the format, and the two parameters.
 const HEADER_LEN: usize = 12;
@@ -105,6 +107,9 @@ fn read_rvl(bytes: &[u8]) -> Result<([u32; 2], Vec<u16>), String> {
         return Err(format!("an image of {}x{}, at most {MAX_SIDE_PX} a side", size_px[0], size_px[1]));
     }
     let count = size_px[0] as usize * size_px[1] as usize;
+    if count > MAX_RVL_PX {
+        return Err(format!("an image of {}x{}, at most {MAX_RVL_PX} pixels", size_px[0], size_px[1]));
+    }
     // Words of 32 bits with the first nibble on top.
     let words = stream.chunks_exact(4).filter_map(|word| Some(u32::from_le_bytes(word.try_into().ok()?)));
     let mut nibbles = words.flat_map(|word| (0..8).rev().map(move |i| (word >> (4 * i)) & 15));
@@ -220,6 +225,16 @@ mod tests {
         assert_eq!(image.data(), [0, 0, 0, 0, 5, 0, 3, 0, 3, 0, 0, 0]);
         data.truncate(data.len() - 4);
         assert!(unpack_depth(&message("16UC1; compressedDepth rvl", data)).is_err());
+    }
+
+    #[test]
+    fn thirty_bytes_of_rvl_are_no_image_of_half_a_gigabyte() {
+        let mut data = vec![0; HEADER_LEN];
+        data.extend([16_384_u32, 16_384].iter().flat_map(|side| side.to_le_bytes()));
+        // A run of 2^28 zeros, then of no values.
+        data.extend([0x8888_8888_u32, 0x8200_0000].iter().flat_map(|word| word.to_le_bytes()));
+        let error = unpack_depth(&message("16UC1; compressedDepth rvl", data)).unwrap_err();
+        assert_eq!(error, "an image of 16384x16384, at most 33554432 pixels");
     }
 
     proptest! {

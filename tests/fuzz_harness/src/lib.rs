@@ -1,0 +1,107 @@
+//! What the fuzz targets do with foreign bytes: everything that comes from other processes or from files goes in here
+//! as it would there, and what comes out is checked.
+//!
+//! Whatever the bytes are, a target ends without a panic, in little time and with little memory; what was understood is
+//! valid, and reads as the same when it is written again, where there is a writer. `scripts/fuzz` runs the targets on bytes
+//! that libFuzzer invents, guided by coverage; the tests of this crate replay what it has found so far: the corpora
+//! (inputs that each reach something new) and the regressions (inputs that once failed), both in `fuzz`.
+
+#![forbid(unsafe_code)]
+
+mod bags;
+mod displays;
+mod messages;
+mod resources;
+mod robots;
+mod stream;
+mod texts;
+mod wire;
+
+pub use displays::display_topics;
+pub use stream::Record;
+
+use std::alloc::System;
+
+use stats_alloc::{Region, StatsAlloc, INSTRUMENTED_SYSTEM};
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+const MIB: usize = 1 << 20;
+
+/// Something that reads foreign bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// The name of its binary and of its folders.
+    pub name: &'static str,
+    /// What it reads.
+    pub reads: &'static str,
+    /// The most bytes that it may allocate for one input, those that it gave back included.
+    pub most_bytes: usize,
+    function: fn(&[u8]),
+}
+
+impl Target {
+    /// Reads the bytes.
+    ///
+    /// # Panics
+    /// When something is wrong with what reads them.
+    pub fn run(&self, data: &[u8]) {
+        let region = Region::new(ALLOCATOR);
+        (self.function)(data);
+        let bytes = region.change().bytes_allocated;
+        let most = self.most_bytes;
+        assert!(bytes <= most, "{}: {bytes} bytes allocated for {}, at most {most} are allowed", self.name, data.len());
+    }
+}
+
+/// Makes a constant of each target, and the list of all.
+macro_rules! targets {
+    ($($constant:ident: $name:literal, $reads:literal, $most_mib:literal MiB, $function:expr;)*) => {
+        $(
+            #[doc = concat!("Reads ", $reads, ".")]
+            ///
+            /// A constant of its own: a binary that names it has nothing of what others run. libFuzzer looks at the whole
+            /// binary's counters after each input, which takes longer than reading most inputs.
+            pub const $constant: Target =
+                Target { name: $name, reads: $reads, most_bytes: $most_mib * MIB, function: $function };
+        )*
+
+        /// All targets; each has a file in `fuzz/fuzz_targets` and a folder in `fuzz/corpus`.
+        pub const TARGETS: &[Target] = &[$($constant),*];
+    };
+}
+
+targets! {
+    MESSAGES: "messages", "messages of every type, and requests of services", 32 MiB, messages::read;
+    DISPLAY_CLOUDS: "display_clouds", "clouds and scans, in all styles", 256 MiB, |data| displays::show("clouds", data);
+    DISPLAY_MARKERS: "display_markers", "Marker and MarkerArray", 256 MiB, |data| displays::show("markers", data);
+    DISPLAY_INTERACTIVE: "display_interactive", "InteractiveMarkerInit and InteractiveMarkerUpdate", 256 MiB,
+        |data| displays::show("interactive", data);
+    DISPLAY_MAPS: "display_maps", "OccupancyGrid with updates, GridCells", 256 MiB, |data| displays::show("maps", data);
+    DISPLAY_POSES: "display_poses", "poses, paths, covariances, screws, ranges and the like", 256 MiB,
+        |data| displays::show("poses", data);
+    DISPLAY_DEPTH: "display_depth", "Image and CompressedImage with CameraInfo", 256 MiB,
+        |data| displays::show("depth", data);
+    DISPLAY_FRAMES: "display_frames", "TFMessage, and a camera's CameraInfo", 256 MiB,
+        |data| displays::show("frames", data);
+    COMPRESSED_IMAGE: "compressed_image", "JPEG, PNG and RVL of image_transport", 1024 MiB, displays::compressed_image;
+    URDF: "urdf", "robot descriptions", 64 MiB, robots::urdf;
+    PACKAGE_XML: "package_xml", "package.xml", 32 MiB, resources::package_xml;
+    STL: "stl", "STL", 64 MiB, resources::stl;
+    COLLADA: "collada", "COLLADA", 64 MiB, resources::collada;
+    OBJ: "obj", "OBJ and its MTL", 64 MiB, resources::obj;
+    TEXTURE: "texture", "textures: PNG, JPEG, BMP, TGA, TIFF, GIF", 2048 MiB, resources::texture;
+    RVIZ_CONFIG: "rviz_config", ".rviz", 64 MiB, texts::rviz_config;
+    PROJECTOR: "projector", "projector files", 32 MiB, texts::projector;
+    PCD: "pcd", "PCD", 64 MiB, texts::pcd;
+    BAG: "bag", "bags", 256 MiB, bags::bag;
+    TCPROS_HEADER: "tcpros_header", "connection headers of TCPROS", 32 MiB, wire::tcpros_header;
+    HTTP: "http", "HTTP messages of XML-RPC", 32 MiB, wire::http;
+    XMLRPC: "xmlrpc", "XML-RPC calls and answers", 64 MiB, wire::xmlrpc;
+}
+
+/// Splits off the first byte; 0 where there is none.
+fn first_byte(data: &[u8]) -> (u8, &[u8]) {
+    data.split_first().map_or((0, data), |(first, rest)| (*first, rest))
+}

@@ -1,0 +1,113 @@
+//! Every input that fuzzing has kept runs again: those of the corpora, each of which reached something new, and those
+//! that once failed.
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::any::Any;
+use std::collections::BTreeSet;
+use std::fs;
+use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rcs_fuzz_harness::{Target, TARGETS};
+
+/// The most time that an input may take.
+const MOST_TIME: Duration = Duration::from_secs(2);
+/// How often one that takes longer is tried, because the computer may have been busy.
+const TRIES: usize = 3;
+/// An input that takes longer than this hangs.
+const HANG_TIME: Duration = Duration::from_secs(60);
+/// The stack of the threads that answer calls in `rcs_ros`; no thread has a smaller one.
+const STACK_BYTES: usize = 512 << 10;
+
+fn fuzz_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz")
+}
+
+/// The files of a folder by name; none where there is no such folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+    text.unwrap_or("a panic without text").to_owned()
+}
+
+/// Runs an input. The least time that it took.
+fn replay(target: &'static Target, bytes: &[u8]) -> Result<Duration, String> {
+    let mut least = Duration::MAX;
+    for _ in 0..TRIES {
+        let begin = Instant::now();
+        catch_unwind(AssertUnwindSafe(|| target.run(bytes))).map_err(|panic| message(&*panic))?;
+        least = least.min(begin.elapsed());
+        if least < MOST_TIME {
+            return Ok(least);
+        }
+    }
+    Err(format!("it takes {} s, at most {} s are allowed", least.as_secs_f64(), MOST_TIME.as_secs()))
+}
+
+/// Runs all inputs of a target on a thread, and gives those that failed. The others' number is printed.
+fn replay_all(target: &'static Target) -> Vec<String> {
+    let inputs: Vec<PathBuf> =
+        ["corpus", "regressions"].iter().flat_map(|kind| files(&fuzz_folder().join(kind).join(target.name))).collect();
+    let (sender, receiver) = mpsc::channel();
+    let paths = inputs.clone();
+    let run = move || {
+        for path in paths {
+            let bytes = fs::read(&path).unwrap();
+            if sender.send(replay(target, &bytes)).is_err() {
+                return;
+            }
+        }
+    };
+    thread::Builder::new().stack_size(STACK_BYTES).spawn(run).unwrap();
+    let mut failures = Vec::new();
+    let mut slowest = Duration::ZERO;
+    for path in &inputs {
+        let place = path.strip_prefix(fuzz_folder()).unwrap_or(path).display();
+        match receiver.recv_timeout(HANG_TIME) {
+            Ok(Ok(time)) => slowest = slowest.max(time),
+            Ok(Err(error)) => failures.push(format!("fuzz/{place}: {error}")),
+            Err(_) => {
+                failures.push(format!("fuzz/{place}: it does not end within {} s", HANG_TIME.as_secs()));
+                break;
+            }
+        }
+    }
+    println!("{}: {} inputs, the slowest took {:.1} ms", target.name, inputs.len(), slowest.as_secs_f64() * 1e3);
+    failures
+}
+
+/// One after the other, because what they allocate is counted.
+#[test]
+fn every_input_that_was_kept_runs_through() {
+    let failures: Vec<String> = TARGETS.iter().flat_map(replay_all).collect();
+    assert!(failures.is_empty(), "{} inputs fail:\n{}", failures.len(), failures.join("\n"));
+}
+
+#[test]
+fn every_target_has_a_binary_and_a_corpus_and_nothing_is_left_over() {
+    let names: BTreeSet<String> = TARGETS.iter().map(|target| target.name.to_owned()).collect();
+    let stems = |folder: &str| -> BTreeSet<String> {
+        let stem = |path: &PathBuf| path.file_stem().unwrap().to_string_lossy().into_owned();
+        files(&fuzz_folder().join(folder)).iter().map(stem).collect()
+    };
+    assert_eq!(stems("fuzz_targets"), names);
+    assert_eq!(stems("corpus"), names);
+    assert!(stems("regressions").is_subset(&names));
+    let manifest = fs::read_to_string(fuzz_folder().join("Cargo.toml")).unwrap();
+    for name in &names {
+        assert!(!files(&fuzz_folder().join("corpus").join(name)).is_empty(), "{name} has no corpus");
+        let source = fs::read_to_string(fuzz_folder().join(format!("fuzz_targets/{name}.rs"))).unwrap();
+        let run = format!("rcs_fuzz_harness::{}.run(data)", name.to_uppercase());
+        assert!(source.contains(&run), "{name}.rs runs another target");
+        assert!(manifest.contains(&format!("name = \"{name}\"")), "{name} is not in fuzz/Cargo.toml");
+    }
+}
