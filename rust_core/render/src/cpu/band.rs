@@ -131,12 +131,7 @@ impl Band<'_> {
     /// As [`Self::for_windows`], for faces with a rank.
     #[inline(always)]
     pub(super) fn for_ranked_windows(&mut self, rows: Range<i32>, begin: i32, mut work: impl FnMut(RankedWindow<'_>)) {
-        if !self.has_ranks {
-            // Whatever is there was drawn before.
-            self.rank.clear();
-            self.rank.resize(self.color.len(), 0);
-            self.has_ranks = true;
-        }
+        self.ensure_ranks();
         let mut at = (rows.start - self.first_row) as usize * self.stride + begin as usize;
         for _ in rows {
             let range = at..at + LANES;
@@ -153,6 +148,39 @@ impl Band<'_> {
             work(RankedWindow { colors, depths, ranks });
             at += self.stride;
         }
+    }
+
+    /// Ranks of zero where there are none yet: whatever is there was drawn before.
+    #[inline]
+    fn ensure_ranks(&mut self) {
+        if !self.has_ranks {
+            self.rank.clear();
+            self.rank.resize(self.color.len(), 0);
+            self.has_ranks = true;
+        }
+    }
+
+    /// What follows is drawn after all that is there.
+    pub(super) fn forget_ranks(&mut self) {
+        self.has_ranks = false;
+    }
+
+    /// As [`Self::span`], with ranks.
+    #[inline]
+    pub(super) fn ranked_span(
+        &mut self,
+        row: i32,
+        begin: i32,
+        end: i32,
+    ) -> (i32, impl Iterator<Item = (&mut u32, &mut f32, &mut u32)>) {
+        self.ensure_ranks();
+        let begin = begin.clamp(0, self.width);
+        let end = end.clamp(begin, self.width);
+        let start = (row - self.first_row) as usize * self.stride;
+        let range = start + begin as usize..start + end as usize;
+        let (colors, depths) = (&mut self.color[range.clone()], &mut self.depth[range.clone()]);
+        let pixels = colors.iter_mut().zip(depths).zip(&mut self.rank[range]);
+        (begin, pixels.map(|((color, depth), rank)| (color, depth, rank)))
     }
 
     /// The largest depth of a tile and the lowest rank in it; of pixels outside of the picture nothing is known.

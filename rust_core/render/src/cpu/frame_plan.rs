@@ -74,6 +74,8 @@ pub(super) enum Job {
     Pieces(Range<usize>),
     /// Some of the plan's pieces of batches.
     Batches(Range<usize>),
+    /// The same, of solids that are drawn together with those of all jobs next to it of this kind.
+    Crowd(Range<usize>),
 }
 
 impl Job {
@@ -81,7 +83,9 @@ impl Job {
     pub(super) fn goes_with(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Points(cloud, _), Self::Points(other, _)) => cloud == other,
-            (Self::Pieces(_), Self::Pieces(_)) | (Self::Batches(_), Self::Batches(_)) => true,
+            (Self::Pieces(_), Self::Pieces(_))
+            | (Self::Batches(_), Self::Batches(_))
+            | (Self::Crowd(_), Self::Crowd(_)) => true,
             _ => false,
         }
     }
@@ -343,6 +347,40 @@ impl<'a> FramePlan<'a> {
             self.job_displays.push(self.open_display);
         }
         (self.open_batch_piece, self.open_solids) = (self.batch_pieces.len(), 0);
+    }
+
+    /// Makes crowds of opaque solids where so many follow each other.
+    pub(super) fn find_crowds(&mut self, min_solids: usize) {
+        // So that each triangle of a picture has a rank.
+        const MAX_TRIANGLES: u64 = 1 << 31;
+        let pieces = |job: &Job| match job {
+            Job::Batches(pieces) => self.batch_pieces.get(pieces.clone()),
+            _ => None,
+        };
+        let triangles_of = |job: &Job| {
+            pieces(job)?.iter().try_fold(0, |sum, piece| Some(sum + piece.opaque_triangles(&self.batches)?))
+        };
+        let solids_of = |job: &Job| pieces(job).map_or(0, |pieces| pieces.iter().map(|piece| piece.range.len()).sum());
+        let (mut begin, mut triangles) = (0, 0);
+        let mut crowds: Vec<Range<usize>> = Vec::new();
+        while begin < self.jobs.len() {
+            let (mut end, mut solids) = (begin, 0_usize);
+            while let Some((job, count)) = self.jobs.get(end).and_then(|job| Some((job, triangles_of(job)?))) {
+                if triangles + count > MAX_TRIANGLES {
+                    break;
+                }
+                (end, triangles, solids) = (end + 1, triangles + count, solids + solids_of(job));
+            }
+            crowds.extend((solids >= min_solids && end > begin).then_some(begin..end));
+            begin = end.max(begin + 1);
+        }
+        for crowd in crowds {
+            for job in self.jobs.get_mut(crowd).unwrap_or_default() {
+                if let Job::Batches(pieces) = job {
+                    *job = Job::Crowd(pieces.clone());
+                }
+            }
+        }
     }
 
     /// Marks the clouds that Ogre would not draw, given the points that each job has selected.

@@ -55,6 +55,9 @@ use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
 use crate::{RenderError, Renderer, View};
 
+/// From how many opaque solids on those that others hide are looked for.
+const SOLIDS_OF_CROWD: usize = 1024;
+
 /// Draws on the CPU.
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
@@ -192,6 +195,11 @@ impl CpuRenderer {
         self.textures.forget_dead();
         self.shapes.forget_dead();
         let mut plan = FramePlan::new(view, &mut self.textures, &mut self.shapes, &mut self.memory);
+        plan.find_crowds(match self.culling {
+            Culling::Heavy => SOLIDS_OF_CROWD,
+            Culling::Always => 1,
+            Culling::Never => usize::MAX,
+        });
         let jobs = plan.jobs.len();
         if self.outcomes.len() < jobs || self.outcomes.len() > 2 * jobs + 16 {
             self.outcomes.resize_with(jobs, Outcome::default);
@@ -263,6 +271,7 @@ impl CpuRenderer {
                 (end, load) = (end + 1, both);
             }
             let is_ranked = match self.culling {
+                _ if matches!(job, Job::Crowd(_)) => true,
                 Culling::Heavy => load.is_heavy(screen),
                 Culling::Always => end > begin,
                 Culling::Never => false,
@@ -297,6 +306,11 @@ fn draw_ranked(
         Job::Batches(_) => {
             if let Some(view) = &plan.batch_view {
                 Instances::draw_ranked(outcomes, (&plan.batches, view), (screen, index), instances, ranked, band);
+            }
+        }
+        Job::Crowd(_) => {
+            if let Some(view) = &plan.batch_view {
+                Instances::draw_crowd(outcomes, (&plan.batches, view), (screen, index), instances, ranked, band);
             }
         }
     }
@@ -347,6 +361,7 @@ impl Outcome {
             }
             Job::Pieces(_) => self.primitives.load(),
             Job::Batches(_) => self.instances.load(),
+            Job::Crowd(_) => Load::default(),
         }
     }
 
@@ -373,6 +388,13 @@ impl Outcome {
                     self.instances.add(piece, &plan.batches, view, screen, &mut worker.instances);
                 }
             }
+            Job::Crowd(pieces) => {
+                self.instances.clear(screen);
+                let Some(view) = &plan.batch_view else { return };
+                for piece in plan.batch_pieces.get(pieces.clone()).unwrap_or(&[]) {
+                    self.instances.add_members(piece, &plan.batches, view, screen, &mut worker.instances);
+                }
+            }
         }
     }
 
@@ -392,7 +414,7 @@ impl Outcome {
                 }
             }
             Job::Pieces(_) => self.primitives.draw(&plan.solids, index, band),
-            Job::Batches(_) => {
+            Job::Batches(_) | Job::Crowd(_) => {
                 if let Some(view) = &plan.batch_view {
                     self.instances.draw(&plan.batches, view, screen, index, instances, band);
                 }

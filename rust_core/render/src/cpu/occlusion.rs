@@ -16,6 +16,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 
+use super::band::Band;
 use super::lanes::{inlined, lane_indices, load, F, LANES, U};
 use super::screen::FARTHEST;
 
@@ -40,7 +41,7 @@ pub(super) struct DepthPlane {
 
 impl DepthPlane {
     /// The same depth everywhere.
-    fn level(at: f32) -> Self {
+    pub(super) fn level(at: f32) -> Self {
         Self { at, dx: 0.0, dy: 0.0, x: 0.0, y: 0.0, noise: 0.0 }
     }
 
@@ -267,6 +268,26 @@ impl Occluders {
         self.blocks.offer(&plane, first_rank, block.row, block.column);
     }
 
+    /// Looks again at the tiles of an area in which something was drawn.
+    #[inline(always)]
+    pub(super) fn look<S: Simd>(&mut self, simd: S, band: &Band<'_>, area: Area) {
+        let block_rows = (area.top - self.first_row) / BLOCK_PX..=(area.bottom - 1 - self.first_row) / BLOCK_PX;
+        for row in block_rows {
+            for column in area.left / BLOCK_PX..=(area.right - 1) / BLOCK_PX {
+                let block = Cell { row, column };
+                let mut is_nearer = false;
+                for tile in tiles_within(self.area(block, BLOCK_PX), area, self.first_row) {
+                    if let Drawn::Partly { farthest, first_rank } = band.farthest(simd, self.area(tile, TILE_PX)) {
+                        is_nearer |= self.tiles.offer(&DepthPlane::level(farthest), first_rank, tile.row, tile.column);
+                    }
+                }
+                if is_nearer {
+                    self.join_tiles(block);
+                }
+            }
+        }
+    }
+
     /// Draws a face within an area: `draw` is given this, and the pixels of each tile of which something may be seen,
     /// and says what is known of them then. `covers` says whether the face covers other pixels.
     #[inline(always)]
@@ -319,6 +340,14 @@ impl Occluders {
             }
         }
     }
+}
+
+/// The tiles of a block that an area touches.
+fn tiles_within(block: Area, area: Area, first_row: i32) -> impl Iterator<Item = Cell> {
+    let tiles = |begin: i32, end: i32| begin / TILE_PX..=(end - 1) / TILE_PX;
+    let rows = tiles(area.top.max(block.top) - first_row, area.bottom.min(block.bottom) - first_row);
+    let columns = tiles(area.left.max(block.left), area.right.min(block.right));
+    rows.flat_map(move |row| columns.clone().map(move |column| Cell { row, column }))
 }
 
 /// Tiles on a side of a block.

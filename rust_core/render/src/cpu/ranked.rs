@@ -9,6 +9,7 @@
 //!
 //! A face that has exactly the corners of one with a higher rank is not drawn at all.
 
+use super::band::Band;
 use super::occlusion::Occluders;
 use super::screen::{Screen, SUBPIXELS};
 use super::triangles::Corner;
@@ -47,6 +48,19 @@ impl RankedScratch {
         self.recent_triangles.begin();
         self.recent_points.begin();
         Some(first)
+    }
+}
+
+impl RankedScratch {
+    /// As [`Self::take_ranks`], but where there are too many, all ranks are free again: whatever a band shows was drawn
+    /// before. `None` only for more than there are at all.
+    pub(super) fn begin_again_for(&mut self, count: usize, band: &mut Band<'_>) -> Option<u32> {
+        let rows = [band.first_row, band.end_row];
+        self.take_ranks(count, band.width, rows).or_else(|| {
+            self.begin();
+            band.forget_ranks();
+            self.take_ranks(count, band.width, rows)
+        })
     }
 }
 

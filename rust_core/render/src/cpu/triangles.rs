@@ -12,7 +12,7 @@ use fearless_simd::{dispatch, Simd};
 use rcs_scene::CullMode;
 use wide::{f32x4, i32x4};
 
-use super::band::{meet, unorm8, Band};
+use super::band::{meet, pack, unorm8, Band};
 use super::clip::{ClipVertex, Polygon};
 use super::fill::{can_fill, Fill};
 use super::occlusion::{Area, Occluders};
@@ -142,45 +142,74 @@ pub(super) fn cut(triangle: [&ClipVertex; 3], surface: &Surface, screen: &Screen
 }
 
 /// Draws the rows of a band. Culling is done by then.
-pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mut Band<'_>) {
-    let mut area = doubled_area([&a.position, &b.position, &c.position]);
-    if area == 0 {
+pub(super) fn draw(corners: [&Corner; 3], surface: &Surface, band: &mut Band<'_>) {
+    let Some((corners, area)) = clockwise(corners) else { return };
+    let positions = corners.map(|corner| &corner.position);
+    let (left, right) = between(positions[0].x, positions[1].x, positions[2].x);
+    if right - left >= Wide::MIN_WIDTH_PX && can_fill(surface) {
+        let wide = Wide { planes: Planes::new(corners, area, surface), edges: Edge::around(positions) };
+        dispatch!(band.simd_level, simd => wide.draw(simd, surface, (left, right), rows(positions), band));
         return;
     }
-    if area < 0 {
-        std::mem::swap(&mut b, &mut c);
-        area = -area;
-    }
-    let positions = [&a.position, &b.position, &c.position];
-    let (left, right) = between(a.position.x, b.position.x, c.position.x);
-    let (begin, end) = rows(positions);
     // Many a triangle of a detailed mesh lies between the pixels' centres.
     let mut planes = None;
-    let mut draw_row = |y, (first, after), band: &mut Band<'_>| {
+    for_rows(positions, band, |y, first, after, band| {
+        let planes = planes.get_or_insert_with(|| Planes::new(corners, area, surface));
+        planes.draw_row(surface, y, first, after, band);
+    });
+}
+
+/// Draws the rows of a band of a small opaque triangle in its colour, not in its turn but with its rank in it.
+pub(super) fn draw_among(corners: [&Corner; 3], surface: &Surface, rank: u32, band: &mut Band<'_>) {
+    let Some((corners, area)) = clockwise(corners) else { return };
+    let mut planes = None;
+    for_rows(corners.map(|corner| &corner.position), band, |y, first, after, band| {
+        let planes = planes.get_or_insert_with(|| Planes::new(corners, area, surface));
+        planes.draw_row_among(y, first, after, rank, band);
+    });
+}
+
+/// The corners in the order in which the inside is on the right of each edge as the picture shows it, and twice the
+/// area; none where that is zero.
+#[inline]
+fn clockwise([a, b, c]: [&Corner; 3]) -> Option<([&Corner; 3], i64)> {
+    match doubled_area([&a.position, &b.position, &c.position]) {
+        0 => None,
+        area if area < 0 => Some(([a, c, b], -area)),
+        area => Some(([a, b, c], area)),
+    }
+}
+
+/// Passes on the pixels of each of the band's rows that a triangle covers: the row, the first one, and the one after
+/// the last.
+#[inline(always)]
+fn for_rows(
+    positions: [&ScreenPosition; 3],
+    band: &mut Band<'_>,
+    mut draw_row: impl FnMut(i32, i32, i32, &mut Band<'_>),
+) {
+    let (left, right) = between(positions[0].x, positions[1].x, positions[2].x);
+    let (begin, end) = rows(positions);
+    let rows = band.rows(begin, end);
+    let mut draw_row = |y, first, after, band: &mut Band<'_>| {
         if first < after {
-            planes
-                .get_or_insert_with(|| Planes::new([a, b, c], area, surface))
-                .draw_row(surface, y, first, after, band);
+            draw_row(y, first, after, band);
         }
     };
     if right - left <= SmallEdges::MAX_WIDTH_PX && end - begin <= SmallEdges::MAX_HEIGHT_PX {
         let edges = SmallEdges::around(positions, left, begin);
-        for y in band.rows(begin, end) {
+        for y in rows {
             let (first, after) = edges.row(y - begin, right - left);
-            draw_row(y, (left + first, left + after), band);
+            draw_row(y, left + first, left + after, band);
         }
-    } else if right - left >= Wide::MIN_WIDTH_PX && can_fill(surface) {
-        let wide = Wide { planes: Planes::new([a, b, c], area, surface), edges: Edge::around(positions) };
-        dispatch!(band.simd_level, simd => wide.draw(simd, surface, (left, right), (begin, end), band));
     } else {
-        let rows = band.rows(begin, end);
         let mut edges = Edge::around(positions).map(|edge| EdgeRows::new(&edge, rows.start));
         for y in rows {
             let (mut first, mut after) = (left, right);
             for edge in &mut edges {
                 edge.narrow(&mut first, &mut after);
             }
-            draw_row(y, (first, after), band);
+            draw_row(y, first, after, band);
         }
     }
 }
@@ -188,27 +217,20 @@ pub(super) fn draw([a, mut b, mut c]: [&Corner; 3], surface: &Surface, band: &mu
 /// Draws the rows of a band of an opaque triangle, not in its turn but with its rank in it; the surface is one that
 /// [`can_fill`].
 pub(super) fn draw_ranked(
-    [a, mut b, mut c]: [&Corner; 3],
+    corners: [&Corner; 3],
     surface: &Surface,
     rank: u32,
     band: &mut Band<'_>,
     occluders: &mut Occluders,
 ) {
-    let mut area = doubled_area([&a.position, &b.position, &c.position]);
-    if area == 0 {
-        return;
-    }
-    if area < 0 {
-        std::mem::swap(&mut b, &mut c);
-        area = -area;
-    }
-    let positions = [&a.position, &b.position, &c.position];
-    let (left, right) = between(a.position.x, b.position.x, c.position.x);
+    let Some((corners, area)) = clockwise(corners) else { return };
+    let positions = corners.map(|corner| &corner.position);
+    let (left, right) = between(positions[0].x, positions[1].x, positions[2].x);
     let (begin, end) = rows(positions);
     let Range { start: top, end: bottom } = band.rows(begin, end);
     let pixels = Area { left: left.max(0), right: right.min(band.width), top, bottom };
     if pixels.left < pixels.right && pixels.top < pixels.bottom {
-        let planes = Planes::new([a, b, c], area, surface);
+        let planes = Planes::new(corners, area, surface);
         let edges = Edge::around(positions);
         dispatch!(band.simd_level, simd => {
             Fill::new(simd, &planes, surface).ranked(&edges, pixels, rank, band, occluders);
@@ -291,6 +313,24 @@ impl Planes {
             [0, 1].map(|i| plane(uv_a[i] * a.inverse_w, uv_b[i] * b.inverse_w, uv_c[i] * c.inverse_w))
         };
         Self { flat, depth, inverse_w: plane(a.inverse_w, b.inverse_w, c.inverse_w), color, uv }
+    }
+
+    /// Draws in the interpolated colour; of equal depths that of the higher rank wins.
+    fn draw_row_among(&self, y: i32, first: i32, after: i32, rank: u32, band: &mut Band<'_>) {
+        let (first, pixels) = band.ranked_span(y, first, after);
+        let row = y as f32;
+        let flat = self.flat.then(|| pack(self.color.map(|plane| unorm8(plane.at))));
+        for ((pixel, pixel_depth, pixel_rank), x) in pixels.zip(first..) {
+            let column = x as f32;
+            let depth = self.depth.value(column, row).clamp(0.0, FARTHEST);
+            if depth < *pixel_depth || (depth == *pixel_depth && rank >= *pixel_rank) {
+                *pixel = flat.unwrap_or_else(|| {
+                    let w = 1.0 / self.inverse_w.value(column, row);
+                    pack(self.color.map(|plane| unorm8(plane.value(column, row) * w)))
+                });
+                (*pixel_depth, *pixel_rank) = (depth, rank);
+            }
+        }
     }
 
     fn draw_row(&self, surface: &Surface, y: i32, first: i32, after: i32, band: &mut Band<'_>) {

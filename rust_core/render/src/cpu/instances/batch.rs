@@ -55,6 +55,17 @@ pub(in crate::cpu) struct BatchPiece {
     pub range: Range<usize>,
 }
 
+impl BatchPiece {
+    /// How many triangles its opaque solids have; `None` where it is anything else.
+    pub(in crate::cpu) fn opaque_triangles(&self, batches: &[Batch<'_>]) -> Option<u64> {
+        let Some(Batch::Solids(solids, shapes)) = batches.get(self.batch) else { return None };
+        solids.as_slice().get(self.range.clone())?.iter().try_fold(0, |sum, solid| {
+            let shape = shapes.get(solid.shape()).filter(|_| !solid.is_translucent())?;
+            Some(sum + shape.triangles.len() as u64)
+        })
+    }
+}
+
 /// What all batches of a picture share.
 #[derive(Debug)]
 pub(in crate::cpu) struct BatchView<'a> {

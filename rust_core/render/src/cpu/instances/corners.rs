@@ -3,6 +3,7 @@
 use fearless_simd::prelude::*;
 use rcs_scene::{Material, Mesh, Text, Vertex};
 
+use super::crowd::Turn;
 use super::shape::Shape;
 use crate::cpu::clip::Outside;
 use crate::cpu::lanes::{load, map, store_whole, transform, whole, F, LANES};
@@ -47,6 +48,12 @@ pub(in crate::cpu) struct InstanceScratch {
     pub(super) x: Vec<i32>,
     pub(super) y: Vec<i32>,
     pub(super) gaps: Vec<i32>,
+    /// Of a solid of a crowd, the triangles that may be seen.
+    pub(super) seen: Vec<u32>,
+    /// A crowd's solids in a band, as [`Turn`] orders them.
+    pub(super) turns: Vec<Turn>,
+    /// For each job of a crowd the first of its ranks.
+    pub(super) ranks: Vec<u32>,
     /// By the number of the vertex; of the present thing where `generation` is.
     corners: Vec<CachedCorner>,
     generation: u64,

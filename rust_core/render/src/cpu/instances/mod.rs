@@ -16,6 +16,7 @@
 
 mod batch;
 mod corners;
+mod crowd;
 mod reach;
 mod shape;
 #[cfg(test)]
@@ -28,6 +29,7 @@ use rcs_scene::{CullMode, Drawable, Glyph, Material, Mesh, Text};
 pub(super) use self::batch::{Batch, BatchPiece, BatchView, SmallMesh};
 pub(super) use self::corners::InstanceScratch;
 use self::corners::{place_vertices, Source, Vertices};
+use self::crowd::Member;
 use self::reach::{reach, Reach, ShapeBounds};
 use self::shape::Shape;
 pub(super) use self::shape::Shapes;
@@ -64,6 +66,10 @@ pub(super) struct Instances {
     bins: Bins,
     next: u32,
     load: Load,
+    /// Solids of a crowd. Their triangles are numbered with the others.
+    members: Vec<Member>,
+    /// The members' indices.
+    member_bins: Bins,
 }
 
 /// A mesh where it stands.
@@ -80,6 +86,8 @@ impl Instances {
     pub(super) fn clear(&mut self, screen: &Screen) {
         self.placed.clear();
         self.bins.reset(screen);
+        self.members.clear();
+        self.member_bins.reset(screen);
         self.next = 0;
         self.load = Load::default();
     }
@@ -98,28 +106,10 @@ impl Instances {
         screen: &Screen,
         scratch: &mut InstanceScratch,
     ) {
-        match batches.get(piece.batch) {
-            Some(Batch::Solids(solids, shapes)) => {
-                let range = piece.range.clone();
-                for (item, solid) in range.clone().zip(solids.as_slice().get(range).unwrap_or(&[])) {
-                    let (Some(mesh), Some(shape)) = (solids.shapes().get(solid.shape()), shapes.get(solid.shape()))
-                    else {
-                        continue;
-                    };
-                    let fixed_from_mesh = solid.matrix();
-                    let (surface, material) = (view.surface_of_solid(solid), &Material::lit(solid.color));
-                    let placed = PlacedMesh { fixed_from_mesh, mesh, material, surface, shape };
-                    self.add_mesh(&placed, [piece.batch as u32, item as u32], view, screen, scratch);
-                }
-            }
-            Some(Batch::Mesh(SmallMesh { drawable, mesh, material, surface, shape })) => {
-                let fixed_from_mesh = drawable.fixed_from_object;
-                let placed = PlacedMesh { fixed_from_mesh, mesh, material, surface, shape };
-                self.add_mesh(&placed, [piece.batch as u32, 0], view, screen, scratch);
-            }
-            Some(Batch::Text(text, drawable)) => self.add_text(text, drawable, piece, view, screen, scratch),
-            None => {}
+        if let Some(Batch::Text(text, drawable)) = batches.get(piece.batch) {
+            self.add_text(text, drawable, piece, view, screen, scratch);
         }
+        for_each_mesh(piece, batches, view, |placed, ids| self.add_mesh(placed, ids, view, screen, scratch));
     }
 
     fn add_mesh(
@@ -139,7 +129,8 @@ impl Instances {
         }
         self.load.in_order |= surface.mode != Mode::OPAQUE || !can_fill(surface);
         let first = self.next;
-        let is_seen = if reach == Reach::Inside {
+        let is_inside = matches!(reach, Reach::Inside(_));
+        let is_seen = if is_inside {
             dispatch!(screen.simd_level, simd => place_vertices(simd, shape, &rows, screen, scratch));
             self.add_inside(shape, surface, screen, scratch)
         } else {
@@ -154,43 +145,20 @@ impl Instances {
         };
         if is_seen {
             let transform = view.transform(&view_from_object);
-            let may_be_cut = reach != Reach::Inside;
-            self.placed.push(Placed { first, batch, item, may_be_cut, transform });
+            self.placed.push(Placed { first, batch, item, may_be_cut: !is_inside, transform });
             self.next += shape.triangles.len() as u32;
         }
     }
 
     /// Makes the triangles of a solid inside the view ready whose vertices were placed. Returns whether any may be seen.
     fn add_inside(&mut self, shape: &Shape, surface: &Surface, screen: &Screen, scratch: &InstanceScratch) -> bool {
-        let (x, y, gaps) = (scratch.x.as_slice(), scratch.y.as_slice(), scratch.gaps.as_slice());
-        let is_hidden = |doubled_area: i64| match surface.cull {
-            CullMode::None => doubled_area == 0,
-            CullMode::Back => doubled_area >= 0,
-            CullMode::Front => doubled_area <= 0,
-        };
+        let first = self.next;
         let mut is_seen = false;
-        for (number, corners) in (self.next..).zip(&shape.triangles) {
-            let [a, b, c] = corners.map(|corner| corner as usize);
-            let (Some(&gap_a), Some(&gap_b), Some(&gap_c)) = (gaps.get(a), gaps.get(b), gaps.get(c)) else { continue };
-            let differences = (gap_a ^ gap_b) | (gap_a ^ gap_c);
-            if differences & 0xffff == 0 || differences >> 16 == 0 {
-                continue;
-            }
-            let (ax, ay) = (i64::from(x[a]), i64::from(y[a]));
-            let (bx, by) = (i64::from(x[b]) - ax, i64::from(y[b]) - ay);
-            let (cx, cy) = (i64::from(x[c]) - ax, i64::from(y[c]) - ay);
-            let doubled_area = bx * cy - cx * by;
-            if is_hidden(doubled_area) {
-                continue;
-            }
-            let [top, bottom] = [y[a].min(y[b]).min(y[c]), y[a].max(y[b]).max(y[c])];
-            let [left, right] = [x[a].min(x[b]).min(x[c]), x[a].max(x[b]).max(x[c])];
-            let (begin, end) = (first_pixel(top), first_pixel(bottom + 1));
-            let columns = (first_pixel(left), first_pixel(right + 1));
-            self.load.add(Extent::of_triangle(columns, (begin, end), doubled_area, screen));
-            self.bin(number, begin, end, screen);
+        sieve(shape, surface, scratch, |triangle, columns, rows, doubled_area| {
+            self.load.add(Extent::of_triangle(columns, rows, doubled_area, screen));
+            self.bin(first + triangle, rows.0, rows.1, screen);
             is_seen = true;
-        }
+        });
         is_seen
     }
 
@@ -329,15 +297,26 @@ impl Instances {
         };
         for at in scattered(count) {
             let Some(&[job, number]) = ranked.faces.get(at) else { continue };
-            let Some((placed, _)) = jobs.get(job as usize).and_then(|job| job.as_ref().placed(number)) else {
-                continue;
-            };
-            placed.with_source(batches, view, |source, triangle| {
-                if let Some(corners) = triangle(number - placed.first) {
-                    draw_triangle_ranked(corners, source, first_rank + at as u32, screen, ranked, band);
-                }
-            });
+            let Some(instances) = jobs.get(job as usize).map(AsRef::as_ref) else { continue };
+            instances.draw_one_ranked(number, first_rank + at as u32, (batches, view), screen, ranked, band);
         }
+    }
+
+    fn draw_one_ranked(
+        &self,
+        number: u32,
+        rank: u32,
+        (batches, view): (&[Batch<'_>], &BatchView<'_>),
+        screen: &Screen,
+        ranked: &mut RankedScratch,
+        band: &mut Band<'_>,
+    ) {
+        let Some((placed, _)) = self.placed(number) else { return };
+        placed.with_source(batches, view, |source, triangle| {
+            if let Some(corners) = triangle(number - placed.first) {
+                draw_triangle_ranked(corners, source, rank, screen, ranked, band);
+            }
+        });
     }
 }
 
@@ -373,6 +352,68 @@ impl Placed {
             }
             None => {}
         }
+    }
+}
+
+/// Passes on the solids or the mesh of a piece, each with the indices of its batch and in it.
+fn for_each_mesh(
+    piece: &BatchPiece,
+    batches: &[Batch<'_>],
+    view: &BatchView<'_>,
+    mut work: impl FnMut(&PlacedMesh<'_>, [u32; 2]),
+) {
+    match batches.get(piece.batch) {
+        Some(Batch::Solids(solids, shapes)) => {
+            let range = piece.range.clone();
+            for (item, solid) in range.clone().zip(solids.as_slice().get(range).unwrap_or(&[])) {
+                let (mesh, shape) = (solids.shapes().get(solid.shape()), shapes.get(solid.shape()));
+                let (Some(mesh), Some(shape)) = (mesh, shape) else { continue };
+                let (surface, material) = (view.surface_of_solid(solid), &Material::lit(solid.color));
+                let placed = PlacedMesh { fixed_from_mesh: solid.matrix(), mesh, material, surface, shape };
+                work(&placed, [piece.batch as u32, item as u32]);
+            }
+        }
+        Some(Batch::Mesh(SmallMesh { drawable, mesh, material, surface, shape })) => {
+            let fixed_from_mesh = drawable.fixed_from_object;
+            work(&PlacedMesh { fixed_from_mesh, mesh, material, surface, shape }, [piece.batch as u32, 0]);
+        }
+        Some(Batch::Text(..)) | None => {}
+    }
+}
+
+/// The triangles of a solid inside the view that may be seen, given where its vertices were placed: passes on the
+/// number of each, its columns and rows of pixels with the ones after the last, and twice its area.
+#[inline]
+fn sieve(
+    shape: &Shape,
+    surface: &Surface,
+    scratch: &InstanceScratch,
+    mut work: impl FnMut(u32, (i32, i32), (i32, i32), i64),
+) {
+    let (x, y, gaps) = (scratch.x.as_slice(), scratch.y.as_slice(), scratch.gaps.as_slice());
+    let is_hidden = |doubled_area: i64| match surface.cull {
+        CullMode::None => doubled_area == 0,
+        CullMode::Back => doubled_area >= 0,
+        CullMode::Front => doubled_area <= 0,
+    };
+    for (triangle, corners) in (0..).zip(&shape.triangles) {
+        let [a, b, c] = corners.map(|corner| corner as usize);
+        let (Some(&gap_a), Some(&gap_b), Some(&gap_c)) = (gaps.get(a), gaps.get(b), gaps.get(c)) else { continue };
+        let differences = (gap_a ^ gap_b) | (gap_a ^ gap_c);
+        if differences & 0xffff == 0 || differences >> 16 == 0 {
+            continue;
+        }
+        let (ax, ay) = (i64::from(x[a]), i64::from(y[a]));
+        let (bx, by) = (i64::from(x[b]) - ax, i64::from(y[b]) - ay);
+        let (cx, cy) = (i64::from(x[c]) - ax, i64::from(y[c]) - ay);
+        let doubled_area = bx * cy - cx * by;
+        if is_hidden(doubled_area) {
+            continue;
+        }
+        let [top, bottom] = [y[a].min(y[b]).min(y[c]), y[a].max(y[b]).max(y[c])];
+        let [left, right] = [x[a].min(x[b]).min(x[c]), x[a].max(x[b]).max(x[c])];
+        let pixels = |first: i32, last: i32| (first_pixel(first), first_pixel(last + 1));
+        work(triangle, pixels(left, right), pixels(top, bottom), doubled_area);
     }
 }
 

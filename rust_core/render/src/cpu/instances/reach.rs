@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::screen::{Screen, SUBPIXELS};
+use super::super::screen::{Screen, FARTHEST, SUBPIXELS};
 
 /// A box: its middle and half its size.
 #[derive(Clone, Copy, Debug)]
@@ -19,14 +19,43 @@ impl ShapeBounds {
 }
 
 /// What a box may be on the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Reach {
     /// Nothing in it is seen.
     Unseen,
     /// All in it is in the view.
-    Inside,
+    Inside(Footprint),
     /// Anything else.
     Crossing,
+}
+
+/// Where a box in the view is on the picture, or a little more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Footprint {
+    /// The first column of pixels and the one after the last.
+    pub columns: [i32; 2],
+    /// The same of rows.
+    pub rows: [i32; 2],
+    /// Not more than the depth of any fragment of a solid in the box, see [`FARTHEST`].
+    pub least_depth: f32,
+}
+
+impl Footprint {
+    /// Whether it is as small as the least depth holds for, and as a crowd's solids are.
+    pub(super) fn is_small(&self) -> bool {
+        const MAX_PX: i32 = 64;
+        [self.columns, self.rows].iter().all(|[first, after]| after - first <= MAX_PX)
+    }
+}
+
+/// The least depth of a solid's fragments, given that of its box and the greatest.
+///
+/// Depths are interpolated with rounded slopes. Those of a sliver of no width to speak of may miss its corners' depths,
+/// by no more than a few times their range where it is some dozen pixels long.
+fn least_depth([near, far]: [f32; 2]) -> f32 {
+    const STEPS: f32 = 16.0;
+    const RANGES: f32 = 4.0;
+    (near - (far - near) * RANGES - STEPS).max(0.0)
 }
 
 /// How far a box reaches into the view. Errs towards `Crossing`.
@@ -61,20 +90,26 @@ pub(super) fn reach(bounds: &ShapeBounds, rows: &[[f32; 4]; 4], screen: &Screen)
     if !is_inside || least_w <= 0.0 || most_w.is_nan() {
         return Reach::Crossing;
     }
-    // Between which window coordinates it lies, and whether a pixel's centre is among them.
-    let holds_centre = |axis: [f32; 4], window: &dyn Fn(f32) -> f32| {
+    // Between which coordinates it lies.
+    let between = |axis: [f32; 4]| {
         let (at, extent) = (dot(axis), extent(axis) + size(axis) * SLACK);
         let [low, high] = [at - extent, at + extent];
         let low = if low < 0.0 { low / least_w } else { low / most_w };
         let high = if high < 0.0 { high / most_w } else { high / least_w };
-        let [a, b] = [window(low), window(high)];
+        [low, high]
+    };
+    // The pixels whose centres may be among them.
+    let pixels = |axis: [f32; 4], window: &dyn Fn(f32) -> f32| {
+        let [a, b] = between(axis).map(window);
         let slack = (a.abs() + b.abs()) * SLACK + SNAP_PX;
         let (low, high) = (a.min(b) - slack - 0.5, a.max(b) + slack - 0.5);
-        low.ceil() <= high.floor()
+        [low.ceil() as i32, high.floor() as i32 + 1]
     };
-    if holds_centre(rows[0], &|x| screen.x(x)) && holds_centre(rows[1], &|y| screen.y(y)) {
-        Reach::Inside
-    } else {
-        Reach::Unseen
+    let columns = pixels(rows[0], &|x| screen.x(x));
+    let rows_of_pixels = pixels(rows[1], &|y| screen.y(y));
+    if columns[0] >= columns[1] || rows_of_pixels[0] >= rows_of_pixels[1] {
+        return Reach::Unseen;
     }
+    let depths = between(rows[2]).map(|depth| (depth * 0.5 + 0.5) * FARTHEST);
+    Reach::Inside(Footprint { columns, rows: rows_of_pixels, least_depth: least_depth(depths) })
 }

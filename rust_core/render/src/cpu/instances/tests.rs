@@ -10,7 +10,7 @@ use rcs_scene::{
     Mesh, Picture, RenderGroup, Rgba, Scene, Solids, Text, Vertex, VerticalAlignment,
 };
 
-use crate::{CpuRenderer, Renderer, View};
+use crate::{CpuRenderer, Culling, Renderer, View};
 
 /// A ball of diameter 1, or with few rings and segments something with flat sides.
 fn ball(rings: u32, segments: u32) -> Arc<Mesh> {
@@ -85,13 +85,17 @@ fn together(things: &[Thing], shapes: &[Arc<Mesh>]) -> Vec<Drawable> {
 }
 
 fn picture(drawables: Vec<Drawable>, visible: &DisplayMask, whole_meshes: bool) -> Vec<u8> {
+    let mut renderer = CpuRenderer::with_threads(2).with_culling(Culling::Never);
+    renderer.memory.small_mesh_triangles = whole_meshes.then_some(0);
+    picture_by(&mut renderer, drawables, visible)
+}
+
+fn picture_by(renderer: &mut CpuRenderer, drawables: Vec<Drawable>, visible: &DisplayMask) -> Vec<u8> {
     let p = [100.0, 0.0, 50.0, 0.0, 0.0, 100.0, 40.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let camera = Camera::new(Intrinsics::from_p(101, 83, &p).unwrap(), &Isometry3::identity(), 0.01);
     let light = Some(DirectionalLight { direction: Vector3::new(0.3, 0.5, 0.8).normalize() });
     let scene = Scene { drawables, light };
     let view = View { scene: &scene, camera: &camera, visible, background: [9; 3], encoding: Encoding::Rgba8 };
-    let mut renderer = CpuRenderer::with_threads(2);
-    renderer.memory.small_mesh_triangles = whole_meshes.then_some(0);
     let mut picture = Picture::default();
     renderer.render(&view, &mut picture).unwrap();
     picture.data
@@ -111,6 +115,26 @@ proptest! {
         let expected = picture(singly(&things, &shapes), &visible, true);
         prop_assert!(picture(singly(&things, &shapes), &visible, false) == expected, "small meshes");
         prop_assert!(picture(together(&things, &shapes), &visible, false) == expected, "solids");
+    }
+
+    #[test]
+    fn of_a_crowd_all_is_seen_that_others_do_not_hide(
+        things in prop::collection::vec(thing(), 1..60),
+        near in prop::collection::vec((0..40usize, 0.97f64..1.03), 0..400),
+    ) {
+        let shapes = [ball(6, 12), ball(2, 4), ball(16, 30)];
+        let visible = DisplayMask::all();
+        // Many more near some of them, or exactly there.
+        let again = near.iter().enumerate().map(|(i, &(of, scale))| {
+            let of = &things[of % things.len()];
+            let scale = if i % 3 == 0 { 1.0 } else { scale };
+            let color = Rgba::new(0.1, (i % 20) as f32 / 20.0, 0.3, of.color.a);
+            Thing { place: Matrix4::new_scaling(scale) * of.place, color, ..of.clone() }
+        });
+        let things: Vec<Thing> = things.iter().cloned().chain(again).collect();
+        let mut renderer = CpuRenderer::with_threads(2).with_culling(Culling::Always);
+        let drawn = picture_by(&mut renderer, together(&things, &shapes), &visible);
+        prop_assert!(drawn == picture(together(&things, &shapes), &visible, false));
     }
 
     #[test]
