@@ -203,7 +203,7 @@ fn what_is_hidden_costs_little() {
     let mut late = Vec::new();
     for row in rows(0.02).into_iter().filter(|row| row.limit_ms.is_finite()) {
         let scene = row.scene();
-        let mut time_ms = |culling| fastest_ms(&mut CpuRenderer::new().with_culling(culling), &scene, &row.camera);
+        let time_ms = |culling| fastest_ms(&mut CpuRenderer::new().with_culling(culling), &scene, &row.camera);
         let (fast, slow) = (time_ms(Culling::Heavy), time_ms(Culling::Never));
         println!("{:45} {fast:8.1} ms, {slow:8.1} without culling", row.name);
         if fast > row.limit_ms && fast * 3.0 > slow {
