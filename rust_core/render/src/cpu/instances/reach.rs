@@ -110,6 +110,10 @@ pub(super) fn reach(bounds: &ShapeBounds, rows: &[[f32; 4]; 4], screen: &Screen)
     if columns[0] >= columns[1] || rows_of_pixels[0] >= rows_of_pixels[1] {
         return Reach::Unseen;
     }
-    let depths = between(rows[2]).map(|depth| (depth * 0.5 + 0.5) * FARTHEST);
+    // Depth is z over w, which grow together: how far the middle's share of w leaves z in the box.
+    let share = dot(rows[2]) / at_w;
+    let rest = [0, 1, 2, 3].map(|i| rows[2][i] - share * w[i]);
+    let reach = (extent(rest) + (size(rows[2]) + size(w)) * SLACK) / least_w;
+    let depths = [share - reach, share + reach].map(|depth| (depth * 0.5 + 0.5) * FARTHEST);
     Reach::Inside(Footprint { columns, rows: rows_of_pixels, least_depth: least_depth(depths) })
 }
