@@ -82,8 +82,8 @@ impl PictureFormat {
 }
 
 /// Writes a picture in the format of the name's ending: colours as RGB whatever the encoding's order, mono8 as grey,
-/// mono16 as 16-bit grey in a PNG file and as 8-bit grey in a JPEG file. Alpha is dropped. The file appears whole or not at
-/// all, and replaces one that is there. The folder must exist.
+/// mono16 as 16-bit grey in a PNG file and as 8-bit grey in a JPEG file. Alpha is dropped. The file appears whole or
+/// not at all, and replaces one that is there. The folder must exist.
 ///
 /// ```
 /// use rcs_files::picture_file;

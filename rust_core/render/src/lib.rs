@@ -57,8 +57,8 @@ pub use cpu::{CpuRenderer, Culling};
 pub use gpu::{GpuRenderer, GpuStats};
 pub use renderer::{create, RenderError, Renderer, RendererChoice, View};
 
-/// Names the threads that draw `draw-0`, `draw-1`, …, for `top -H` and debuggers. To be called before anything is drawn;
-/// later it changes nothing.
+/// Names the threads that draw `draw-0`, `draw-1`, …, for `top -H` and debuggers. To be called before anything is
+/// drawn; later it changes nothing.
 pub fn name_threads() {
     // Fails if they run already.
     let _ = rayon::ThreadPoolBuilder::new().thread_name(|index| format!("draw-{index}")).build_global();

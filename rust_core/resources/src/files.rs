@@ -1,12 +1,14 @@
-//! Which files may be read, and how: the rules for every file that a message, a robot description or another file names.
+//! Which files may be read, and how: the rules for every file that a message, a robot description or another file
+//! names.
 //!
 //! - **Where.** Once all links are followed, a file must lie in a ROS package or in an allowed folder. A folder with a
-//!   `package.xml` or `manifest.xml` is a package, with all that is below it. So a link in an installed package that leads
-//!   to the package in the source space works, one that leads to `/etc` does not. The links of a package may also lead to
-//!   other folders of its repository or workspace, whose files may not be read by their own addresses. Which folders are
-//!   allowed besides is [`ResourceOptions::folders`].
-//! - **What.** Regular files only, checked before and after opening. The file is opened without blocking, so that nothing
-//!   waits for the other end of a FIFO, and nothing but regular files is opened at all: opening a device can have effects.
+//!   `package.xml` or `manifest.xml` is a package, with all that is below it. So a link in an installed package that
+//!   leads to the package in the source space works, one that leads to `/etc` does not. The links of a package may also
+//!   lead to other folders of its repository or workspace, whose files may not be read by their own addresses. Which
+//!   folders are allowed besides is [`ResourceOptions::folders`].
+//! - **What.** Regular files only, checked before and after opening. The file is opened without blocking, so that
+//!   nothing waits for the other end of a FIFO, and nothing but regular files is opened at all: opening a device can
+//!   have effects.
 //! - **How much.** At most [`ResourceOptions::max_file_bytes`], also of a file that grows while it is read.
 
 use std::{

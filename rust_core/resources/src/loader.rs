@@ -68,8 +68,8 @@ impl Loader {
         Self { packages, options, large_file: Mutex::default() }
     }
 
-    /// Loads a resource. Returns it with its file's stamp from before it was read; `None` where the file's stamp is still
-    /// that of the last failure.
+    /// Loads a resource. Returns it with its file's stamp from before it was read; `None` where the file's stamp is
+    /// still that of the last failure.
     pub(crate) fn load(&self, key: &Key, failed: Option<FileStamp>) -> Option<(Outcome, Option<FileStamp>)> {
         let path = match self.packages.resolve(&key.url) {
             Ok(path) => path,

@@ -244,8 +244,8 @@ impl MeshStore {
 }
 
 impl State {
-    /// Makes room for another resource, and for many more so that it is not looked for each time. Returns false where all
-    /// are in use.
+    /// Makes room for another resource, and for many more so that it is not looked for each time. Returns false where
+    /// all are in use.
     fn make_room(&mut self) -> bool {
         if self.slots.len() < MAX_RESOURCES {
             return true;

@@ -303,8 +303,8 @@ impl RosNode {
     }
 
     /// Subscribes to a topic. Its messages are queued as [`NodeEvent::Message`], at most `queue_size` of them at a time
-    /// (0: 10,000, which is the most). Messages of this node itself are ignored. If a message cannot be decoded, a warning names the
-    /// topic and the publisher.
+    /// (0: 10,000, which is the most). Messages of this node itself are ignored. If a message cannot be decoded, a
+    /// warning names the topic and the publisher.
     pub fn subscribe(&self, topic: &str, kind: MessageKind, queue_size: usize) -> Result<TopicSubscription, NodeError> {
         let sender = self.shared.events.sender(queue_size);
         let queued = sender.clone();

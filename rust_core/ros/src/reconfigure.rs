@@ -2,8 +2,8 @@
 //!
 //! In a namespace of its own it has the latched topics `parameter_descriptions` and `parameter_updates`, the service
 //! `set_parameters`, and its values as parameters. Meaning and bounds of the values are up to its owner: a call is
-//! a [`ServiceCall::Reconfigure`], which the owner answers with the values that hold then, and a change is published with
-//! [`ReconfigureServer::set_config`].
+//! a [`ServiceCall::Reconfigure`], which the owner answers with the values that hold then, and a change is published
+//! with [`ReconfigureServer::set_config`].
 
 use crate::network::Network;
 use crate::node::{MOST_QUEUED_CALLS, REPLY_TIMEOUT};

@@ -138,7 +138,8 @@ impl Picture {
         self.data.resize(needed, 0);
     }
 
-    /// Gives its memory back, and what it shows with it, if that is several times what a picture of so many bytes needs.
+    /// Gives its memory back, and what it shows with it, if that is several times what a picture of so many bytes
+    /// needs.
     pub fn give_back_memory(&mut self, needed_bytes: usize) {
         const MOST_UNUSED_BYTES: usize = 1 << 20;
         if self.data.capacity() > needed_bytes.saturating_mul(4).saturating_add(MOST_UNUSED_BYTES) {

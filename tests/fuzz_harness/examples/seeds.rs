@@ -4,8 +4,8 @@
 //! cargo run --release -p rcs_fuzz_harness --example seeds -- FOLDER
 //! ```
 //!
-//! They are taken from the conformance cases, the configs and the folder `seeds`, or are made here. `scripts/fuzz --seeds`
-//! begins with them.
+//! They are taken from the conformance cases, the configs and the folder `seeds`, or are made here. `scripts/fuzz
+//! --seeds` begins with them.
 #![forbid(unsafe_code)]
 #![expect(clippy::unwrap_used, reason = "a program for developers, whose inputs are the repository's own")]
 

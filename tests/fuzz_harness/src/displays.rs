@@ -111,8 +111,8 @@ const CONFIGS: [(&str, &[&str]); 7] = [
     ),
 ];
 
-/// The topics of each display of a target, as the records of an input number them: first those of the display, then that
-/// of the camera's CameraInfo. The next numbers are static transforms, other transforms, and other events.
+/// The topics of each display of a target, as the records of an input number them: first those of the display, then
+/// that of the camera's CameraInfo. The next numbers are static transforms, other transforms, and other events.
 pub fn display_topics(name: &str) -> Vec<Vec<(String, MessageKind)>> {
     let topics = |config: &Config| -> Vec<_> {
         Shown::new(config).stage.topics().into_iter().map(|request| (request.topic, request.kind)).collect()

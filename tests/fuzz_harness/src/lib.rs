@@ -2,9 +2,9 @@
 //! as it would there, and what comes out is checked.
 //!
 //! Whatever the bytes are, a target ends without a panic, in little time and with little memory; what was understood is
-//! valid, and reads as the same when it is written again, where there is a writer. `scripts/fuzz` runs the targets on bytes
-//! that libFuzzer invents, guided by coverage; the tests of this crate replay what it has found so far: the corpora
-//! (inputs that each reach something new) and the regressions (inputs that once failed), both in `fuzz`.
+//! valid, and reads as the same when it is written again, where there is a writer. `scripts/fuzz` runs the targets on
+//! bytes that libFuzzer invents, guided by coverage; the tests of this crate replay what it has found so far: the
+//! corpora (inputs that each reach something new) and the regressions (inputs that once failed), both in `fuzz`.
 
 #![forbid(unsafe_code)]
 
@@ -61,8 +61,8 @@ macro_rules! targets {
         $(
             #[doc = concat!("Reads ", $reads, ".")]
             ///
-            /// A constant of its own: a binary that names it has nothing of what others run. libFuzzer looks at the whole
-            /// binary's counters after each input, which takes longer than reading most inputs.
+            /// A constant of its own: a binary that names it has nothing of what others run. libFuzzer looks at the
+            /// whole binary's counters after each input, which takes longer than reading most inputs.
             pub const $constant: Target =
                 Target { name: $name, reads: $reads, most_bytes: $most_mib * MIB, function: $function };
         )*

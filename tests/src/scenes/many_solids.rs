@@ -1,6 +1,7 @@
 //! Very many small solids and labels, as the bytes of one message each: markers, poses of a path, a long text.
 //!
-//! Everything stands in the view of [`CAMERA`], 2 to 6 metres away, so that a marker of 5 cm covers some 4 to 12 pixels.
+//! Everything stands in the view of [`CAMERA`], 2 to 6 metres away, so that a marker of 5 cm covers some 4 to 12
+//! pixels.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rcs_messages::geometry_msgs::{Pose, PoseArray, PoseStamped};

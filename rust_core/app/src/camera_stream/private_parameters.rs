@@ -28,7 +28,8 @@ pub(crate) fn projection(ros: &RosNode, given: Option<Projection>, parameters: &
     choose(ros, given, parameters, |text| Projection::from_str(text, true))
 }
 
-/// Which mesh files may be read: `--max-mesh-mb`, else `~max_mesh_mb`; the folders of `--mesh-folder` and `~mesh_folders`.
+/// Which mesh files may be read: `--max-mesh-mb`, else `~max_mesh_mb`; the folders of `--mesh-folder` and
+/// `~mesh_folders`.
 ///
 /// # Errors
 /// When a parameter has no valid value; names the parameter.

@@ -1,5 +1,5 @@
-//! The world in which displays are tested: frames, a time, and no packages. Its meshes are loaded when they are asked for,
-//! or in the background when a test lets them.
+//! The world in which displays are tested: frames, a time, and no packages. Its meshes are loaded when they are asked
+//! for, or in the background when a test lets them.
 
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex};

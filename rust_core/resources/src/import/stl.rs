@@ -3,7 +3,8 @@
 //! As in Assimp: a file is binary when its size fits the triangle count in its header, whatever the header begins with
 //! (many binary files begin with "solid"); the normals are the file's, three times the same for each face, and are
 //! computed only when one of them is zero or not a number; colours are not used. Each `solid` of a text file is a
-//! part. Faces keep one normal, not three copies of it. Beyond Assimp, bytes after a binary file's last triangle are ignored.
+//! part. Faces keep one normal, not three copies of it. Beyond Assimp, bytes after a binary file's last triangle are
+//! ignored.
 
 use nalgebra::Matrix4;
 

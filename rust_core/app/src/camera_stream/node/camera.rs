@@ -3,9 +3,9 @@
 //! Its parts: [`Schedule`] decides when a picture is due, [`RuntimeSettings`] holds the settings, [`Outputs`] receive
 //! the pictures, [`CameraHealth`] records problems and figures.
 //!
-//! A camera belongs to both of the node's threads, see [`super::shared`]: the scene's thread draws its pictures, and the
-//! control thread answers calls and repeats the last picture while another is drawn for long. None of its methods takes
-//! long; the drawing itself is done between [`CameraOutput::begin_if_due`] and [`CameraOutput::finish`].
+//! A camera belongs to both of the node's threads, see [`super::shared`]: the scene's thread draws its pictures, and
+//! the control thread answers calls and repeats the last picture while another is drawn for long. None of its methods
+//! takes long; the drawing itself is done between [`CameraOutput::begin_if_due`] and [`CameraOutput::finish`].
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -1,8 +1,8 @@
 //! The control thread: answers whatever must not wait for a picture.
 //!
 //! It handles signals and the calls of services, reads the config again, and watches the scene's thread. While that
-//! has been busy for [`STAND_IN_AFTER`], the last pictures are repeated from here as their frame rates ask for it; after
-//! [`REPORT_AFTER`] `/diagnostics` says what takes so long, and after [`HANG_AFTER`] the log does, too.
+//! has been busy for [`STAND_IN_AFTER`], the last pictures are repeated from here as their frame rates ask for it;
+//! after [`REPORT_AFTER`] `/diagnostics` says what takes so long, and after [`HANG_AFTER`] the log does, too.
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -74,7 +74,8 @@ impl Schedule {
         self.pace.until_due(self.last, now) == Some(Duration::ZERO)
     }
 
-    /// How long until a picture is due by itself: that of a change that waits, or a repetition. `None` when it never is.
+    /// How long until a picture is due by itself: that of a change that waits, or a repetition. `None` when it never
+    /// is.
     pub(super) fn until_due(&self, now: Instant) -> Option<Duration> {
         let by_itself = self.pace.until_due(self.last, now)?;
         let change = matches!(self.pace, Pace::OnChange { .. }).then(|| self.limit.until_free(now)).flatten();

@@ -59,8 +59,8 @@ impl Control {
         Self { always_visible: control.always_visible, turn: turn(control), markers }
     }
 
-    /// Builds markers whose meshes were missing. What still cannot be shown is added to `missing`. Returns whether there
-    /// were any.
+    /// Builds markers whose meshes were missing. What still cannot be shown is added to `missing`. Returns whether
+    /// there were any.
     pub(super) fn rebuild(&mut self, world: &World<'_>, missing: &mut Vec<NotShown>) -> bool {
         let mut had_missing = false;
         for marker in self.markers.iter_mut().filter(|marker| marker.is_missing()) {

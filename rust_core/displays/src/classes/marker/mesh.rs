@@ -5,8 +5,8 @@
 //! file's own opacity, but only where the mesh is new: rviz does not check again when a later message changes the
 //! colour, and then shows a mesh of alpha zero.
 //!
-//! A mesh may still be loading when its message comes, or its file may be broken and repaired later. What a message says
-//! is kept, so that the marker is built when the mesh is there.
+//! A mesh may still be loading when its message comes, or its file may be broken and repaired later. What a message
+//! says is kept, so that the marker is built when the mesh is there.
 
 use std::sync::Arc;
 use std::task::Poll;

@@ -147,8 +147,8 @@ mod tests {
         Ok(())
     }
 
-    /// The same for two coordinates, which are turned by 45° at most, as far as the angle is determined: it is not where
-    /// both variances are equal and the covariance is about the rounding error of them.
+    /// The same for two coordinates, which are turned by 45° at most, as far as the angle is determined: it is not
+    /// where both variances are equal and the covariance is about the rounding error of them.
     fn check_two(matrix: &Matrix2<f64>) -> Result<(), TestCaseError> {
         let (variances, axes) = of_two(matrix);
         let size = if matrix.amax() > 0.0 { matrix.amax() } else { 1.0 };

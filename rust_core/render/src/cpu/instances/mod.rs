@@ -1,4 +1,5 @@
-//! Very many small things made of triangles: [`Solids`](rcs_scene::Solids), other meshes of few triangles, and the glyphs of [`Text`].
+//! Very many small things made of triangles: [`Solids`](rcs_scene::Solids), other meshes of few triangles, and the
+//! glyphs of [`Text`].
 //!
 //! A scene may have hundreds of thousands of solids of a few hundred triangles each, most of which cover a few pixels.
 //! So what is computed for one is thrown away at once but for four bytes for each triangle that may be seen, and
@@ -150,7 +151,8 @@ impl Instances {
         }
     }
 
-    /// Makes the triangles of a solid inside the view ready whose vertices were placed. Returns whether any may be seen.
+    /// Makes the triangles of a solid inside the view ready whose vertices were placed. Returns whether any may be
+    /// seen.
     fn add_inside(&mut self, shape: &Shape, surface: &Surface, screen: &Screen, scratch: &InstanceScratch) -> bool {
         let first = self.next;
         let mut is_seen = false;
