@@ -3,6 +3,7 @@
 Each request on standard input is a line with the number of bytes that follow, and those bytes of Python; it is evaluated
 in this module. The answer on standard output is a line `ok N` or `error N`, and N bytes of text.
 """
+import io
 import struct
 import sys
 import threading
@@ -77,6 +78,19 @@ def tf(parent, child, xyz=(0, 0, 0), q=(0, 0, 0, 1), stamp=rospy.Time()):
     t.x, t.y, t.z = xyz
     r.x, r.y, r.z, r.w = q
     return TFMessage([transform])
+
+
+def written(message):
+    """The same message as bytes that are made once, for large ones that are sent very often."""
+
+    class Written(type(message)):
+        def serialize(self, buff):
+            buff.write(self.bytes)
+
+    buffer, same = io.BytesIO(), Written()
+    message.serialize(buffer)
+    same.bytes = buffer.getvalue()
+    return same
 
 
 class PublishRepeatedly(threading.Thread):

@@ -27,6 +27,44 @@ fn of_process(fixture: &RosFixture, name: &str) -> u64 {
     line.split_whitespace().next().unwrap().parse().unwrap()
 }
 
+/// How much of a core the node uses, over a time.
+fn core_share(fixture: &RosFixture, time: Duration) -> f64 {
+    let ticks = || {
+        let stat = fs::read_to_string(format!("/proc/{}/stat", fixture.node.id())).unwrap();
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+        fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
+    };
+    let (before, begun) = (ticks(), Instant::now());
+    std::thread::sleep(time);
+    // Linux counts 100 ticks a second.
+    (ticks() - before) as f64 / 100.0 / begun.elapsed().as_secs_f64()
+}
+
+/// Python functions that make messages of many things before the camera.
+const MANY: &str = "from std_msgs.msg import ColorRGBA, Header\n\
+     from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped, Quaternion, Vector3\n\
+     from nav_msgs.msg import Path\n\
+     from visualization_msgs.msg import Marker, MarkerArray\n\
+     def pose(i, shift):\n    \
+         return Pose(Point(i % 40 * 0.05 - 1 + shift, i // 40 * 0.05 - 0.6, 2), Quaternion(0, 0, 0, 1))\n\
+     def cubes(count, shift):\n    \
+         return MarkerArray([Marker(header=Header(frame_id='map'), ns='many', id=i, type=Marker.CUBE, \
+             pose=pose(i, shift), scale=Vector3(.02, .02, .02), color=ColorRGBA(0, 1, 0, 1)) for i in range(count)])\n\
+     def path(count, shift):\n    \
+         return Path(Header(frame_id='map'), [PoseStamped(pose=pose(i, shift)) for i in range(count)])\n\
+     def poses(count, shift):\n    \
+         return PoseArray(Header(frame_id='map'), [pose(i, shift) for i in range(count)])\n\
+     def points(count, shift):\n    \
+         return cloud(0x0000ff, points=[(i % 100 * .02 - 1 + shift, i // 100 * .02 - 1, 2.5) for i in range(count)])";
+
+/// Sends messages of two places in turn, which are written only once.
+fn in_turn(rate_hz: u32, topic: &str, make: &str, count: usize) -> String {
+    format!(
+        "repeated = globals().get('repeated', []) + [PublishRepeatedly({rate_hz}, \
+             lambda i, both=[written({make}({count}, shift)) for shift in (0, 0.03)]: both[i % 2], '{topic}')]"
+    )
+}
+
 fn drawn(fixture: &RosFixture) -> u64 {
     fixture.python("values('camera_stream: CameraPub')['frames drawn']").parse().unwrap()
 }
@@ -165,4 +203,74 @@ fn a_huge_picture_gives_its_memory_back() {
     let is_small = || of_process(&fixture, "VmRSS") < before + (40 << 10);
     assert!(wait_until(PATIENCE, is_small), "{} kB, {before} kB before", of_process(&fixture, "VmRSS"));
     println!("{} MB, at most {} MB, then {} MB", before >> 10, huge >> 10, of_process(&fixture, "VmRSS") >> 10);
+}
+
+/// Two cores draw 640×480 and send it while Python makes and receives it.
+const CAMERA: &str = "latch('/eye/camera_info', info(width=640, height=480, f=500.0))";
+
+fn pictures_per_second(fixture: &RosFixture) -> f64 {
+    fixture.python("viewer.forget(); begun = time.time()");
+    fixture.wait_for("time.time() > begun + 3");
+    fixture.python("len(viewer.images) / (time.time() - begun)").parse().unwrap()
+}
+
+#[test]
+fn forty_displays_that_all_change_are_drawn_in_time() {
+    let classes = [
+        ("PointCloud2, Style: Flat Squares, Size (m): 0.01, Topic", "points", 5000),
+        ("MarkerArray, Marker Topic", "cubes", 50),
+        ("Path, Pose Style: Axes, Length: 0.03, Radius: 0.003, Topic", "path", 50),
+        ("PoseArray, Shape: Arrow (3D), Topic", "poses", 50),
+    ];
+    let displays: Vec<String> = (0..40)
+        .map(|i| {
+            let (class, make, _) = classes[i % 4];
+            format!("{{Class: rviz/{class}: /{make}_{i}, Name: display {i}, Enabled: true}}")
+        })
+        .collect();
+    let displays: Vec<&str> = [CLOUD].into_iter().chain(displays.iter().map(String::as_str)).collect();
+    let fixture = RosFixture::start(&config(&displays, &[CameraPub::default()]), &[]).unwrap();
+    watched(&fixture);
+    fixture.python(MANY);
+    fixture.python(CAMERA);
+    for i in 0..40 {
+        let (_, make, count) = classes[i % 4];
+        fixture.python(in_turn(5, &format!("/{make}_{i}"), make, count));
+    }
+    fixture.wait_for("viewer.last.width == 640 and len({i[6] for i in viewer.images}) > 3");
+    let rate = pictures_per_second(&fixture);
+    let cores = core_share(&fixture, Duration::from_secs(2));
+    println!("40 displays, 200 messages a second: {rate:.1} pictures/s, {:.0} % of a core", cores * 100.0);
+    assert!(rate > 20.0, "{rate} pictures a second");
+    let errors = fixture.python("[key for key, text in values('camera_stream: CameraPub').items() if 'rror' in text]");
+    assert_eq!(errors, "[]");
+}
+
+#[test]
+fn a_thousand_markers_that_change_a_hundred_times_a_second_are_drawn_in_time() {
+    let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
+    let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
+    watched(&fixture);
+    fixture.python(MANY);
+    fixture.python(CAMERA);
+    let before = of_process(&fixture, "VmRSS");
+    fixture.python(in_turn(100, "/markers", "cubes", 1000));
+    fixture.wait_for("viewer.last.width == 640 and len({i[6] for i in viewer.images}) > 3");
+    let rate = pictures_per_second(&fixture);
+    let cores = core_share(&fixture, Duration::from_secs(2));
+    let grown_mb = of_process(&fixture, "VmRSS").saturating_sub(before) >> 10;
+    println!("1,000 markers at 100 Hz: {rate:.1} pictures/s, {:.0} % of a core, {grown_mb} MB", cores * 100.0);
+    assert!(rate > 25.0, "{rate} pictures a second");
+    assert!(grown_mb < 60, "{grown_mb} MB");
+    // The last state is shown at once.
+    fixture.python("repeated[0].stop()");
+    fixture.python(
+        "everywhere = Marker(header=Header(frame_id='map'), ns='many', id=0, type=Marker.CUBE, \
+         pose=Pose(Point(0, 0, 1), Quaternion(0, 0, 0, 1)), scale=Vector3(1, 1, 1), color=ColorRGBA(0, 0, 1, 1))",
+    );
+    fixture.python("send('/markers', MarkerArray([everywhere])); sent = time.time()");
+    fixture.wait_for("viewer.middle()[2] > 50");
+    let late: f64 = fixture.python("viewer.images[-1][0] - sent").parse().unwrap();
+    println!("the last change is seen after {late:.3} s");
+    assert!(late < 0.5, "{late} s");
 }
