@@ -42,8 +42,8 @@ fn check(name: &str, content: Content, count: usize, limits: &Limits) {
     let mut pipeline = DisplayPipeline::new(&solids.config());
     let mut rendering =
         Rendering::new(Vec::new(), many_solids_camera().unwrap(), Box::new(CpuRenderer::with_threads(2)));
-    // What is made once, whatever the scene: glyphs, shapes.
-    let warm = ManySolids { content, count: 10 };
+    // What is made once, whatever the scene: glyphs, shapes, buffers for the picture.
+    let warm = ManySolids { content, count: 2_000 };
     pipeline.receive("/many", &warm.kind().decode(&warm.bytes(0.0)).unwrap());
     rendering.draw_of(&pipeline.scene).unwrap();
     pipeline.receive("/many", &warm.removal());
