@@ -174,6 +174,8 @@ impl BagFile {
     fn read_index(&self, index_at: u64) -> Result<Index, BagError> {
         let mut connections = BTreeMap::new();
         let mut chunks = Vec::new();
+        let end = self.headers.file_len();
+        self.headers.check_no_chunk(index_at, end).map_err(|error| self.damaged(index_at, &error))?;
         for record in self.bag.index_records() {
             match record.map_err(|error| self.damaged(index_at, &error))? {
                 IndexRecord::Connection(found) => {

@@ -4,7 +4,7 @@
 //! checked against the file.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
@@ -13,6 +13,8 @@ pub(crate) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 const MAX_HEADER_LEN: u32 = 1 << 20;
 /// The longest unpacked chunk; recorders cut them below a megabyte unless one message is longer.
 const MAX_CHUNK_LEN: u32 = 1 << 30;
+/// The kind of record that a chunk is, its field `op`.
+const CHUNK: &[u8] = &[5];
 /// No compression packs more tightly: bzip2 reaches some 50 000 on zeros, so a small chunk may still be a large one.
 const MAX_RATIO: u64 = 100_000;
 
@@ -68,19 +70,45 @@ impl ChunkHeaders {
         if size > MAX_CHUNK_LEN || u64::from(size) > u64::from(record.data_len) * MAX_RATIO {
             return Err(damaged("chunk announces more bytes than it can have"));
         }
+        // What the others hold cannot be seen before it is unpacked.
+        if field(&record.fields, b"compression") == Some(b"none") {
+            self.check_no_chunk(record.end - u64::from(record.data_len), record.end)?;
+        }
+        Ok(())
+    }
+
+    /// Whether there is no chunk among the records from one offset to another. In the index or in another chunk it
+    /// would be unpacked, too, whatever it announces.
+    pub(crate) fn check_no_chunk(&self, mut at: u64, end: u64) -> io::Result<()> {
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut file = BufReader::new(&mut *file);
+        file.seek(SeekFrom::Start(at))?;
+        while at < end {
+            let record = self.record_from(&mut file, at)?;
+            if field(&record.fields, b"op") == Some(CHUNK) {
+                return Err(damaged("a chunk where none can be"));
+            }
+            file.seek_relative(i64::from(record.data_len))?;
+            at = record.end;
+        }
         Ok(())
     }
 
     fn record(&self, at: u64) -> io::Result<Record> {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         file.seek(SeekFrom::Start(at))?;
-        let header_len = read_u32(&mut *file)?;
+        self.record_from(&mut *file, at)
+    }
+
+    /// The record at `at`, which is where the file is read next; its data come after that.
+    fn record_from(&self, file: &mut impl Read, at: u64) -> io::Result<Record> {
+        let header_len = read_u32(file)?;
         if header_len > MAX_HEADER_LEN {
             return Err(damaged("record header too long"));
         }
         let mut fields = vec![0; header_len as usize];
         file.read_exact(&mut fields)?;
-        let data_len = read_u32(&mut *file)?;
+        let data_len = read_u32(file)?;
         let lengths = 8 + u64::from(header_len) + u64::from(data_len);
         let end = at.checked_add(lengths).filter(|end| *end <= self.len);
         Ok(Record { fields, data_len, end: end.ok_or_else(|| damaged("record reaches past the end of the file"))? })

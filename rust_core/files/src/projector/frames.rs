@@ -14,6 +14,8 @@ use super::checked_numbers::Matrix;
 
 /// How far a quaternion's norm may be from one; what is closer is normalised.
 const NORM_TOLERANCE: f64 = 0.01;
+/// What is closer than this is so already but for rounding, and is kept: a file that was written is read as it was.
+const NORM_ROUNDING: f64 = 1e-14;
 
 /// A frame that does not move in its parent.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,6 +122,9 @@ fn unit_quaternion([x, y, z, w]: [f64; 4]) -> Result<UnitQuaternion<f64>, String
     let norm = quaternion.norm();
     if (norm - 1.0).abs() > NORM_TOLERANCE {
         return Err(format!("the quaternion (x {x}, y {y}, z {z}, w {w}) has the norm {norm:.3} where 1 is needed"));
+    }
+    if (norm - 1.0).abs() < NORM_ROUNDING {
+        return Ok(UnitQuaternion::new_unchecked(quaternion));
     }
     Ok(UnitQuaternion::new_normalize(quaternion))
 }
