@@ -170,6 +170,10 @@ pub(super) struct Occluders {
     width: i32,
     first_row: i32,
     end_row: i32,
+    /// No pixel of the band is farther away.
+    farthest: f32,
+    /// How many faces may come before that is asked again.
+    until_asked: u32,
 }
 
 /// Pixels from left to before right and from top to before bottom.
@@ -194,6 +198,20 @@ impl Occluders {
         self.tiles.reset(TILE_PX, width, end_row - first_row, first_row);
         self.blocks.reset(BLOCK_PX, width, end_row - first_row, first_row);
         (self.width, self.first_row, self.end_row) = (width, first_row, end_row);
+        (self.farthest, self.until_asked) = (f32::INFINITY, Self::FACES_TO_ASK);
+    }
+
+    /// After so many faces it is asked again how far away the whole band is covered.
+    const FACES_TO_ASK: u32 = 64;
+
+    /// Whether nothing is seen in the whole band of what is no nearer than this.
+    #[inline]
+    pub(super) fn hides_from(&mut self, nearest: f32) -> bool {
+        match self.until_asked.checked_sub(1) {
+            Some(left) => self.until_asked = left,
+            None => (self.farthest, self.until_asked) = ((self.farthest() as f32).next_up(), Self::FACES_TO_ASK),
+        }
+        nearest > self.farthest
     }
 
     /// The pixels of a cell.
