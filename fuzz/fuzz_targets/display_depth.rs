@@ -1,3 +1,4 @@
+//! Fuzz target: Image and CompressedImage with CameraInfo.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| rcs_fuzz_harness::DISPLAY_DEPTH.run(data));

@@ -1,3 +1,4 @@
+//! Fuzz target: textures: PNG, JPEG, BMP, TGA, TIFF, GIF.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| rcs_fuzz_harness::TEXTURE.run(data));

@@ -28,6 +28,8 @@ pub(super) struct CameraHealth {
     problem: Option<CameraProblem>,
     problem_since: Option<Instant>,
     is_problem_logged: bool,
+    /// Whether a problem was logged since the camera was last there: this one, or another before it.
+    has_logged_problem: bool,
     /// Why the last picture failed.
     last_error: Option<String>,
     has_warned_about_projection: bool,
@@ -87,6 +89,7 @@ impl CameraHealth {
         let is_invalid = matches!(problem, CameraProblem::BadCameraInfo { .. });
         if !self.is_problem_logged && (is_invalid || lasts >= PATIENCE) {
             self.is_problem_logged = true;
+            self.has_logged_problem = true;
             let level = if is_invalid { log::Level::Error } else { log::Level::Warn };
             log::log!(level, "camera {camera}: {problem}");
         }
@@ -96,7 +99,7 @@ impl CameraHealth {
 
     /// Records that there is a camera, and logs it if it was logged that there is none.
     pub(super) fn clear_problem(&mut self, camera: &str) {
-        if self.problem.take().is_some() && self.is_problem_logged {
+        if self.problem.take().is_some() && std::mem::take(&mut self.has_logged_problem) {
             log::info!("camera {camera}: ok");
         }
     }
