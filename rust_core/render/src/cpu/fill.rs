@@ -140,16 +140,19 @@ impl<'a, S: Simd> Fill<'a, S> {
     }
 
     /// Draws the pixels within an area that are not hidden, in the order that ranks give.
+    ///
+    /// No fragment's depth is below `least`, but for rounding.
     #[inline(always)]
     pub(super) fn ranked(
         &self,
         edges: &[Edge; 3],
+        least: f32,
         area: Area,
         rank: u32,
         band: &mut Band<'_>,
         occluders: &mut Occluders,
     ) {
-        let plane = self.depth_plane(area);
+        let plane = self.depth_plane(area, least);
         let is_disc = matches!(self.surface.paint, Paint::Disc);
         let covers = |area: Area| edges.iter().all(|edge| edge.covers(area)) && (!is_disc || self.disc_covers(area));
         let in_steps = edges.each_ref().map(Edge::in_whole_pixels);
@@ -195,15 +198,15 @@ impl<'a, S: Simd> Fill<'a, S> {
                 if is_inside && (!is_disc || self.disc_covers(tile)) {
                     Drawn::Covered
                 } else {
-                    band.farthest(self.simd, tile)
+                    band.farthest(self.simd, tile, [plane.dx, plane.dy])
                 }
             },
             covers,
         );
     }
 
-    /// The depths of the fragments in an area.
-    pub(super) fn depth_plane(&self, area: Area) -> DepthPlane {
+    /// The depths of the fragments in an area, not below `least` but for rounding.
+    fn depth_plane(&self, area: Area, least: f32) -> DepthPlane {
         let Plane { at, dx, dy } = self.planes.depth;
         let (right, down) = (dx.abs() * area.right as f32, dy.abs() * area.bottom as f32);
         let noise = if dx == 0.0 && dy == 0.0 {
@@ -212,7 +215,7 @@ impl<'a, S: Simd> Fill<'a, S> {
             let sum = at.abs() + right;
             1.01 * (rounding(right) + rounding(sum) + rounding(down) + rounding((sum + down).min(2.0 * FARTHEST)))
         };
-        DepthPlane { at, dx, dy, x: 0.0, y: 0.0, noise }
+        DepthPlane { at, dx, dy, x: 0.0, y: 0.0, noise, least: least - noise }
     }
 
     /// Whether an area surely lies within the disc; its corners do, with a margin for rounding.

@@ -18,8 +18,9 @@ use super::triangles::Corner;
 #[derive(Debug, Default)]
 pub(super) struct RankedScratch {
     pub occluders: Occluders,
-    /// The faces of a run, in their order; what the numbers mean is up to who draws them.
-    pub faces: Vec<[u32; 2]>,
+    /// The faces of a run, in their order and [`CHUNK`] at a time: a job, and where a chunk begins in what the job lists
+    /// for the band.
+    pub chunks: Vec<[u32; 2]>,
     /// The triangles that were drawn last, by their corners.
     pub recent_triangles: Recent<12>,
     /// The points that were drawn last, by their positions.
@@ -52,6 +53,22 @@ impl RankedScratch {
 }
 
 impl RankedScratch {
+    /// Lists the chunks of a run, given what each job lists for the band. Returns the first of their ranks; `None` where
+    /// there are too many.
+    pub(super) fn list_chunks<'n>(
+        &mut self,
+        numbers: impl Fn(usize) -> &'n [u32],
+        jobs: usize,
+        band: &Band<'_>,
+    ) -> Option<u32> {
+        self.chunks.clear();
+        for job in 0..jobs {
+            let begins = (0..numbers(job).len()).step_by(CHUNK);
+            self.chunks.extend(begins.map(|begin| [job as u32, begin as u32]));
+        }
+        self.take_ranks(self.chunks.len() * CHUNK, band.width, [band.first_row, band.end_row])
+    }
+
     /// As [`Self::take_ranks`], but where there are too many, all ranks are free again: whatever a band shows was drawn
     /// before. `None` only for more than there are at all.
     pub(super) fn begin_again_for(&mut self, count: usize, band: &mut Band<'_>) -> Option<u32> {
@@ -62,6 +79,23 @@ impl RankedScratch {
             self.take_ranks(count, band.width, rows)
         })
     }
+}
+
+/// So many neighbouring faces of a list are drawn one after the other: their memory comes together.
+pub(super) const CHUNK: usize = 8;
+
+/// What a job lists in the chunk at this place of a run, and the ranks. The last is the first: of neighbours, too, it is
+/// the most likely to hide the others.
+#[inline]
+pub(super) fn in_chunk<'n>(
+    numbers: impl Fn(usize) -> &'n [u32],
+    [job, begin]: [u32; 2],
+    first_rank: u32,
+    at: usize,
+) -> impl Iterator<Item = (u32, u32)> + 'n {
+    let chunk = numbers(job as usize).get(begin as usize..).unwrap_or(&[]);
+    let first_rank = first_rank + (at * CHUNK) as u32;
+    chunk.iter().take(CHUNK).enumerate().rev().map(move |(i, &number)| (number, first_rank + i as u32))
 }
 
 /// How much a job has to draw.

@@ -13,7 +13,7 @@ use super::clip::{ClipVertex, Outside};
 use super::fill::can_fill;
 use super::lighting::vertex_color;
 use super::lines::{self, Line};
-use super::ranked::{scattered, Load, RankedScratch};
+use super::ranked::{in_chunk, scattered, Load, RankedScratch};
 use super::screen::{ObjectTransform, Screen};
 use super::surface::{DepthBias, Surface};
 use super::triangles::{self, Corner, ScreenPosition};
@@ -221,18 +221,16 @@ impl Primitives {
         band: &mut Band<'_>,
         scratch: &mut RankedScratch,
     ) {
-        scratch.faces.clear();
-        for (job, primitives) in jobs.iter().enumerate() {
-            scratch.faces.extend(primitives.as_ref().bins.band(index).iter().map(|number| [job as u32, number / 2]));
-        }
-        let count = scratch.faces.len();
-        let Some(first_rank) = scratch.take_ranks(count, band.width, [band.first_row, band.end_row]) else {
+        let numbers = |job: usize| jobs.get(job).map_or(&[][..], |primitives| primitives.as_ref().bins.band(index));
+        let Some(first_rank) = scratch.list_chunks(numbers, jobs.len(), band) else {
             return jobs.iter().for_each(|primitives| primitives.as_ref().draw(solids, index, band));
         };
-        for at in scattered(count) {
-            let Some(&[job, number]) = scratch.faces.get(at) else { continue };
-            let Some(primitives) = jobs.get(job as usize) else { continue };
-            primitives.as_ref().draw_one_ranked(solids, number, first_rank + at as u32, band, scratch);
+        for at in scattered(scratch.chunks.len()) {
+            let Some(&chunk) = scratch.chunks.get(at) else { continue };
+            let Some(primitives) = jobs.get(chunk[0] as usize) else { continue };
+            for (number, rank) in in_chunk(numbers, chunk, first_rank, at) {
+                primitives.as_ref().draw_one_ranked(solids, number / 2, rank, band, scratch);
+            }
         }
     }
 

@@ -38,7 +38,7 @@ use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
 use crate::cpu::clip::{ClipVertex, Outside};
 use crate::cpu::fill::can_fill;
-use crate::cpu::ranked::{scattered, Extent, Load, RankedScratch};
+use crate::cpu::ranked::{in_chunk, scattered, Extent, Load, RankedScratch};
 use crate::cpu::screen::{first_pixel, ObjectTransform, Screen};
 use crate::cpu::surface::{DepthBias, Surface};
 use crate::cpu::triangles::{self, Corner, ScreenPosition};
@@ -290,20 +290,18 @@ impl Instances {
         ranked: &mut RankedScratch,
         band: &mut Band<'_>,
     ) {
-        ranked.faces.clear();
-        for (job, instances) in jobs.iter().enumerate() {
-            ranked.faces.extend(instances.as_ref().bins.band(index).iter().map(|number| [job as u32, *number]));
-        }
-        let count = ranked.faces.len();
-        let Some(first_rank) = ranked.take_ranks(count, band.width, [band.first_row, band.end_row]) else {
+        let numbers = |job: usize| jobs.get(job).map_or(&[][..], |instances| instances.as_ref().bins.band(index));
+        let Some(first_rank) = ranked.list_chunks(numbers, jobs.len(), band) else {
             return jobs
                 .iter()
                 .for_each(|instances| instances.as_ref().draw(batches, view, screen, index, scratch, band));
         };
-        for at in scattered(count) {
-            let Some(&[job, number]) = ranked.faces.get(at) else { continue };
-            let Some(instances) = jobs.get(job as usize).map(AsRef::as_ref) else { continue };
-            instances.draw_one_ranked(number, first_rank + at as u32, (batches, view), screen, ranked, band);
+        for at in scattered(ranked.chunks.len()) {
+            let Some(&chunk) = ranked.chunks.get(at) else { continue };
+            let Some(instances) = jobs.get(chunk[0] as usize).map(AsRef::as_ref) else { continue };
+            for (number, rank) in in_chunk(numbers, chunk, first_rank, at) {
+                instances.draw_one_ranked(number, rank, (batches, view), screen, ranked, band);
+            }
         }
     }
 
