@@ -205,7 +205,9 @@ impl Band<'_> {
             first_rank = first_rank.min(U::load_array_ref(simd, ranks));
             at += self.stride;
         }
-        let greatest = |numbers: F<S>| numbers.to_array().into_iter().fold(0.0, f32::max);
+        // Of numbers that are not negative, the larger one has the larger bits.
+        let greatest =
+            |numbers: F<S>| f32::from_bits(numbers.to_array().map(f32::to_bits).into_iter().fold(0, u32::max));
         let (farthest, above) = (greatest(farthest), greatest(above));
         let mut bound = DepthPlane::level(farthest);
         // A plane, where it is finite and less at the tile's middle.

@@ -168,14 +168,14 @@ impl<'a, S: Simd> Fill<'a, S> {
                     return Drawn::Nothing;
                 }
                 let columns = self.columns(tile.left);
-                let mut y = tile.top;
+                let (mut y, bottom) = (tile.top.max(area.top), tile.bottom.min(area.bottom));
                 let mut edges_at = map(
                     in_steps,
                     #[inline(always)]
-                    |edge| lane_indices(self.simd) * edge.dx + edge.at(tile.left, tile.top),
+                    |edge| lane_indices(self.simd) * edge.dx + edge.at(tile.left, y),
                 );
                 band.for_ranked_windows(
-                    tile.top..tile.bottom,
+                    y..bottom,
                     tile.left,
                     #[inline(always)]
                     |window| {
@@ -215,7 +215,10 @@ impl<'a, S: Simd> Fill<'a, S> {
             let sum = at.abs() + right;
             1.01 * (rounding(right) + rounding(sum) + rounding(down) + rounding((sum + down).min(2.0 * FARTHEST)))
         };
-        DepthPlane { at, dx, dy, x: 0.0, y: 0.0, noise, least: least - noise }
+        let (x, y) =
+            (if dx < 0.0 { area.right - 1 } else { area.left }, if dy < 0.0 { area.bottom - 1 } else { area.top });
+        let least = least.max(at + dx * x as f32 + dy * y as f32) - noise;
+        DepthPlane { at, dx, dy, x: 0.0, y: 0.0, noise, least }
     }
 
     /// Whether an area surely lies within the disc; its corners do, with a margin for rounding.

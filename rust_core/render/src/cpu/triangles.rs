@@ -230,7 +230,7 @@ pub(super) fn draw_ranked(
     let Range { start: top, end: bottom } = band.rows(begin, end);
     let pixels = Area { left: left.max(0), right: right.min(band.width), top, bottom };
     if pixels.left < pixels.right && pixels.top < pixels.bottom {
-        let least = least_depth(positions, (left, right), (begin, end), area, surface);
+        let least = least_depth(positions, surface);
         if occluders.hides_from(least) {
             return;
         }
@@ -245,18 +245,15 @@ pub(super) fn draw_ranked(
 /// A depth that no fragment of a triangle is nearer than, by however much its plane is rounded; infinitely near for
 /// thin ones, whose planes are steep.
 #[inline]
-fn least_depth(
-    positions: [&ScreenPosition; 3],
-    (left, right): (i32, i32),
-    (top, bottom): (i32, i32),
-    doubled_area: i64,
-    surface: &Surface,
-) -> f32 {
+pub(super) fn least_depth(positions: [&ScreenPosition; 3], surface: &Surface) -> f32 {
     const THIN_PX: i64 = 16;
     const STEPS: f32 = 32.0;
     const SHARE: f32 = 1.0 / 1024.0;
+    let [first, second, third] = positions;
+    let (left, right) = between(first.x, second.x, third.x);
+    let (top, bottom) = between(first.y, second.y, third.y);
     let longest = i64::from((right - left).max(bottom - top));
-    let is_thin = doubled_area / i64::from(SUBPIXELS * SUBPIXELS) < longest * THIN_PX;
+    let is_thin = doubled_area(positions).abs() / i64::from(SUBPIXELS * SUBPIXELS) < longest * THIN_PX;
     let [a, b, c] = positions.map(|position| position.depth);
     let (near, far) = (a.min(b).min(c), a.max(b).max(c));
     if surface.depth_bias != DepthBias::NONE {

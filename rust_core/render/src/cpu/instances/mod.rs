@@ -38,7 +38,7 @@ use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
 use crate::cpu::clip::{ClipVertex, Outside};
 use crate::cpu::fill::can_fill;
-use crate::cpu::ranked::{in_chunk, scattered, Extent, Load, RankedScratch};
+use crate::cpu::ranked::{in_chunk, Extent, Load, RankedScratch};
 use crate::cpu::screen::{first_pixel, ObjectTransform, Screen};
 use crate::cpu::surface::{DepthBias, Surface};
 use crate::cpu::triangles::{self, Corner, ScreenPosition};
@@ -296,7 +296,8 @@ impl Instances {
                 .iter()
                 .for_each(|instances| instances.as_ref().draw(batches, view, screen, index, scratch, band));
         };
-        for at in scattered(ranked.chunks.len()) {
+        for i in 0..ranked.order.len() {
+            let at = ranked.order[i] as usize;
             let Some(&chunk) = ranked.chunks.get(at) else { continue };
             let Some(instances) = jobs.get(chunk[0] as usize).map(AsRef::as_ref) else { continue };
             for (number, rank) in in_chunk(numbers, chunk, first_rank, at) {

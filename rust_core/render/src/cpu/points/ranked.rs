@@ -17,7 +17,7 @@ use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::band::Band;
 use crate::cpu::lanes::{lane_indices, map, F, I, LANES};
 use crate::cpu::occlusion::{rounding, Area, DepthPlane, Drawn};
-use crate::cpu::ranked::{in_chunk, scattered, RankedScratch, CHUNK};
+use crate::cpu::ranked::{in_chunk, RankedScratch, CHUNK};
 use crate::cpu::screen::{Screen, FARTHEST};
 use crate::cpu::triangles;
 use crate::shading::DISC_RADIUS_SQUARED;
@@ -107,7 +107,8 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         let (mut indices, mut ranks, mut count) = ([0; BLOCK], [0; BLOCK], 0);
         let range = Range::of(self.cloud);
         let mut hidden_from = f32::INFINITY;
-        for (drawn, at) in scattered(ranked.chunks.len()).enumerate() {
+        for drawn in 0..ranked.order.len() {
+            let at = ranked.order[drawn] as usize;
             if drawn % CHUNKS_TO_ASK == CHUNKS_TO_ASK - 1 {
                 let farthest = |range: &Range| range.hidden_from(ranked.occluders.farthest());
                 hidden_from = range.as_ref().map_or(f32::INFINITY, farthest);

@@ -206,12 +206,16 @@ impl RoughFace {
         let noise = is_level.select(zero, noise);
         let least = a.depth.min(b.depth).min(c.depth.min(d.depth));
         let greatest = a.depth.max(b.depth).max(c.depth.max(d.depth));
-        let least = least - (greatest - least) * (1.0 / 1024.0) - noise;
         let margin = 1.0 / 64.0;
         let left = (low_x - margin).ceil().max(0.0);
         let right = ((high_x + margin).floor() + 1.0).min(view.width_px);
         let top = (low_y - margin).ceil().max(view.rows[0]);
         let bottom = ((high_y + margin).floor() + 1.0).min(view.rows[1]);
+        // Both at the corners and at the pixels of the area.
+        let x = slope_x.simd_lt(0.0).select(right - 1.0, left) - a.x;
+        let y = slope_y.simd_lt(0.0).select(bottom - 1.0, top) - a.y;
+        let least = (least - (greatest - least) * (1.0 / 1024.0)).max(a.depth + before + (slope_x * x + slope_y * y));
+        let least = least - noise;
         let mut face = Self { back: back.to_bitmask() as u32, ..Self::default() };
         face.known = (is_thick & is_whole).to_bitmask() as u32;
         for (all, value) in face.plane.iter_mut().zip([a.depth + before, slope_x, slope_y, a.x, a.y, noise, least]) {
