@@ -9,8 +9,8 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
 
-use super::lanes::{inlined, F, LANES, M, U};
-use super::occlusion::{Area, Drawn, TILE_PX};
+use super::lanes::{inlined, lane_indices, F, LANES, M, U};
+use super::occlusion::{rounding, Area, DepthPlane, Drawn, TILE_PX};
 use super::screen::{Screen, FARTHEST};
 
 /// How fragments are combined with the pixels.
@@ -183,27 +183,40 @@ impl Band<'_> {
         (begin, pixels.map(|((color, depth), rank)| (color, depth, rank)))
     }
 
-    /// The largest depth of a tile and the lowest rank in it; of pixels outside of the picture nothing is known.
+    /// How far away a tile's pixels are at most, as one depth or as a plane of these changes to the right and down, and
+    /// the lowest rank in it; of pixels outside of the picture nothing is known.
     #[inline(always)]
-    pub(super) fn farthest<S: Simd>(&self, simd: S, tile: Area) -> Drawn {
+    pub(super) fn farthest<S: Simd>(&self, simd: S, tile: Area, [dx, dy]: [f32; 2]) -> Drawn {
         let mut farthest = F::splat(simd, 0.0);
+        let mut above = F::splat(simd, 0.0);
         let mut first_rank = U::splat(simd, u32::MAX);
         if tile.right - tile.left < TILE_PX || !self.has_ranks {
             return Drawn::Nothing;
         }
         let mut at = (tile.top - self.first_row) as usize * self.stride + tile.left as usize;
-        for _ in tile.top..tile.bottom {
+        let right = lane_indices(simd).to_float::<F<S>>() * dx;
+        for row in 0..tile.bottom - tile.top {
             let depths = self.depth.get(at..).and_then(<[f32]>::first_chunk);
             let ranks = self.rank.get(at..).and_then(<[u32]>::first_chunk);
             let (Some(depths), Some(ranks)) = (depths, ranks) else { return Drawn::Nothing };
-            farthest = farthest.max(F::load_array_ref(simd, depths));
+            let depths = F::load_array_ref(simd, depths);
+            farthest = farthest.max(depths);
+            above = above.max(depths - (right + row as f32 * dy));
             first_rank = first_rank.min(U::load_array_ref(simd, ranks));
             at += self.stride;
         }
-        Drawn::Partly {
-            farthest: farthest.to_array().into_iter().fold(0.0, f32::max),
-            first_rank: first_rank.to_array().into_iter().fold(u32::MAX, u32::min),
+        // Of numbers that are not negative, the larger one has the larger bits.
+        let greatest =
+            |numbers: F<S>| f32::from_bits(numbers.to_array().map(f32::to_bits).into_iter().fold(0, u32::max));
+        let (farthest, above) = (greatest(farthest), greatest(above));
+        let mut bound = DepthPlane::level(farthest);
+        // A plane, where it is finite and less at the tile's middle.
+        let reach = (dx.abs() + dy.abs()) * (TILE_PX - 1) as f32;
+        if above + (dx + dy) * ((TILE_PX - 1) as f32 * 0.5) < farthest && reach < FARTHEST {
+            let noise = 1.01 * (3.0 * rounding(reach) + rounding(FARTHEST + reach));
+            bound = DepthPlane { at: above, dx, dy, x: tile.left as f32, y: tile.top as f32, noise, ..bound };
         }
+        Drawn::Partly { bound, first_rank: first_rank.to_array().into_iter().fold(u32::MAX, u32::min) }
     }
 
     /// The finished rows, from the top.

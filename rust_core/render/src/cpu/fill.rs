@@ -140,16 +140,19 @@ impl<'a, S: Simd> Fill<'a, S> {
     }
 
     /// Draws the pixels within an area that are not hidden, in the order that ranks give.
+    ///
+    /// No fragment's depth is below `least`, but for rounding.
     #[inline(always)]
     pub(super) fn ranked(
         &self,
         edges: &[Edge; 3],
+        least: f32,
         area: Area,
         rank: u32,
         band: &mut Band<'_>,
         occluders: &mut Occluders,
     ) {
-        let plane = self.depth_plane(area);
+        let plane = self.depth_plane(area, least);
         let is_disc = matches!(self.surface.paint, Paint::Disc);
         let covers = |area: Area| edges.iter().all(|edge| edge.covers(area)) && (!is_disc || self.disc_covers(area));
         let in_steps = edges.each_ref().map(Edge::in_whole_pixels);
@@ -165,14 +168,14 @@ impl<'a, S: Simd> Fill<'a, S> {
                     return Drawn::Nothing;
                 }
                 let columns = self.columns(tile.left);
-                let mut y = tile.top;
+                let (mut y, bottom) = (tile.top.max(area.top), tile.bottom.min(area.bottom));
                 let mut edges_at = map(
                     in_steps,
                     #[inline(always)]
-                    |edge| lane_indices(self.simd) * edge.dx + edge.at(tile.left, tile.top),
+                    |edge| lane_indices(self.simd) * edge.dx + edge.at(tile.left, y),
                 );
                 band.for_ranked_windows(
-                    tile.top..tile.bottom,
+                    y..bottom,
                     tile.left,
                     #[inline(always)]
                     |window| {
@@ -195,15 +198,15 @@ impl<'a, S: Simd> Fill<'a, S> {
                 if is_inside && (!is_disc || self.disc_covers(tile)) {
                     Drawn::Covered
                 } else {
-                    band.farthest(self.simd, tile)
+                    band.farthest(self.simd, tile, [plane.dx, plane.dy])
                 }
             },
             covers,
         );
     }
 
-    /// The depths of the fragments in an area.
-    pub(super) fn depth_plane(&self, area: Area) -> DepthPlane {
+    /// The depths of the fragments in an area, not below `least` but for rounding.
+    fn depth_plane(&self, area: Area, least: f32) -> DepthPlane {
         let Plane { at, dx, dy } = self.planes.depth;
         let (right, down) = (dx.abs() * area.right as f32, dy.abs() * area.bottom as f32);
         let noise = if dx == 0.0 && dy == 0.0 {
@@ -212,7 +215,10 @@ impl<'a, S: Simd> Fill<'a, S> {
             let sum = at.abs() + right;
             1.01 * (rounding(right) + rounding(sum) + rounding(down) + rounding((sum + down).min(2.0 * FARTHEST)))
         };
-        DepthPlane { at, dx, dy, x: 0.0, y: 0.0, noise }
+        let (x, y) =
+            (if dx < 0.0 { area.right - 1 } else { area.left }, if dy < 0.0 { area.bottom - 1 } else { area.top });
+        let least = least.max(at + dx * x as f32 + dy * y as f32) - noise;
+        DepthPlane { at, dx, dy, x: 0.0, y: 0.0, noise, least }
     }
 
     /// Whether an area surely lies within the disc; its corners do, with a margin for rounding.

@@ -37,12 +37,14 @@ pub(super) struct DepthPlane {
     pub x: f32,
     pub y: f32,
     pub noise: f32,
+    /// No fragment is nearer than this, wherever the plane leads outside of the face; may be infinitely negative.
+    pub least: f32,
 }
 
 impl DepthPlane {
     /// The same depth everywhere.
     pub(super) fn level(at: f32) -> Self {
-        Self { at, dx: 0.0, dy: 0.0, x: 0.0, y: 0.0, noise: 0.0 }
+        Self { at, dx: 0.0, dy: 0.0, x: 0.0, y: 0.0, noise: 0.0, least: at }
     }
 
     /// At a place, exactly.
@@ -105,7 +107,8 @@ impl Level {
         let x = lane_indices(simd).to_float::<F<S>>() * self.side + (column as f32 * self.side + half - plane.x);
         let apart = plane.at - numbers(&self.middle);
         let (right, down) = (x * plane.dx, plane.dy * y);
-        let slopes = (plane.dx - numbers(&self.dx)).abs() + (plane.dy - numbers(&self.dy)).abs();
+        let (cell_dx, cell_dy) = (numbers(&self.dx), numbers(&self.dy));
+        let slopes = (plane.dx - cell_dx).abs() + (plane.dy - cell_dy).abs();
         let behind = (apart + (right + down)) - (numbers(&self.rest) + slopes * half);
         // Beside the planes' noise, that of the sums here.
         let unsure = (apart.abs() + (right.abs() + down.abs()) + slopes * half) * (1.0 / (1 << 20) as f32);
@@ -113,6 +116,12 @@ impl Level {
         let ranks = self.rank.get(begin..).and_then(<[u32]>::first_chunk);
         let is_earlier = ranks.map_or(U::splat(simd, 0), |ranks| U::load_array_ref(simd, ranks)).simd_gt(rank);
         let is_hidden = behind.simd_gt(unsure) | (behind.simd_ge(unsure) & is_earlier);
+        // The plane of a steep face leads far before it, but nothing of the face is nearer than its nearest corner.
+        let reach = (cell_dx.abs() + cell_dy.abs()) * half + (numbers(&self.noise) + numbers(&self.rest).abs());
+        let behind = plane.least - (numbers(&self.middle) + reach);
+        let zero = F::splat(simd, 0.0);
+        let unsure = reach.simd_gt(0.0).select(reach * (1.0 / (1 << 20) as f32) + 4.0, zero);
+        let is_hidden = is_hidden | behind.simd_gt(unsure) | (behind.simd_ge(unsure) & is_earlier);
         !(is_hidden.to_bitmask() as u32) & ((1 << LANES) - 1)
     }
 
@@ -123,6 +132,15 @@ impl Level {
         let slopes = f64::from(self.dx[cell].abs()) + f64::from(self.dy[cell].abs());
         let middle = f64::from(self.middle[cell]) + f64::from(self.rest[cell]);
         (middle + slopes * half + f64::from(self.noise[cell]), self.rank[cell])
+    }
+
+    /// The largest of what a cell's depths are above a plane of these slopes that has depth 0 in the cell's middle.
+    fn bound_along(&self, row: i32, column: i32, [dx, dy]: [f64; 2]) -> f64 {
+        let cell = row as usize * self.stride + column as usize;
+        let half = f64::from(self.side - 1.0) * 0.5;
+        let slopes = (f64::from(self.dx[cell]) - dx).abs() + (f64::from(self.dy[cell]) - dy).abs();
+        let middle = f64::from(self.middle[cell]) + f64::from(self.rest[cell]);
+        middle + slopes * half + f64::from(self.noise[cell])
     }
 
     /// Takes the plane of a face that covers a cell, if it is nearer than the one that is there; says whether it is.
@@ -158,8 +176,8 @@ pub(super) enum Drawn {
     Nothing,
     /// The face covers all of them.
     Covered,
-    /// The largest depth of them, and the lowest of their ranks.
-    Partly { farthest: f32, first_rank: u32 },
+    /// None of them is farther away than this, and the lowest of their ranks.
+    Partly { bound: DepthPlane, first_rank: u32 },
 }
 
 /// A band's tiles and blocks.
@@ -170,6 +188,10 @@ pub(super) struct Occluders {
     width: i32,
     first_row: i32,
     end_row: i32,
+    /// No pixel of the band is farther away.
+    farthest: f32,
+    /// How many faces may come before that is asked again.
+    until_asked: u32,
 }
 
 /// Pixels from left to before right and from top to before bottom.
@@ -194,6 +216,20 @@ impl Occluders {
         self.tiles.reset(TILE_PX, width, end_row - first_row, first_row);
         self.blocks.reset(BLOCK_PX, width, end_row - first_row, first_row);
         (self.width, self.first_row, self.end_row) = (width, first_row, end_row);
+        (self.farthest, self.until_asked) = (f32::INFINITY, Self::FACES_TO_ASK);
+    }
+
+    /// After so many faces it is asked again how far away the whole band is covered.
+    const FACES_TO_ASK: u32 = 64;
+
+    /// Whether nothing is seen in the whole band of what is no nearer than this.
+    #[inline]
+    pub(super) fn hides_from(&mut self, nearest: f32) -> bool {
+        match self.until_asked.checked_sub(1) {
+            Some(left) => self.until_asked = left,
+            None => (self.farthest, self.until_asked) = ((self.farthest() as f32).next_up(), Self::FACES_TO_ASK),
+        }
+        nearest > self.farthest
     }
 
     /// The pixels of a cell.
@@ -251,9 +287,13 @@ impl Occluders {
         seen
     }
 
-    /// Takes what is known of a block's tiles for the block.
-    fn join_tiles(&mut self, block: Cell) {
+    /// Takes what is known of a block's tiles for the block: one depth for all, or a plane of these changes to the
+    /// right and down.
+    fn join_tiles(&mut self, block: Cell, [dx, dy]: [f32; 2]) {
         let (mut farthest, mut first_rank) = (0.0_f64, u32::MAX);
+        let mut at_middle = 0.0_f64;
+        let slopes = [dx, dy].map(f64::from);
+        let middle = f64::from(TILES - 1) * 0.5;
         let area = self.area(block, BLOCK_PX);
         let (columns, rows) =
             ((area.right - area.left + TILE_PX - 1) / TILE_PX, (area.bottom - area.top + TILE_PX - 1) / TILE_PX);
@@ -261,10 +301,20 @@ impl Occluders {
             for column in (block.column * TILES..).take(columns as usize) {
                 let (bound, rank) = self.tiles.bound(row, column);
                 (farthest, first_rank) = (farthest.max(bound), first_rank.min(rank));
+                let tiles = [column - block.column * TILES, row - block.row * TILES].map(|i| f64::from(i) - middle);
+                let [right, down] = tiles.map(|tiles| tiles * f64::from(TILE_PX));
+                let bound = self.tiles.bound_along(row, column, slopes) - (slopes[0] * right + slopes[1] * down);
+                at_middle = at_middle.max(bound);
             }
         }
         // To a number that is not smaller.
-        let plane = DepthPlane::level((farthest as f32).next_up());
+        let mut plane = DepthPlane::level((farthest as f32).next_up());
+        if at_middle < farthest {
+            let half = (BLOCK_PX - 1) as f32 * 0.5;
+            let (left, top) = (block.column * BLOCK_PX, self.first_row + block.row * BLOCK_PX);
+            let at = (at_middle as f32).next_up();
+            plane = DepthPlane { at, dx, dy, x: left as f32 + half, y: top as f32 + half, ..plane };
+        }
         self.blocks.offer(&plane, first_rank, block.row, block.column);
     }
 
@@ -277,12 +327,13 @@ impl Occluders {
                 let block = Cell { row, column };
                 let mut is_nearer = false;
                 for tile in tiles_within(self.area(block, BLOCK_PX), area, self.first_row) {
-                    if let Drawn::Partly { farthest, first_rank } = band.farthest(simd, self.area(tile, TILE_PX)) {
-                        is_nearer |= self.tiles.offer(&DepthPlane::level(farthest), first_rank, tile.row, tile.column);
+                    let drawn = band.farthest(simd, self.area(tile, TILE_PX), [0.0; 2]);
+                    if let Drawn::Partly { bound, first_rank } = drawn {
+                        is_nearer |= self.tiles.offer(&bound, first_rank, tile.row, tile.column);
                     }
                 }
                 if is_nearer {
-                    self.join_tiles(block);
+                    self.join_tiles(block, [0.0; 2]);
                 }
             }
         }
@@ -321,9 +372,8 @@ impl Occluders {
                             let is_nearer = match draw(self.area(tile, TILE_PX)) {
                                 Drawn::Nothing => false,
                                 Drawn::Covered => self.tiles.offer(plane, rank, tile.row, tile.column),
-                                Drawn::Partly { farthest, first_rank } => {
-                                    let level = DepthPlane::level(farthest);
-                                    self.tiles.offer(&level, first_rank, tile.row, tile.column)
+                                Drawn::Partly { bound, first_rank } => {
+                                    self.tiles.offer(&bound, first_rank, tile.row, tile.column)
                                 }
                             };
                             is_drawn |= is_nearer;
@@ -333,7 +383,7 @@ impl Occluders {
                         if covers(self.area(block, BLOCK_PX)) {
                             self.blocks.offer(plane, rank, block.row, block.column);
                         } else {
-                            self.join_tiles(block);
+                            self.join_tiles(block, [plane.dx, plane.dy]);
                         }
                     }
                 }

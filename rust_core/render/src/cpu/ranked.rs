@@ -2,10 +2,11 @@
 //!
 //! Where many opaque faces follow each other, their order matters only for equal depths, so that they may come in any
 //! order if each pixel knows the *rank* of the face that it shows: its place in the order of drawing. Faces that lie
-//! over each other a thousandfold are drawn in a scattered order, whatever order the scene has: after a few of them
-//! each part of the picture is covered by one that is nearer than most, and the [`Occluders`] hide the others.
-//! Scattered, not sorted by depth: the nearest face of each tile is another one, and in an unfortunate order every face
-//! is nearer than all before it.
+//! over each other a thousandfold are drawn from near to far, and of equally near ones the last is the first: after a
+//! few of them each part of the picture is covered by one that is nearer than most, and the [`Occluders`] hide the
+//! others. Where faces are tilted, each may all the same be nearer than those before it wherever they lie over each
+//! other; so a few come before all others, in a scattered order, and no pixel is drawn much more often than there are
+//! faces for each of the few.
 //!
 //! A face that has exactly the corners of one with a higher rank is not drawn at all.
 
@@ -18,8 +19,15 @@ use super::triangles::Corner;
 #[derive(Debug, Default)]
 pub(super) struct RankedScratch {
     pub occluders: Occluders,
-    /// The faces of a run, in their order; what the numbers mean is up to who draws them.
-    pub faces: Vec<[u32; 2]>,
+    /// The faces of a run, in their order and [`CHUNK`] at a time: a job, and where a chunk begins in what the job lists
+    /// for the band.
+    pub chunks: Vec<[u32; 2]>,
+    /// The places of the chunks, in the order of drawing.
+    pub order: Vec<u32>,
+    /// How near each chunk is.
+    keys: Vec<f32>,
+    /// How many chunks are about as near, and then where they begin in the order.
+    counts: Vec<u32>,
     /// The triangles that were drawn last, by their corners.
     pub recent_triangles: Recent<12>,
     /// The points that were drawn last, by their positions.
@@ -52,6 +60,66 @@ impl RankedScratch {
 }
 
 impl RankedScratch {
+    /// Lists the chunks of a run, given what each job lists for the band, in a scattered order. Returns the first of their
+    /// ranks; `None` where there are too many.
+    pub(super) fn list_chunks<'n>(
+        &mut self,
+        numbers: impl Fn(usize) -> &'n [u32],
+        jobs: usize,
+        band: &Band<'_>,
+    ) -> Option<u32> {
+        self.chunks.clear();
+        for job in 0..jobs {
+            let begins = (0..numbers(job).len()).step_by(CHUNK);
+            self.chunks.extend(begins.map(|begin| [job as u32, begin as u32]));
+        }
+        self.order.clear();
+        self.order.extend(scattered(self.chunks.len()).map(|at| at as u32));
+        self.take_ranks(self.chunks.len() * CHUNK, band.width, [band.first_row, band.end_row])
+    }
+
+    /// Puts the chunks in another order, given how near what the jobs list is, smaller numbers for what is nearer: at
+    /// first a few scattered ones, which are drawn twice; then all, the near ones first, and of those that are about as
+    /// near the last one.
+    pub(super) fn order_chunks<'n>(
+        &mut self,
+        numbers: impl Fn(usize) -> &'n [u32],
+        nearness: impl Fn(usize, u32) -> f32,
+    ) {
+        const SCATTERED: usize = 32;
+        const BUCKETS: usize = 1024;
+        self.keys.clear();
+        for &[job, begin] in &self.chunks {
+            let chunk = numbers(job as usize).get(begin as usize..).unwrap_or(&[]);
+            let nearness = |least: f32, &number: &u32| least.min(nearness(job as usize, number));
+            self.keys.push(chunk.iter().take(CHUNK).fold(f32::INFINITY, nearness));
+        }
+        let (keys, count) = (&self.keys, self.chunks.len());
+        let finite = || keys.iter().copied().filter(|key| key.is_finite());
+        let (low, high) = (finite().fold(f32::INFINITY, f32::min), finite().fold(f32::NEG_INFINITY, f32::max));
+        let per_step = if high > low { (BUCKETS - 1) as f32 / (high - low) } else { 0.0 };
+        // What is not finite comes last, or first.
+        let bucket = |key: f32| if key == f32::INFINITY { BUCKETS - 1 } else { ((key - low) * per_step) as usize };
+        let bucket = |key: f32| bucket(key).min(BUCKETS - 1);
+        self.counts.clear();
+        self.counts.resize(BUCKETS + 1, 0);
+        for &key in keys {
+            self.counts[bucket(key) + 1] += 1;
+        }
+        let first = count / SCATTERED;
+        self.counts[0] = first as u32;
+        for i in 0..BUCKETS {
+            self.counts[i + 1] += self.counts[i];
+        }
+        self.order.truncate(first);
+        self.order.resize(first + count, 0);
+        for (at, &key) in keys.iter().enumerate().rev() {
+            let next = &mut self.counts[bucket(key)];
+            self.order[*next as usize] = at as u32;
+            *next += 1;
+        }
+    }
+
     /// As [`Self::take_ranks`], but where there are too many, all ranks are free again: whatever a band shows was drawn
     /// before. `None` only for more than there are at all.
     pub(super) fn begin_again_for(&mut self, count: usize, band: &mut Band<'_>) -> Option<u32> {
@@ -62,6 +130,23 @@ impl RankedScratch {
             self.take_ranks(count, band.width, rows)
         })
     }
+}
+
+/// So many neighbouring faces of a list are drawn one after the other: their memory comes together.
+pub(super) const CHUNK: usize = 8;
+
+/// What a job lists in the chunk at this place of a run, and the ranks. The last is the first: of neighbours, too, it is
+/// the most likely to hide the others.
+#[inline]
+pub(super) fn in_chunk<'n>(
+    numbers: impl Fn(usize) -> &'n [u32],
+    [job, begin]: [u32; 2],
+    first_rank: u32,
+    at: usize,
+) -> impl Iterator<Item = (u32, u32)> + 'n {
+    let chunk = numbers(job as usize).get(begin as usize..).unwrap_or(&[]);
+    let first_rank = first_rank + (at * CHUNK) as u32;
+    chunk.iter().take(CHUNK).enumerate().rev().map(move |(i, &number)| (number, first_rank + i as u32))
 }
 
 /// How much a job has to draw.

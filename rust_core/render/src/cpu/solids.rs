@@ -13,7 +13,7 @@ use super::clip::{ClipVertex, Outside};
 use super::fill::can_fill;
 use super::lighting::vertex_color;
 use super::lines::{self, Line};
-use super::ranked::{scattered, Load, RankedScratch};
+use super::ranked::{in_chunk, Load, RankedScratch};
 use super::screen::{ObjectTransform, Screen};
 use super::surface::{DepthBias, Surface};
 use super::triangles::{self, Corner, ScreenPosition};
@@ -95,6 +95,8 @@ struct Source<'a> {
 pub(super) struct Primitives {
     corners: Vec<ReadyCorner>,
     triangles: Vec<Triangle>,
+    /// A depth that no fragment of a triangle is nearer than.
+    least: Vec<f32>,
     lines: Vec<Line>,
     /// Twice a triangle's index, or twice a line's and one.
     bins: Bins,
@@ -106,6 +108,7 @@ impl Primitives {
     pub(super) fn clear(&mut self, screen: &Screen) {
         self.corners.clear();
         self.triangles.clear();
+        self.least.clear();
         self.lines.clear();
         self.bins.reset(screen);
         self.load = Load::default();
@@ -172,12 +175,12 @@ impl Primitives {
         if !triangles::may_be_seen(positions, source.surface, source.screen) {
             return;
         }
-        let rows = triangles::rows(positions);
+        let (rows, least) = (triangles::rows(positions), triangles::least_depth(positions, source.surface));
         self.load.add(triangles::extent(positions, source.screen));
         for (&index, &key) in indices.iter().zip(corners) {
             self.corners[index as usize].light(source, key);
         }
-        self.push_triangle(indices, rows, source);
+        self.push_triangle(indices, rows, least, source);
     }
 
     /// Clips a triangle that reaches far out of the picture, and makes ready the parts that are to be drawn.
@@ -197,13 +200,15 @@ impl Primitives {
             self.corners.extend(corners.map(|corner| ReadyCorner { corner, is_lit: true }));
             let positions = corners.each_ref().map(|corner| &corner.position);
             self.load.add(triangles::extent(positions, source.screen));
-            self.push_triangle([first, first + 1, first + 2], triangles::rows(positions), source);
+            let (rows, least) = (triangles::rows(positions), triangles::least_depth(positions, source.surface));
+            self.push_triangle([first, first + 1, first + 2], rows, least, source);
         });
     }
 
-    fn push_triangle(&mut self, corners: [u32; 3], rows: (i32, i32), source: &Source<'_>) {
+    fn push_triangle(&mut self, corners: [u32; 3], rows: (i32, i32), least: f32, source: &Source<'_>) {
         bin_rows(&mut self.bins, self.triangles.len() as u32 * 2, rows, source.screen);
         self.triangles.push(Triangle { corners, solid: source.index });
+        self.least.push(least);
     }
 
     fn add_line(&mut self, a: ClipVertex, b: ClipVertex, mode: Mode, screen: &Screen) {
@@ -221,19 +226,26 @@ impl Primitives {
         band: &mut Band<'_>,
         scratch: &mut RankedScratch,
     ) {
-        scratch.faces.clear();
-        for (job, primitives) in jobs.iter().enumerate() {
-            scratch.faces.extend(primitives.as_ref().bins.band(index).iter().map(|number| [job as u32, number / 2]));
-        }
-        let count = scratch.faces.len();
-        let Some(first_rank) = scratch.take_ranks(count, band.width, [band.first_row, band.end_row]) else {
+        let numbers = |job: usize| jobs.get(job).map_or(&[][..], |primitives| primitives.as_ref().bins.band(index));
+        let least = |job: usize, number: u32| jobs.get(job).map_or(0.0, |primitives| primitives.as_ref().least(number));
+        let Some(first_rank) = scratch.list_chunks(numbers, jobs.len(), band) else {
             return jobs.iter().for_each(|primitives| primitives.as_ref().draw(solids, index, band));
         };
-        for at in scattered(count) {
-            let Some(&[job, number]) = scratch.faces.get(at) else { continue };
-            let Some(primitives) = jobs.get(job as usize) else { continue };
-            primitives.as_ref().draw_one_ranked(solids, number, first_rank + at as u32, band, scratch);
+        scratch.order_chunks(numbers, least);
+        for i in 0..scratch.order.len() {
+            let at = scratch.order[i] as usize;
+            let Some(&chunk) = scratch.chunks.get(at) else { continue };
+            let Some(primitives) = jobs.get(chunk[0] as usize) else { continue };
+            for (number, rank) in in_chunk(numbers, chunk, first_rank, at) {
+                primitives.as_ref().draw_one_ranked(solids, number / 2, rank, band, scratch);
+            }
         }
+    }
+
+    /// A depth that no fragment of a triangle is nearer than, given what it is in the bins.
+    #[inline]
+    fn least(&self, number: u32) -> f32 {
+        self.least.get(number as usize / 2).copied().unwrap_or(f32::NEG_INFINITY)
     }
 
     fn draw_one_ranked(
@@ -244,6 +256,9 @@ impl Primitives {
         band: &mut Band<'_>,
         scratch: &mut RankedScratch,
     ) {
+        if scratch.occluders.hides_from(self.least(number * 2)) {
+            return;
+        }
         let Some(triangle) = self.triangles.get(number as usize) else { return };
         let Some(solid) = solids.get(triangle.solid as usize) else { return };
         let corners = triangle.corners.map(|index| &self.corners[index as usize].corner);

@@ -230,11 +230,40 @@ pub(super) fn draw_ranked(
     let Range { start: top, end: bottom } = band.rows(begin, end);
     let pixels = Area { left: left.max(0), right: right.min(band.width), top, bottom };
     if pixels.left < pixels.right && pixels.top < pixels.bottom {
+        let least = least_depth(positions, surface);
+        if occluders.hides_from(least) {
+            return;
+        }
         let planes = Planes::new(corners, area, surface);
         let edges = Edge::around(positions);
         dispatch!(band.simd_level, simd => {
-            Fill::new(simd, &planes, surface).ranked(&edges, pixels, rank, band, occluders);
+            Fill::new(simd, &planes, surface).ranked(&edges, least, pixels, rank, band, occluders);
         });
+    }
+}
+
+/// A depth that no fragment of a triangle is nearer than, by however much its plane is rounded; infinitely near for
+/// thin ones, whose planes are steep.
+#[inline]
+pub(super) fn least_depth(positions: [&ScreenPosition; 3], surface: &Surface) -> f32 {
+    const THIN_PX: i64 = 16;
+    const STEPS: f32 = 32.0;
+    const SHARE: f32 = 1.0 / 1024.0;
+    let [first, second, third] = positions;
+    let (left, right) = between(first.x, second.x, third.x);
+    let (top, bottom) = between(first.y, second.y, third.y);
+    let longest = i64::from((right - left).max(bottom - top));
+    let is_thin = doubled_area(positions).abs() / i64::from(SUBPIXELS * SUBPIXELS) < longest * THIN_PX;
+    let [a, b, c] = positions.map(|position| position.depth);
+    let (near, far) = (a.min(b).min(c), a.max(b).max(c));
+    if surface.depth_bias != DepthBias::NONE {
+        f32::NEG_INFINITY
+    } else if near == far {
+        near
+    } else if is_thin {
+        f32::NEG_INFINITY
+    } else {
+        near - (far - near) * SHARE - STEPS
     }
 }
 

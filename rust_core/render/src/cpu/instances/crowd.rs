@@ -10,7 +10,7 @@ use rcs_scene::Material;
 use super::batch::{Batch, BatchPiece, BatchView};
 use super::corners::{place_vertices, InstanceScratch, Source, Vertices};
 use super::reach::{reach, Footprint, Reach};
-use super::{sieve, Instances};
+use super::{pixels_between, sieve, Instances};
 use crate::cpu::band::Band;
 use crate::cpu::occlusion::{Area, DepthPlane};
 use crate::cpu::ranked::RankedScratch;
@@ -164,15 +164,13 @@ impl Member {
         let rows = &transform.clip_from_object;
         dispatch!(screen.simd_level, simd => place_vertices(simd, shape, rows, screen, scratch));
         scratch.begin();
-        let mut seen = std::mem::take(&mut scratch.seen);
-        seen.clear();
-        sieve(shape, surface, scratch, |triangle, _, (begin, end), _| {
-            if begin < band.end_row && end > band.first_row {
-                seen.push(triangle);
-            }
-        });
+        sieve(shape, surface, scratch);
+        let seen = std::mem::take(&mut scratch.seen);
         for &triangle in &seen {
-            if let Some(&corners) = shape.triangles.get(triangle as usize) {
+            let Some(&corners) = shape.triangles.get(triangle as usize) else { continue };
+            let [a, b, c] = corners.map(|corner| scratch.y.get(corner as usize).copied().unwrap_or_default());
+            let (begin, end) = pixels_between(a, b, c);
+            if begin < band.end_row && end > band.first_row {
                 work(corners, &source, triangle, scratch, band);
             }
         }

@@ -38,7 +38,7 @@ use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
 use crate::cpu::clip::{ClipVertex, Outside};
 use crate::cpu::fill::can_fill;
-use crate::cpu::ranked::{scattered, Extent, Load, RankedScratch};
+use crate::cpu::ranked::{in_chunk, Extent, Load, RankedScratch};
 use crate::cpu::screen::{first_pixel, ObjectTransform, Screen};
 use crate::cpu::surface::{DepthBias, Surface};
 use crate::cpu::triangles::{self, Corner, ScreenPosition};
@@ -153,15 +153,18 @@ impl Instances {
 
     /// Makes the triangles of a solid inside the view ready whose vertices were placed. Returns whether any may be
     /// seen.
-    fn add_inside(&mut self, shape: &Shape, surface: &Surface, screen: &Screen, scratch: &InstanceScratch) -> bool {
-        let first = self.next;
-        let mut is_seen = false;
-        sieve(shape, surface, scratch, |triangle, columns, rows, doubled_area| {
+    fn add_inside(&mut self, shape: &Shape, surface: &Surface, screen: &Screen, scratch: &mut InstanceScratch) -> bool {
+        sieve(shape, surface, scratch);
+        let InstanceScratch { x, y, seen, .. } = scratch;
+        for &triangle in seen.iter() {
+            let Some(corners) = shape.triangles.get(triangle as usize) else { continue };
+            let [a, b, c] = corners.map(|corner| corner as usize);
+            let (columns, rows) = (pixels_between(x[a], x[b], x[c]), pixels_between(y[a], y[b], y[c]));
+            let doubled_area = doubled_area([[x[a], y[a]], [x[b], y[b]], [x[c], y[c]]]);
             self.load.add(Extent::of_triangle(columns, rows, doubled_area, screen));
-            self.bin(first + triangle, rows.0, rows.1, screen);
-            is_seen = true;
-        });
-        is_seen
+            self.bin(self.next + triangle, rows.0, rows.1, screen);
+        }
+        !seen.is_empty()
     }
 
     fn add_text(
@@ -287,20 +290,19 @@ impl Instances {
         ranked: &mut RankedScratch,
         band: &mut Band<'_>,
     ) {
-        ranked.faces.clear();
-        for (job, instances) in jobs.iter().enumerate() {
-            ranked.faces.extend(instances.as_ref().bins.band(index).iter().map(|number| [job as u32, *number]));
-        }
-        let count = ranked.faces.len();
-        let Some(first_rank) = ranked.take_ranks(count, band.width, [band.first_row, band.end_row]) else {
+        let numbers = |job: usize| jobs.get(job).map_or(&[][..], |instances| instances.as_ref().bins.band(index));
+        let Some(first_rank) = ranked.list_chunks(numbers, jobs.len(), band) else {
             return jobs
                 .iter()
                 .for_each(|instances| instances.as_ref().draw(batches, view, screen, index, scratch, band));
         };
-        for at in scattered(count) {
-            let Some(&[job, number]) = ranked.faces.get(at) else { continue };
-            let Some(instances) = jobs.get(job as usize).map(AsRef::as_ref) else { continue };
-            instances.draw_one_ranked(number, first_rank + at as u32, (batches, view), screen, ranked, band);
+        for i in 0..ranked.order.len() {
+            let at = ranked.order[i] as usize;
+            let Some(&chunk) = ranked.chunks.get(at) else { continue };
+            let Some(instances) = jobs.get(chunk[0] as usize).map(AsRef::as_ref) else { continue };
+            for (number, rank) in in_chunk(numbers, chunk, first_rank, at) {
+                instances.draw_one_ranked(number, rank, (batches, view), screen, ranked, band);
+            }
         }
     }
 
@@ -383,40 +385,49 @@ fn for_each_mesh(
     }
 }
 
-/// The triangles of a solid inside the view that may be seen, given where its vertices were placed: passes on the
-/// number of each, its columns and rows of pixels with the ones after the last, and twice its area.
+/// Lists the triangles of a solid inside the view that may be seen, given where its vertices were placed.
+///
+/// Which they are looks random to a processor, so that there is nothing to predict here: each is written down, and the
+/// next one over it unless it is kept.
 #[inline]
-fn sieve(
-    shape: &Shape,
-    surface: &Surface,
-    scratch: &InstanceScratch,
-    mut work: impl FnMut(u32, (i32, i32), (i32, i32), i64),
-) {
-    let (x, y, gaps) = (scratch.x.as_slice(), scratch.y.as_slice(), scratch.gaps.as_slice());
-    let is_hidden = |doubled_area: i64| match surface.cull {
-        CullMode::None => doubled_area == 0,
-        CullMode::Back => doubled_area >= 0,
-        CullMode::Front => doubled_area <= 0,
+fn sieve(shape: &Shape, surface: &Surface, scratch: &mut InstanceScratch) {
+    let InstanceScratch { x, y, gaps, seen, .. } = scratch;
+    let (x, y, gaps) = (x.as_slice(), y.as_slice(), gaps.as_slice());
+    let [keeps_clockwise, keeps_other] = match surface.cull {
+        CullMode::None => [true, true],
+        CullMode::Back => [false, true],
+        CullMode::Front => [true, false],
     };
+    seen.clear();
+    seen.resize(shape.triangles.len() + 1, 0);
+    let mut count = 0;
     for (triangle, corners) in (0..).zip(&shape.triangles) {
         let [a, b, c] = corners.map(|corner| corner as usize);
         let (Some(&gap_a), Some(&gap_b), Some(&gap_c)) = (gaps.get(a), gaps.get(b), gaps.get(c)) else { continue };
         let differences = (gap_a ^ gap_b) | (gap_a ^ gap_c);
-        if differences & 0xffff == 0 || differences >> 16 == 0 {
-            continue;
+        let doubled_area = doubled_area([[x[a], y[a]], [x[b], y[b]], [x[c], y[c]]]);
+        let faces = (keeps_clockwise & (doubled_area > 0)) | (keeps_other & (doubled_area < 0));
+        let is_kept = (differences & 0xffff != 0) & (differences >> 16 != 0) & faces;
+        if let Some(place) = seen.get_mut(count) {
+            *place = triangle;
         }
-        let (ax, ay) = (i64::from(x[a]), i64::from(y[a]));
-        let (bx, by) = (i64::from(x[b]) - ax, i64::from(y[b]) - ay);
-        let (cx, cy) = (i64::from(x[c]) - ax, i64::from(y[c]) - ay);
-        let doubled_area = bx * cy - cx * by;
-        if is_hidden(doubled_area) {
-            continue;
-        }
-        let [top, bottom] = [y[a].min(y[b]).min(y[c]), y[a].max(y[b]).max(y[c])];
-        let [left, right] = [x[a].min(x[b]).min(x[c]), x[a].max(x[b]).max(x[c])];
-        let pixels = |first: i32, last: i32| (first_pixel(first), first_pixel(last + 1));
-        work(triangle, pixels(left, right), pixels(top, bottom), doubled_area);
+        count += usize::from(is_kept);
     }
+    seen.truncate(count);
+}
+
+/// Twice the area in snapped places.
+#[inline]
+fn doubled_area([a, b, c]: [[i32; 2]; 3]) -> i64 {
+    let (bx, by) = (i64::from(b[0]) - i64::from(a[0]), i64::from(b[1]) - i64::from(a[1]));
+    let (cx, cy) = (i64::from(c[0]) - i64::from(a[0]), i64::from(c[1]) - i64::from(a[1]));
+    bx * cy - cx * by
+}
+
+/// The pixels between snapped places along an axis: the first one and the one after the last.
+#[inline]
+fn pixels_between(a: i32, b: i32, c: i32) -> (i32, i32) {
+    (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1))
 }
 
 fn draw_triangle(

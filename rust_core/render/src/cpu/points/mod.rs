@@ -114,7 +114,7 @@ pub(super) fn draw_ranked<'i>(
     if cloud.is_culled {
         return;
     }
-    let Some(first_rank) = ranked::list(&indices, jobs, ranked, band) else {
+    let Some(first_rank) = ranked.list_chunks(&indices, jobs, band) else {
         return (0..jobs).for_each(|job| draw(cloud, indices(job), screen, scratch, band));
     };
     let run = ranked::Run { cloud, indices, first_rank };

@@ -17,13 +17,10 @@ use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::band::Band;
 use crate::cpu::lanes::{lane_indices, map, F, I, LANES};
 use crate::cpu::occlusion::{rounding, Area, DepthPlane, Drawn};
-use crate::cpu::ranked::{scattered, RankedScratch};
+use crate::cpu::ranked::{in_chunk, RankedScratch, CHUNK};
 use crate::cpu::screen::{Screen, FARTHEST};
 use crate::cpu::triangles;
 use crate::shading::DISC_RADIUS_SQUARED;
-
-/// So many neighbouring points of a list are drawn one after the other: their memory comes together.
-const CHUNK: usize = 8;
 
 /// After so many chunks it is asked again how far away a band is covered everywhere.
 const CHUNKS_TO_ASK: usize = 128;
@@ -81,22 +78,6 @@ impl Range {
     }
 }
 
-/// Lists the chunks of a run. Returns the first of their ranks; `None` where there are too many.
-pub(super) fn list<'i>(
-    indices: impl Fn(usize) -> &'i [u32],
-    jobs: usize,
-    ranked: &mut RankedScratch,
-    band: &Band<'_>,
-) -> Option<u32> {
-    ranked.faces.clear();
-    for job in 0..jobs {
-        let begins = (0..indices(job).len()).step_by(CHUNK);
-        ranked.faces.extend(begins.map(|begin| [job as u32, begin as u32]));
-    }
-    let count = ranked.faces.len() * CHUNK;
-    ranked.take_ranks(count, band.width, [band.first_row, band.end_row])
-}
-
 impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
     /// Draws the points with faces of one kind.
     pub(super) fn draw<const PAINT: u8>(
@@ -126,7 +107,8 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         let (mut indices, mut ranks, mut count) = ([0; BLOCK], [0; BLOCK], 0);
         let range = Range::of(self.cloud);
         let mut hidden_from = f32::INFINITY;
-        for (drawn, at) in scattered(ranked.faces.len()).enumerate() {
+        for drawn in 0..ranked.order.len() {
+            let at = ranked.order[drawn] as usize;
             if drawn % CHUNKS_TO_ASK == CHUNKS_TO_ASK - 1 {
                 let farthest = |range: &Range| range.hidden_from(ranked.occluders.farthest());
                 hidden_from = range.as_ref().map_or(f32::INFINITY, farthest);
@@ -135,11 +117,8 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
                 self.draw_block::<S, PAINT>(simd, &indices[..count], &ranks, &view, screen, scratch, ranked, band);
                 count = 0;
             }
-            let Some(&[job, begin]) = ranked.faces.get(at) else { continue };
-            let chunk = (self.indices)(job as usize).get(begin as usize..).unwrap_or(&[]);
-            // Of neighbours, too, the last is the most likely to hide the others.
-            for (i, &index) in chunk.iter().take(CHUNK).enumerate().rev() {
-                let rank = self.first_rank + (at * CHUNK + i) as u32;
+            let Some(&chunk) = ranked.chunks.get(at) else { continue };
+            for (index, rank) in in_chunk(&self.indices, chunk, self.first_rank, at) {
                 if self.is_needed(index, rank, hidden_from, ranked) {
                     (indices[count % BLOCK], ranks[count % BLOCK]) = (index, rank);
                     count += 1;
@@ -277,7 +256,8 @@ fn draw_small<S: Simd, const PAINT: u8>(
         // Each row adds to the depth, from the first one on.
         rounding(reach) * (height + 2.0) + rounding(FARTHEST) * 1.01 + rounding(depth.abs() + reach)
     };
-    let plane = DepthPlane { at: depth, dx: depth_right, dy: depth_down, x: left as f32, y: top as f32, noise };
+    let least = f32::NEG_INFINITY;
+    let plane = DepthPlane { at: depth, dx: depth_right, dy: depth_down, x: left as f32, y: top as f32, noise, least };
     let edges = [faces.edge(0, i), faces.edge(1, i), faces.edge(2, i), faces.edge(3, i)];
     let places = [faces.plane(PLACE, i), faces.plane(PLACE + 1, i), faces.plane(PLACE + 2, i)];
     let paint = FacePaint::<S, PAINT>::new(simd, color, axis, faces.along & 1 << i != 0);
@@ -347,7 +327,7 @@ fn draw_small<S: Simd, const PAINT: u8>(
             if covers(tile) {
                 Drawn::Covered
             } else {
-                band.farthest(simd, tile)
+                band.farthest(simd, tile, [depth_right, depth_down])
             }
         },
         covers,

@@ -27,8 +27,8 @@ struct RoughFace {
     known: u32,
     /// Bit i: it is surely seen from behind.
     back: u32,
-    /// at, dx, dy, x, y, noise.
-    plane: [Lanes; 6],
+    /// at, dx, dy, x, y, noise, least.
+    plane: [Lanes; 7],
     /// left, right, top, bottom.
     bounds: [Lanes; 4],
 }
@@ -47,9 +47,9 @@ impl RoughFaces {
         if face.known & !face.back & 1 << lane == 0 {
             return None;
         }
-        let [at, dx, dy, x, y, noise] = face.plane.each_ref().map(|all| all[lane]);
+        let [at, dx, dy, x, y, noise, least] = face.plane.each_ref().map(|all| all[lane]);
         let [left, right, top, bottom] = face.bounds.each_ref().map(|all| all[lane] as i32);
-        Some((DepthPlane { at, dx, dy, x, y, noise }, Area { left, right, top, bottom }))
+        Some((DepthPlane { at, dx, dy, x, y, noise, least }, Area { left, right, top, bottom }))
     }
 
     /// Whether a face may be seen from its front.
@@ -204,14 +204,21 @@ impl RoughFace {
         let sum = slopes * (view.half_size.0.max(view.half_size.1) * 2.0) + FARTHEST;
         let noise = sum * (1.0 / (1 << 22) as f32) + slopes * (1.0 / 128.0);
         let noise = is_level.select(zero, noise);
+        let least = a.depth.min(b.depth).min(c.depth.min(d.depth));
+        let greatest = a.depth.max(b.depth).max(c.depth.max(d.depth));
         let margin = 1.0 / 64.0;
         let left = (low_x - margin).ceil().max(0.0);
         let right = ((high_x + margin).floor() + 1.0).min(view.width_px);
         let top = (low_y - margin).ceil().max(view.rows[0]);
         let bottom = ((high_y + margin).floor() + 1.0).min(view.rows[1]);
+        // Both at the corners and at the pixels of the area.
+        let x = slope_x.simd_lt(0.0).select(right - 1.0, left) - a.x;
+        let y = slope_y.simd_lt(0.0).select(bottom - 1.0, top) - a.y;
+        let least = (least - (greatest - least) * (1.0 / 1024.0)).max(a.depth + before + (slope_x * x + slope_y * y));
+        let least = least - noise;
         let mut face = Self { back: back.to_bitmask() as u32, ..Self::default() };
         face.known = (is_thick & is_whole).to_bitmask() as u32;
-        for (all, value) in face.plane.iter_mut().zip([a.depth + before, slope_x, slope_y, a.x, a.y, noise]) {
+        for (all, value) in face.plane.iter_mut().zip([a.depth + before, slope_x, slope_y, a.x, a.y, noise, least]) {
             store(all, 0, value);
         }
         for (all, value) in face.bounds.iter_mut().zip([left, right, top, bottom]) {
