@@ -37,7 +37,7 @@ fn default_in_help(help: &str, option: &str) -> Option<String> {
 /// Options whose defaults are compared with nothing, and why.
 const NOT_COMPARED: [(&str, &str); 2] = [
     ("--fixed-frame", "its default is the config's own, and the help names none"),
-    ("--no-watch", "a flag; e2e/settings.rs runs the node with and without it"),
+    ("--no-watch", "a flag; timing/settings.rs runs the node with and without it"),
 ];
 
 /// The default of an option of the node, which its help does not name because a parameter may give it as well.

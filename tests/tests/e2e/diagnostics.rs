@@ -1,24 +1,8 @@
 //! `/diagnostics` as a Python subscriber receives it, and the log beside it.
 
-use rcs_tests::python_node::PythonNode;
+use rcs_tests::python_node::{PythonNode, MONITOR};
 use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
-/// Subscribes to a topic and keeps arrivals, stamps and the last status of each name as (level, message, hardware,
-/// values).
-pub(crate) const MONITOR: &str = "
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-arrays, known = [], {}
-def note(array):
-    arrays.append((time.time(), array.header.stamp.to_sec(), [status.name for status in array.status]))
-    for status in array.status:
-        values = {value.key: value.value for value in status.values}
-        known[status.name] = (ord(status.level) if isinstance(status.level, bytes) else status.level, status.message, status.hardware_id, values)
-monitor = rospy.Subscriber(topic, DiagnosticArray, note)
-def level(name): return known[name][0] if name in known else None
-def message(name): return known[name][1] if name in known else None
-def values(name): return known[name][3] if name in known else {}
-";
 
 fn monitored(displays: &[&str], args: &[&str], topic: &str) -> RosFixture {
     let fixture = RosFixture::start(&config(displays, &[CameraPub::default()]), args).unwrap();

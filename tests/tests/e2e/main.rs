@@ -5,13 +5,15 @@
 //!
 //! ```text
 //! cargo build --release -p rcs_app --bins
-//! RUST_TEST_THREADS=1 cargo test --release -p rcs_tests --test e2e                      all tests
-//! cargo test --release -p rcs_tests --test e2e -- frame_rate::                          the tests of one file
+//! cargo test --release -p rcs_tests --test e2e -- --test-threads=2                      all tests
+//! cargo test --release -p rcs_tests --test e2e -- diagnostics::                         the tests of one file
 //! cargo test --release -p rcs_tests --test e2e -- --exact transforms::a_cloud_waits_for_its_frame   one test
 //! ```
 //!
+//! Those that measure times are in `timing`, so that these may run side by side.
+//!
 //! A failing test prints the node's log. Events are waited for with a deadline ([`rcs_tests::ros::PATIENCE`]); a test
-//! sleeps only where nothing may happen meanwhile, or where the time itself is measured.
+//! sleeps only where nothing may happen meanwhile.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -20,17 +22,10 @@ mod check;
 mod check_live;
 mod command_line;
 mod diagnostics;
-mod frame_rate;
-mod latency;
-mod lifecycle;
 mod live_equals_offline;
-mod load;
-mod meshes;
 mod node_log;
 mod render;
-mod settings;
 mod simulated_time;
-mod soak;
 mod transforms;
 mod viewers;
 mod wrong_messages;

@@ -1,10 +1,8 @@
 //! The latency figures on `/diagnostics`, compared with what a subscriber measures.
 
-use rcs_tests::python_node::PythonNode;
+use rcs_tests::python_node::{PythonNode, MONITOR};
 use rcs_tests::ros::RosMaster;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-
-use crate::diagnostics::MONITOR;
 
 /// Python helpers beside [`MONITOR`]: a camera's figures as (median, p95), and when the picture first changed after a
 /// cloud.

@@ -1,6 +1,6 @@
 //! Heavy scenes and floods of messages: calls, signals and pictures go on, and memory is bounded.
 
-use crate::diagnostics::MONITOR;
+use rcs_tests::python_node::MONITOR;
 use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::fs;

@@ -1,8 +1,7 @@
 //! Start and shutdown: waiting for a master, clean shutdown, and other nodes that stall or restart.
 
-use crate::diagnostics::MONITOR;
 use rcs_tests::programs::program;
-use rcs_tests::python_node::PythonNode;
+use rcs_tests::python_node::{PythonNode, MONITOR};
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::path::Path;

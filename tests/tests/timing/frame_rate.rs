@@ -1,7 +1,6 @@
 //! The property "Frame Rate" and the trigger service.
 
-use crate::diagnostics::MONITOR;
-use rcs_tests::python_node::PythonNode;
+use rcs_tests::python_node::{PythonNode, MONITOR};
 use rcs_tests::ros::PATIENCE;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::time::Duration;

@@ -1,6 +1,6 @@
 //! Meshes of markers: loaded beside the pictures, and only files that may be read.
 
-use crate::diagnostics::MONITOR;
+use rcs_tests::python_node::MONITOR;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::fs::{self, File};
 use std::os::unix::fs::symlink;

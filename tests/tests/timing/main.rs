@@ -1,0 +1,17 @@
+//! The programs as users run them, as in `e2e`, where times, rates or loads are measured: one test at a time.
+//!
+//! ```text
+//! cargo build --release -p rcs_app --bins
+//! cargo test --release -p rcs_tests --test timing -- --test-threads=1                   all tests
+//! cargo test --release -p rcs_tests --test timing -- frame_rate::                       the tests of one file
+//! ```
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod frame_rate;
+mod latency;
+mod lifecycle;
+mod load;
+mod meshes;
+mod settings;
+mod soak;
