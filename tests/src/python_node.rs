@@ -12,8 +12,8 @@ use std::time::Duration;
 
 const SCRIPT: &str = include_str!("python_node.py");
 
-/// Python that subscribes to the diagnostics on the topic `topic` and keeps arrivals, stamps and the last status of each name as (level, message, hardware,
-/// values).
+/// Python that subscribes to the diagnostics on the topic `topic` and keeps arrivals, stamps and the last status of
+/// each name as (level, message, hardware, values).
 pub const MONITOR: &str = "
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 arrays, known = [], {}

@@ -2,11 +2,13 @@
 //!
 //! Where many opaque faces follow each other, their order matters only for equal depths, so that they may come in any
 //! order if each pixel knows the *rank* of the face that it shows: its place in the order of drawing. Faces that lie
-//! over each other a thousandfold are drawn from near to far, and of equally near ones the last is the first: after a
-//! few of them each part of the picture is covered by one that is nearer than most, and the [`Occluders`] hide the
-//! others. Where faces are tilted, each may all the same be nearer than those before it wherever they lie over each
-//! other; so a few come before all others, in a scattered order, and no pixel is drawn much more often than there are
-//! faces for each of the few.
+//! over each other a thousandfold are drawn in an order of their own: after a few of them each part of the picture is
+//! covered by one that is nearer than most, and the [`Occluders`] hide the others.
+//!
+//! Triangles come from near to far, and of equally near ones the last comes first. Tilted ones may each be nearer than
+//! those before it wherever they lie over each other, so a few scattered ones come before all others. A cloud's faces
+//! all come scattered: they are small, so that from near to far a part of the picture would be covered only by and by,
+//! and until it is, nothing is hidden there.
 //!
 //! A face that has exactly the corners of one with a higher rank is not drawn at all.
 
@@ -19,8 +21,8 @@ use super::triangles::Corner;
 #[derive(Debug, Default)]
 pub(super) struct RankedScratch {
     pub occluders: Occluders,
-    /// The faces of a run, in their order and [`CHUNK`] at a time: a job, and where a chunk begins in what the job lists
-    /// for the band.
+    /// The faces of a run, in their order and [`CHUNK`] at a time: a job, and where a chunk begins in what the job
+    /// lists for the band.
     pub chunks: Vec<[u32; 2]>,
     /// The places of the chunks, in the order of drawing.
     pub order: Vec<u32>,
@@ -60,8 +62,8 @@ impl RankedScratch {
 }
 
 impl RankedScratch {
-    /// Lists the chunks of a run, given what each job lists for the band, in a scattered order. Returns the first of their
-    /// ranks; `None` where there are too many.
+    /// Lists the chunks of a run, given what each job lists for the band, in a scattered order. Returns the first of
+    /// their ranks; `None` where there are too many.
     pub(super) fn list_chunks<'n>(
         &mut self,
         numbers: impl Fn(usize) -> &'n [u32],
@@ -135,8 +137,8 @@ impl RankedScratch {
 /// So many neighbouring faces of a list are drawn one after the other: their memory comes together.
 pub(super) const CHUNK: usize = 8;
 
-/// What a job lists in the chunk at this place of a run, and the ranks. The last is the first: of neighbours, too, it is
-/// the most likely to hide the others.
+/// What a job lists in the chunk at this place of a run, and the ranks. The last is the first: of neighbours, too, it
+/// is the most likely to hide the others.
 #[inline]
 pub(super) fn in_chunk<'n>(
     numbers: impl Fn(usize) -> &'n [u32],
