@@ -48,27 +48,6 @@ impl Shape<'_> {
     }
 }
 
-/// A vertex that was transformed; triangles share it.
-#[derive(Clone, Copy, Debug)]
-struct ReadyCorner {
-    /// It has no colour until `is_lit`.
-    corner: Corner,
-    is_lit: bool,
-}
-
-impl ReadyCorner {
-    /// Gives it its colour, which is not needed before a triangle is seen.
-    #[inline]
-    fn light(&mut self, source: &Source<'_>, key: u32) {
-        if !self.is_lit {
-            if let Some(vertex) = source.mesh.vertices.get(key as usize) {
-                self.corner.color = vertex_color(source.material, source.transform, vertex);
-            }
-            self.is_lit = true;
-        }
-    }
-}
-
 /// A triangle that is ready to be drawn. The values interpolated over it are computed where it covers pixels: to keep
 /// them for each would take ten times the memory, and time with it.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +72,8 @@ struct Source<'a> {
 /// Primitives that are ready to be drawn.
 #[derive(Debug, Default)]
 pub(super) struct Primitives {
-    corners: Vec<ReadyCorner>,
+    /// Those of triangles that may be seen, which share them.
+    corners: Vec<Corner>,
     triangles: Vec<Triangle>,
     /// A depth that no fragment of a triangle is nearer than.
     least: Vec<f32>,
@@ -161,7 +141,7 @@ impl Primitives {
     #[inline]
     fn add_triangle(&mut self, source: &Source<'_>, corners: &[u32], cache: &mut VertexCache) {
         let &[a, b, c] = corners else { return };
-        let mut place = |key| cache.place(key, source, &mut self.corners);
+        let mut place = |key| cache.place(key, source);
         let (Some((a, out_a)), Some((b, out_b)), Some((c, out_c))) = (place(a), place(b), place(c)) else { return };
         if out_a.view & out_b.view & out_c.view != 0 {
             return;
@@ -170,15 +150,15 @@ impl Primitives {
             self.add_cut(source, corners);
             return;
         }
-        let indices = [a, b, c];
-        let positions = indices.map(|index| &self.corners[index as usize].corner.position);
+        let positions = [&a, &b, &c];
         if !triangles::may_be_seen(positions, source.surface, source.screen) {
             return;
         }
         let (rows, least) = (triangles::rows(positions), triangles::least_depth(positions, source.surface));
         self.load.add(triangles::extent(positions, source.screen));
-        for (&index, &key) in indices.iter().zip(corners) {
-            self.corners[index as usize].light(source, key);
+        let mut indices = [0; 3];
+        for ((index, &key), position) in indices.iter_mut().zip(corners).zip(positions) {
+            *index = cache.index(key, position, source, &mut self.corners);
         }
         self.push_triangle(indices, rows, least, source);
     }
@@ -197,7 +177,7 @@ impl Primitives {
         let (Some(a), Some(b), Some(c)) = (vertex(a), vertex(b), vertex(c)) else { return };
         triangles::cut([&a, &b, &c], source.surface, source.screen, |corners| {
             let first = self.corners.len() as u32;
-            self.corners.extend(corners.map(|corner| ReadyCorner { corner, is_lit: true }));
+            self.corners.extend_from_slice(corners);
             let positions = corners.each_ref().map(|corner| &corner.position);
             self.load.add(triangles::extent(positions, source.screen));
             let (rows, least) = (triangles::rows(positions), triangles::least_depth(positions, source.surface));
@@ -261,7 +241,7 @@ impl Primitives {
         }
         let Some(triangle) = self.triangles.get(number as usize) else { return };
         let Some(solid) = solids.get(triangle.solid as usize) else { return };
-        let corners = triangle.corners.map(|index| &self.corners[index as usize].corner);
+        let corners = triangle.corners.map(|index| &self.corners[index as usize]);
         let [a, b, c] = corners.map(|corner| corner.position.bits());
         let has_bias = solid.surface.depth_bias != DepthBias::NONE;
         let key = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]];
@@ -280,7 +260,7 @@ impl Primitives {
                 }
             } else if let Some(triangle) = self.triangles.get(at) {
                 if let Some(solid) = solids.get(triangle.solid as usize) {
-                    let corners = triangle.corners.map(|index| &self.corners[index as usize].corner);
+                    let corners = triangle.corners.map(|index| &self.corners[index as usize]);
                     triangles::draw(corners, &solid.surface, band);
                 }
             }
@@ -303,15 +283,17 @@ pub(super) struct VertexCache {
 struct CachedVertex {
     /// Its index in the mesh.
     key: Option<u32>,
-    /// Its index among the corners.
-    index: u32,
+    /// Its index among the corners: it is one, with its colour, from the first triangle on that may be seen. Of a
+    /// detailed mesh most vertices never are.
+    index: Option<u32>,
     outside: Outside,
+    position: ScreenPosition,
 }
 
 impl Default for VertexCache {
     fn default() -> Self {
-        let empty = CachedVertex { key: None, index: 0, outside: Outside::default() };
-        Self { entries: [empty; Self::SIZE] }
+        let (outside, position) = (Outside::default(), ScreenPosition::default());
+        Self { entries: [CachedVertex { key: None, index: None, outside, position }; Self::SIZE] }
     }
 }
 
@@ -319,21 +301,40 @@ impl VertexCache {
     const SIZE: usize = 256;
 
     fn clear(&mut self) {
-        *self = Self::default();
+        self.entries.iter_mut().for_each(|entry| entry.key = None);
     }
 
-    /// The index of a vertex among the corners, if the mesh has it.
+    /// Where a vertex is, if the mesh has it.
     #[inline]
-    fn place(&mut self, key: u32, source: &Source<'_>, corners: &mut Vec<ReadyCorner>) -> Option<(u32, Outside)> {
+    fn place(&mut self, key: u32, source: &Source<'_>) -> Option<(ScreenPosition, Outside)> {
         let entry = &mut self.entries[key as usize % Self::SIZE];
         if entry.key != Some(key) {
-            let vertex = source.mesh.vertices.get(key as usize)?;
-            let position = source.transform.clip(vertex.position);
-            *entry = CachedVertex { key: Some(key), index: corners.len() as u32, outside: Outside::new(position) };
-            let corner =
-                Corner { position: ScreenPosition::new(position, source.screen), color: [0.0; 4], uv: vertex.uv };
-            corners.push(ReadyCorner { corner, is_lit: false });
+            let position = source.transform.clip(source.mesh.vertices.get(key as usize)?.position);
+            let outside = Outside::new(position);
+            let position = ScreenPosition::new(position, source.screen);
+            *entry = CachedVertex { key: Some(key), index: None, outside, position };
         }
-        Some((entry.index, entry.outside))
+        Some((entry.position, entry.outside))
+    }
+
+    /// The index of a vertex among the corners, given where it is.
+    #[inline]
+    fn index(&mut self, key: u32, position: &ScreenPosition, source: &Source<'_>, corners: &mut Vec<Corner>) -> u32 {
+        let entry = &mut self.entries[key as usize % Self::SIZE];
+        // Another vertex of the same triangle may have taken its place.
+        let is_there = entry.key == Some(key);
+        if let Some(index) = entry.index.filter(|_| is_there) {
+            return index;
+        }
+        let index = corners.len() as u32;
+        let corner = source.mesh.vertices.get(key as usize).map_or_else(Corner::default, |vertex| {
+            let color = vertex_color(source.material, source.transform, vertex);
+            Corner { position: *position, color, uv: vertex.uv }
+        });
+        corners.push(corner);
+        if is_there {
+            entry.index = Some(index);
+        }
+        index
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use rcs_scene::{
     Blending, Camera, CullMode, Drawable, Geometry, Intrinsics, LineTopology, Lines, Material, Mesh, PointBuffer,
-    PointColors, PointStyle, Points, RenderGroup, RibbonElement, Ribbons, Scene, Vertex,
+    PointColors, PointStyle, Points, RenderGroup, Rgba, RibbonElement, Ribbons, Scene, Vertex,
 };
 
 /// Pixels in a row, and rows.
@@ -220,6 +220,29 @@ pub fn balls(places: &[[f32; 3]], radius_m: f32, alpha: u8) -> Drawable {
     drawable(Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) })
 }
 
+/// A detailed mesh of about so many triangles that fills the middle of the picture: a wavy sheet, whose triangles share
+/// their vertices as in COLLADA files or, as in STL files, do not.
+pub fn detailed(count: usize, shares: bool) -> Drawable {
+    let side = ((count as f32 / 2.0).sqrt() as usize).max(1);
+    let vertex = |[i, j]: [usize; 2]| {
+        let [x, y] = [i, j].map(|at| at as f32 / side as f32 - 0.5);
+        let slope = (40.0 * x).cos() * 0.4;
+        Vertex::new([x, y, 1.5 + 0.01 * (40.0 * x).sin()], Vector3::new(slope, 0.0, -1.0).normalize().into())
+    };
+    let mut mesh = Mesh::default();
+    let corners = |i: usize, j: usize| [[i, j], [i, j + 1], [i + 1, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]];
+    if shares {
+        mesh.vertices.extend((0..=side).flat_map(|i| (0..=side).map(move |j| [i, j])).map(vertex));
+        let index = |[i, j]: [usize; 2]| (i * (side + 1) + j) as u32;
+        mesh.indices.extend((0..side).flat_map(|i| (0..side).flat_map(move |j| corners(i, j))).map(index));
+    } else {
+        mesh.vertices.extend((0..side).flat_map(|i| (0..side).flat_map(move |j| corners(i, j))).map(vertex));
+        mesh.indices.extend(0..mesh.vertices.len() as u32);
+    }
+    let material = Material::lit(Rgba::new(0.8, 0.4, 0.2, 1.0));
+    drawable(Geometry::Mesh { mesh: Arc::new(mesh), material: Arc::new(material) })
+}
+
 /// How far before the eye each triangle lies.
 type DistanceOf = Box<dyn Fn(usize) -> f32>;
 
@@ -293,5 +316,10 @@ pub fn rows(share: f64) -> Vec<Row> {
     let spheres = PointStyle::Spheres { size_m: [0.04; 2] };
     let drawable = move || cloud(places(), spheres, 0.5);
     row("0.1 M Spheres of 4 cm, alpha 0.5".into(), 1000.0, straight(1400.0), Box::new(drawable));
+    let detail = count(3_000_000);
+    for (name, shares) in [("with common vertices", true), ("with their own vertices", false)] {
+        let drawable = move || detailed(detail, shares);
+        row(format!("3 M triangles of a mesh {name}"), 100.0, straight(700.0), Box::new(drawable));
+    }
     rows
 }
