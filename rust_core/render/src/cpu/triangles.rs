@@ -86,6 +86,24 @@ fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
     }
 }
 
+/// Whether a triangle between these snapped places covers the centre of a pixel, of the picture or beside it; says so of
+/// all but tiny ones.
+#[inline]
+pub(super) fn covers_any_centre(places: [[i32; 2]; 3]) -> bool {
+    const TINY_PX: i32 = 2;
+    let [a, b, c] = places.map(|[x, y]| ScreenPosition { x, y, ..ScreenPosition::default() });
+    let ((left, right), (top, bottom)) = (between(a.x, b.x, c.x), between(a.y, b.y, c.y));
+    if right - left > TINY_PX || bottom - top > TINY_PX {
+        return true;
+    }
+    let positions = if doubled_area([&a, &b, &c]) < 0 { [&a, &c, &b] } else { [&a, &b, &c] };
+    let edges = SmallEdges::around(positions, left, top);
+    (0..bottom - top).any(|y| {
+        let (first, after) = edges.row(y, right - left);
+        first < after
+    })
+}
+
 /// Whether a triangle that needs no cutting may touch the centre of a pixel of the picture with a side that is drawn.
 /// Of a detailed mesh most do not, and are spared the light on their corners.
 #[inline]

@@ -78,6 +78,12 @@ impl InstanceScratch {
         self.generation += 1;
     }
 
+    /// The snapped place of a vertex of the solid whose vertices were placed.
+    #[inline]
+    pub(super) fn place_of(&self, vertex: u32) -> [i32; 2] {
+        [&self.x, &self.y].map(|all| all.get(vertex as usize).copied().unwrap_or_default())
+    }
+
     /// A corner; without its colour unless `light`.
     #[inline]
     pub(super) fn corner(

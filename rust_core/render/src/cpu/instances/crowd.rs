@@ -168,9 +168,9 @@ impl Member {
         let seen = std::mem::take(&mut scratch.seen);
         for &triangle in &seen {
             let Some(&corners) = shape.triangles.get(triangle as usize) else { continue };
-            let [a, b, c] = corners.map(|corner| scratch.y.get(corner as usize).copied().unwrap_or_default());
-            let (begin, end) = pixels_between(a, b, c);
-            if begin < band.end_row && end > band.first_row {
+            let places = corners.map(|corner| scratch.place_of(corner));
+            let (begin, end) = pixels_between(places[0][1], places[1][1], places[2][1]);
+            if begin < band.end_row && end > band.first_row && triangles::covers_any_centre(places) {
                 work(corners, &source, triangle, scratch, band);
             }
         }

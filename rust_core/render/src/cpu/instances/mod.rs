@@ -155,16 +155,20 @@ impl Instances {
     /// seen.
     fn add_inside(&mut self, shape: &Shape, surface: &Surface, screen: &Screen, scratch: &mut InstanceScratch) -> bool {
         sieve(shape, surface, scratch);
-        let InstanceScratch { x, y, seen, .. } = scratch;
-        for &triangle in seen.iter() {
+        let mut is_seen = false;
+        for &triangle in &scratch.seen {
             let Some(corners) = shape.triangles.get(triangle as usize) else { continue };
-            let [a, b, c] = corners.map(|corner| corner as usize);
-            let (columns, rows) = (pixels_between(x[a], x[b], x[c]), pixels_between(y[a], y[b], y[c]));
-            let doubled_area = doubled_area([[x[a], y[a]], [x[b], y[b]], [x[c], y[c]]]);
-            self.load.add(Extent::of_triangle(columns, rows, doubled_area, screen));
+            let places = corners.map(|corner| scratch.place_of(corner));
+            if !triangles::covers_any_centre(places) {
+                continue;
+            }
+            let [a, b, c] = places;
+            let (columns, rows) = (pixels_between(a[0], b[0], c[0]), pixels_between(a[1], b[1], c[1]));
+            self.load.add(Extent::of_triangle(columns, rows, doubled_area(places), screen));
             self.bin(self.next + triangle, rows.0, rows.1, screen);
+            is_seen = true;
         }
-        !seen.is_empty()
+        is_seen
     }
 
     fn add_text(
