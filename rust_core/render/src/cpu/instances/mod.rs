@@ -397,27 +397,32 @@ fn for_each_mesh(
 fn sieve(shape: &Shape, surface: &Surface, scratch: &mut InstanceScratch) {
     let InstanceScratch { x, y, gaps, seen, .. } = scratch;
     let (x, y, gaps) = (x.as_slice(), y.as_slice(), gaps.as_slice());
+    seen.clear();
+    seen.resize(shape.triangles.len() + 1, 0);
+    let mut count = 0;
+    for (triangle, corners) in (0..).zip(&shape.triangles) {
+        let [a, b, c] = corners.map(|corner| gaps.get(corner as usize).copied().unwrap_or_default());
+        let differences = (a ^ b) | (a ^ c);
+        if let Some(place) = seen.get_mut(count) {
+            *place = triangle;
+        }
+        count += usize::from((differences & 0xffff != 0) & (differences >> 16 != 0));
+    }
+    // Of the few that are left, those that show their front.
     let [keeps_clockwise, keeps_other] = match surface.cull {
         CullMode::None => [true, true],
         CullMode::Back => [false, true],
         CullMode::Front => [true, false],
     };
-    seen.clear();
-    seen.resize(shape.triangles.len() + 1, 0);
-    let mut count = 0;
-    for (triangle, corners) in (0..).zip(&shape.triangles) {
-        let [a, b, c] = corners.map(|corner| corner as usize);
-        let (Some(&gap_a), Some(&gap_b), Some(&gap_c)) = (gaps.get(a), gaps.get(b), gaps.get(c)) else { continue };
-        let differences = (gap_a ^ gap_b) | (gap_a ^ gap_c);
-        let doubled_area = doubled_area([[x[a], y[a]], [x[b], y[b]], [x[c], y[c]]]);
-        let faces = (keeps_clockwise & (doubled_area > 0)) | (keeps_other & (doubled_area < 0));
-        let is_kept = (differences & 0xffff != 0) & (differences >> 16 != 0) & faces;
-        if let Some(place) = seen.get_mut(count) {
-            *place = triangle;
-        }
-        count += usize::from(is_kept);
+    let mut kept = 0;
+    for i in 0..count {
+        let triangle = seen[i];
+        let Some(corners) = shape.triangles.get(triangle as usize) else { continue };
+        let doubled_area = doubled_area(corners.map(|corner| [x[corner as usize], y[corner as usize]]));
+        seen[kept] = triangle;
+        kept += usize::from((keeps_clockwise & (doubled_area > 0)) | (keeps_other & (doubled_area < 0)));
     }
-    seen.truncate(count);
+    seen.truncate(kept);
 }
 
 /// Twice the area in snapped places.
