@@ -86,8 +86,8 @@ fn is_hidden(doubled_area: i64, cull: CullMode) -> bool {
     }
 }
 
-/// Whether a triangle between these snapped places covers the centre of a pixel, of the picture or beside it; says so of
-/// all but tiny ones.
+/// Whether a triangle between these snapped places covers the centre of a pixel, of the picture or beside it; says so
+/// of all but tiny ones.
 #[inline]
 pub(super) fn covers_any_centre(places: [[i32; 2]; 3]) -> bool {
     const TINY_PX: i32 = 2;
