@@ -84,7 +84,11 @@ impl ChunkHeaders {
         let mut file = BufReader::new(&mut *file);
         file.seek(SeekFrom::Start(at))?;
         while at < end {
-            let record = self.record_from(&mut file, at)?;
+            let record = match self.record_from(&mut file, at) {
+                // What comes before it is still read, and then this is reported.
+                Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(()),
+                record => record?,
+            };
             if field(&record.fields, b"op") == Some(CHUNK) {
                 return Err(damaged("a chunk where none can be"));
             }
@@ -111,7 +115,8 @@ impl ChunkHeaders {
         let data_len = read_u32(file)?;
         let lengths = 8 + u64::from(header_len) + u64::from(data_len);
         let end = at.checked_add(lengths).filter(|end| *end <= self.len);
-        Ok(Record { fields, data_len, end: end.ok_or_else(|| damaged("record reaches past the end of the file"))? })
+        let past_end = || io::Error::new(io::ErrorKind::UnexpectedEof, "record reaches past the end of the file");
+        Ok(Record { fields, data_len, end: end.ok_or_else(past_end)? })
     }
 }
 

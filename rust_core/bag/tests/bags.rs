@@ -91,6 +91,24 @@ fn a_damaged_chunk_is_an_error_and_the_others_are_read() {
 }
 
 #[test]
+fn what_comes_before_a_damaged_message_of_its_chunk_is_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("cut.bag");
+    let mut writer = BagWriter::create(&path).unwrap();
+    writer.write("/a", false, time(10), &text("first")).unwrap();
+    writer.write("/a", false, time(50), &text("last")).unwrap();
+    writer.finish().unwrap();
+    let mut bytes = fs::read(&path).unwrap();
+    // The length of the last message's data, which are the length of its text and the text.
+    let last = bytes.windows(4).position(|window| window == b"last").unwrap();
+    bytes[last - 8..last - 4].copy_from_slice(&0xffff_u32.to_le_bytes());
+    fs::write(&path, bytes).unwrap();
+    let bag = Bag::open(&path).unwrap();
+    let (read, failed): (Vec<_>, Vec<_>) = bag.messages(|_| true).partition(Result::is_ok);
+    assert_eq!((read.len(), failed.len()), (1, 1));
+}
+
+#[test]
 fn a_bag_whose_index_swaps_a_chunks_times_does_not_end_before_it_begins() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("swapped.bag");
