@@ -309,6 +309,10 @@ pub(super) fn meet(pixel: &mut u32, pixel_depth: &mut f32, depth: f32, color: [u
     if mode.depth_test && (depth > *pixel_depth || depth.is_nan()) {
         return;
     }
+    // As most of a glyph's pixels, which stay as they are.
+    if mode == Mode::TRANSLUCENT && color[3] == 0 {
+        return;
+    }
     if mode.depth_write {
         *pixel_depth = depth;
     }
@@ -318,13 +322,20 @@ pub(super) fn meet(pixel: &mut u32, pixel_depth: &mut f32, depth: f32, color: [u
 /// `color` over `behind`, by the colour's alpha.
 #[inline]
 pub(super) fn blend(behind: u32, color: [u8; 4]) -> u32 {
+    // Two channels in each number, each with 16 bits.
+    const CHANNELS: u32 = 0x00ff_00ff;
     let alpha = u32::from(color[3]);
-    let behind = behind.to_ne_bytes();
-    let channel = |i: usize| {
-        let sum = scale(u32::from(color[i]), alpha) + scale(u32::from(behind[i]), 255 - alpha);
-        sum.min(255) as u8
+    let color = pack(color);
+    let scaled = |two: u32, factor: u32| {
+        let products = two * factor;
+        ((products + ((products >> 8) & CHANNELS) + 0x0080_0080) >> 8) & CHANNELS
     };
-    pack([channel(0), channel(1), channel(2), channel(3)])
+    let over = |color: u32, behind: u32| {
+        let sum = scaled(color & CHANNELS, alpha) + scaled(behind & CHANNELS, 255 - alpha);
+        // 256 becomes 255.
+        sum - ((sum >> 8) & 0x0001_0001)
+    };
+    over(color, behind) | over(color >> 8, behind >> 8) << 8
 }
 
 /// As [`blend`], several at once: two channels in each half of the bits.
@@ -333,7 +344,7 @@ fn blend_lanes<S: Simd>(behind: U<S>, colors: U<S>) -> U<S> {
     const EVEN: u32 = 0x00ff_00ff;
     let alpha = (colors >> channel_shift(3)) & 255;
     let rest = 255 - alpha;
-    // As `scale`: what is added to a product of 16 bits never leaves them.
+    // What is added to a product of 16 bits never leaves them.
     let scale = inlined(
         #[inline(always)]
         |values: U<S>, factor: U<S>| {
@@ -358,13 +369,6 @@ pub(super) fn channel_shift(channel: usize) -> u32 {
     let mut color = [0; 4];
     color[channel] = 1;
     pack(color).trailing_zeros()
-}
-
-/// `value · factor / 255`, rounded.
-#[inline]
-fn scale(value: u32, factor: u32) -> u32 {
-    let product = value * factor;
-    (product + (product >> 8) + 128) >> 8
 }
 
 /// A channel of 0 to 1 as a byte, to the nearest and of two equally near ones to the even; NaN becomes 0.
@@ -399,8 +403,30 @@ mod tests {
         proptest::array::uniform(color)
     }
 
+    /// `color` over `behind`, channel by channel: `value · factor / 255` is rounded for both.
+    fn blended_by_channel(behind: u32, color: u32) -> u32 {
+        let (behind, color) = (behind.to_ne_bytes(), color.to_ne_bytes());
+        let scale = |value: u8, factor: u8| {
+            let product = u32::from(value) * u32::from(factor);
+            (product + (product >> 8) + 128) >> 8
+        };
+        let alpha = color[3];
+        pack([0, 1, 2, 3].map(|i| (scale(color[i], alpha) + scale(behind[i], 255 - alpha)).min(255) as u8))
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(4000))]
+
+        #[test]
+        fn pixels_blend_channel_by_channel(behind in colors(), colors in colors()) {
+            for (behind, color) in behind.into_iter().zip(colors) {
+                let expected = blended_by_channel(behind, color);
+                prop_assert_eq!(blend(behind, color.to_ne_bytes()), expected);
+                let (mut pixel, mut depth) = (behind, 1.0);
+                meet(&mut pixel, &mut depth, 0.5, color.to_ne_bytes(), Mode::TRANSLUCENT);
+                prop_assert_eq!((pixel, depth), (expected, 1.0));
+            }
+        }
 
         #[test]
         fn several_pixels_blend_as_one_does(behind in colors(), colors in colors()) {

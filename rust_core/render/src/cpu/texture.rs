@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use rcs_scene::{Filtering, Texture, Wrapping};
+use wide::f32x4;
 
 /// A texture with its smaller copies.
 #[derive(Debug)]
@@ -53,13 +54,9 @@ impl MipTexture {
             return level.texel(wrapping, floor(x).0, floor(y).0).map(|c| f32::from(c) / 255.0);
         }
         let ((x0, fx), (y0, fy)) = (floor(x - 0.5), floor(y - 0.5));
-        let texel = |dx: i32, dy: i32| level.texel(wrapping, x0.saturating_add(dx), y0.saturating_add(dy));
-        let (a, b, c, d) = (texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1));
-        [0, 1, 2, 3].map(|i| {
-            let mix = |p: u8, q: u8| f32::from(p) + (f32::from(q) - f32::from(p)) * fx;
-            let (top, bottom) = (mix(a[i], b[i]), mix(c[i], d[i]));
-            (top + (bottom - top) * fy) / 255.0
-        })
+        let [[a, b], [c, d]] = level.four_texels(wrapping, x0, y0).map(|row| row.map(lanes));
+        let (top, bottom) = (a + (b - a) * f32x4::splat(fx), c + (d - c) * f32x4::splat(fx));
+        ((top + (bottom - top) * f32x4::splat(fy)) / f32x4::splat(255.0)).to_array()
     }
 
     fn level(&self, index: usize) -> MipLevel<'_> {
@@ -100,6 +97,21 @@ impl MipLevel<'_> {
         Some(Texels { width, height, rgba })
     }
 
+    /// A texel, the one to the right of it, and those below both.
+    #[inline]
+    fn four_texels(&self, wrapping: Wrapping, x: i32, y: i32) -> [[[u8; 4]; 2]; 2] {
+        // Nearly always all four are there and side by side.
+        if x >= 0 && y >= 0 && x < self.width - 1 && y < self.height - 1 {
+            let begin = y as usize * self.width as usize + x as usize;
+            let row = |begin: usize| self.rgba.get(begin..).and_then(|rest| rest.first_chunk::<2>()).copied();
+            if let (Some(upper), Some(lower)) = (row(begin), row(begin + self.width as usize)) {
+                return [upper, lower];
+            }
+        }
+        let texel = |dx: i32, dy: i32| self.texel(wrapping, x.saturating_add(dx), y.saturating_add(dy));
+        [[texel(0, 0), texel(1, 0)], [texel(0, 1), texel(1, 1)]]
+    }
+
     #[inline]
     fn texel(&self, wrapping: Wrapping, x: i32, y: i32) -> [u8; 4] {
         let (x, y) = match wrapping {
@@ -110,9 +122,23 @@ impl MipLevel<'_> {
     }
 }
 
+/// A texel's channels as numbers.
+#[inline]
+fn lanes(texel: [u8; 4]) -> f32x4 {
+    f32x4::new(texel.map(f32::from))
+}
+
 /// The whole number below and the rest; huge numbers end at the range of `i32`.
 #[inline]
 fn floor(value: f32) -> (i32, f32) {
+    // From here on there are no fractions.
+    const WHOLE_FROM: f32 = (1 << 23) as f32;
+    if value.abs() < WHOLE_FROM {
+        // Without a call, which old processors need to round.
+        let cut = value as i32;
+        let whole = cut - i32::from(cut as f32 > value);
+        return (whole, value - whole as f32);
+    }
     let whole = value.floor();
     (whole as i32, value - whole)
 }
@@ -137,6 +163,15 @@ mod tests {
         assert_eq!(red(&texture, 1.3, -0.7, 0.0), 80.0);
         let texture = gradient(Filtering::Nearest, Wrapping::Clamp);
         assert_eq!(red(&texture, 1.3, -0.7, 0.0), 48.0);
+    }
+
+    #[test]
+    fn numbers_are_cut_below() {
+        for value in [-2.0_f32, -1.5, -0.0, 0.0, 0.25, 7.0, 7.99, -8_388_607.5, 8_388_607.5, 3e9, -3e9] {
+            let whole = value.floor();
+            assert_eq!(floor(value), (whole as i32, value - whole), "{value}");
+        }
+        assert!(floor(f32::NAN).1.is_nan());
     }
 
     #[test]

@@ -13,7 +13,7 @@ use rcs_scene::CullMode;
 use wide::{f32x4, i32x4};
 
 use super::band::{meet, pack, unorm8, Band};
-use super::clip::{ClipVertex, Polygon};
+use super::clip::{ClipVertex, Outside, Polygon};
 use super::fill::{can_fill, Fill};
 use super::occlusion::{Area, Occluders};
 use super::ranked::Extent;
@@ -72,8 +72,16 @@ pub(super) fn extent([a, b, c]: [&ScreenPosition; 3], screen: &Screen) -> Extent
 /// Twice the area in snapped places. Window y points down, so what runs counter-clockwise to the eye has a negative
 /// one.
 #[inline]
-fn doubled_area([a, b, c]: [&ScreenPosition; 3]) -> i64 {
-    i64::from(b.x - a.x) * i64::from(c.y - a.y) - i64::from(c.x - a.x) * i64::from(b.y - a.y)
+fn doubled_area(positions: [&ScreenPosition; 3]) -> i64 {
+    doubled_area_of(positions.map(|position| [position.x, position.y]))
+}
+
+/// As [`doubled_area`], of places anywhere.
+#[inline]
+pub(super) fn doubled_area_of([a, b, c]: [[i32; 2]; 3]) -> i64 {
+    let (bx, by) = (i64::from(b[0]) - i64::from(a[0]), i64::from(b[1]) - i64::from(a[1]));
+    let (cx, cy) = (i64::from(c[0]) - i64::from(a[0]), i64::from(c[1]) - i64::from(a[1]));
+    bx * cy - cx * by
 }
 
 /// Whether the sides that are not drawn include the one that is seen.
@@ -142,12 +150,22 @@ pub(super) fn rows([a, b, c]: [&ScreenPosition; 3]) -> (i32, i32) {
 
 /// The first pixel and the pixel after the last that snapped places reach over.
 #[inline]
-fn between(a: i32, b: i32, c: i32) -> (i32, i32) {
+pub(super) fn between(a: i32, b: i32, c: i32) -> (i32, i32) {
     (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1))
 }
 
 /// Clips a triangle and passes on the parts that are to be drawn.
 pub(super) fn cut(triangle: [&ClipVertex; 3], surface: &Surface, screen: &Screen, mut out: impl FnMut(&[Corner; 3])) {
+    let outside = triangle.map(|vertex| Outside::new(vertex.position));
+    if outside.iter().all(|outside| outside.guard == 0) {
+        // Nothing is cut off.
+        let corners = triangle.map(|vertex| Corner::new(vertex, screen));
+        let positions = corners.each_ref().map(|corner| &corner.position);
+        if outside.iter().fold(!0, |all, outside| all & outside.view) == 0 && may_be_seen(positions, surface, screen) {
+            out(&corners);
+        }
+        return;
+    }
     let Some(polygon) = Polygon::clip(triangle) else { return };
     let Some((first, rest)) = polygon.vertices().split_first() else { return };
     let first = Corner::new(first, screen);

@@ -10,7 +10,7 @@ use rcs_scene::Material;
 use super::batch::{Batch, BatchPiece, BatchView};
 use super::corners::{place_vertices, InstanceScratch, Source, Vertices};
 use super::reach::{reach, Footprint, Reach};
-use super::{pixels_between, sieve, Instances};
+use super::{sieve, Instances};
 use crate::cpu::band::Band;
 use crate::cpu::occlusion::{Area, DepthPlane};
 use crate::cpu::ranked::RankedScratch;
@@ -169,7 +169,7 @@ impl Member {
         for &triangle in &seen {
             let Some(&corners) = shape.triangles.get(triangle as usize) else { continue };
             let places = corners.map(|corner| scratch.place_of(corner));
-            let (begin, end) = pixels_between(places[0][1], places[1][1], places[2][1]);
+            let (begin, end) = triangles::between(places[0][1], places[1][1], places[2][1]);
             if begin < band.end_row && end > band.first_row && triangles::covers_any_centre(places) {
                 work(corners, &source, triangle, scratch, band);
             }

@@ -39,7 +39,7 @@ use crate::cpu::bins::Bins;
 use crate::cpu::clip::{ClipVertex, Outside};
 use crate::cpu::fill::can_fill;
 use crate::cpu::ranked::{in_chunk, Extent, Load, RankedScratch};
-use crate::cpu::screen::{first_pixel, ObjectTransform, Screen};
+use crate::cpu::screen::{ObjectTransform, Screen};
 use crate::cpu::surface::{DepthBias, Surface};
 use crate::cpu::triangles::{self, Corner, ScreenPosition};
 
@@ -163,8 +163,8 @@ impl Instances {
                 continue;
             }
             let [a, b, c] = places;
-            let (columns, rows) = (pixels_between(a[0], b[0], c[0]), pixels_between(a[1], b[1], c[1]));
-            self.load.add(Extent::of_triangle(columns, rows, doubled_area(places), screen));
+            let (columns, rows) = (triangles::between(a[0], b[0], c[0]), triangles::between(a[1], b[1], c[1]));
+            self.load.add(Extent::of_triangle(columns, rows, triangles::doubled_area_of(places), screen));
             self.bin(self.next + triangle, rows.0, rows.1, screen);
             is_seen = true;
         }
@@ -418,25 +418,11 @@ fn sieve(shape: &Shape, surface: &Surface, scratch: &mut InstanceScratch) {
     for i in 0..count {
         let triangle = seen[i];
         let Some(corners) = shape.triangles.get(triangle as usize) else { continue };
-        let doubled_area = doubled_area(corners.map(|corner| [x[corner as usize], y[corner as usize]]));
+        let doubled_area = triangles::doubled_area_of(corners.map(|corner| [x[corner as usize], y[corner as usize]]));
         seen[kept] = triangle;
         kept += usize::from((keeps_clockwise & (doubled_area > 0)) | (keeps_other & (doubled_area < 0)));
     }
     seen.truncate(kept);
-}
-
-/// Twice the area in snapped places.
-#[inline]
-fn doubled_area([a, b, c]: [[i32; 2]; 3]) -> i64 {
-    let (bx, by) = (i64::from(b[0]) - i64::from(a[0]), i64::from(b[1]) - i64::from(a[1]));
-    let (cx, cy) = (i64::from(c[0]) - i64::from(a[0]), i64::from(c[1]) - i64::from(a[1]));
-    bx * cy - cx * by
-}
-
-/// The pixels between snapped places along an axis: the first one and the one after the last.
-#[inline]
-fn pixels_between(a: i32, b: i32, c: i32) -> (i32, i32) {
-    (first_pixel(a.min(b).min(c)), first_pixel(a.max(b).max(c) + 1))
 }
 
 fn draw_triangle(
