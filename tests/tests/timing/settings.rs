@@ -164,6 +164,13 @@ fn a_reconfigured_value_lasts_until_the_file_changes_it() {
     fixture.rewrite(&config(&[CLOUD, grid], &[green]));
     assert!(fixture.python(RELOAD).starts_with("(True, "));
     fixture.wait_for("__import__('dynamic_reconfigure').find_reconfigure_services() == ['/camera_stream/CameraPub']");
+    // A display that is removed takes its switch along: added again it is seen, as in rviz.
+    for displays in [&[grid][..], &[CLOUD, grid]] {
+        fixture.rewrite(&config(displays, &[camera()]));
+        assert!(fixture.python(RELOAD).starts_with("(True, "));
+    }
+    fixture.wait_for(format!("viewer.middle() == {RED}"));
+    fixture.wait_for("c.get_configuration()['show_cloud']");
 }
 
 #[test]

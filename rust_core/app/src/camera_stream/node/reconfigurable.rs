@@ -140,6 +140,14 @@ impl Parameters {
         }
     }
 
+    /// Gives switches whose displays are gone the file's values.
+    pub(super) fn forget<'s>(&mut self, gone: impl Iterator<Item = &'s Switch>, in_file: &Self) {
+        for switch in gone {
+            let path = switch.path();
+            self.visibility.set(&path, in_file.visibility.is_ticked(&path));
+        }
+    }
+
     /// Applies the values of a request, limited to the bounds of a description.
     pub(super) fn set(&mut self, request: &Values, switches: &[Switch], bounds: &ConfigDescription) {
         for DoubleParameter { name, value } in request.doubles.iter().filter(|param| !param.value.is_nan()) {
@@ -227,6 +235,11 @@ impl Parameters {
 }
 
 impl Switch {
+    /// Whether both are of the same place in the tree of displays.
+    pub(super) fn is_of_same_display(&self, other: &Self) -> bool {
+        self.path == other.path
+    }
+
     fn path(&self) -> Vec<&str> {
         self.path.iter().map(String::as_str).collect()
     }
@@ -308,6 +321,18 @@ mod tests {
         let merged = own.with_changes(&before, &after);
         let expected = Parameters { background: [1, 2, 3], near_clip_m: 0.2, encoding: Encoding::Bgr8, ..before };
         assert_eq!(merged, expected);
+    }
+
+    #[test]
+    fn a_display_that_is_gone_takes_its_switch_along() {
+        let grid = |name: &str| format!("{{Class: rviz/Grid, Name: {name}, Enabled: true}}");
+        let all = switches(&config(&[grid("a"), grid("b")].join(", ")));
+        let in_file = Parameters::of(&CameraPubSettings::default());
+        let mut own = in_file.clone();
+        own.visibility.set(&["a"], false);
+        own.visibility.set(&["b"], false);
+        own.forget(all.iter().filter(|switch| switch.path == ["a"]), &in_file);
+        assert!(own.visibility.shows(&["a"]) && !own.visibility.shows(&["b"]));
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The settings of a camera that can be changed while the node runs: the config's, and dynamic_reconfigure's over them.
 //!
-//! At the start the config's values apply. A user's values replace them until the value in the file changes. Values
-//! that an earlier run left on the parameter server are ignored: the `.rviz` file is what the user sees and edits.
+//! At the start the config's values apply. A user's values replace them until the value in the file changes; that of a
+//! display's switch is also forgotten with its display, as in rviz. Values that an earlier run left on the parameter
+//! server are ignored: the `.rviz` file is what the user sees and edits.
 
 use std::sync::Arc;
 
@@ -48,7 +49,9 @@ impl RuntimeSettings {
     /// Takes over the values that changed in the config.
     pub(super) fn update_from(&mut self, ros: &RosNode, settings: &CameraPubSettings, switches: &Arc<[Switch]>) {
         let in_file = Parameters::of(settings);
-        let current = self.current.with_changes(&self.in_file, &in_file);
+        let mut current = self.current.with_changes(&self.in_file, &in_file);
+        let is_gone = |known: &&Switch| !switches.iter().any(|switch| switch.is_of_same_display(known));
+        current.forget(self.switches.iter().filter(is_gone), &in_file);
         let values = current.values(switches);
         if let Some(server) = &mut self.server {
             server.set_description(in_file.description(switches));
