@@ -11,8 +11,8 @@ use crate::framework::frame;
 use crate::parts::solids::drawable;
 use crate::{Level, Statuses, World};
 
-/// The most lines that are drawn. rviz makes any number of them, until its memory is used up.
-const MAX_LINES: u64 = 2_000_000;
+/// The most lines that are drawn, in up to 50 MB. rviz makes any number of them, until its memory is used up.
+const MAX_LINES: u64 = 500_000;
 
 /// A Grid display.
 #[derive(Debug)]
@@ -125,7 +125,7 @@ fn segments(settings: &GridSettings) -> Vec<[[f32; 3]; 2]> {
     let (cells, layers) = (settings.plane_cell_count.max(1), settings.normal_cell_count);
     let cell_m = settings.cell_size_m;
     let extent = (f64::from(cell_m) * f64::from(cells) / 2.0) as f32;
-    let mut segments = Vec::new();
+    let mut segments = Vec::with_capacity(line_count(settings) as usize);
     for layer in 0..=layers {
         let height = (layers as f32 / 2.0 - layer as f32) * cell_m;
         for i in 0..=cells {
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn a_grid_of_more_lines_than_memory_is_an_error_status() {
         let world = TestWorld::at(Time::ZERO);
-        for (plane_cell_count, normal_cell_count) in [(u32::MAX, 0), (i32::MAX as u32, i32::MAX as u32), (2000, 1)] {
+        for (plane_cell_count, normal_cell_count) in [(u32::MAX, 0), (i32::MAX as u32, i32::MAX as u32), (10, 85_788), (2000, 1)] {
             let settings = GridSettings { plane_cell_count, normal_cell_count, ..GridSettings::default() };
             let mut display = GridDisplay::new(0, settings);
             assert!(!display.update(&world.get()) && display.drawables().is_empty());
