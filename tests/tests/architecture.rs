@@ -6,7 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
-const LAYERS: [(&str, &[&str]); 12] = [
+const LAYERS: [(&str, &[&str]); 13] = [
+    ("calibration", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image", "serde"]),
     ("scene", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("transforms", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("messages", &["rosbag", "wgpu", "winit"]),
@@ -41,7 +42,8 @@ fn repository() -> PathBuf {
 /// The folders of all crates, by the names that the tables give them.
 fn crate_folders() -> BTreeMap<String, PathBuf> {
     let core = LAYERS.iter().map(|(name, _)| ((*name).to_owned(), repository().join("rust_core").join(name)));
-    let tests = ["tests", "tests/support", "tests/fuzz_harness"].map(|name| (name.to_owned(), repository().join(name)));
+    let tests = ["tests", "tests/support", "tests/fuzz_harness", "tests/scan_simulator"];
+    let tests = tests.map(|name| (name.to_owned(), repository().join(name)));
     core.chain(tests).collect()
 }
 
@@ -75,6 +77,7 @@ fn own_name(dependency: &str) -> Option<String> {
     let name = dependency.strip_prefix("rcs_")?;
     Some(match name {
         "test_support" => "tests/support".to_owned(),
+        "scan_simulator" => "tests/scan_simulator".to_owned(),
         "fuzz_harness" => "tests/fuzz_harness".to_owned(),
         _ => name.to_owned(),
     })

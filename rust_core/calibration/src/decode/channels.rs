@@ -1,0 +1,132 @@
+//! The pictures of a scan, sorted into what they tell: white, black, and for each axis its stripes with their inverses.
+
+use crate::patterns::{Axis, Pattern, Stripes};
+
+use super::DecodeError;
+
+/// The most stripes of an axis, without their inverses.
+pub(super) const MOST_CHANNELS: usize = 32;
+
+/// Stripes and where their pictures are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Channel {
+    pub(super) stripes: Stripes,
+    /// The picture that shows them.
+    pub(super) lit: usize,
+    /// The picture that shows their inverse.
+    pub(super) inverse: usize,
+}
+
+/// The pictures of a scan.
+#[derive(Debug)]
+pub(super) struct Channels {
+    pub(super) white: usize,
+    pub(super) black: usize,
+    /// For x and y.
+    pub(super) axes: [AxisChannels; 2],
+}
+
+/// The stripes of an axis.
+#[derive(Debug)]
+pub(super) struct AxisChannels {
+    /// All of them.
+    pub(super) all: Vec<Channel>,
+    /// How many at the beginning of `all` are the bits of one code from the most significant on.
+    pub(super) code_bits: usize,
+}
+
+impl Channels {
+    /// Sorts the patterns, given by the index of their picture.
+    ///
+    /// # Errors
+    /// [`DecodeError`]: without white or black, a pattern without its inverse, or a code without its coarse bits.
+    pub(super) fn new(patterns: &[Pattern]) -> Result<Self, DecodeError> {
+        let find = |wanted| patterns.iter().position(|pattern| *pattern == wanted);
+        let white = find(Pattern::White).ok_or(DecodeError::Missing("the white picture"))?;
+        let black = find(Pattern::Black).ok_or(DecodeError::Missing("the black picture"))?;
+        let axes = [AxisChannels::new(Axis::X, patterns)?, AxisChannels::new(Axis::Y, patterns)?];
+        Ok(Self { white, black, axes })
+    }
+}
+
+impl AxisChannels {
+    fn new(axis: Axis, patterns: &[Pattern]) -> Result<Self, DecodeError> {
+        let mut all = Vec::new();
+        for (lit, pattern) in patterns.iter().enumerate() {
+            let Pattern::GrayCode(stripes) = *pattern else { continue };
+            if stripes.axis != axis || stripes.inverted {
+                continue;
+            }
+            let inverse = Pattern::GrayCode(stripes.inverse());
+            let inverse = patterns.iter().position(|other| *other == inverse);
+            let inverse = inverse.ok_or(DecodeError::NoInverse { axis: axis.name(), bit: stripes.bit })?;
+            if !all.iter().any(|channel: &Channel| channel.stripes == stripes) {
+                all.push(Channel { stripes, lit, inverse });
+            }
+        }
+        // The code that localises is the one with the most bits in a row from the first on.
+        let codes: Vec<(u32, u32, u32)> = all.iter().map(|channel| code_of(&channel.stripes)).collect();
+        let length = |code: (u32, u32, u32)| {
+            let has = |bit| all.iter().any(|channel| code_of(&channel.stripes) == code && channel.stripes.bit == bit);
+            (0..code.0).take_while(|bit| has(*bit)).count()
+        };
+        let best = codes.iter().copied().max_by_key(|code| (length(*code), std::cmp::Reverse(code.2)));
+        let Some(best) = best.filter(|code| length(*code) > 0) else {
+            return Err(DecodeError::NoCode(axis.name()));
+        };
+        let code_bits = length(best);
+        let rank = |channel: &Channel| {
+            let bit = channel.stripes.bit as usize;
+            (code_of(&channel.stripes) != best || bit >= code_bits, bit)
+        };
+        all.sort_by_key(rank);
+        if all.len() > MOST_CHANNELS {
+            return Err(DecodeError::TooMany { axis: axis.name(), count: all.len(), most: MOST_CHANNELS });
+        }
+        Ok(Self { all, code_bits })
+    }
+}
+
+/// What the stripes of one code have in common: bits, step, offset.
+fn code_of(stripes: &Stripes) -> (u32, u32, u32) {
+    (stripes.bits, stripes.step, stripes.offset)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patterns::{gray_code, shifted_gray_code};
+
+    #[test]
+    fn stripes_are_sorted_by_axis_and_bit() {
+        let mut patterns = gray_code([1280, 800]);
+        patterns.reverse();
+        let channels = Channels::new(&patterns).unwrap();
+        assert_eq!((patterns[channels.white], patterns[channels.black]), (Pattern::White, Pattern::Black));
+        for (axis, bits) in channels.axes.iter().zip([11, 10]) {
+            assert_eq!((axis.all.len(), axis.code_bits), (bits, bits));
+            for (bit, channel) in axis.all.iter().enumerate() {
+                assert_eq!(channel.stripes.bit as usize, bit);
+                assert_eq!(patterns[channel.lit], Pattern::GrayCode(channel.stripes));
+                assert_eq!(patterns[channel.inverse], Pattern::GrayCode(channel.stripes.inverse()));
+            }
+        }
+        let shifted = Channels::new(&shifted_gray_code([1280, 800], 4)).unwrap();
+        assert_eq!(shifted.axes.each_ref().map(|axis| (axis.all.len(), axis.code_bits)), [(16, 9), (15, 8)]);
+        assert!(shifted.axes[0].all[..9].iter().all(|channel| channel.stripes.offset == 0));
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let patterns = gray_code([16, 16]);
+        let without = |index: usize| {
+            let mut fewer = patterns.clone();
+            fewer.remove(index);
+            Channels::new(&fewer).unwrap_err().to_string()
+        };
+        assert!(without(0).contains("white") && without(1).contains("black"));
+        assert!(without(3).contains("x") && without(3).contains("inverse"), "{}", without(3));
+        let only_x: Vec<Pattern> = patterns[..10].to_vec();
+        assert!(Channels::new(&only_x).unwrap_err().to_string().contains('y'));
+    }
+}

@@ -1,0 +1,395 @@
+//! Decoding: from the pictures of a scan to the projector pixel that lights each camera pixel.
+//!
+//! - [`response`]: the camera's gamma and noise, from the capture itself.
+//! - [`quality`]: whether the pictures belong together.
+//! - [`blur`]: how blurred the stripes are in each tile.
+//! - [`search`]: each pixel's place along each axis, by comparing what it saw with blurred stripes.
+//! - [`neighbours`]: what a surface's pixels tell of one another; a pixel that contradicts all of its own is looked up
+//!   again near the predicted place, or dropped.
+
+mod blur;
+mod channels;
+mod neighbours;
+mod quality;
+mod response;
+mod search;
+mod stripes;
+
+pub use quality::{Quality, ScanProblem};
+
+use rayon::prelude::*;
+
+use crate::patterns::Pattern;
+use blur::{Energy, Tables};
+use channels::{AxisChannels, Channels, MOST_CHANNELS};
+use neighbours::{Field, Prediction};
+use response::Response;
+use search::{Differences, Found, Search};
+
+/// Sides of the tiles with a blur of their own, camera pixels.
+const TILE: usize = 32;
+/// A pixel is lit if white is brighter than black by so many standard deviations,
+const LIT_SIGMAS: f32 = 6.0;
+/// and by so many levels.
+const LIT_LEVELS: u8 = 4;
+/// A pixel whose differences are explained worse than this is not decoded: mean square over the expected variance.
+const WORST_MISFIT: f32 = 9.0;
+/// A pixel without neighbours is kept if the next best place is so much worse.
+const CLEAR_MARGIN: f32 = 40.0;
+/// How much worse, at most, a place near the prediction may explain a pixel than its best place does.
+const WORTH_PREDICTING: f32 = 16.0;
+/// The largest deviation of a decoded coordinate, projector pixels.
+const WORST_SIGMA_PX: f32 = 1.0;
+/// Neighbouring camera pixels whose projector pixels are farther apart see different surfaces, projector pixels.
+const SURFACE_STEP_PX: f32 = 12.0;
+/// How many of the eight neighbours of a pixel must be decoded and on its surface.
+const LEAST_NEIGHBOURS: usize = 7;
+
+/// The pictures of a scan.
+#[derive(Debug, Clone)]
+pub struct Pictures<'a> {
+    /// Width and height of the camera's pictures, pixels.
+    pub size_px: [u32; 2],
+    /// What the projector showed in each picture.
+    pub patterns: &'a [Pattern],
+    /// The pictures in the order of the patterns: grey levels, row by row from the top.
+    pub levels: Vec<&'a [u8]>,
+}
+
+/// Why a scan cannot be decoded.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DecodeError {
+    /// A picture that is needed.
+    #[error("{0} is missing")]
+    Missing(&'static str),
+    /// Stripes without their inverse.
+    #[error("bit {bit} of the stripes along {axis} has no inverse")]
+    NoInverse {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// The bit, 0 is the most significant.
+        bit: u32,
+    },
+    /// No stripes, or not the most significant bit.
+    #[error("no code along {0}: its most significant bit is missing")]
+    NoCode(&'static str),
+    /// More stripes than can be used.
+    #[error("{count} different stripes along {axis}, at most {most} can be used")]
+    TooMany {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many can be used.
+        most: usize,
+    },
+    /// The size of a picture is not that of the others.
+    #[error("picture {index} has {count} pixels, not {expected}")]
+    Size {
+        /// The picture's index.
+        index: usize,
+        /// How many pixels it has.
+        count: usize,
+        /// How many it should have.
+        expected: usize,
+    },
+    /// There are not as many pictures as patterns.
+    #[error("{pictures} pictures of {patterns} patterns")]
+    Count {
+        /// The number of pictures.
+        pictures: usize,
+        /// The number of patterns.
+        patterns: usize,
+    },
+}
+
+/// Which projector pixel lights a camera pixel; all four are NaN where that is not known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DecodedPixel {
+    /// The projector's column and row, with fractions.
+    pub at: [f32; 2],
+    /// Their standard deviations, projector pixels.
+    pub sigma: [f32; 2],
+}
+
+impl DecodedPixel {
+    /// Nothing is known.
+    pub const NONE: Self = Self { at: [f32::NAN; 2], sigma: [f32::NAN; 2] };
+
+    /// Whether something is known.
+    pub fn is_decoded(&self) -> bool {
+        !self.at[0].is_nan()
+    }
+}
+
+/// What a scan tells.
+#[derive(Debug, Clone)]
+pub struct Decoded {
+    /// Width and height of the camera's pictures, pixels.
+    pub size_px: [u32; 2],
+    /// All camera pixels, row by row from the top.
+    pub pixels: Vec<DecodedPixel>,
+    /// How many camera pixels the projector lights.
+    pub lit: usize,
+    /// How the scan was taken.
+    pub quality: Quality,
+}
+
+impl Decoded {
+    /// How many pixels were decoded.
+    pub fn count(&self) -> usize {
+        self.pixels.iter().filter(|pixel| pixel.is_decoded()).count()
+    }
+}
+
+/// Finds which pixel of a projector of this size lights each camera pixel.
+///
+/// # Errors
+/// [`DecodeError`]: pictures are missing, or are of different sizes.
+pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded, DecodeError> {
+    let expected = pictures.size_px[0] as usize * pictures.size_px[1] as usize;
+    if pictures.levels.len() != pictures.patterns.len() {
+        return Err(DecodeError::Count { pictures: pictures.levels.len(), patterns: pictures.patterns.len() });
+    }
+    if let Some(index) = pictures.levels.iter().position(|levels| levels.len() != expected) {
+        return Err(DecodeError::Size { index, count: pictures.levels[index].len(), expected });
+    }
+    let channels = Channels::new(pictures.patterns)?;
+    let response = Response::find(pictures, &channels);
+    let lights = Lights { pictures, channels: &channels, response: &response };
+    let noise = lights.noise();
+    let quality = Quality::measure(pictures, &channels, &response, &noise);
+    let lit = noise.iter().filter(|noise| noise.is_finite()).count();
+    let axes = [0, 1].map(|axis| {
+        let tables = Tables::new(&channels.axes[axis], projector_px[axis]);
+        AxisDecoder { lights: &lights, noise: &noise, channels: &channels.axes[axis], tables: &tables }.decode()
+    });
+    let [along_x, along_y] = &axes;
+    let pixels: Vec<DecodedPixel> = (0..expected)
+        .map(|pixel| {
+            let sigma = [along_x.sigma[pixel], along_y.sigma[pixel]];
+            if sigma.iter().all(|sigma| sigma.is_finite()) {
+                DecodedPixel { at: [along_x.at[pixel], along_y.at[pixel]], sigma }
+            } else {
+                DecodedPixel::NONE
+            }
+        })
+        .collect();
+    let pixels = without_margins(&pixels, pictures.size_px[0] as usize);
+    Ok(Decoded { size_px: pictures.size_px, pixels, lit, quality })
+}
+
+/// Drops pixels at the margin of what a surface shows: they see two surfaces, or light and shadow.
+fn without_margins(pixels: &[DecodedPixel], width: usize) -> Vec<DecodedPixel> {
+    let height = pixels.len() / width.max(1);
+    let is_kept = |x: usize, y: usize| {
+        let pixel = pixels[y * width + x];
+        if x == 0 || y == 0 || x + 1 >= width || y + 1 >= height {
+            return false;
+        }
+        let is_of_surface = |other: &DecodedPixel| {
+            let far = [0, 1].map(|axis| (other.at[axis] - pixel.at[axis]).abs() < SURFACE_STEP_PX);
+            far[0] && far[1]
+        };
+        let around = (y - 1..=y + 1).flat_map(|row| &pixels[row * width + x - 1..row * width + x + 2]);
+        // The pixel itself counts, too.
+        around.filter(|other| is_of_surface(other)).count() > LEAST_NEIGHBOURS
+    };
+    let mut kept = pixels.to_vec();
+    kept.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        for (x, pixel) in row.iter_mut().enumerate() {
+            if !is_kept(x, y) {
+                *pixel = DecodedPixel::NONE;
+            }
+        }
+    });
+    kept
+}
+
+/// The pictures in linear light.
+struct Lights<'a> {
+    pictures: &'a Pictures<'a>,
+    channels: &'a Channels,
+    response: &'a Response,
+}
+
+impl Lights<'_> {
+    /// For each pixel the standard deviation of its normalised differences; infinite where it is not lit.
+    fn noise(&self) -> Vec<f32> {
+        let (white, black) = (self.pictures.levels[self.channels.white], self.pictures.levels[self.channels.black]);
+        let noise = |(white, black): (&u8, &u8)| {
+            let (light, dark) = (self.response.light(*white), self.response.light(*black));
+            let deviation = self.response.difference_variance(light + dark).sqrt();
+            let is_lit = light - dark > LIT_SIGMAS * deviation && white.saturating_sub(*black) >= LIT_LEVELS;
+            if is_lit {
+                deviation / (light - dark)
+            } else {
+                f32::INFINITY
+            }
+        };
+        white.iter().zip(black).map(noise).collect()
+    }
+
+    /// The differences of a lit pixel.
+    #[inline]
+    fn differences(&self, channels: &AxisChannels, pixel: usize) -> Differences {
+        let levels = &self.pictures.levels;
+        let light = |picture: usize| self.response.light(levels[picture][pixel]);
+        let scale = 1.0 / (light(self.channels.white) - light(self.channels.black));
+        let mut differences = [0.0; MOST_CHANNELS];
+        for (difference, channel) in differences.iter_mut().zip(&channels.all) {
+            *difference = (light(channel.lit) - light(channel.inverse)) * scale;
+        }
+        differences
+    }
+}
+
+/// Decodes one axis.
+struct AxisDecoder<'a> {
+    lights: &'a Lights<'a>,
+    noise: &'a [f32],
+    channels: &'a AxisChannels,
+    tables: &'a Tables<'a>,
+}
+
+/// What one band of tiles yields.
+struct Band {
+    found: Vec<Option<Found>>,
+    /// The level of blur and the share of direct light of each tile.
+    tiles: Vec<(usize, f32)>,
+}
+
+impl AxisDecoder<'_> {
+    fn decode(&self) -> Field {
+        let width = self.lights.pictures.size_px[0] as usize;
+        let rows_of_pixels: Vec<&[f32]> = self.noise.chunks(width * TILE).collect();
+        let all = self.energy_of((0..self.noise.len()).step_by(13));
+        let bands: Vec<Band> =
+            (0..rows_of_pixels.len()).into_par_iter().map(|band| self.band(band, width, &all)).collect();
+        let found: Vec<Option<Found>> = bands.iter().flat_map(|band| band.found.iter().copied()).collect();
+        let tiles: Vec<&[(usize, f32)]> = bands.iter().map(|band| band.tiles.as_slice()).collect();
+        let is_sure = |found: &Found| found.misfit < WORST_MISFIT && found.sigma < 3.0;
+        let field = Field {
+            width,
+            at: found.iter().map(|found| found.map_or(0.0, |found| found.at)).collect(),
+            sigma: found.iter().map(|found| found.filter(is_sure).map_or(f32::INFINITY, |found| found.sigma)).collect(),
+        };
+        let predictions = field.predictions();
+        let mut result = Field { width, at: vec![0.0; field.at.len()], sigma: vec![f32::INFINITY; field.at.len()] };
+        result.at.par_chunks_mut(width).zip(result.sigma.par_chunks_mut(width)).enumerate().for_each(
+            |(y, (at, sigma))| {
+                for x in 0..at.len() {
+                    let pixel = y * width + x;
+                    let Some(found) = found[pixel] else { continue };
+                    let tile = tiles[y / TILE][x / TILE];
+                    if let Some((place, deviation)) = self.settle(pixel, found, predictions[pixel], tile) {
+                        (at[x], sigma[x]) = (place, deviation);
+                    }
+                }
+            },
+        );
+        result
+    }
+
+    fn energy_of(&self, pixels: impl Iterator<Item = usize>) -> Energy {
+        let mut energy = Energy::ZERO;
+        for pixel in pixels {
+            let noise = self.noise[pixel];
+            if noise.is_finite() {
+                energy.add(&self.lights.differences(self.channels, pixel)[..self.channels.all.len()], noise * noise);
+            }
+        }
+        energy
+    }
+
+    /// All pixels of a band of tiles.
+    fn band(&self, band: usize, width: usize, all: &Energy) -> Band {
+        let first = band * TILE * width;
+        let end = (first + TILE * width).min(self.noise.len());
+        let mut found = vec![None; end - first];
+        let mut tiles = Vec::with_capacity(width.div_ceil(TILE));
+        for left in (0..width).step_by(TILE) {
+            let right = (left + TILE).min(width);
+            let pixels = || (first..end).step_by(width).flat_map(|row| row + left..row + right);
+            let energy = self.energy_of(pixels().filter(|pixel| pixel % 3 == 0)).with_prior(all);
+            let (level, direct) = self.tables.explain(&energy);
+            tiles.push((level, direct));
+            let search = TileSearch::new(self, level, direct);
+            for pixel in pixels() {
+                let noise = self.noise[pixel];
+                if noise.is_finite() {
+                    let differences = self.lights.differences(self.channels, pixel);
+                    found[pixel - first] = search.get().find(&differences, noise);
+                }
+            }
+        }
+        Band { found, tiles }
+    }
+
+    /// Decides on a pixel's place and its deviation, with what its neighbours predict.
+    fn settle(
+        &self,
+        pixel: usize,
+        found: Found,
+        prediction: Option<Prediction>,
+        tile: (usize, f32),
+    ) -> Option<(f32, f32)> {
+        let fits = found.misfit < WORST_MISFIT;
+        let Some(prediction) = prediction else {
+            let is_clear = fits && found.margin > CLEAR_MARGIN && found.sigma < WORST_SIGMA_PX;
+            return is_clear.then_some((found.at, found.sigma));
+        };
+        let allowed = 3.0 * (found.sigma.powi(2) + prediction.sigma.powi(2)).sqrt() + 0.3;
+        if fits && (found.at - prediction.at).abs() <= allowed {
+            return fuse(found.at, found.sigma, prediction);
+        }
+        // Another place near the prediction may explain the pixel nearly as well.
+        let reach = 1.5 + 2.0 * prediction.sigma;
+        let differences = self.lights.differences(self.channels, pixel);
+        let search = TileSearch::new(self, tile.0, tile.1);
+        let (low, high) = (prediction.at - reach, prediction.at + reach);
+        let again = search.get().find_between(&differences, self.noise[pixel], low, high)?;
+        let is_near = (again.at - prediction.at).abs() < reach - 0.3;
+        let is_worth = found.explained - again.explained < WORTH_PREDICTING && again.misfit < WORST_MISFIT;
+        if is_near && is_worth {
+            return fuse(again.at, again.sigma, prediction);
+        }
+        None
+    }
+}
+
+/// A tile's search, which owns what it needs.
+struct TileSearch<'a> {
+    decoder: &'a AxisDecoder<'a>,
+    level: usize,
+    visible: [f32; MOST_CHANNELS],
+}
+
+impl<'a> TileSearch<'a> {
+    fn new(decoder: &'a AxisDecoder<'a>, level: usize, direct: f32) -> Self {
+        let mut visible = [0.0; MOST_CHANNELS];
+        for (visible, energy) in visible.iter_mut().zip(decoder.tables.energies(level)) {
+            *visible = direct * energy.sqrt();
+        }
+        Self { decoder, level, visible }
+    }
+
+    fn get(&self) -> Search<'_> {
+        Search {
+            channels: self.decoder.channels,
+            contrasts: self.decoder.tables.contrasts(self.level),
+            blur_px: stripes::blur_px(self.level),
+            visible: &self.visible,
+        }
+    }
+}
+
+/// A place and what neighbours predict, each by its weight. The window's spread counts whole, because its pixels share
+/// errors; so a place is never moved by more than it may be wrong.
+fn fuse(at: f32, sigma: f32, prediction: Prediction) -> Option<(f32, f32)> {
+    let own = 1.0 / (sigma * sigma + 1e-3);
+    let others = 1.0 / (prediction.sigma.powi(2) + 0.03 * prediction.spread.powi(2));
+    let fused = (own * at + others * prediction.at) / (own + others);
+    let deviation = (1.0 / (own + others)).sqrt().max(0.03);
+    (deviation < WORST_SIGMA_PX).then_some((fused, deviation))
+}

@@ -1,0 +1,140 @@
+//! What neighbours tell of a pixel: over a surface, projector coordinates change nearly linearly.
+//!
+//! A plane is fitted to the coordinates of each window of 5×5 pixels, twice, the second time with less weight for what
+//! is far from the first. A pixel is compared with the plane of the window around it or beside it that fits best, so
+//! that edges between surfaces stay where they are.
+
+use rayon::prelude::*;
+
+use crate::plane::{Plane, Sums};
+
+/// Half the width of a window, pixels.
+const RADIUS: usize = 2;
+/// Weight that a window must have, in pixels of full weight.
+const LEAST_SUPPORT: f32 = 5.0;
+/// Deviations from a window's first pixel at which weights are halved in the first round, projector pixels.
+const FIRST_WIDTH_PX: f32 = 12.0;
+const SECOND_WIDTH_PX: f32 = 1.5;
+/// What a plane leaves out of a curved surface, projector pixels.
+const CURVATURE_PX: f32 = 0.035;
+
+/// One axis's coordinates of all pixels.
+pub(super) struct Field {
+    pub(super) width: usize,
+    /// Projector coordinates, pixels.
+    pub(super) at: Vec<f32>,
+    /// Their standard deviations; infinite where nothing is known.
+    pub(super) sigma: Vec<f32>,
+}
+
+/// What neighbours predict for a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Prediction {
+    /// The coordinate, projector pixels.
+    pub(super) at: f32,
+    /// Its standard deviation.
+    pub(super) sigma: f32,
+    /// How far the pixels of the window lie from their plane, RMS.
+    pub(super) spread: f32,
+}
+
+impl Field {
+    /// What neighbours predict for each pixel; none where there are too few.
+    pub(super) fn predictions(&self) -> Vec<Option<Prediction>> {
+        let planes = self.planes();
+        let height = self.at.len() / self.width;
+        let offsets = [-2_i32, 0, 2];
+        let mut predictions = vec![None; self.at.len()];
+        predictions.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| {
+            for (x, prediction) in row.iter_mut().enumerate() {
+                let mut best = (f32::INFINITY, Plane::NONE, 0.0, 0.0);
+                for oy in offsets {
+                    for ox in offsets {
+                        let (px, py) = (x as i32 + ox, y as i32 + oy);
+                        if px < 0 || py < 0 || px as usize >= self.width || py as usize >= height {
+                            continue;
+                        }
+                        let plane = planes[py as usize * self.width + px as usize];
+                        // The window around the pixel is preferred to those beside it.
+                        let beside = if ox == 0 && oy == 0 { 0.5 } else { 1.0 };
+                        let badness = beside * (plane.variance + CURVATURE_PX * CURVATURE_PX) / plane.support.max(0.1);
+                        if plane.support > 0.0 && badness < best.0 {
+                            best = (badness, plane, -ox as f32, -oy as f32);
+                        }
+                    }
+                }
+                let (badness, plane, dx, dy) = best;
+                if badness.is_finite() {
+                    let distance = 1.0 + 0.25 * (dx * dx + dy * dy);
+                    let variance = plane.variance * 3.0 / plane.support * distance + CURVATURE_PX * CURVATURE_PX;
+                    *prediction = Some(Prediction {
+                        at: plane.at + plane.by_x * dx + plane.by_y * dy,
+                        sigma: variance.sqrt(),
+                        spread: plane.variance.sqrt(),
+                    });
+                }
+            }
+        });
+        predictions
+    }
+
+    fn planes(&self) -> Vec<Plane> {
+        let height = self.at.len() / self.width;
+        let mut planes = vec![Plane::NONE; self.at.len()];
+        planes.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| {
+            let rows = y.saturating_sub(RADIUS)..(y + RADIUS + 1).min(height);
+            for (x, plane) in row.iter_mut().enumerate() {
+                let columns = x.saturating_sub(RADIUS)..(x + RADIUS + 1).min(self.width);
+                if let Some(fitted) = self.fit(x, y, rows.clone(), columns) {
+                    *plane = fitted;
+                }
+            }
+        });
+        planes
+    }
+
+    fn fit(&self, x: usize, y: usize, rows: std::ops::Range<usize>, columns: std::ops::Range<usize>) -> Option<Plane> {
+        let mut window = [(0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32); (2 * RADIUS + 1) * (2 * RADIUS + 1)];
+        let mut count = 0;
+        let mut origin = f32::NAN;
+        for row in rows {
+            for column in columns.clone() {
+                let index = row * self.width + column;
+                let sigma = self.sigma[index];
+                if sigma.is_finite() {
+                    if origin.is_nan() {
+                        origin = self.at[index];
+                    }
+                    let weight = 1.0 / (1.0 + 4.0 * sigma * sigma);
+                    let (dx, dy) = (column as f32 - x as f32, row as f32 - y as f32);
+                    window[count] = (weight, dx, dy, self.at[index] - origin);
+                    count += 1;
+                }
+            }
+        }
+        if (count as f32) < LEAST_SUPPORT {
+            return None;
+        }
+        let window = &mut window[..count];
+        // What is near the middle one in height is more likely to be the same surface.
+        let mut heights = [0.0_f32; 25];
+        heights[..count].iter_mut().zip(window.iter()).for_each(|(height, entry)| *height = entry.3);
+        let middle = *heights[..count].select_nth_unstable_by(count / 2, f32::total_cmp).1;
+        let mut sums = Sums::default();
+        for (weight, dx, dy, a) in window.iter() {
+            let far = (a - middle) / FIRST_WIDTH_PX;
+            sums.add(weight / (1.0 + far * far), *dx, *dy, *a);
+        }
+        let mut plane = sums.plane(LEAST_SUPPORT)?;
+        for _ in 0..2 {
+            let mut sums = Sums::default();
+            for (weight, dx, dy, a) in window.iter() {
+                let far = (a - plane.at - plane.by_x * dx - plane.by_y * dy) / SECOND_WIDTH_PX;
+                sums.add(weight / (1.0 + far * far), *dx, *dy, *a);
+            }
+            plane = sums.plane(LEAST_SUPPORT)?;
+        }
+        plane.at += origin;
+        Some(plane)
+    }
+}

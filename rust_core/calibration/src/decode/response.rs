@@ -1,0 +1,169 @@
+//! How the camera answers to light, found from the capture itself: its gamma, and its noise.
+//!
+//! Stripes and their inverse together are white and black together, in linear light and whatever has been reflected in
+//! between. So the gamma is the one with which the sums agree where stripes are half lit, and what remains where they
+//! agree is the noise of four pictures.
+
+use super::channels::{AxisChannels, Channels};
+use super::Pictures;
+
+/// Pixels that are looked at.
+const LOOKED_AT: usize = 6000;
+/// The range of gammas that cameras have.
+const GAMMAS: [f64; 2] = [0.8, 3.0];
+/// From this level on, of 255, a pixel may be clipped.
+const CLIPPED_FROM: u8 = 254;
+/// Variance over the squared median deviation from zero.
+const VARIANCE_OF_MEDIAN_SQUARE: f64 = 1.0 / 0.4549;
+/// The variance that rounding to whole levels brings, levels².
+const ROUNDING: f64 = 1.0 / 12.0;
+
+/// What level a light makes, and how much levels vary. Linear light is 1 at level 255.
+#[derive(Debug, Clone)]
+pub(super) struct Response {
+    /// The light of each level.
+    light: Vec<f32>,
+    /// The exponent: light = (level / 255) ^ gamma.
+    pub(super) gamma: f64,
+    /// Variance of a picture's light without light, and its growth with the light.
+    noise: [f64; 2],
+}
+
+impl Response {
+    /// Finds it from pixels that are lit well.
+    pub(super) fn find(pictures: &Pictures<'_>, channels: &Channels) -> Self {
+        let sample = Sample::collect(pictures, channels);
+        let mut response = Self::with_gamma(1.0);
+        if sample.pixels.len() >= 50 {
+            response = Self::with_gamma(sample.gamma());
+            response.noise = sample.noise(&response);
+        }
+        response
+    }
+
+    fn with_gamma(gamma: f64) -> Self {
+        let light = (0..=255).map(|level| (f64::from(level) / 255.0).powf(gamma) as f32).collect();
+        Self { light, gamma, noise: [2.0 / (255.0 * 255.0), 0.0] }
+    }
+
+    /// The linear light of a level.
+    #[inline]
+    pub(super) fn light(&self, level: u8) -> f32 {
+        self.light[usize::from(level)]
+    }
+
+    /// Variance of the difference of two pictures whose lights have this sum.
+    #[inline]
+    pub(super) fn difference_variance(&self, sum: f32) -> f32 {
+        2.0 * self.noise[0] as f32 + self.noise[1] as f32 * sum
+    }
+}
+
+/// The levels of one pixel: white, black, and stripes with their inverses.
+struct PixelLevels {
+    white: u8,
+    black: u8,
+    pairs: Vec<[u8; 2]>,
+}
+
+struct Sample {
+    pixels: Vec<PixelLevels>,
+}
+
+impl Sample {
+    fn collect(pictures: &Pictures<'_>, channels: &Channels) -> Self {
+        let (white, black) = (pictures.levels[channels.white], pictures.levels[channels.black]);
+        // The finest ones, which are half lit nearly everywhere, and coarse ones, which hardly are anywhere.
+        let pairs: Vec<[usize; 2]> =
+            channels.axes.iter().flat_map(AxisChannels::all_pairs).map(|channel| [channel.0, channel.1]).collect();
+        let is_good = |pixel: &usize| {
+            let (white, black) = (white[*pixel], black[*pixel]);
+            white < CLIPPED_FROM && black > 0 && white > black.saturating_add(20)
+        };
+        let good = (0..white.len()).filter(is_good).count();
+        let every = (good / LOOKED_AT).max(1);
+        let levels = |pixel: usize| PixelLevels {
+            white: white[pixel],
+            black: black[pixel],
+            pairs: pairs.iter().map(|pair| pair.map(|picture| pictures.levels[picture][pixel])).collect(),
+        };
+        Self { pixels: (0..white.len()).filter(is_good).step_by(every).map(levels).collect() }
+    }
+
+    /// Light of stripes and inverse less that of white and black, weighted by how half lit they are.
+    fn excess(&self, gamma: f64) -> f64 {
+        let response = Response::with_gamma(gamma);
+        let light = |level: u8| f64::from(response.light(level));
+        let mut excess = 0.0;
+        for pixel in &self.pixels {
+            let (white, black) = (light(pixel.white), light(pixel.black));
+            let range = white - black;
+            for [lit, inverse] in &pixel.pairs {
+                let contrast = f64::from(lit.abs_diff(*inverse)) / f64::from(pixel.white - pixel.black);
+                // Bounded, as pixels that something passed through would decide otherwise.
+                let miss = ((light(*lit) + light(*inverse) - white - black) / range).clamp(-0.3, 0.3);
+                excess += miss * (1.0 - contrast).max(0.0);
+            }
+        }
+        excess
+    }
+
+    fn gamma(&self) -> f64 {
+        let [mut low, mut high] = GAMMAS;
+        // A gamma that is too small leaves the light of half lit stripes too large.
+        if self.excess(low) < 0.0 || self.excess(high) > 0.0 {
+            return 1.0;
+        }
+        for _ in 0..12 {
+            let middle = 0.5 * (low + high);
+            if self.excess(middle) > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// A line through the variances of pixels of eight brightnesses.
+    fn noise(&self, response: &Response) -> [f64; 2] {
+        const BINS: usize = 8;
+        let light = |level: u8| f64::from(response.light(level));
+        let mut squares: Vec<(f64, f64)> = Vec::new();
+        for pixel in &self.pixels {
+            let sum = light(pixel.white) + light(pixel.black);
+            squares
+                .extend(pixel.pairs.iter().map(|[lit, inverse]| (sum, (light(*lit) + light(*inverse) - sum).powi(2))));
+        }
+        squares.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let points: Vec<[f64; 2]> = squares
+            .chunks(squares.len().div_ceil(BINS))
+            .map(|bin| {
+                let mut values: Vec<f64> = bin.iter().map(|(_, square)| *square).collect();
+                let middle = values.len() / 2;
+                let median = *values.select_nth_unstable_by(middle, f64::total_cmp).1;
+                let sum = bin.iter().map(|(sum, _)| sum).sum::<f64>() / bin.len() as f64;
+                [sum, median * VARIANCE_OF_MEDIAN_SQUARE]
+            })
+            .collect();
+        // Variance of four pictures: 4 a + 2 b (white + black).
+        let count = points.len() as f64;
+        let mean = points.iter().fold([0.0, 0.0], |mean, [x, y]| [mean[0] + x / count, mean[1] + y / count]);
+        let (mut xx, mut xy) = (0.0, 0.0);
+        for [x, y] in &points {
+            xx += (x - mean[0]).powi(2);
+            xy += (x - mean[0]) * (y - mean[1]);
+        }
+        let slope = if xx > 0.0 { (xy / xx).max(0.0) } else { 0.0 };
+        let slope = slope.min(mean[1] / mean[0].max(1e-9));
+        // No camera is better than its rounding at half the light.
+        let rounding = ROUNDING * (response.gamma / 255.0).powi(2) * 0.5;
+        [((mean[1] - slope * mean[0]) / 4.0).max(rounding), slope / 2.0]
+    }
+}
+
+impl AxisChannels {
+    fn all_pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.all.iter().map(|channel| (channel.lit, channel.inverse))
+    }
+}

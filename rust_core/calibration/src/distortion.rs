@@ -1,0 +1,481 @@
+//! Lens distortion as a CameraInfo describes it: a model's name, and so many coefficients as the model has.
+//!
+//! The names are those of `sensor_msgs/distortion_models.h`; numbers of coefficients and formulas are those that OpenCV
+//! documents for its functions ("Camera Calibration and 3D Reconstruction", and the fisheye module), which
+//! image_geometry hands the coefficients to. All of it works on the plane z = 1 of the optical frame (x right, y down).
+
+use std::fmt;
+
+use nalgebra::{Matrix2, Matrix3, Point2, Vector2};
+
+/// The largest distance from the optical axis on the plane z = 1 that is looked at: 87° off the axis.
+const FARTHEST: f64 = 20.0;
+/// Newton steps of an inverse; four are enough for lenses that exist.
+const MOST_STEPS: usize = 50;
+
+/// How a lens deviates from a pinhole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DistortionModel {
+    /// Brown and Conrady's: k1, k2, p1, p2 and, mostly, k3.
+    PlumbBob,
+    /// Radial distortion as a quotient of two polynomials: k1, k2, p1, p2, k3 to k6; then, if there are 12, the thin
+    /// prism's s1 to s4, and with 14 the tilt of the sensor.
+    RationalPolynomial,
+    /// Kannala and Brandt's, for fisheye lenses: k1 to k4.
+    Equidistant,
+}
+
+impl DistortionModel {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::PlumbBob, Self::RationalPolynomial, Self::Equidistant];
+
+    /// The name in a CameraInfo.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PlumbBob => "plumb_bob",
+            Self::RationalPolynomial => "rational_polynomial",
+            Self::Equidistant => "equidistant",
+        }
+    }
+
+    /// The model of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+
+    /// The numbers of coefficients that it can have.
+    pub const fn coefficient_counts(self) -> &'static [usize] {
+        match self {
+            Self::PlumbBob => &[4, 5],
+            Self::RationalPolynomial => &[8, 12, 14],
+            Self::Equidistant => &[4],
+        }
+    }
+}
+
+impl fmt::Display for DistortionModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What is wrong with the distortion of a CameraInfo.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DistortionProblem {
+    /// The model is none of those that ROS's packages know.
+    #[error("'{0}' is not known (plumb_bob, rational_polynomial, equidistant)")]
+    UnknownModel(String),
+    /// The model has another number of coefficients.
+    #[error("{count} coefficients, but {model} has {}", any_of(.model.coefficient_counts()))]
+    Coefficients {
+        /// The model.
+        model: DistortionModel,
+        /// How many coefficients there are.
+        count: usize,
+    },
+    /// A coefficient is not a finite number.
+    #[error("coefficient {0} is not a finite number")]
+    NotFinite(usize),
+}
+
+impl DistortionProblem {
+    /// The key of a CameraInfo that has the problem.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::UnknownModel(_) => "distortion_model",
+            Self::Coefficients { .. } | Self::NotFinite(_) => "D",
+        }
+    }
+}
+
+fn any_of(counts: &[usize]) -> String {
+    counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ")
+}
+
+/// A lens's distortion: maps the plane z = 1, as a pinhole sees it, onto what the lens makes of it, and back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distortion {
+    model: DistortionModel,
+    /// In the order of the message, padded with zeros, with which they have no effect.
+    coefficients: [f64; 14],
+    is_none: bool,
+    valid_radius: f64,
+}
+
+/// A place on the plane z = 1 where a ray passes the distortion, and how it follows the undistorted place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distorted {
+    /// The distorted place.
+    pub place: Point2<f64>,
+    /// Derivatives of the distorted place by the undistorted one.
+    pub jacobian: Matrix2<f64>,
+}
+
+impl Default for Distortion {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl Distortion {
+    /// A pinhole's.
+    pub const NONE: Self =
+        Self { model: DistortionModel::PlumbBob, coefficients: [0.0; 14], is_none: true, valid_radius: f64::INFINITY };
+
+    /// The distortion of a CameraInfo's `distortion_model` and `D`. If all coefficients are zero, or there are none,
+    /// there is no distortion, whatever the model's name.
+    ///
+    /// # Errors
+    /// [`DistortionProblem`]: an unknown model, or one with another number of coefficients.
+    pub fn from_message(model: &str, coefficients: &[f64]) -> Result<Self, DistortionProblem> {
+        if coefficients.iter().all(|coefficient| *coefficient == 0.0) {
+            return Ok(Self::NONE);
+        }
+        let model =
+            DistortionModel::from_name(model).ok_or_else(|| DistortionProblem::UnknownModel(model.to_owned()))?;
+        Self::new(model, coefficients)
+    }
+
+    /// A distortion of this model with these coefficients, in the order of the message.
+    ///
+    /// # Errors
+    /// [`DistortionProblem::Coefficients`], [`DistortionProblem::NotFinite`].
+    pub fn new(model: DistortionModel, coefficients: &[f64]) -> Result<Self, DistortionProblem> {
+        let count = coefficients.len();
+        if !model.coefficient_counts().contains(&count) {
+            return Err(DistortionProblem::Coefficients { model, count });
+        }
+        if let Some(index) = coefficients.iter().position(|coefficient| !coefficient.is_finite()) {
+            return Err(DistortionProblem::NotFinite(index));
+        }
+        let mut padded = [0.0; 14];
+        padded[..count].copy_from_slice(coefficients);
+        let is_none = model != DistortionModel::Equidistant && padded.iter().all(|coefficient| *coefficient == 0.0);
+        let mut distortion = Self { model, coefficients: padded, is_none, valid_radius: f64::INFINITY };
+        if !is_none {
+            distortion.valid_radius = distortion.radius_of_first_turn();
+        }
+        Ok(distortion)
+    }
+
+    /// Brown and Conrady's distortion with k1, k2, p1, p2, k3; what is not finite counts as zero.
+    pub fn plumb_bob(coefficients: [f64; 5]) -> Self {
+        let finite = coefficients.map(|coefficient| if coefficient.is_finite() { coefficient } else { 0.0 });
+        Self::new(DistortionModel::PlumbBob, &finite).unwrap_or(Self::NONE)
+    }
+
+    /// The model.
+    pub fn model(&self) -> DistortionModel {
+        self.model
+    }
+
+    /// The coefficients as the message has them: 5, 8, 12, 14 or 4 of them.
+    pub fn coefficients(&self) -> &[f64] {
+        let given = &self.coefficients;
+        match self.model {
+            DistortionModel::PlumbBob => &given[..5],
+            DistortionModel::Equidistant => &given[..4],
+            DistortionModel::RationalPolynomial if given[12..].iter().any(|value| *value != 0.0) => given,
+            DistortionModel::RationalPolynomial if given[8..].iter().any(|value| *value != 0.0) => &given[..12],
+            DistortionModel::RationalPolynomial => &given[..8],
+        }
+    }
+
+    /// Whether it leaves everything where it is.
+    pub fn is_none(&self) -> bool {
+        self.is_none
+    }
+
+    /// How far from the optical axis, on the undistorted plane z = 1, the model is valid: up to there, what is farther
+    /// out is drawn farther out. Beyond, a polynomial folds the picture back over itself. Infinite if it never does
+    /// within 87° of the axis.
+    pub fn valid_radius(&self) -> f64 {
+        self.valid_radius
+    }
+
+    /// Where the lens puts an undistorted place; none beyond [`Self::valid_radius`].
+    pub fn distort(&self, undistorted: Point2<f64>) -> Option<Point2<f64>> {
+        if self.is_none {
+            return Some(undistorted);
+        }
+        self.distort_with_jacobian(undistorted).map(|distorted| distorted.place)
+    }
+
+    /// [`Self::distort`] and its derivatives.
+    pub fn distort_with_jacobian(&self, undistorted: Point2<f64>) -> Option<Distorted> {
+        if self.is_none {
+            return Some(Distorted { place: undistorted, jacobian: Matrix2::identity() });
+        }
+        (undistorted.coords.norm() <= self.valid_radius).then(|| self.follow(undistorted.coords))
+    }
+
+    /// The undistorted place that the lens puts here; none if nothing is put here within the valid radius.
+    pub fn undistort(&self, distorted: Point2<f64>) -> Option<Point2<f64>> {
+        if self.is_none {
+            return Some(distorted);
+        }
+        let target = distorted.coords;
+        let mut place = self.undistort_radially(target)?;
+        for _ in 0..MOST_STEPS {
+            let reached = self.follow(place);
+            let miss = target - reached.place.coords;
+            if miss.norm_squared() < 1e-28 {
+                break;
+            }
+            place += reached.jacobian.try_inverse()? * miss;
+        }
+        let is_reached = (self.follow(place).place.coords - target).norm() < 1e-9 * (1.0 + target.norm());
+        (is_reached && place.norm() <= self.valid_radius).then(|| place.into())
+    }
+
+    /// The inverse of the radial part, along the ray from the axis, from which the full inverse starts.
+    fn undistort_radially(&self, target: Vector2<f64>) -> Option<Vector2<f64>> {
+        let distorted_radius = target.norm();
+        if distorted_radius == 0.0 {
+            return Some(Vector2::zeros());
+        }
+        let (mut near, mut far) = (0.0, self.valid_radius.min(FARTHEST));
+        if self.radius(far) < distorted_radius {
+            // The other terms may still reach it.
+            return Some(target * (far / distorted_radius));
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (near + far);
+            if self.radius(middle) < distorted_radius {
+                near = middle;
+            } else {
+                far = middle;
+            }
+        }
+        Some(target * (0.5 * (near + far) / distorted_radius))
+    }
+
+    /// The distorted radius of an undistorted one, by the radial terms alone.
+    fn radius(&self, r: f64) -> f64 {
+        match self.model {
+            DistortionModel::Equidistant => equidistant_angle(r.atan(), &self.coefficients).0,
+            _ => r * self.radial(r * r).0,
+        }
+    }
+
+    /// The radius from which on the radial part no longer grows.
+    fn radius_of_first_turn(&self) -> f64 {
+        let slope = |r: f64| match self.model {
+            DistortionModel::Equidistant => equidistant_angle(r.atan(), &self.coefficients).1,
+            _ => {
+                let (factor, by_r2) = self.radial(r * r);
+                factor + 2.0 * r * r * by_r2
+            }
+        };
+        const STEPS: u32 = 4000;
+        let at = |step: u32| (f64::from(step) / f64::from(STEPS) * FARTHEST.atan()).tan();
+        let is_fine = |r: f64| slope(r) > 0.0 && self.radius(r).is_finite() && self.is_before_pole(r * r);
+        let Some(turned) = (1..=STEPS).find(|step| !is_fine(at(*step))) else { return f64::INFINITY };
+        let (mut fine, mut turned) = (at(turned - 1), at(turned));
+        for _ in 0..60 {
+            let middle = 0.5 * (fine + turned);
+            if is_fine(middle) {
+                fine = middle;
+            } else {
+                turned = middle;
+            }
+        }
+        fine
+    }
+
+    /// The factor of the radial distortion at a squared radius, and its derivative by that.
+    fn radial(&self, r2: f64) -> (f64, f64) {
+        let [k1, k2, _, _, k3, k4, k5, k6, ..] = self.coefficients;
+        let (above, above_slope) = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)), k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
+        if self.model == DistortionModel::PlumbBob {
+            return (above, above_slope);
+        }
+        let (below, below_slope) = (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)), k4 + r2 * (2.0 * k5 + r2 * 3.0 * k6));
+        (above / below, (above_slope * below - above * below_slope) / (below * below))
+    }
+
+    /// Whether the quotient of the rational model is not beyond one of its poles.
+    fn is_before_pole(&self, r2: f64) -> bool {
+        let [.., k4, k5, k6] = self.coefficients[..8] else { return true };
+        self.model != DistortionModel::RationalPolynomial || 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)) > 0.0
+    }
+
+    /// The formulas, without a check of the radius.
+    fn follow(&self, place: Vector2<f64>) -> Distorted {
+        let (x, y) = (place.x, place.y);
+        let r2 = x * x + y * y;
+        if self.model == DistortionModel::Equidistant {
+            return self.follow_equidistant(place, r2.sqrt());
+        }
+        let [_, _, p1, p2, .., s1, s2, s3, s4, tilt_x, tilt_y] = self.coefficients;
+        let (factor, slope) = self.radial(r2);
+        let bent = Vector2::new(
+            x * factor + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + r2 * (s1 + r2 * s2),
+            y * factor + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + r2 * (s3 + r2 * s4),
+        );
+        let cross = 2.0 * slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
+        let (prism_x, prism_y) = (2.0 * (s1 + 2.0 * r2 * s2), 2.0 * (s3 + 2.0 * r2 * s4));
+        let jacobian = Matrix2::new(
+            factor + 2.0 * slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x + prism_x * x,
+            cross + prism_x * y,
+            cross + prism_y * x,
+            factor + 2.0 * slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x + prism_y * y,
+        );
+        if tilt_x == 0.0 && tilt_y == 0.0 {
+            return Distorted { place: bent.into(), jacobian };
+        }
+        let tilt = tilted_sensor(tilt_x, tilt_y);
+        let projected = tilt * bent.push(1.0);
+        let place = projected.xy() / projected.z;
+        let by_bent = (tilt.fixed_view::<2, 2>(0, 0) - place * tilt.fixed_view::<1, 2>(2, 0)) / projected.z;
+        Distorted { place: place.into(), jacobian: by_bent * jacobian }
+    }
+
+    fn follow_equidistant(&self, place: Vector2<f64>, r: f64) -> Distorted {
+        if r < 1e-9 {
+            return Distorted { place: place.into(), jacobian: Matrix2::identity() };
+        }
+        let (angle, slope) = equidistant_angle(r.atan(), &self.coefficients);
+        let (factor, outwards) = (angle / r, place / r);
+        // Along the ray from the axis the slope counts, across it the factor.
+        let along = slope / (1.0 + r * r);
+        let radial = outwards * outwards.transpose();
+        let jacobian = radial * along + (Matrix2::identity() - radial) * factor;
+        Distorted { place: (place * factor).into(), jacobian }
+    }
+}
+
+/// The distorted angle of an angle from the axis, and its derivative.
+fn equidistant_angle(angle: f64, coefficients: &[f64; 14]) -> (f64, f64) {
+    let a2 = angle * angle;
+    let [k1, k2, k3, k4, ..] = *coefficients;
+    let factor = 1.0 + a2 * (k1 + a2 * (k2 + a2 * (k3 + a2 * k4)));
+    let slope = 1.0 + a2 * (3.0 * k1 + a2 * (5.0 * k2 + a2 * (7.0 * k3 + a2 * 9.0 * k4)));
+    (angle * factor, slope)
+}
+
+/// The homography of a sensor that is tilted about x and y, radians: along the axis onto the tilted plane.
+fn tilted_sensor(tilt_x: f64, tilt_y: f64) -> Matrix3<f64> {
+    let ((sx, cx), (sy, cy)) = (tilt_x.sin_cos(), tilt_y.sin_cos());
+    let about_x = Matrix3::new(1.0, 0.0, 0.0, 0.0, cx, sx, 0.0, -sx, cx);
+    let about_y = Matrix3::new(cy, 0.0, -sy, 0.0, 1.0, 0.0, sy, 0.0, cy);
+    let turned = about_y * about_x;
+    let onto_plane =
+        Matrix3::new(turned[(2, 2)], 0.0, -turned[(0, 2)], 0.0, turned[(2, 2)], -turned[(1, 2)], 0.0, 0.0, 1.0);
+    onto_plane * turned
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn models_have_their_numbers_of_coefficients() {
+        for model in DistortionModel::ALL {
+            assert_eq!(DistortionModel::from_name(model.name()), Some(model));
+            for count in 1..16 {
+                let result = Distortion::from_message(model.name(), &vec![0.01; count]);
+                assert_eq!(result.is_ok(), model.coefficient_counts().contains(&count), "{model} {count}");
+                assert_eq!(Distortion::from_message(model.name(), &vec![0.0; count]), Ok(Distortion::NONE));
+            }
+            assert_eq!(Distortion::from_message(model.name(), &[]), Ok(Distortion::NONE));
+        }
+    }
+
+    #[test]
+    fn problems_name_model_and_numbers() {
+        let problem = Distortion::from_message("plumb_bob", &[0.1; 8]).unwrap_err();
+        assert_eq!(problem.to_string(), "8 coefficients, but plumb_bob has 4 or 5");
+        let problem = Distortion::from_message("fov", &[0.1]).unwrap_err();
+        assert!(problem.to_string().contains("'fov'") && problem.key() == "distortion_model", "{problem}");
+        let problem = Distortion::from_message("plumb_bob", &[0.1, f64::NAN, 0.0, 0.0]).unwrap_err();
+        assert_eq!(problem, DistortionProblem::NotFinite(1));
+    }
+
+    /// Figures of OpenCV 5.0: `cv2.projectPoints` with K = identity, `cv2.fisheye.distortPoints`.
+    #[test]
+    fn places_are_those_of_opencv() {
+        let place = Point2::new(0.3, -0.2);
+        for (model, coefficients, expected) in [
+            (DistortionModel::PlumbBob, vec![-0.28, 0.09, 0.001, -0.002, 0.01], OPENCV[0]),
+            (DistortionModel::RationalPolynomial, vec![0.6, -0.1, 0.001, 0.0005, 0.02, 0.9, -0.05, 0.01], OPENCV[1]),
+            (
+                DistortionModel::RationalPolynomial,
+                vec![0.1, 0.02, 0.001, 0.002, 0.01, 0.05, 0.01, 0.02, 0.003, -0.001, 0.002, 0.004, 0.02, -0.03],
+                OPENCV[2],
+            ),
+            (DistortionModel::Equidistant, vec![0.05, -0.01, 0.003, -0.001], OPENCV[3]),
+        ] {
+            let distortion = Distortion::new(model, &coefficients).unwrap();
+            let reached = distortion.distort(place).unwrap();
+            assert!((reached - Point2::from(expected)).norm() < 1e-9, "{model}: {reached} instead of {expected:?}");
+        }
+    }
+
+    const OPENCV: [[f64; 2]; 4] = [
+        [0.288802891, -0.192578594],
+        [0.289331581706, -0.192714387804],
+        [0.304533980928, -0.201904850868],
+        [0.289612536372, -0.193075024248],
+    ];
+
+    fn distortions() -> impl Strategy<Value = Distortion> {
+        let plumb_bob = (-0.4..0.4, -0.2..0.2, -0.005..0.005, -0.005..0.005, -0.05..0.05)
+            .prop_map(|(k1, k2, p1, p2, k3)| Distortion::plumb_bob([k1, k2, p1, p2, k3]));
+        let rational = (prop::array::uniform8(-0.2..0.2), prop::array::uniform4(-0.01..0.01), -0.05..0.05, -0.05..0.05)
+            .prop_map(|(mut radial, prism, x, y)| {
+                radial[2] *= 0.02;
+                radial[3] *= 0.02;
+                let all = [radial.as_slice(), &prism, &[x, y]].concat();
+                Distortion::new(DistortionModel::RationalPolynomial, &all).unwrap()
+            });
+        let fisheye =
+            prop::array::uniform4(-0.05..0.05).prop_map(|k| Distortion::new(DistortionModel::Equidistant, &k).unwrap());
+        prop_oneof![plumb_bob, rational, fisheye]
+    }
+
+    proptest! {
+        #[test]
+        fn undistorting_takes_distorting_back(distortion in distortions(), x in -0.6..0.6, y in -0.45..0.45) {
+            let place = Point2::new(x, y);
+            // Near the rim the inverse is ill-posed.
+            prop_assume!(place.coords.norm() < 0.9 * distortion.valid_radius());
+            let distorted = distortion.distort(place).unwrap();
+            let back = distortion.undistort(distorted);
+            prop_assert!(back.is_some_and(|back| (back - place).norm() < 1e-8), "{back:?} {place}");
+        }
+
+        #[test]
+        fn jacobians_are_the_differences(distortion in distortions(), x in -0.6..0.6, y in -0.45..0.45) {
+            let place = Point2::new(x, y);
+            prop_assume!(place.coords.norm() < 0.9 * distortion.valid_radius());
+            let jacobian = distortion.distort_with_jacobian(place).unwrap().jacobian;
+            for (column, step) in [Vector2::x(), Vector2::y()].into_iter().enumerate() {
+                let step = step * 1e-6;
+                let change = distortion.follow(place.coords + step).place - distortion.follow(place.coords - step).place;
+                prop_assert!((change / 2e-6 - jacobian.column(column)).norm() < 1e-6);
+            }
+        }
+
+        #[test]
+        fn what_is_farther_out_is_drawn_farther_out(distortion in distortions()) {
+            let last = distortion.valid_radius().min(3.0);
+            let radii: Vec<f64> = (0..200).map(|i| distortion.radius(last * f64::from(i) / 200.0)).collect();
+            prop_assert!(radii.windows(2).all(|pair| pair[0] < pair[1] + 1e-12));
+        }
+    }
+
+    #[test]
+    fn beyond_the_valid_radius_there_is_nothing() {
+        let barrel = Distortion::plumb_bob([-0.3, 0.0, 0.0, 0.0, 0.0]);
+        let turn = (1.0_f64 / 0.9).sqrt();
+        assert!((barrel.valid_radius() - turn).abs() < 1e-9);
+        assert!(barrel.distort(Point2::new(turn + 0.01, 0.0)).is_none());
+        let farthest = turn * (1.0 - 0.3 * turn * turn);
+        assert!(barrel.undistort(Point2::new(farthest + 0.01, 0.0)).is_none());
+        assert!(barrel.undistort(Point2::new(farthest - 0.01, 0.0)).is_some());
+        assert_eq!(Distortion::NONE.valid_radius(), f64::INFINITY);
+    }
+}

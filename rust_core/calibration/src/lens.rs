@@ -1,0 +1,153 @@
+//! The lens of a projector or camera: where a point of its optical frame lands in its picture, and back.
+//!
+//! One type for everything that uses a lens: calibration solves it, decoding uses the camera's. Pixel coordinates are
+//! those of ROS and OpenCV: u to the right, v down, an integer is a pixel's centre. Points are in metres in the optical
+//! frame: x right, y down, z along the view or light.
+
+use nalgebra::{Matrix2x3, Matrix3, Point2, Point3, Vector2, Vector3};
+
+use crate::Distortion;
+
+/// A projector's or camera's intrinsics without skew.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lens {
+    /// Width and height of the picture, pixels.
+    pub size_px: [u32; 2],
+    /// Focal lengths fx, fy, pixels.
+    pub focal_px: Vector2<f64>,
+    /// The principal point cx, cy, pixels; it may lie outside of the picture (projectors throw upwards).
+    pub center_px: Point2<f64>,
+    /// The deviation from a pinhole.
+    pub distortion: Distortion,
+}
+
+/// Where a point lands, and how that follows the point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Landing {
+    /// The pixel.
+    pub pixel: Point2<f64>,
+    /// Derivatives of the pixel by the point in the optical frame, pixels per metre.
+    pub by_point: Matrix2x3<f64>,
+}
+
+impl Lens {
+    /// A pinhole.
+    pub fn pinhole(size_px: [u32; 2], focal_px: [f64; 2], center_px: [f64; 2]) -> Self {
+        let (focal_px, center_px) = (focal_px.into(), center_px.into());
+        Self { size_px, focal_px, center_px, distortion: Distortion::NONE }
+    }
+
+    /// The matrix K.
+    pub fn matrix(&self) -> Matrix3<f64> {
+        let (f, c) = (self.focal_px, self.center_px);
+        Matrix3::new(f.x, 0.0, c.x, 0.0, f.y, c.y, 0.0, 0.0, 1.0)
+    }
+
+    /// Where a point of the optical frame lands: in or beside the picture. None for what is not in front of the lens
+    /// or lies where the distortion is not valid.
+    pub fn project(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
+        if point.z > 0.0 {
+            self.pixel(Point2::new(point.x / point.z, point.y / point.z))
+        } else {
+            None
+        }
+    }
+
+    /// [`Self::project`] with its derivatives.
+    pub fn project_with_jacobian(&self, point: &Point3<f64>) -> Option<Landing> {
+        if point.z.is_nan() || point.z <= 0.0 {
+            return None;
+        }
+        let near = 1.0 / point.z;
+        let plane = Point2::new(point.x * near, point.y * near);
+        let distorted = self.distortion.distort_with_jacobian(plane)?;
+        let plane_by_point = Matrix2x3::new(near, 0.0, -plane.x * near, 0.0, near, -plane.y * near);
+        let mut by_point = distorted.jacobian * plane_by_point;
+        by_point.row_mut(0).scale_mut(self.focal_px.x);
+        by_point.row_mut(1).scale_mut(self.focal_px.y);
+        Some(Landing { pixel: self.from_distorted(distorted.place), by_point })
+    }
+
+    /// The pixel of a place on the plane z = 1 of the optical frame.
+    pub fn pixel(&self, plane: Point2<f64>) -> Option<Point2<f64>> {
+        self.distortion.distort(plane).map(|place| self.from_distorted(place))
+    }
+
+    /// The place on the plane z = 1 of the optical frame that a pixel sees or lights; none where the distortion has no
+    /// inverse.
+    pub fn plane(&self, pixel: Point2<f64>) -> Option<Point2<f64>> {
+        self.distortion.undistort(self.to_distorted(pixel))
+    }
+
+    /// The direction that a pixel sees or lights: a vector in the optical frame with z = 1.
+    pub fn ray(&self, pixel: Point2<f64>) -> Option<Vector3<f64>> {
+        self.plane(pixel).map(|place| place.coords.push(1.0))
+    }
+
+    /// Whether a pixel is in the picture, its outermost half pixels included.
+    pub fn contains(&self, pixel: Point2<f64>) -> bool {
+        let [width, height] = self.size_px.map(f64::from);
+        (-0.5..width - 0.5).contains(&pixel.x) && (-0.5..height - 0.5).contains(&pixel.y)
+    }
+
+    /// The pixel of a place on the plane z = 1 that the distortion has been applied to.
+    #[expect(clippy::wrong_self_convention, reason = "names the direction of the conversion")]
+    pub(crate) fn from_distorted(&self, place: Point2<f64>) -> Point2<f64> {
+        self.center_px + place.coords.component_mul(&self.focal_px)
+    }
+
+    /// The inverse of [`Self::from_distorted`].
+    pub(crate) fn to_distorted(self, pixel: Point2<f64>) -> Point2<f64> {
+        (pixel - self.center_px).component_div(&self.focal_px).into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn lens() -> Lens {
+        let distortion = Distortion::plumb_bob([-0.12, 0.03, 0.001, -0.0015, 0.0]);
+        Lens { distortion, ..Lens::pinhole([1280, 800], [1410.0, 1395.0], [640.0, 817.0]) }
+    }
+
+    #[test]
+    fn a_point_on_the_axis_lands_on_the_principal_point() {
+        assert_eq!(lens().project(&Point3::new(0.0, 0.0, 1.7)), Some(Point2::new(640.0, 817.0)));
+        assert_eq!(lens().project(&Point3::new(0.1, 0.0, 0.0)), None);
+        assert_eq!(lens().project(&Point3::new(0.1, 0.0, -1.0)), None);
+        assert_eq!(lens().project(&Point3::new(0.1, 0.0, f64::NAN)), None);
+        assert!(lens().project_with_jacobian(&Point3::new(0.1, 0.0, f64::NAN)).is_none());
+    }
+
+    #[test]
+    fn an_integer_is_a_pixels_centre() {
+        let lens = lens();
+        assert!(lens.contains(Point2::new(-0.5, 0.0)) && lens.contains(Point2::new(1279.4, 799.4)));
+        assert!(!lens.contains(Point2::new(-0.6, 0.0)) && !lens.contains(Point2::new(1279.6, 0.0)));
+    }
+
+    proptest! {
+        #[test]
+        fn a_ray_lands_where_it_came_from(u in 0.0..1280.0, v in 0.0..800.0, depth in 0.3..5.0) {
+            let pixel = Point2::new(u, v);
+            let point = Point3::from(lens().ray(pixel).unwrap() * depth);
+            prop_assert!((lens().project(&point).unwrap() - pixel).norm() < 1e-7);
+        }
+
+        #[test]
+        fn derivatives_are_the_differences(x in -0.4..0.4, y in -0.6..0.2, z in 0.6..3.0) {
+            let point = Point3::new(x, y, z);
+            let landing = lens().project_with_jacobian(&point).unwrap();
+            prop_assert!((landing.pixel - lens().project(&point).unwrap()).norm() < 1e-9);
+            for axis in 0..3 {
+                let mut step = Vector3::zeros();
+                step[axis] = 1e-6;
+                let change = lens().project(&(point + step)).unwrap() - lens().project(&(point - step)).unwrap();
+                prop_assert!((change / 2e-6 - landing.by_point.column(axis)).norm() < 1e-3);
+            }
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! From decoded pixels and a depth image to samples: which projector pixel lights which point.
+//!
+//! Depth is smoothed by planes through the inverse depths of windows: on a plane in space, inverse depth is linear in
+//! the camera's pixels, and a depth camera's noise, which grows with the squared depth, is the same everywhere in it
+//! (Khoshelham, Elberink, "Accuracy and resolution of Kinect depth data", 2012). Where a window's depths lie on no common
+//! plane there is an edge, whose depth is not used.
+
+use nalgebra::{Point2, Point3};
+use rayon::prelude::*;
+
+use crate::plane::{Plane, Sums};
+use crate::{Decoded, Lens, Sample};
+
+/// Half the width of a window, pixels.
+const RADIUS: usize = 3;
+const SIDE: usize = 2 * RADIUS + 1;
+/// The share of a window that must lie on its plane.
+const LEAST_SHARE: f32 = 0.75;
+/// Depths count half when they are so many times the window's noise off the plane. No noise is less than this share of
+/// the depth.
+const HALF_WEIGHT_NOISE: f32 = 2.0;
+const LEAST_NOISE_SHARE: f32 = 0.0005;
+/// A window noisier than this share of the depth, or than so many times the noise of half of the windows, has an edge.
+const MOST_NOISE_SHARE: f32 = 0.01;
+const MOST_NOISE: f32 = 3.0;
+/// Errors of neighbouring depths are alike: so many of them count as one.
+const ALIKE: f32 = 4.0;
+
+/// Why decoded pixels cannot be given depths.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PointsError {
+    /// The depth image is of another size than the pictures.
+    #[error("the depth image has {count} pixels, the pictures have {expected}")]
+    Size {
+        /// Its number of pixels.
+        count: usize,
+        /// That of the pictures.
+        expected: usize,
+    },
+    /// The camera's calibration is for pictures of another size.
+    #[error("the camera info is for {}x{} pixels, the pictures have {}x{}", camera[0], camera[1], pictures[0], pictures[1])]
+    Camera {
+        /// Width and height in the camera info.
+        camera: [u32; 2],
+        /// Width and height of the pictures.
+        pictures: [u32; 2],
+    },
+}
+
+/// The points that were decoded and have a depth.
+///
+/// `depth_m` are depths along the camera's optical axis, registered to the pictures, row by row from the top; what is
+/// not finite or not positive is no depth. The samples are of scan 0, in the order of the pixels.
+///
+/// # Errors
+/// [`PointsError`]: sizes that do not fit one another.
+pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<Sample>, PointsError> {
+    if depth_m.len() != decoded.pixels.len() {
+        return Err(PointsError::Size { count: depth_m.len(), expected: decoded.pixels.len() });
+    }
+    if camera.size_px != decoded.size_px {
+        return Err(PointsError::Camera { camera: camera.size_px, pictures: decoded.size_px });
+    }
+    let width = decoded.size_px[0] as usize;
+    let inverse: Vec<f32> =
+        depth_m.iter().map(|depth| if depth.is_finite() && *depth > 0.0 { 1.0 / depth } else { 0.0 }).collect();
+    let windows: Vec<Vec<(usize, Window)>> = (0..decoded.size_px[1] as usize)
+        .into_par_iter()
+        .map(|y| {
+            let decoded = (0..width).filter(|x| decoded.pixels[y * width + x].is_decoded());
+            decoded.filter_map(|x| Some((y * width + x, Window::new(&inverse, width, x, y)?))).collect()
+        })
+        .collect();
+    let windows = windows.concat();
+    let mut noises: Vec<f32> = windows.iter().map(|(_, window)| window.noise).collect();
+    if noises.is_empty() {
+        return Ok(Vec::new());
+    }
+    let middle = noises.len() / 2;
+    let most_noise = MOST_NOISE * *noises.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let sample = |(index, window): &(usize, Window)| {
+        if window.noise > most_noise {
+            return None;
+        }
+        let pixel = &decoded.pixels[*index];
+        let ray = camera.ray(Point2::new((index % width) as f64, (index / width) as f64))?;
+        let depth = 1.0 / f64::from(window.inverse);
+        let variance = 0.5 * (pixel.sigma[0].powi(2) + pixel.sigma[1].powi(2));
+        Some(Sample {
+            pixel: Point2::from(pixel.at.map(f64::from)),
+            point: Point3::from(ray * depth),
+            scan: 0,
+            sigma_px: f64::from(variance.sqrt()),
+            sigma_m: f64::from(window.sigma) * depth * depth,
+        })
+    };
+    Ok(windows.iter().filter_map(sample).collect())
+}
+
+/// What a pixel's surroundings tell of its depth.
+#[derive(Debug, Clone, Copy)]
+struct Window {
+    /// The inverse depth, 1/m.
+    inverse: f32,
+    /// Its standard deviation.
+    sigma: f32,
+    /// That of single pixels.
+    noise: f32,
+}
+
+impl Window {
+    /// The window around a pixel; none where depths are missing or an edge is near.
+    fn new(inverse: &[f32], width: usize, x: usize, y: usize) -> Option<Self> {
+        let height = inverse.len() / width;
+        if x < RADIUS || y < RADIUS || x + RADIUS >= width || y + RADIUS >= height {
+            return None;
+        }
+        let own = inverse[y * width + x];
+        if own <= 0.0 {
+            return None;
+        }
+        let mut window = [(0.0_f32, 0.0_f32, 0.0_f32); SIDE * SIDE];
+        let mut count = 0;
+        let mut sums = Sums::default();
+        for row in y - RADIUS..=y + RADIUS {
+            for column in x - RADIUS..=x + RADIUS {
+                let value = inverse[row * width + column];
+                if value > 0.0 {
+                    let entry = (column as f32 - x as f32, row as f32 - y as f32, value - own);
+                    window[count] = entry;
+                    count += 1;
+                    let far = entry.2 / (0.03 * own);
+                    sums.add(1.0 / (1.0 + far * far), entry.0, entry.1, entry.2);
+                }
+            }
+        }
+        let least = LEAST_SHARE * (SIDE * SIDE) as f32;
+        if (count as f32) < least {
+            return None;
+        }
+        let mut plane = sums.plane(4.0)?;
+        let mut noise = 0.0;
+        for _ in 0..3 {
+            let off_plane = window[..count].iter().map(|entry| off(&plane, entry).abs());
+            noise = 1.4826 * median(off_plane) + LEAST_NOISE_SHARE * own;
+            let mut sums = Sums::default();
+            for entry in &window[..count] {
+                let far = off(&plane, entry) / (HALF_WEIGHT_NOISE * noise);
+                sums.add(1.0 / (1.0 + far * far), entry.0, entry.1, entry.2);
+            }
+            plane = sums.plane(4.0)?;
+        }
+        let on_plane = window[..count].iter().filter(|entry| off(&plane, entry).abs() < 4.0 * noise).count();
+        if (on_plane as f32) < least || plane.at.abs() > 4.0 * noise || noise > MOST_NOISE_SHARE * own {
+            return None;
+        }
+        let sigma = (plane.variance * ALIKE / plane.support).sqrt();
+        Some(Self { inverse: own + plane.at, sigma, noise })
+    }
+}
+
+/// How far an entry of a window is off a plane.
+fn off(plane: &Plane, (dx, dy, value): &(f32, f32, f32)) -> f32 {
+    value - plane.at - plane.by_x * dx - plane.by_y * dy
+}
+
+/// The median of a window's values.
+fn median(values: impl Iterator<Item = f32>) -> f32 {
+    let mut sorted = [0.0_f32; SIDE * SIDE];
+    let mut count = 0;
+    for (place, value) in sorted.iter_mut().zip(values) {
+        *place = value;
+        count += 1;
+    }
+    *sorted[..count].select_nth_unstable_by(count / 2, f32::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{DecodedPixel, Quality};
+
+    const SIZE: [u32; 2] = [40, 30];
+
+    fn decoded() -> Decoded {
+        let pixel = |index: u32| DecodedPixel { at: [(index % SIZE[0]) as f32 * 2.0, 5.0], sigma: [0.1; 2] };
+        let pixels = (0..SIZE[0] * SIZE[1]).map(pixel).collect();
+        Decoded { size_px: SIZE, pixels, lit: 1200, quality: Quality::default() }
+    }
+
+    fn camera() -> Lens {
+        Lens::pinhole(SIZE, [35.0, 35.0], [19.5, 14.5])
+    }
+
+    /// The depth of a slanted plane at each pixel.
+    fn slanted() -> Vec<f32> {
+        let depth = |index: u32| {
+            let ray = camera().ray(Point2::new(f64::from(index % SIZE[0]), f64::from(index / SIZE[0]))).unwrap();
+            (1.5 / (1.0 + 0.3 * ray.x)) as f32
+        };
+        (0..SIZE[0] * SIZE[1]).map(depth).collect()
+    }
+
+    #[test]
+    fn points_of_a_plane_stay_on_it() {
+        let samples = points(&decoded(), &slanted(), &camera()).unwrap();
+        assert_eq!(samples.len(), 34 * 24);
+        for sample in samples {
+            let off = sample.point.z + 0.3 * sample.point.x - 1.5;
+            assert!(off.abs() < 1e-5 && sample.sigma_m < 1e-4, "{off}");
+            assert_eq!(sample.pixel.y, 5.0);
+        }
+    }
+
+    #[test]
+    fn depth_near_edges_is_not_used() {
+        let mut depth = slanted();
+        for (index, depth) in depth.iter_mut().enumerate() {
+            if index % 40 >= 20 {
+                *depth += 0.2;
+            }
+        }
+        depth[15 * 40 + 8] = 0.0;
+        depth[15 * 40 + 9] = f32::NAN;
+        let samples = points(&decoded(), &depth, &camera()).unwrap();
+        assert!(!samples.iter().any(|sample| (18.0..=21.0).contains(&(sample.pixel.x / 2.0))));
+        for sample in samples {
+            let seen = camera().project(&sample.point).unwrap();
+            let expected = depth[(seen.y.round() * 40.0 + seen.x.round()) as usize];
+            assert!((sample.point.z - f64::from(expected)).abs() < 2e-3);
+        }
+    }
+
+    #[test]
+    fn other_sizes_are_refused() {
+        let error = points(&decoded(), &[1.0; 7], &camera()).unwrap_err();
+        assert_eq!(error, PointsError::Size { count: 7, expected: 1200 });
+        let camera = Lens { size_px: [80, 60], ..camera() };
+        assert!(points(&decoded(), &slanted(), &camera).unwrap_err().to_string().contains("80x60"));
+    }
+}

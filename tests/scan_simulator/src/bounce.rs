@@ -1,0 +1,103 @@
+//! Light that surfaces throw onto each other, once: a gather between coarse patches of the picture.
+//!
+//! A patch of 16×16 camera pixels stands for the surface at its middle. What arrives at a patch is the sum over all
+//! others that it sees, by their form factors; between the patches' middles it is interpolated, because it is smooth.
+//! Surfaces beside the picture contribute nothing.
+
+use rayon::prelude::*;
+
+use crate::View;
+
+/// The edge of a patch, camera pixels.
+const PATCH_PX: usize = 16;
+
+/// The form factors between the patches of a view.
+#[derive(Debug, Clone)]
+pub(crate) struct Bounce {
+    columns: usize,
+    rows: usize,
+    /// For each patch, what it receives of each other one.
+    factors: Vec<Vec<f32>>,
+}
+
+impl Bounce {
+    pub(crate) fn new(view: &View) -> Self {
+        let [width, height] = view.size_px().map(|size| size as usize);
+        let (columns, rows) = (width.div_ceil(PATCH_PX), height.div_ceil(PATCH_PX));
+        let rig = view.rig();
+        let focal_px = rig.camera.focal_px;
+        let patches: Vec<_> = (0..columns * rows)
+            .map(|index| {
+                let middle = |patch: usize, size: usize| (patch * PATCH_PX + PATCH_PX / 2).min(size - 1) as u32;
+                let sight = view.sight(middle(index % columns, width), middle(index / columns, height))?;
+                // The surface that the patch covers; at a grazing angle it hardly ever is all one.
+                let facing = -sight.normal.dot(&sight.point.coords.normalize());
+                let pixel_m2 = sight.point.z.powi(2) / (focal_px.x * focal_px.y);
+                let area_m2 = pixel_m2 * (PATCH_PX * PATCH_PX) as f64 / facing.max(0.2);
+                Some((rig.room_from_camera * sight.point, rig.room_from_camera * sight.normal, area_m2))
+            })
+            .collect();
+        let received = |at: usize| {
+            let Some((point, normal, _)) = patches[at] else { return vec![0.0; patches.len()] };
+            let from = |other: usize| {
+                let Some((source, source_normal, area_m2)) = patches[other].filter(|_| other != at) else { return 0.0 };
+                let towards = source - point;
+                let squared = towards.norm_squared();
+                let cosines = normal.dot(&towards).max(0.0) * source_normal.dot(&-towards).max(0.0) / squared;
+                // Below 1e-5, what all patches together throw is less than noise.
+                let factor = cosines * area_m2 / (std::f64::consts::PI * squared + area_m2);
+                if factor < 1e-5 || view.room().is_blocked(&point, &source) {
+                    return 0.0;
+                }
+                factor as f32
+            };
+            (0..patches.len()).map(from).collect()
+        };
+        Self { columns, rows, factors: (0..patches.len()).into_par_iter().map(received).collect() }
+    }
+
+    /// The light that arrives at each patch when the picture shows this light, row by row; in the same unit.
+    pub(crate) fn gather(&self, picture: &[f32], width_px: usize) -> Gathered<'_> {
+        let mut sums = vec![(0.0_f32, 0.0_f32); self.columns * self.rows];
+        for (v, row) in picture.chunks(width_px).enumerate() {
+            for (patch, pixels) in row.chunks(PATCH_PX).enumerate() {
+                let sum = &mut sums[v / PATCH_PX * self.columns + patch];
+                sum.0 += pixels.iter().sum::<f32>();
+                sum.1 += pixels.len() as f32;
+            }
+        }
+        let means: Vec<f32> = sums.into_iter().map(|(sum, count)| sum / count.max(1.0)).collect();
+        let received = |factors: &Vec<f32>| factors.iter().zip(&means).map(|(factor, light)| factor * light).sum();
+        Gathered { bounce: self, light: self.factors.par_iter().map(received).collect() }
+    }
+}
+
+/// The light that arrives at the patches.
+pub(crate) struct Gathered<'a> {
+    bounce: &'a Bounce,
+    light: Vec<f32>,
+}
+
+impl Gathered<'_> {
+    /// What arrives at the pixels of a row, from left to right.
+    pub(crate) fn row(&self, v: usize) -> impl Iterator<Item = f32> + '_ {
+        let columns = self.bounce.columns;
+        let (upper, lower, down) = neighbours(v, self.bounce.rows);
+        let column = move |patch: usize| {
+            let (one, other) = (self.light[upper * columns + patch], self.light[lower * columns + patch]);
+            one + (other - one) * down
+        };
+        (0..).map(move |u| {
+            let (left, right, across) = neighbours(u, columns);
+            let (one, other) = (column(left), column(right));
+            one + (other - one) * across
+        })
+    }
+}
+
+/// The patches whose middles are before and after a pixel, and the weight of the latter.
+fn neighbours(pixel: usize, patches: usize) -> (usize, usize, f32) {
+    let place = ((pixel as f32 + 0.5) / PATCH_PX as f32 - 0.5).clamp(0.0, (patches - 1) as f32);
+    let before = place as usize;
+    (before, (before + 1).min(patches - 1), place - before as f32)
+}

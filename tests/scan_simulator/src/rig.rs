@@ -1,0 +1,160 @@
+//! A camera and a projector, how their lenses are and where they stand in the room.
+
+use nalgebra::{Isometry3, Point2, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use rcs_calibration::{Distortion, Lens};
+
+use crate::Random;
+
+/// Picture size of the camera, pixels.
+const CAMERA_SIZE_PX: [u32; 2] = [640, 480];
+/// Picture size of the projector, pixels.
+const PROJECTOR_SIZE_PX: [u32; 2] = [1280, 800];
+
+/// A camera and a projector in a room.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rig {
+    /// The camera's colour lens, to which its depth image is registered.
+    pub camera: Lens,
+    /// The projector's lens.
+    pub projector: Lens,
+    /// Where the camera stands.
+    pub room_from_camera: Isometry3<f64>,
+    /// Where the projector stands.
+    pub room_from_projector: Isometry3<f64>,
+    /// What both look at, in the room's frame, metres.
+    pub target: Point3<f64>,
+    /// From which the rig and its other places follow.
+    pub seed: u64,
+}
+
+impl Rig {
+    /// A camera of 640×480 pixels like a Kinect's and, 0.1 to 0.35 m beside it, a projector of 1280×800 pixels that
+    /// mostly throws its picture upwards. Both look at about the same place, 1.3 m away.
+    pub fn random(seed: u64) -> Self {
+        let random = &mut Random::new(&[seed, 0x0052_4947]);
+        let (camera, projector) = (camera_lens(random), projector_lens(random));
+        let mut uniform = |low, high| random.uniform(low, high);
+        let target = Point3::new(uniform(-0.05, 0.05), uniform(-0.05, 0.05), 1.3);
+        let from = Point3::new(uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(-0.05, 0.05));
+        // Beside, above or below, rarely at a slant.
+        let quarter = uniform(0.0, 4.0).floor();
+        let angle = std::f64::consts::FRAC_PI_2 * (quarter + uniform(-0.2, 0.2));
+        let baseline = uniform(0.1, 0.35);
+        let beside = Vector3::new(baseline * angle.cos(), baseline * angle.sin(), uniform(-0.03, 0.03));
+        let mut near_target = || target + Vector3::new(uniform(-0.06, 0.06), uniform(-0.05, 0.05), 0.0);
+        let (lit, seen) = (near_target(), near_target());
+        let (projector_roll, camera_roll) = (uniform(-0.06, 0.06), uniform(-0.03, 0.03));
+        Self {
+            room_from_camera: looking_at(&camera, &(from + beside), &seen, camera_roll),
+            room_from_projector: looking_at(&projector, &from, &lit, projector_roll),
+            camera,
+            projector,
+            target,
+            seed,
+        }
+    }
+
+    /// The same with the camera at another place of the room, from which it sees about the same part of it; the
+    /// projector stays. Place 0 is the first one.
+    pub fn at_place(&self, place: u32) -> Self {
+        if place == 0 {
+            return self.clone();
+        }
+        let random = &mut Random::new(&[self.seed, u64::from(place), 0x504c_4143]);
+        let mut uniform = |low, high| random.uniform(low, high);
+        let from = Point3::new(uniform(-0.45, 0.45), uniform(-0.35, 0.2), uniform(-0.25, 0.1));
+        let seen = self.target + Vector3::new(uniform(-0.12, 0.12), uniform(-0.1, 0.1), 0.0);
+        let roll = uniform(-0.15, 0.15);
+        Self { room_from_camera: looking_at(&self.camera, &from, &seen, roll), ..self.clone() }
+    }
+
+    /// The projector's pose as seen by the camera: takes points of the camera's optical frame to the projector's.
+    pub fn projector_from_camera(&self) -> Isometry3<f64> {
+        self.room_from_projector.inv_mul(&self.room_from_camera)
+    }
+}
+
+/// A colour camera's lens with little distortion or none.
+fn camera_lens(random: &mut Random) -> Lens {
+    let fx = random.uniform(525.0, 570.0);
+    let fy = fx * random.uniform(0.997, 1.003);
+    let center = [319.5 + random.uniform(-8.0, 8.0), 239.5 + random.uniform(-8.0, 8.0)];
+    let pinhole = Lens::pinhole(CAMERA_SIZE_PX, [fx, fy], center);
+    if random.happens(0.5) {
+        return pinhole;
+    }
+    let mut uniform = |most: f64| random.uniform(-most, most);
+    let distortion = Distortion::plumb_bob([uniform(0.04), uniform(0.04), uniform(0.001), uniform(0.001), 0.0]);
+    Lens { distortion, ..pinhole }
+}
+
+/// A projector's lens; its distortion is valid in all of its picture and around it.
+fn projector_lens(random: &mut Random) -> Lens {
+    loop {
+        let mut uniform = |low, high| random.uniform(low, high);
+        let fx = uniform(1100.0, 1900.0);
+        let fy = fx * uniform(0.996, 1.004);
+        let center = [639.5 + uniform(-25.0, 25.0), uniform(400.0, 850.0)];
+        let [k1, k2] = [uniform(-0.15, 0.1), uniform(-0.03, 0.03)];
+        let [p1, p2] = [uniform(-0.0015, 0.0015), uniform(-0.0015, 0.0015)];
+        let distortion = Distortion::plumb_bob([k1, k2, p1, p2, 0.0]);
+        let lens = Lens { distortion, ..Lens::pinhole(PROJECTOR_SIZE_PX, [fx, fy], center) };
+        let [width, height] = PROJECTOR_SIZE_PX.map(f64::from);
+        let is_valid = [[-80.0, -80.0], [width + 80.0, -80.0], [-80.0, height + 80.0], [width + 80.0, height + 80.0]]
+            .iter()
+            .all(|corner| {
+                let place = lens.plane(Point2::from(*corner));
+                place.is_some_and(|place| place.coords.norm() < 0.9 * distortion.valid_radius())
+            });
+        if is_valid {
+            return lens;
+        }
+    }
+}
+
+/// The pose from which the middle of a lens's picture is at a point: `room_from_lens`. The roll about that line is in
+/// radians.
+fn looking_at(lens: &Lens, from: &Point3<f64>, target: &Point3<f64>, roll: f64) -> Isometry3<f64> {
+    let middle = Point2::from(lens.size_px.map(|size| 0.5 * (f64::from(size) - 1.0)));
+    let ray = lens.ray(middle).unwrap_or_else(Vector3::z);
+    let towards = Unit::new_normalize(target - from);
+    let turned = UnitQuaternion::rotation_between(&ray, &towards).unwrap_or_else(UnitQuaternion::identity);
+    let rotation = UnitQuaternion::from_axis_angle(&towards, roll) * turned;
+    Isometry3::from_parts(Translation3::from(from.coords), rotation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_look_at_the_target_from_every_place() {
+        for seed in 0..50 {
+            let rig = Rig::random(seed);
+            let baseline = rig.projector_from_camera().translation.vector.norm();
+            assert!((0.1..0.36).contains(&baseline), "seed {seed}: {baseline}");
+            for place in 0..4 {
+                let rig = rig.at_place(place);
+                for (lens, pose) in [(&rig.camera, rig.room_from_camera), (&rig.projector, rig.room_from_projector)] {
+                    let pixel = lens.project(&pose.inverse_transform_point(&rig.target)).unwrap();
+                    assert!(lens.contains(pixel), "seed {seed}, place {place}: {pixel}");
+                }
+            }
+            assert_eq!(rig.at_place(0), rig);
+            assert_eq!(rig.at_place(2).room_from_projector, rig.room_from_projector);
+            assert_ne!(rig.at_place(2).room_from_camera, rig.at_place(1).room_from_camera);
+        }
+    }
+
+    #[test]
+    fn every_pixel_of_the_projector_has_a_ray() {
+        for seed in 0..50 {
+            let lens = Rig::random(seed).projector;
+            for pixel in [[-0.5, -0.5], [1279.5, -0.5], [-0.5, 799.5], [1279.5, 799.5], [640.0, 400.0]] {
+                let pixel = Point2::from(pixel);
+                let ray = lens.ray(pixel).unwrap();
+                assert!((lens.project(&Point3::from(ray)).unwrap() - pixel).norm() < 1e-6);
+            }
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! A room to project into: planes, boxes and balls with diffuse surfaces, and the rays that hit them.
+//!
+//! There are about twenty solids, so a ray simply asks each of them.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
+
+use crate::surface::Surface;
+use crate::Random;
+
+/// What a ray hits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// How far away it is, in lengths of the ray's direction: metres for a unit vector, the depth for one with z = 1.
+    pub distance: f64,
+    /// Where, in the room's frame, metres.
+    pub point: Point3<f64>,
+    /// The surface's normal there, a unit vector in the room's frame that points out of the solid.
+    pub normal: Vector3<f64>,
+    /// The share of light that the surface reflects there, 0 to 1.
+    pub albedo: f64,
+}
+
+/// Solids in the room's frame: x right, y down, z away from the rig, which is near the origin.
+#[derive(Debug, Clone)]
+pub struct Room {
+    solids: Vec<Solid>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Shape {
+    /// The plane z = 0 of the solid's frame, endless, lit from where z is positive.
+    Plane,
+    /// A box around the origin, by half its size, metres.
+    Cuboid(Vector3<f64>),
+    /// A ball around the origin, by its radius, metres.
+    Ball(f64),
+}
+
+#[derive(Debug, Clone)]
+struct Solid {
+    shape: Shape,
+    solid_from_room: Isometry3<f64>,
+    /// The rotation of `solid_from_room`, which is faster to apply as a matrix.
+    rotation: Matrix3<f64>,
+    /// A ball around the solid: its centre in the room's frame and its squared radius, metres; infinite for a plane.
+    centre: Point3<f64>,
+    squared_radius: f64,
+    surface: Surface,
+}
+
+impl Room {
+    /// A back wall, a floor and a side wall, and 8 to 20 boxes, balls and slanted panels before them: from 0.6 to about
+    /// 2 m from the origin. Everything follows from the seed.
+    pub fn cluttered(seed: u64) -> Self {
+        let random = &mut Random::new(&[seed, 0x0726_006d]);
+        let mut solids = walls(random);
+        for _ in 0..random.integer(8, 20) {
+            solids.push(Solid::random(random));
+        }
+        Self { solids }
+    }
+
+    /// One flat wall of an even albedo 0.8 at a distance along z, metres, turned about x and y, radians.
+    pub fn wall(distance_m: f64, tilt_rad: [f64; 2]) -> Self {
+        let turned = UnitQuaternion::from_euler_angles(tilt_rad[0], tilt_rad[1], 0.0);
+        Self { solids: vec![Solid::plane(Vector3::new(0.0, 0.0, distance_m), turned, Surface::plain(0.8))] }
+    }
+
+    /// What a ray hits first; it starts at a point of the room's frame.
+    pub fn hit(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> Option<Hit> {
+        let mut nearest: Option<(f64, &Solid)> = None;
+        for solid in &self.solids {
+            let distance = solid.distance(origin, direction);
+            if let Some(distance) = distance.filter(|distance| nearest.is_none_or(|(least, _)| *distance < least)) {
+                nearest = Some((distance, solid));
+            }
+        }
+        let (distance, solid) = nearest?;
+        let point = origin + direction * distance;
+        let (normal, albedo) = solid.surface_at(&point);
+        Some(Hit { distance, point, normal, albedo })
+    }
+
+    /// Whether anything lies between two points; what is within half a millimetre of either does not count.
+    pub fn is_blocked(&self, from: &Point3<f64>, to: &Point3<f64>) -> bool {
+        let direction = to - from;
+        let margin = 5e-4 / direction.norm();
+        let origin = from + direction * margin;
+        let least = 1.0 - 2.0 * margin;
+        self.solids.iter().any(|solid| solid.distance(&origin, &direction).is_some_and(|distance| distance < least))
+    }
+}
+
+/// The back wall, the floor and a side wall.
+fn walls(random: &mut Random) -> Vec<Solid> {
+    let mut turned = || UnitQuaternion::from_euler_angles(random.uniform(-0.1, 0.1), random.uniform(-0.15, 0.15), 0.0);
+    let (back, floor, side) = (turned(), turned(), turned());
+    let half_turn = std::f64::consts::FRAC_PI_2;
+    let floor = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -half_turn) * floor;
+    let is_right = random.happens(0.5);
+    let sign = if is_right { 1.0 } else { -1.0 };
+    let side = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), sign * half_turn) * side;
+    let at = |random: &mut Random, low, high| random.uniform(low, high);
+    vec![
+        Solid::plane(Vector3::new(0.0, 0.0, at(random, 1.6, 2.0)), back, Surface::random(random, 0.4)),
+        Solid::plane(Vector3::new(0.0, at(random, 0.45, 0.75), 1.3), floor, Surface::random(random, 0.15)),
+        Solid::plane(Vector3::new(sign * at(random, 0.8, 1.2), 0.0, 1.3), side, Surface::random(random, 0.15)),
+    ]
+}
+
+impl Solid {
+    /// A solid whose origin is at a place of the room.
+    fn new(shape: Shape, place: Vector3<f64>, room_from_solid: UnitQuaternion<f64>, surface: Surface) -> Self {
+        let solid_from_room = Isometry3::from_parts(Translation3::from(place), room_from_solid).inverse();
+        let squared_radius = match shape {
+            Shape::Plane => f64::INFINITY,
+            Shape::Cuboid(half_size) => half_size.norm_squared(),
+            Shape::Ball(radius) => radius * radius,
+        };
+        let rotation = solid_from_room.rotation.to_rotation_matrix().into_inner();
+        Self { shape, solid_from_room, rotation, centre: place.into(), squared_radius, surface }
+    }
+
+    /// A plane through a point that faces the rig before it is turned.
+    fn plane(through: Vector3<f64>, turned: UnitQuaternion<f64>, surface: Surface) -> Self {
+        // The plane's own z points back at the rig.
+        let facing = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        Self::new(Shape::Plane, through, turned * facing, surface)
+    }
+
+    /// A box, ball or panel before the walls.
+    fn random(random: &mut Random) -> Self {
+        let mut uniform = |low, high| random.uniform(low, high);
+        let depth = uniform(0.85, 1.7);
+        let place = Vector3::new(uniform(-0.5, 0.5) * depth, uniform(-0.4, 0.35) * depth, depth);
+        // What is near is small, so that it does not hide the rest.
+        let size = depth * uniform(0.03, 0.11);
+        let axis = Vector3::new(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0));
+        let stretch = Vector3::new(uniform(0.6, 1.5), uniform(0.6, 1.5), uniform(0.6, 1.5));
+        let turned = UnitQuaternion::new(axis.try_normalize(1e-9).unwrap_or_else(Vector3::x) * uniform(0.0, 1.0));
+        let panel = Vector3::new(1.6 * size * stretch.x, 1.6 * size * stretch.y, 0.005);
+        let shape = match random.integer(0, 2) {
+            0 => Shape::Cuboid(stretch * size),
+            1 => Shape::Cuboid(panel),
+            _ => Shape::Ball(1.2 * size),
+        };
+        Self::new(shape, place, turned, Surface::random(random, 0.0))
+    }
+
+    /// Where a ray enters, in lengths of its direction; only what lies ahead, and for a plane only its lit side.
+    fn distance(&self, origin: &Point3<f64>, direction: &Vector3<f64>) -> Option<f64> {
+        let from_centre = origin - self.centre;
+        // A quarter of the discriminant of where the ray meets the ball around the solid.
+        let (a, b) = (direction.norm_squared(), from_centre.dot(direction));
+        let discriminant = b * b - a * (from_centre.norm_squared() - self.squared_radius);
+        if discriminant <= 0.0 {
+            return None;
+        }
+        let (from, along) = (self.rotation * from_centre, self.rotation * direction);
+        match self.shape {
+            Shape::Plane => (along.z < 0.0 && from.z > 0.0).then(|| -from.z / along.z),
+            Shape::Cuboid(half_size) => {
+                let (mut entry, mut exit) = (0.0_f64, f64::INFINITY);
+                for axis in 0..3 {
+                    let near = 1.0 / along[axis];
+                    let (one, other) = ((-half_size[axis] - from[axis]) * near, (half_size[axis] - from[axis]) * near);
+                    entry = entry.max(one.min(other));
+                    exit = exit.min(one.max(other));
+                }
+                (entry < exit && entry > 0.0).then_some(entry)
+            }
+            Shape::Ball(_) => {
+                let distance = -(b + discriminant.sqrt()) / a;
+                (distance > 0.0).then_some(distance)
+            }
+        }
+    }
+
+    /// The normal and the albedo at a point on the surface.
+    fn surface_at(&self, point: &Point3<f64>) -> (Vector3<f64>, f64) {
+        let local = self.solid_from_room * point;
+        let normal = match self.shape {
+            Shape::Plane => Vector3::z(),
+            Shape::Cuboid(half_size) => {
+                let share = local.coords.component_div(&half_size);
+                let axis = share.iamax();
+                let mut normal = Vector3::zeros();
+                normal[axis] = share[axis].signum();
+                normal
+            }
+            Shape::Ball(_) => local.coords.try_normalize(1e-12).unwrap_or_else(Vector3::z),
+        };
+        (self.solid_from_room.inverse_transform_vector(&normal), self.surface.albedo(&local))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wall_is_hit_where_it_stands() {
+        let room = Room::wall(1.5, [0.0, 0.0]);
+        let hit = room.hit(&Point3::origin(), &Vector3::new(0.2, -0.1, 1.0)).unwrap();
+        assert!((hit.point - Point3::new(0.3, -0.15, 1.5)).norm() < 1e-12 && (hit.distance - 1.5).abs() < 1e-12);
+        assert!((hit.normal + Vector3::z()).norm() < 1e-12 && hit.albedo == 0.8);
+        assert_eq!(room.hit(&Point3::origin(), &-Vector3::z()), None);
+        assert!(!room.is_blocked(&Point3::origin(), &hit.point));
+        assert!(room.is_blocked(&Point3::origin(), &Point3::new(0.0, 0.0, 1.6)));
+    }
+
+    #[test]
+    fn what_is_hit_faces_the_ray_and_is_seen_from_there() {
+        for seed in 0..20 {
+            let room = Room::cluttered(seed);
+            let random = &mut Random::new(&[seed]);
+            let mut hits = 0;
+            for _ in 0..500 {
+                let direction = Vector3::new(random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), 1.0);
+                let Some(hit) = room.hit(&Point3::origin(), &direction) else { continue };
+                hits += 1;
+                assert!(hit.normal.dot(&direction) < 1e-9 && (hit.normal.norm() - 1.0).abs() < 1e-9);
+                assert!((0.15..=0.95).contains(&hit.albedo));
+                assert!((0.6..3.0).contains(&hit.point.coords.norm()), "{}", hit.point);
+                assert!(!room.is_blocked(&Point3::origin(), &hit.point));
+                let behind = hit.point + direction * 1e-2;
+                assert!(room.is_blocked(&Point3::origin(), &behind) || hit.normal.dot(&direction).abs() < 0.1);
+            }
+            assert_eq!(hits, 500, "seed {seed}");
+        }
+    }
+}

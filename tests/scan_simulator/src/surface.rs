@@ -1,0 +1,90 @@
+//! How much light the surface of a solid reflects, and where: the albedo, with a mild texture.
+//!
+//! Textures fill space, in the solid's own frame, so that they need no unwrapping.
+
+use nalgebra::Point3;
+
+use crate::random::{mixed, unit};
+use crate::Random;
+
+/// The least share of light that a surface reflects.
+const DARKEST: f64 = 0.15;
+/// The largest share of light that a surface reflects.
+const BRIGHTEST: f64 = 0.95;
+
+/// How the albedo changes from place to place.
+#[derive(Debug, Clone, Copy)]
+enum Texture {
+    Plain,
+    Checker,
+    Noise,
+}
+
+/// The diffuse reflection of a solid's surface.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Surface {
+    /// The mean share of light that is reflected.
+    albedo: f64,
+    texture: Texture,
+    /// By which share of itself the albedo differs at most.
+    contrast: f64,
+    /// The size of the texture's features, metres.
+    size_m: f64,
+    seed: u64,
+}
+
+impl Surface {
+    /// The same everywhere.
+    pub(crate) fn plain(albedo: f64) -> Self {
+        Self { albedo, texture: Texture::Plain, contrast: 0.0, size_m: 1.0, seed: 0 }
+    }
+
+    /// Any, with a mean albedo of at least `darkest`.
+    pub(crate) fn random(random: &mut Random, darkest: f64) -> Self {
+        let texture = match random.integer(0, 3) {
+            0 => Texture::Plain,
+            1 => Texture::Checker,
+            _ => Texture::Noise,
+        };
+        Self {
+            albedo: random.uniform(darkest.max(DARKEST), BRIGHTEST),
+            texture,
+            contrast: random.uniform(0.05, 0.35),
+            size_m: random.uniform(0.015, 0.12),
+            seed: random.bits(),
+        }
+    }
+
+    /// The share of light reflected at a point of the solid's frame.
+    pub(crate) fn albedo(&self, local: &Point3<f64>) -> f64 {
+        let place = local / self.size_m;
+        let deviation = match self.texture {
+            Texture::Plain => return self.albedo,
+            Texture::Checker => {
+                // Off the planes through the origin, on which faces of solids lie.
+                let odd = place.iter().map(|x| (x + 0.31).floor() as i64).sum::<i64>() & 1;
+                2.0 * odd as f64 - 1.0
+            }
+            Texture::Noise => 2.0 * self.noise(&place) - 1.0,
+        };
+        (self.albedo * (1.0 + self.contrast * deviation)).clamp(DARKEST, BRIGHTEST)
+    }
+
+    /// Value noise, 0 to 1: random values on a lattice, interpolated.
+    fn noise(&self, place: &Point3<f64>) -> f64 {
+        let cell = place.map(f64::floor);
+        let weight = (place - cell).map(|x| x * x * (3.0 - 2.0 * x));
+        let mut sum = 0.0;
+        for corner in 0..8_u8 {
+            let mut share = 1.0;
+            let mut key = self.seed;
+            for axis in 0..3 {
+                let is_upper = corner >> axis & 1 == 1;
+                share *= if is_upper { weight[axis] } else { 1.0 - weight[axis] };
+                key = mixed(key ^ (cell[axis] as i64 + i64::from(is_upper)) as u64).wrapping_add(axis as u64);
+            }
+            sum += share * unit(mixed(key));
+        }
+        sum
+    }
+}
