@@ -8,14 +8,23 @@
 
 mod decode;
 mod distortion;
+mod landed;
 mod lens;
+pub mod manual;
 pub mod patterns;
 mod plane;
 mod points;
+mod report;
 mod sample;
+mod solve;
 
 pub use decode::{decode, DecodeError, Decoded, DecodedPixel, Pictures, Quality, ScanProblem};
 pub use distortion::{Distorted, Distortion, DistortionModel, DistortionProblem};
+pub use landed::Landed;
 pub use lens::{Landing, Lens};
 pub use points::{points, PointsError};
+pub use report::{Coverage, Report, Verdict};
 pub use sample::Sample;
+pub use solve::{
+    solve, DistortionTerms, Estimate, FocalLengths, Parameter, Refusal, Residual, ScanPose, Solution, SolveOptions,
+};

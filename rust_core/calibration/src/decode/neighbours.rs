@@ -117,23 +117,28 @@ impl Field {
         }
         let window = &mut window[..count];
         // What is near the middle one in height is more likely to be the same surface.
-        let mut heights = [0.0_f32; 25];
-        heights[..count].iter_mut().zip(window.iter()).for_each(|(height, entry)| *height = entry.3);
-        let middle = *heights[..count].select_nth_unstable_by(count / 2, f32::total_cmp).1;
+        let mut heights = [0.0_f32; 9];
+        let mut near = 0;
+        for entry in window.iter().filter(|entry| entry.1.abs() <= 1.0 && entry.2.abs() <= 1.0) {
+            heights[near] = entry.3;
+            near += 1;
+        }
+        if near == 0 {
+            return None;
+        }
+        let middle = *heights[..near].select_nth_unstable_by(near / 2, f32::total_cmp).1;
         let mut sums = Sums::default();
         for (weight, dx, dy, a) in window.iter() {
             let far = (a - middle) / FIRST_WIDTH_PX;
             sums.add(weight / (1.0 + far * far), *dx, *dy, *a);
         }
         let mut plane = sums.plane(LEAST_SUPPORT)?;
-        for _ in 0..2 {
-            let mut sums = Sums::default();
-            for (weight, dx, dy, a) in window.iter() {
-                let far = (a - plane.at - plane.by_x * dx - plane.by_y * dy) / SECOND_WIDTH_PX;
-                sums.add(weight / (1.0 + far * far), *dx, *dy, *a);
-            }
-            plane = sums.plane(LEAST_SUPPORT)?;
+        let mut sums = Sums::default();
+        for (weight, dx, dy, a) in window.iter() {
+            let far = (a - plane.at - plane.by_x * dx - plane.by_y * dy) / SECOND_WIDTH_PX;
+            sums.add(weight / (1.0 + far * far), *dx, *dy, *a);
         }
+        plane = sums.plane(LEAST_SUPPORT)?;
         plane.at += origin;
         Some(plane)
     }

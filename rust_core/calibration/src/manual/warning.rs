@@ -1,0 +1,238 @@
+//! What looks wrong about a lens from a tape measure, or about a projector's file: each a line for the user.
+
+use std::fmt;
+
+use super::{ManualMeasures, WallMeasures};
+use crate::Lens;
+
+/// fx and fy may differ by this share: the pixels of all common projectors are square.
+const MOST_FOCAL_DIFFERENCE: f64 = 0.02;
+/// How many standard deviations two measures may differ by.
+const MOST_SIGMAS: f64 = 3.0;
+/// How far from the place that distances are measured from light may seem to come from, metres.
+const MOST_LENS_PLACE_M: f64 = 0.15;
+/// Distances over widths of projectors, with room on both sides.
+const THROW_RATIOS: std::ops::RangeInclusive<f64> = 0.15..=15.0;
+/// K and P may differ by this much at the edge of the picture, pixels: what rounding to a decimal makes.
+const MOST_MATRIX_DIFFERENCE_PX: f64 = 0.1;
+
+/// Along which axis of the picture something is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WarningAxis {
+    /// Columns.
+    X,
+    /// Rows.
+    Y,
+}
+
+impl WarningAxis {
+    const ALL: [Self; 2] = [Self::X, Self::Y];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+        }
+    }
+}
+
+/// Something that the user should look at again. [`Display`](fmt::Display) is one line.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ManualWarning {
+    /// fx and fy differ by more than 2 %.
+    FocalLengthsDiffer {
+        /// fx and fy, pixels.
+        focal_px: [f64; 2],
+    },
+    /// The distance over the width is that of no projector.
+    ThrowImplausible {
+        /// Distance over width.
+        throw_ratio: f64,
+    },
+    /// The principal point lies beside the picture, or more than a picture's height above or below it.
+    CenterImplausible {
+        /// Which coordinate.
+        axis: WarningAxis,
+        /// The coordinate, pixels.
+        center_px: f64,
+        /// The picture's width or height, pixels.
+        side_px: u32,
+    },
+    /// The picture has another shape at the second distance.
+    ShapesDiffer {
+        /// Width over height, at the first and the second distance.
+        shapes: [f64; 2],
+    },
+    /// The axis is elsewhere in the picture at the second distance.
+    AxesDiffer {
+        /// Which coordinate.
+        axis: WarningAxis,
+        /// The coordinate that follows from the first and from the second distance, pixels.
+        centers_px: [f64; 2],
+    },
+    /// Two distances say that light comes from far away from where they were measured from.
+    LensPlaceImplausible {
+        /// How far behind that place, metres.
+        behind_m: f64,
+    },
+    /// K and P of a file differ.
+    MatricesDiffer(MatrixDifference),
+}
+
+impl fmt::Display for ManualWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::FocalLengthsDiffer { focal_px: [fx, fy] } => write!(
+                f,
+                "fx {fx:.1} and fy {fy:.1} differ by {:.1} %: measure width and height again, and switch keystone \
+                 correction and zoom off",
+                100.0 * focal_difference(*fx, *fy)
+            ),
+            Self::ThrowImplausible { throw_ratio } => write!(
+                f,
+                "the distance is {throw_ratio:.3} times the picture's width, which no projector has: are all lengths \
+                 in metres?"
+            ),
+            Self::CenterImplausible { axis, center_px, side_px } => write!(
+                f,
+                "c{0} {center_px:.1} is far outside of the picture (0 to {side_px}): measure {1} from the picture's \
+                 top left corner, {2}",
+                axis.name(),
+                axis.name().to_uppercase(),
+                match axis {
+                    WarningAxis::X => "positive to the right",
+                    WarningAxis::Y => "positive downwards",
+                }
+            ),
+            Self::ShapesDiffer { shapes: [first, second] } => write!(
+                f,
+                "the two distances disagree: the picture is {first:.3} times as wide as high at the first, {second:.3} \
+                 times at the second; the wall must be at right angles to the optical axis at both"
+            ),
+            Self::AxesDiffer { axis, centers_px: [first, second] } => write!(
+                f,
+                "the two distances disagree: c{} is {first:.1} by the first, {second:.1} by the second; measure again \
+                 where the optical axis meets the wall",
+                axis.name()
+            ),
+            Self::LensPlaceImplausible { behind_m } => write!(
+                f,
+                "the two distances disagree: by them, light comes from {:.0} mm {} the place that they were measured \
+                 from; measure both from the same place of the projector",
+                1e3 * behind_m.abs(),
+                if *behind_m < 0.0 { "before" } else { "behind" }
+            ),
+            Self::MatricesDiffer(difference) => difference.fmt(f),
+        }
+    }
+}
+
+/// How K and P of a file differ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MatrixDifference {
+    /// The entries that differ, each by its name, with K's value and P's, pixels.
+    pub entries: Vec<(&'static str, f64, f64)>,
+    /// How far apart the two put a point that one of them puts at the picture's edge, pixels.
+    pub most_px: f64,
+    /// The same at 1 m, metres.
+    pub most_m: f64,
+}
+
+impl fmt::Display for MatrixDifference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "K and P differ: ")?;
+        for (index, (name, k, p)) in self.entries.iter().enumerate() {
+            let comma = if index == 0 { "" } else { ", " };
+            write!(f, "{comma}{name} {k} and {p}")?;
+        }
+        let (px, mm) = (self.most_px, 1e3 * self.most_m);
+        write!(f, ": up to {px:.0} pixels, {mm:.0} mm at a metre; pictures are drawn with P")
+    }
+}
+
+/// How K and P of a projector's file differ, by more than rounding; for a projector without distortion, they are the
+/// same. Row by row, as in a CameraInfo.
+///
+/// ```
+/// use rcs_calibration::manual::compare_matrices;
+///
+/// let k = [1900.0, 0.0, 640.0, 0.0, 1900.0, 817.0, 0.0, 0.0, 1.0];
+/// let p = [1900.0, 0.0, 640.0, 0.0, 0.0, 1900.0, 750.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+/// let warning = compare_matrices([1280, 800], &k, &p).unwrap().to_string();
+/// assert!(warning.starts_with("K and P differ: cy 817 and 750: up to 67 pixels, 35 mm at a metre"), "{warning}");
+/// ```
+pub fn compare_matrices(size_px: [u32; 2], k: &[f64; 9], p: &[f64; 12]) -> Option<MatrixDifference> {
+    let [k_fx, _, k_cx, _, k_fy, k_cy, ..] = *k;
+    let [p_fx, _, p_cx, _, _, p_fy, p_cy, ..] = *p;
+    let (mut most_px, mut most_m) = (0.0_f64, 0.0_f64);
+    for (axis, (k_f, k_c, p_f, p_c)) in [(k_fx, k_cx, p_fx, p_cx), (k_fy, k_cy, p_fy, p_cy)].into_iter().enumerate() {
+        for edge in [0.0, f64::from(size_px[axis])] {
+            let apart_m = ((edge - k_c) / k_f - (edge - p_c) / p_f).abs();
+            // A focal length of zero or no number at all is as different as can be.
+            let [apart_m, apart_px] =
+                [apart_m, apart_m * p_f.abs()].map(|apart| if apart.is_nan() { f64::INFINITY } else { apart });
+            (most_m, most_px) = (most_m.max(apart_m), most_px.max(apart_px));
+        }
+    }
+    let entries = [("fx", k_fx, p_fx), ("fy", k_fy, p_fy), ("cx", k_cx, p_cx), ("cy", k_cy, p_cy)];
+    let differing = entries.into_iter().filter(|(_, k, p)| k != p).collect();
+    (most_px > MOST_MATRIX_DIFFERENCE_PX).then_some(MatrixDifference { entries: differing, most_px, most_m })
+}
+
+/// The share of the smaller one that fx and fy differ by.
+fn focal_difference(fx: f64, fy: f64) -> f64 {
+    (fx - fy).abs() / fx.min(fy)
+}
+
+/// What is odd about a lens and the measures that it follows from.
+pub(super) fn warnings(measures: &ManualMeasures, lens: &Lens, lens_place_m: Option<[f64; 2]>) -> Vec<ManualWarning> {
+    let focal_px: [f64; 2] = lens.focal_px.into();
+    let mut warnings = Vec::new();
+    if focal_difference(focal_px[0], focal_px[1]) > MOST_FOCAL_DIFFERENCE {
+        warnings.push(ManualWarning::FocalLengthsDiffer { focal_px });
+    }
+    let throw_ratio = focal_px[0] / f64::from(lens.size_px[0]);
+    if !THROW_RATIOS.contains(&throw_ratio) {
+        warnings.push(ManualWarning::ThrowImplausible { throw_ratio });
+    }
+    for (axis, side_px) in WarningAxis::ALL.into_iter().zip(lens.size_px) {
+        let (center_px, side) = (lens.center_px[axis as usize], f64::from(side_px));
+        // Projectors throw upwards or downwards, and hardly ever sideways.
+        let room = if axis == WarningAxis::X { 0.0 } else { side };
+        if !(-room..=side + room).contains(&center_px) {
+            warnings.push(ManualWarning::CenterImplausible { axis, center_px, side_px });
+        }
+    }
+    if let Some(second) = &measures.second {
+        compare_walls(&mut warnings, measures, second);
+    }
+    if let Some([by_width, by_height]) = lens_place_m {
+        let behind_m = 0.5 * (by_width + by_height);
+        if behind_m.abs() > MOST_LENS_PLACE_M {
+            warnings.push(ManualWarning::LensPlaceImplausible { behind_m });
+        }
+    }
+    warnings
+}
+
+/// What two walls say of the same lens, apart from what only both together can say.
+fn compare_walls(warnings: &mut Vec<ManualWarning>, measures: &ManualMeasures, second: &WallMeasures) {
+    let ManualMeasures { size_px, first, tape_error_m, .. } = measures;
+    let walls = [first, second];
+    let shapes = walls.map(|wall| wall.picture_m[0] / wall.picture_m[1]);
+    let shares = walls.map(|wall| (1.0 / wall.picture_m[0]).hypot(1.0 / wall.picture_m[1]));
+    if (shapes[0] / shapes[1]).ln().abs() > MOST_SIGMAS * tape_error_m * shares[0].hypot(shares[1]) {
+        warnings.push(ManualWarning::ShapesDiffer { shapes });
+    }
+    let (Some(first_axis), Some(second_axis)) = (first.axis_m, second.axis_m) else { return };
+    for axis in WarningAxis::ALL {
+        let index = axis as usize;
+        let side_px = f64::from(size_px[index]);
+        let sides_m = walls.map(|wall| wall.picture_m[index]);
+        let shares = [first_axis[index] / sides_m[0], second_axis[index] / sides_m[1]];
+        let errors = [0, 1].map(|wall| tape_error_m / sides_m[wall] * 1.0_f64.hypot(shares[wall]));
+        if (shares[0] - shares[1]).abs() > MOST_SIGMAS * errors[0].hypot(errors[1]) {
+            warnings.push(ManualWarning::AxesDiffer { axis, centers_px: shares.map(|share| share * side_px) });
+        }
+    }
+}

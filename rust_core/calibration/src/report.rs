@@ -1,0 +1,339 @@
+//! What a calibration says of itself: figures, a verdict, and reasons.
+
+use nalgebra::Vector2;
+
+use crate::{Sample, Solution};
+
+/// Cells of the projector's picture, along u and v, that count as covered or not.
+const PICTURE_CELLS: [usize; 2] = [8, 6];
+/// Samples that a cell needs to be covered, as a share of an even distribution; at least one.
+const COVERED: f64 = 0.05;
+/// Cells along the longer side of the camera's view whose samples count as neighbours.
+const NEIGHBOUR_CELLS: f64 = 24.0;
+
+/// Left-out points of a good calibration miss by less, pixels.
+const GOOD_HELD_OUT_PX: f64 = 1.0;
+/// Left-out points that miss by more make a calibration useless, pixels.
+const AGAIN_HELD_OUT_PX: f64 = 3.0;
+/// Left-out points of a good calibration miss by at most so many times as much as the others.
+const GOOD_HELD_OUT_RATIO: f64 = 1.25;
+/// Such a ratio means that the solution follows its own points rather than the lens.
+const AGAIN_HELD_OUT_RATIO: f64 = 2.0;
+/// The solution of a good calibration is certain to this, pixels.
+const GOOD_PREDICTION_PX: f64 = 0.5;
+/// The same at the farthest points, metres.
+const GOOD_PREDICTION_M: f64 = 0.001;
+/// A solution that is less certain does not say where light lands, pixels.
+const AGAIN_PREDICTION_PX: f64 = 3.0;
+/// The share of the picture that the points of a good calibration cover.
+const GOOD_PICTURE: f64 = 0.5;
+/// Too little of the picture to trust the rest.
+const AGAIN_PICTURE: f64 = 0.2;
+/// The ratio of the farthest and the nearest depth of a good calibration.
+const GOOD_DEPTH_RATIO: f64 = 1.3;
+/// The share of inliers of a good calibration.
+const GOOD_INLIERS: f64 = 0.8;
+/// Fewer inliers are hardly a majority.
+const AGAIN_INLIERS: f64 = 0.55;
+/// A smooth error of the depth that shows in where light lands, as a share of the depth.
+const NOTABLE_SMOOTH_ERROR: f64 = 0.0007;
+/// Scans from different places that average the smooth error of the depth.
+const ENOUGH_SCANS: usize = 5;
+
+/// Whether to trust a calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Light lands where it should.
+    Good,
+    /// Light lands near where it should; the reasons say what would make it better.
+    Usable,
+    /// Not to be used.
+    Again,
+}
+
+/// Where the points lie that a calibration rests on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coverage {
+    /// The share of the projector's picture, in 8×6 cells, that has inliers.
+    pub picture: f64,
+    /// The depths between which 98 % of the inliers lie, metres from the projector.
+    pub depth_m: [f64; 2],
+    /// How many poses of the camera.
+    pub scans: usize,
+}
+
+/// A calibration with what there is to say of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// What was solved.
+    pub solution: Solution,
+    /// How many samples there were.
+    pub points: usize,
+    /// Where the inliers lie.
+    pub coverage: Coverage,
+    /// How large the depth camera's errors seem that neighbouring points share (and that averaging neighbours does not
+    /// remove), metres RMS.
+    pub smooth_depth_error_m: f64,
+    /// Root of the mean squared distance at the points' depth between where light lands and where it should, metres.
+    pub rms_m: f64,
+    /// Whether to trust it.
+    pub verdict: Verdict,
+    /// Why it is not better; empty for a good one.
+    pub reasons: Vec<String>,
+}
+
+impl Report {
+    /// Judges a solution of these samples.
+    pub fn new(samples: &[Sample], solution: Solution) -> Self {
+        let inliers = || solution.residuals.iter().filter(|residual| residual.is_inlier);
+        let count = inliers().count().max(1) as f64;
+        let rms_m = (inliers().map(|residual| residual.miss_m.norm_squared()).sum::<f64>() / count).sqrt();
+        let mut report = Self {
+            points: samples.len(),
+            coverage: coverage(samples, &solution),
+            smooth_depth_error_m: smooth_depth_error_m(samples, &solution),
+            rms_m,
+            verdict: Verdict::Good,
+            reasons: Vec::new(),
+            solution,
+        };
+        report.judge();
+        report
+    }
+
+    fn judge(&mut self) {
+        self.judge_fit();
+        self.judge_certainty();
+        self.judge_coverage();
+        self.judge_depth();
+    }
+
+    /// Adds a reason; the verdict is the worst of all.
+    fn say(&mut self, verdict: Verdict, reason: String) {
+        if self.verdict == Verdict::Good || verdict == Verdict::Again {
+            self.verdict = verdict;
+        }
+        self.reasons.push(reason);
+    }
+
+    fn judge_fit(&mut self) {
+        let (rms_px, held_out_px) = (self.solution.rms_px, self.solution.held_out_rms_px);
+        if held_out_px > GOOD_HELD_OUT_PX {
+            let verdict = if held_out_px > AGAIN_HELD_OUT_PX { Verdict::Again } else { Verdict::Usable };
+            self.say(
+                verdict,
+                format!(
+                    "points that were left out miss by {held_out_px:.2} px RMS: keep camera, projector and things at rest, \
+                     and check that the depth is registered to the image"
+                ),
+            );
+        }
+        // Where all is exact, the ratio says nothing.
+        if held_out_px > GOOD_HELD_OUT_RATIO * rms_px + 0.02 {
+            let is_too_much = held_out_px > AGAIN_HELD_OUT_RATIO * rms_px && held_out_px > GOOD_HELD_OUT_PX;
+            self.say(
+                if is_too_much { Verdict::Again } else { Verdict::Usable },
+                format!(
+                    "points that were left out miss by {held_out_px:.2} px, the others by {rms_px:.2} px: scan more points \
+                     over more of the picture"
+                ),
+            );
+        }
+        let share = self.solution.inliers as f64 / self.points.max(1) as f64;
+        if share < GOOD_INLIERS {
+            self.say(
+                if share < AGAIN_INLIERS { Verdict::Again } else { Verdict::Usable },
+                format!(
+                    "only {:.0} % of the points agree with the solution: remove mirrors and glossy things, darken the room",
+                    100.0 * share
+                ),
+            );
+        }
+    }
+
+    fn judge_certainty(&mut self) {
+        let sigma_px = self.solution.prediction_sigma_px;
+        let focal_px = self.solution.lens.focal_px.min();
+        let sigma_m = sigma_px / focal_px * self.coverage.depth_m[1];
+        if sigma_px < GOOD_PREDICTION_PX && sigma_m < GOOD_PREDICTION_M {
+            return;
+        }
+        self.say(
+            if sigma_px < AGAIN_PREDICTION_PX { Verdict::Usable } else { Verdict::Again },
+            format!(
+                "where light lands is uncertain by {sigma_px:.2} px ({:.1} mm at {:.1} m): add scans of things at more \
+                 different depths, from other places of the camera",
+                1000.0 * sigma_m,
+                self.coverage.depth_m[1]
+            ),
+        );
+    }
+
+    fn judge_coverage(&mut self) {
+        // With a known lens, the pose alone does not need it.
+        if self.solution.estimates.iter().all(|estimate| estimate.sigma == 0.0) {
+            return;
+        }
+        let Coverage { picture, depth_m: [near, far], .. } = self.coverage;
+        if picture < GOOD_PICTURE {
+            self.say(
+                if picture < AGAIN_PICTURE { Verdict::Again } else { Verdict::Usable },
+                format!(
+                    "points cover {:.0} % of the picture: move the camera or put things at the dark sides",
+                    100.0 * picture
+                ),
+            );
+        }
+        if far < GOOD_DEPTH_RATIO * near {
+            self.say(
+                Verdict::Usable,
+                format!("points lie between {near:.2} m and {far:.2} m only: put things nearer to the projector and farther off"),
+            );
+        }
+    }
+
+    fn judge_depth(&mut self) {
+        let [near, far] = self.coverage.depth_m;
+        let error_m = self.smooth_depth_error_m;
+        if error_m > NOTABLE_SMOOTH_ERROR * (near * far).sqrt() && self.coverage.scans < ENOUGH_SCANS {
+            self.say(
+                Verdict::Usable,
+                format!(
+                    "the depth camera's smooth error seems to be {:.1} mm RMS: average {ENOUGH_SCANS} scans from different \
+                     places",
+                    1000.0 * error_m
+                ),
+            );
+        }
+    }
+}
+
+fn coverage(samples: &[Sample], solution: &Solution) -> Coverage {
+    let [columns, rows] = PICTURE_CELLS;
+    let mut cells = vec![0_usize; columns * rows];
+    let mut depths = Vec::new();
+    for residual in solution.residuals.iter().filter(|residual| residual.is_inlier) {
+        let Some(sample) = samples.get(residual.sample) else { continue };
+        let cell = |axis: usize, count: usize| {
+            let share = (sample.pixel[axis] + 0.5) / f64::from(solution.lens.size_px[axis]);
+            ((share * count as f64).max(0.0) as usize).min(count - 1)
+        };
+        cells[cell(1, rows) * columns + cell(0, columns)] += 1;
+        depths.push(residual.depth_m);
+    }
+    let needed = ((COVERED * depths.len() as f64 / cells.len() as f64) as usize).max(1);
+    let covered = cells.iter().filter(|count| **count >= needed).count();
+    depths.sort_by(f64::total_cmp);
+    let depth_at = |share: f64| depths.get((share * depths.len() as f64) as usize).copied().unwrap_or(0.0);
+    Coverage {
+        picture: covered as f64 / cells.len() as f64,
+        depth_m: [depth_at(0.01), depth_at(0.99)],
+        scans: solution.poses.len(),
+    }
+}
+
+/// The part of the depth's error that neighbours share. A wrong depth moves a point along the camera's ray, and so its
+/// pixel along the epipolar line, the faster the farther camera and projector are apart. Products of two samples of a cell
+/// of the camera's view have the square of what they share as their mean.
+fn smooth_depth_error_m(samples: &[Sample], solution: &Solution) -> f64 {
+    let used: Vec<(usize, Vector2<f64>, f64, f64)> = solution
+        .residuals
+        .iter()
+        .filter(|residual| residual.is_inlier)
+        .filter_map(|residual| {
+            let sample = samples.get(residual.sample)?;
+            let scan = solution.poses.binary_search_by_key(&sample.scan, |pose| pose.scan).ok()?;
+            let pose = solution.poses[scan].projector_from_camera;
+            let ray = sample.point.coords / sample.point.z;
+            let landing = solution.lens.project_with_jacobian(&(pose * sample.point))?;
+            let by_depth = landing.by_point * (pose.rotation * ray);
+            Some((scan, ray.xy(), by_depth.dot(&residual.miss_px), by_depth.norm_squared()))
+        })
+        .collect();
+    let (mut least, mut most) = (Vector2::repeat(f64::INFINITY), Vector2::repeat(f64::NEG_INFINITY));
+    for (_, ray, ..) in &used {
+        (least, most) = (least.inf(ray), most.sup(ray));
+    }
+    let size = (most - least).max().max(1e-9) / NEIGHBOUR_CELLS * (1.0 + 1e-9);
+    let side = NEIGHBOUR_CELLS as usize + 1;
+    let mut cells = vec![[0.0; 4]; side * side * solution.poses.len()];
+    for (scan, ray, moment, weight) in &used {
+        let place = (ray - least) / size;
+        let cell = &mut cells[(scan * side + place.y as usize) * side + place.x as usize];
+        for (sum, term) in cell.iter_mut().zip([*moment, moment * moment, *weight, weight * weight]) {
+            *sum += term;
+        }
+    }
+    let (mut product, mut pairs) = (0.0, 0.0);
+    for [moments, moments_squared, weights, weights_squared] in cells {
+        if weights > 0.0 {
+            product += (moments * moments - moments_squared) / weights;
+            pairs += (weights * weights - weights_squared) / weights;
+        }
+    }
+    if pairs > 0.0 && product > 0.0 {
+        (product / pairs).sqrt()
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::synthetic::{pose, Simulation};
+    use crate::{solve, SolveOptions};
+
+    fn report(simulation: &Simulation, keep: impl Fn(&Sample) -> bool) -> Report {
+        let samples: Vec<Sample> = simulation.samples().into_iter().filter(keep).collect();
+        let solution = solve(&samples, &SolveOptions::new([1280, 800])).unwrap();
+        Report::new(&samples, solution)
+    }
+
+    #[test]
+    fn a_clean_scan_is_good() {
+        let report = report(&Simulation::new(0), |_| true);
+        assert_eq!((report.verdict, report.reasons.as_slice()), (Verdict::Good, [].as_slice()));
+        assert!(report.coverage.picture > 0.6 && report.coverage.scans == 1);
+        let [near, far] = report.coverage.depth_m;
+        assert!(near > 0.5 && far < 2.5 && far > 1.5 * near);
+        assert!(report.rms_m < 0.001 && report.smooth_depth_error_m < 0.0004);
+    }
+
+    #[test]
+    fn a_smooth_error_of_the_depth_is_measured_and_more_scans_are_asked_for() {
+        let mut sum = 0.0;
+        for seed in 0..8 {
+            let mut simulation = Simulation { smooth_depth_m: 0.0015, step_px: 8, ..Simulation::new(seed) };
+            let single = report(&simulation, |_| true);
+            // The error grows with the square of the distance, so it depends on where things are.
+            assert!((0.0005..0.005).contains(&single.smooth_depth_error_m), "{}", single.smooth_depth_error_m);
+            sum += single.smooth_depth_error_m;
+            let advises = |report: &Report| report.reasons.iter().any(|reason| reason.contains("average 5 scans"));
+            assert!(single.verdict != Verdict::Good && advises(&single), "{:?}", single.reasons);
+            simulation.projector_from_camera = (0..5).map(|scan| pose(seed + 50 * scan)).collect();
+            assert!(!advises(&report(&simulation, |_| true)));
+        }
+        assert!((0.001..0.004).contains(&(sum / 8.0)), "{}", sum / 8.0);
+    }
+
+    #[test]
+    fn a_dark_side_of_the_picture_is_named() {
+        let report = report(&Simulation { step_px: 4, ..Simulation::new(1) }, |sample| sample.pixel.x < 450.0);
+        assert!(report.verdict != Verdict::Good);
+        assert!(report.reasons.iter().any(|reason| reason.contains("of the picture")), "{:?}", report.reasons);
+    }
+
+    #[test]
+    fn many_gross_errors_and_large_misses_are_named() {
+        let gross = report(&Simulation { gross: 0.35, ..Simulation::new(2) }, |_| true);
+        assert!(gross.verdict == Verdict::Usable && gross.reasons[0].contains("% of the points agree"));
+        let simulation = Simulation { noise_px: 3.5, step_px: 3, ..Simulation::new(2) };
+        let noisy = report(&simulation, |sample| simulation.lens.contains(sample.pixel));
+        assert!(
+            noisy.verdict == Verdict::Again && noisy.reasons[0].contains("left out miss by"),
+            "{:?}",
+            noisy.reasons
+        );
+    }
+}

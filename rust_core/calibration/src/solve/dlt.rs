@@ -1,0 +1,165 @@
+//! A lens without distortion and its pose from six points, by linear equations: the direct linear transformation of
+//! Abdel-Aziz and Karara (1971), normalised as in Hartley and Zisserman, "Multiple View Geometry" (2nd ed., 7.1).
+//!
+//! Six points give twelve equations for the twelve entries of the 3×4 matrix P, of which only the ratios count, so one is
+//! left out. Elimination with full pivoting solves them in a fixed number of steps. P = K [R t] is then split row by row,
+//! from the last to the first.
+
+use nalgebra::{Isometry3, Matrix3, Point2, Point3, Rotation3, SMatrix, Translation3, UnitQuaternion, Vector3};
+
+use crate::Lens;
+
+/// Ratios of the focal lengths that are not thrown away.
+const FOCAL_RATIO: std::ops::Range<f64> = 0.2..5.0;
+
+/// The lens and `lens_from_points` of six correspondences that do not lie on a plane; none if they do, or if they are
+/// those of a mirror or lie behind the lens.
+pub(super) fn lens_and_pose(
+    points: &[Point3<f64>; 6],
+    pixels: &[Point2<f64>; 6],
+    size_px: [u32; 2],
+) -> Option<(Lens, Isometry3<f64>)> {
+    let center: Vector3<f64> = points.iter().map(|point| point.coords).sum::<Vector3<f64>>() / 6.0;
+    let spread = points.iter().map(|point| (point.coords - center).norm()).sum::<f64>() / 6.0;
+    let unit_px = f64::from(size_px[0].max(size_px[1])) * 0.5;
+    let middle = Point2::new(f64::from(size_px[0]) * 0.5, f64::from(size_px[1]) * 0.5);
+    let mut equations = SMatrix::<f64, 12, 12>::zeros();
+    for (i, (point, pixel)) in points.iter().zip(pixels).enumerate() {
+        let place = ((point.coords - center) / spread).push(1.0);
+        let seen = (pixel - middle) / unit_px;
+        for axis in 0..2 {
+            for column in 0..4 {
+                equations[(2 * i + axis, 4 * axis + column)] = place[column];
+                equations[(2 * i + axis, 8 + column)] = -seen[axis] * place[column];
+            }
+        }
+    }
+    let p = null_vector(equations)?;
+    let rows = SMatrix::<f64, 3, 4>::from_fn(|row, column| p[4 * row + column]);
+    let left: Matrix3<f64> = rows.fixed_view::<3, 3>(0, 0) / spread;
+    let last: Vector3<f64> = rows.column(3) - left * center;
+    let (k, rotation, translation) = split(left, last)?;
+    let is_before = |point: &Point3<f64>| (rotation * point.coords + translation).z > 0.0;
+    // A mirror's P has all points behind; a gross error may be there in any.
+    if points.iter().filter(|point| is_before(point)).count() < 4 {
+        return None;
+    }
+    let lens = Lens::pinhole(
+        size_px,
+        [k[(0, 0)] * unit_px, k[(1, 1)] * unit_px],
+        [k[(0, 2)] * unit_px + middle.x, k[(1, 2)] * unit_px + middle.y],
+    );
+    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
+    Some((lens, Isometry3::from_parts(Translation3::from(translation), turn)))
+}
+
+/// P = K [R t] with positive focal lengths, K's last entry 1 and its skew dropped.
+fn split(left: Matrix3<f64>, last: Vector3<f64>) -> Option<(Matrix3<f64>, Matrix3<f64>, Vector3<f64>)> {
+    let scale = left.row(2).norm();
+    let [m1, m2, m3] = [0, 1, 2].map(|row| left.row(row).transpose() / scale);
+    let last = last / scale;
+    let (cx, cy) = (m1.dot(&m3), m2.dot(&m3));
+    let second = m2 - m3 * cy;
+    let fy = second.norm();
+    let r2 = second / fy;
+    let first = m1 - m3 * cx;
+    let first = first - r2 * first.dot(&r2);
+    let fx = first.norm();
+    let r1 = first / fx;
+    let is_sound = [fx, fy, cx, cy].iter().all(|value| value.is_finite()) && FOCAL_RATIO.contains(&(fx / fy));
+    if !is_sound {
+        return None;
+    }
+    let t = Vector3::new((last.x - cx * last.z) / fx, (last.y - cy * last.z) / fy, last.z);
+    let rotation = Matrix3::from_rows(&[r1.transpose(), r2.transpose(), m3.transpose()]);
+    // P is known up to its sign, and only one of them is a rotation.
+    let sign = rotation.determinant().signum();
+    let k = Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0);
+    Some((k, rotation * sign, t * sign))
+}
+
+/// A vector that eleven independent equations of twelve take to zero; none if fewer are independent.
+fn null_vector(mut a: SMatrix<f64, 12, 12>) -> Option<[f64; 12]> {
+    let mut columns: [usize; 12] = std::array::from_fn(|i| i);
+    for step in 0..11 {
+        let (mut row, mut column) = (step, step);
+        for j in step..12 {
+            for i in step..12 {
+                if a[(i, j)].abs() > a[(row, column)].abs() {
+                    (row, column) = (i, j);
+                }
+            }
+        }
+        if a[(row, column)].is_nan() || a[(row, column)].abs() < 1e-10 {
+            return None;
+        }
+        a.swap_rows(step, row);
+        a.swap_columns(step, column);
+        columns.swap(step, column);
+        for i in step + 1..12 {
+            let factor = a[(i, step)] / a[(step, step)];
+            for j in step..12 {
+                a[(i, j)] -= factor * a[(step, j)];
+            }
+        }
+    }
+    let mut solution = [0.0; 12];
+    solution[11] = 1.0;
+    for row in (0..11).rev() {
+        let sum: f64 = (row + 1..12).map(|column| a[(row, column)] * solution[column]).sum();
+        solution[row] = -sum / a[(row, row)];
+    }
+    let mut sorted = [0.0; 12];
+    for (column, value) in columns.iter().zip(solution) {
+        sorted[*column] = value;
+    }
+    Some(sorted)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn truth() -> (Lens, Isometry3<f64>) {
+        let lens = Lens::pinhole([1280, 800], [1410.0, 1395.0], [655.0, 817.0]);
+        (lens, Isometry3::new(Vector3::new(0.2, 0.15, 0.05), Vector3::new(0.1, -0.2, 0.05)))
+    }
+
+    proptest! {
+        #[test]
+        fn six_exact_points_give_lens_and_pose(
+            places in prop::array::uniform6((-0.5..0.5, -0.4..0.4, 0.8..2.0)),
+        ) {
+            let (lens, pose) = truth();
+            let points = places.map(|(x, y, z): (f64, f64, f64)| Point3::new(x * z, y * z, z));
+            let pixels = points.map(|point| lens.project(&(pose * point)).unwrap());
+            if let Some((found, found_pose)) = lens_and_pose(&points, &pixels, lens.size_px) {
+                // Points near a plane or a twisted cubic say little.
+                let miss = points.iter().zip(&pixels).map(|(point, pixel)| {
+                    found.project(&(found_pose * point)).map_or(1e9, |found| (found - pixel).norm())
+                });
+                let is_found = (found.focal_px - lens.focal_px).norm() < 0.1;
+                prop_assert!(miss.fold(0.0, f64::max) < 1e-2 || !is_found);
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_gives_the_lens_and_a_mirrored_box_none() {
+        let (lens, pose) = truth();
+        let points =
+            [[-0.4, -0.3, 1.0], [0.5, -0.2, 1.3], [0.4, 0.3, 0.9], [-0.3, 0.4, 1.8], [0.0, 0.0, 1.5], [0.2, -0.4, 1.9]]
+                .map(Point3::from);
+        let pixels = points.map(|point| lens.project(&(pose * point)).unwrap());
+        let (found, found_pose) = lens_and_pose(&points, &pixels, lens.size_px).unwrap();
+        assert!((found.focal_px - lens.focal_px).norm() < 1e-5 && (found.center_px - lens.center_px).norm() < 1e-5);
+        assert!((found_pose.translation.vector - pose.translation.vector).norm() < 1e-8);
+        let mirrored = pixels.map(|pixel| Point2::new(1279.0 - pixel.x, pixel.y));
+        assert!(lens_and_pose(&points, &mirrored, lens.size_px).is_none());
+        let flat = points.map(|point| Point3::new(point.x, point.y, 1.5));
+        let pixels = flat.map(|point| lens.project(&(pose * point)).unwrap());
+        assert!(lens_and_pose(&flat, &pixels, lens.size_px).is_none());
+    }
+}

@@ -1,0 +1,92 @@
+//! The pose of a known lens from three points: Grunert's solution of 1841, in the form of Haralick, Lee, Ottenberg and
+//! Nölle, "Review and analysis of solutions of the three point perspective pose estimation problem" (IJCV 1994).
+//!
+//! The law of cosines in the three triangles of two points and the centre of the lens gives a polynomial of the fourth
+//! degree in the ratio of two distances. Each real root gives the distances, and three points in both frames the pose.
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+use super::quartic;
+
+/// Poses `lens_from_points` that put the points onto these rays (of any length); at most four.
+pub(super) fn poses(points: [Vector3<f64>; 3], rays: [Vector3<f64>; 3]) -> impl Iterator<Item = Isometry3<f64>> {
+    let [ray_1, ray_2, ray_3] = rays.map(|ray| ray.normalize());
+    let (cos_a, cos_b, cos_c) = (ray_2.dot(&ray_3), ray_1.dot(&ray_3), ray_1.dot(&ray_2));
+    let a2 = (points[1] - points[2]).norm_squared();
+    let b2 = (points[0] - points[2]).norm_squared();
+    let c2 = (points[0] - points[1]).norm_squared();
+    let (a_to_b, c_to_b) = (a2 / b2, c2 / b2);
+    let difference = a_to_b - c_to_b;
+    let missing = 1.0 - a_to_b - c_to_b;
+    let quartic = [
+        (difference - 1.0).powi(2) - 4.0 * c_to_b * cos_a * cos_a,
+        4.0 * (difference * (1.0 - difference) * cos_b - missing * cos_a * cos_c
+            + 2.0 * c_to_b * cos_a * cos_a * cos_b),
+        2.0 * (difference * difference - 1.0
+            + 2.0 * difference * difference * cos_b * cos_b
+            + 2.0 * (1.0 - c_to_b) * cos_a * cos_a
+            - 4.0 * (a_to_b + c_to_b) * cos_a * cos_b * cos_c
+            + 2.0 * (1.0 - a_to_b) * cos_c * cos_c),
+        4.0 * (-difference * (1.0 + difference) * cos_b + 2.0 * a_to_b * cos_c * cos_c * cos_b
+            - missing * cos_a * cos_c),
+        (1.0 + difference).powi(2) - 4.0 * a_to_b * cos_c * cos_c,
+    ];
+    quartic::real_roots(quartic).filter_map(move |third_to_first| {
+        let v = third_to_first;
+        let u = ((difference - 1.0) * v * v - 2.0 * difference * cos_b * v + 1.0 + difference)
+            / (2.0 * (cos_c - v * cos_a));
+        let first = (b2 / (1.0 + v * v - 2.0 * v * cos_b)).sqrt();
+        let distances = [first, u * first, v * first];
+        if !distances.iter().all(|distance| distance.is_finite() && *distance > 0.0) {
+            return None;
+        }
+        pose_between(points, [ray_1 * distances[0], ray_2 * distances[1], ray_3 * distances[2]])
+    })
+}
+
+/// The pose that takes three points onto three others, exactly if the triangles are congruent.
+fn pose_between(from: [Vector3<f64>; 3], to: [Vector3<f64>; 3]) -> Option<Isometry3<f64>> {
+    let turn = axes(to)? * axes(from)?.transpose();
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
+    Some(Isometry3::from_parts(Translation3::from(to[0] - rotation * from[0]), rotation))
+}
+
+/// Orthonormal axes that are fixed to a triangle; none if its corners lie on a line.
+fn axes(corners: [Vector3<f64>; 3]) -> Option<Matrix3<f64>> {
+    let along = (corners[1] - corners[0]).try_normalize(0.0)?;
+    let normal = along.cross(&(corners[2] - corners[0])).try_normalize(1e-12)?;
+    Some(Matrix3::from_columns(&[along, normal.cross(&along), normal]))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn the_true_pose_is_among_those_found(
+            seen in prop::array::uniform3(prop::array::uniform3(-1.0..1.0)),
+            turn in prop::array::uniform3(-1.5..1.5),
+            shift in prop::array::uniform3(-1.0..1.0),
+        ) {
+            let corners = seen.map(|[x, y, z]| Vector3::new(0.8 * x, 0.6 * y, 1.5 + 0.8 * z));
+            let area = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm();
+            prop_assume!(area > 0.05);
+            let pose = Isometry3::new(shift.into(), turn.into());
+            let points = corners.map(|corner| (pose.inverse() * nalgebra::Point3::from(corner)).coords);
+            let found: Vec<_> = poses(points, corners).collect();
+            prop_assert!(found.len() <= 4);
+            let nearest = found.iter().map(|found| (found.inverse() * pose).translation.vector.norm());
+            // Near a double root the pose is hard to tell, so a millimetre is allowed for.
+            prop_assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-3, "{found:?} instead of {pose:?}");
+        }
+    }
+
+    #[test]
+    fn points_on_a_line_give_no_pose() {
+        let points = [Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.1, 0.0, 1.0), Vector3::new(0.2, 0.0, 1.0)];
+        assert_eq!(poses(points, points).count(), 0);
+    }
+}

@@ -1,0 +1,397 @@
+//! The order of the steps: check, find, adjust, choose the distortion, judge.
+
+use nalgebra::{DMatrix, Point2, Point3};
+use rayon::prelude::*;
+
+use super::adjust::{self, Adjusted, Effort};
+use super::consensus::{self, Agreed, Score};
+use super::input::{check_options, Observations};
+use super::left_out::{Blocks, LeftOut};
+use super::model::{constrained, lens_values, Free, State};
+use super::noise::{quantile, Noise, Weight, LIMIT};
+use super::{covariance, moved, orientation, spread};
+use super::{DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Solution, SolveOptions};
+use crate::{Lens, Sample};
+
+/// Samples of each scan that a first solution is adjusted to.
+const FIRST: usize = 2000;
+/// Samples of all scans that distortion terms are chosen with and left-out ones are predicted of.
+const CHOOSING: usize = 12_000;
+/// Half as many misses with mirrored pixels mean that the samples are mirrored.
+const MIRROR_GAIN: f64 = 0.5;
+/// With a larger share of neighbours that run the same way round in both pictures, gross errors included, nothing is
+/// mirrored.
+const SURELY_SAME_WAY_ROUND: f64 = 0.6;
+/// The least share of neighbours that run the same way round in both pictures.
+const SAME_WAY_ROUND: f64 = 0.3;
+/// The least share of a scan's samples that agree. With less, what agrees could be the minority.
+const LEAST_INLIERS: f64 = 0.5;
+/// The largest share of samples behind the projector.
+const MOST_BEHIND: f64 = 0.1;
+/// The largest root mean square of inliers, as a share of the picture's width.
+const MOST_MISS: f64 = 0.005;
+/// The smallest outline of the inliers as a share of the picture, if a lens is asked for.
+const LEAST_OUTLINE: f64 = 0.15;
+/// The largest relative deviation of a focal length.
+const MOST_FOCAL_SIGMA: f64 = 0.05;
+/// The largest deviation of a prediction, as a share of the picture's width.
+const MOST_PREDICTION_SIGMA: f64 = 0.01;
+/// Left-out samples may miss by so many times as much as others, and by so many pixels more: by twice as many if the
+/// samples are no more than this.
+const HELD_OUT_LIMIT: (f64, f64) = (3.0, 1.0);
+const FEW: f64 = 20.0;
+/// Intrinsics that a single plane can determine.
+const FLAT_DETERMINES: usize = 2;
+/// Throw ratios (distance by width) of lenses to start from where no linear solution exists.
+const THROWS: [f64; 4] = [0.7, 1.2, 2.0, 3.5];
+
+/// Solves for the projector's lens and, for each scan, its pose.
+///
+/// # Errors
+/// [`Refusal`]: samples that no solution is to be had from, and why.
+pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Refusal> {
+    check_options(options)?;
+    let observations = Observations::new(samples, options.size_px)?;
+    let solver = Solver::new(options, &observations);
+    observations.check_count(solver.lens_is_known())?;
+    solver.check_flat(&observations)?;
+    let first = solver.first()?;
+    let per_scan = (CHOOSING / observations.scans.len()).max(200);
+    let few = observations.thinned(per_scan, options.seed);
+    let (terms, adjusted) = solver.chosen_terms(&few, &first);
+    let free = Free::new(options, terms, observations.scans.len());
+    let adjusted = adjust::robustly(&observations, &adjusted.state, &free, adjusted.noise, 2);
+    solver.check_fit(&adjusted)?;
+    let (covariance, prediction_sigma_px) = solver.judged(&adjusted, &free)?;
+    let weights = adjusted.noise.weights(&few, &adjusted.state, LIMIT);
+    let blocks = Blocks::new(&few, options.size_px);
+    let held_out_rms_px = LeftOut::new(&few, &weights, &blocks, &adjusted.state, &free).rms_px();
+    let solution = solver.solution(&adjusted, &free, &covariance, terms);
+    let solution = Solution { held_out_rms_px, prediction_sigma_px, ..solution };
+    let (factor, more_px) = HELD_OUT_LIMIT;
+    // What the unknowns took up of the errors, which shows where samples are few.
+    let equations = 2.0 * solution.inliers as f64;
+    let taken_up = (equations / (equations - free.len() as f64).max(1.0)).sqrt();
+    if held_out_rms_px > factor * taken_up * solution.rms_px + more_px * (1.0 + FEW / solution.inliers as f64) {
+        return Err(Refusal::Unpredictive { rms_px: solution.rms_px, held_out_px: held_out_rms_px });
+    }
+    Ok(solution)
+}
+
+struct Solver<'a> {
+    options: &'a SolveOptions,
+    observations: &'a Observations,
+    /// All terms that may be solved for.
+    richest: DistortionTerms,
+}
+
+impl<'a> Solver<'a> {
+    fn new(options: &'a SolveOptions, observations: &'a Observations) -> Self {
+        let richest = match options.distortion {
+            DistortionTerms::Auto => DistortionTerms::K1K2,
+            terms => terms,
+        };
+        Self { options, observations, richest }
+    }
+
+    fn free(&self, terms: DistortionTerms) -> Free {
+        Free::new(self.options, terms, self.observations.scans.len())
+    }
+
+    fn lens_is_known(&self) -> bool {
+        self.free(self.richest).lens.is_empty()
+    }
+
+    /// Whether a single plane leaves the lens open.
+    fn needs_relief(&self) -> bool {
+        self.free(DistortionTerms::None).lens.len() > FLAT_DETERMINES
+    }
+
+    /// The share of each scan's points that lie off its largest plane, of those that are used.
+    fn relief(&self, is_used: impl Fn(usize) -> bool) -> Vec<f64> {
+        let points = |scan: usize| -> Vec<Point3<f64>> {
+            self.observations.range(scan).filter(|i| is_used(*i)).map(|i| self.observations.all[i].point).collect()
+        };
+        let scans = 0..self.observations.scans.len();
+        scans.map(|scan| spread::off_plane(&points(scan), self.options.seed)).collect()
+    }
+
+    /// Refuses a single flat scan that shall determine the lens. Several planes may.
+    fn check_flat(&self, observations: &Observations) -> Result<(), Refusal> {
+        if observations.scans.len() == 1
+            && self.needs_relief()
+            && self.relief(|_| true).iter().all(|r| spread::is_flat(*r))
+        {
+            return Err(Refusal::Flat);
+        }
+        Ok(())
+    }
+
+    /// A first solution, after a comparison with that of mirrored pixels.
+    fn first(&self) -> Result<Agreed, Refusal> {
+        let few = self.observations.thinned(FIRST, self.options.seed);
+        let relief = self.relief(|_| true);
+        let best = (0..relief.len()).max_by(|a, b| relief[*a].total_cmp(&relief[*b])).unwrap_or(0);
+        let is_flat = spread::is_flat(relief[best]);
+        let single = few.only(best);
+        let given = self.agreed(&few, best, is_flat);
+        let mut buffer = Vec::new();
+        let own = given.as_ref().map_or(f64::INFINITY, |given| {
+            let state = State { lens: given.state.lens, poses: vec![given.state.poses[best]] };
+            Score::new(&single.all, &state, &mut buffer).mean
+        });
+        let all = vec![Weight::of_pixels(1.0); single.all.len()];
+        if orientation::agreeing_share(&single, &all) > SURELY_SAME_WAY_ROUND {
+            return given.ok_or(Refusal::NoSolution { scan: self.observations.scans[best] });
+        }
+        // A lens that is free may be turned by 180°, so mirrored along one axis is mirrored along the other.
+        let axes = if self.options.known_lens.is_some() || self.options.initial.is_some() { 2 } else { 1 };
+        for axis in 0..axes {
+            let mirrored = single.mirrored(self.options.size_px, axis);
+            if self.agreed(&mirrored, 0, is_flat).is_some_and(|mirrored| mirrored.score.mean < MIRROR_GAIN * own) {
+                return Err(Refusal::Mirrored);
+            }
+        }
+        given.ok_or(Refusal::NoSolution { scan: self.observations.scans[best] })
+    }
+
+    /// Lens and poses that most samples agree with; the lens is found from the scan `best`.
+    fn agreed(&self, few: &Observations, best: usize, is_flat: bool) -> Option<Agreed> {
+        let seed = self.options.seed;
+        if let Some(lens) = self.options.known_lens.or(self.options.initial) {
+            return self.agreed_from(few, &lens, None);
+        }
+        if is_flat {
+            let [width, height] = self.options.size_px.map(f64::from);
+            let guesses: Vec<Lens> = THROWS
+                .iter()
+                .map(|throw| Lens::pinhole(self.options.size_px, [throw * width; 2], [0.5 * width, 0.5 * height]))
+                .collect();
+            let agreed = guesses.par_iter().map(|lens| self.agreed_from(few, lens, None)).collect::<Vec<_>>();
+            return agreed.into_iter().flatten().min_by(|a, b| a.score.mean.total_cmp(&b.score.mean));
+        }
+        let everything = SolveOptions::new(self.options.size_px);
+        let mut frees = vec![Free::new(&everything, DistortionTerms::None, 1)];
+        if self.richest != DistortionTerms::None {
+            frees.push(Free::new(&everything, DistortionTerms::K1, 1));
+        }
+        let linear = consensus::lens_and_pose(&few.only(best), self.options.size_px, &frees, seed)?;
+        self.agreed_from(few, &linear.state.lens, Some((best, &linear.state)))
+    }
+
+    /// Poses for a lens, then both adjusted together. A pose of one scan may be known.
+    fn agreed_from(&self, few: &Observations, lens: &Lens, known: Option<(usize, &State)>) -> Option<Agreed> {
+        let (options, seed) = (self.options, self.options.seed);
+        let scans = few.scans.len();
+        let lens = constrained(lens, options, self.richest)?;
+        let mut buffer = Vec::new();
+        let mut poses = Vec::new();
+        for scan in 0..scans {
+            let single = few.only(scan);
+            let mut found = consensus::pose(&single, &lens, seed);
+            if let Some((_, state)) = known.filter(|(known, _)| *known == scan) {
+                let state = State { lens, poses: state.poses.clone() };
+                let score = Score::new(&single.all, &state, &mut buffer);
+                if found.as_ref().is_none_or(|found| score.mean < found.score.mean) {
+                    found = Some(Agreed { state, score });
+                }
+            }
+            poses.push(found?.state.poses[0]);
+        }
+        let mut state = State { lens, poses };
+        let mut score = Score::new(&few.all, &state, &mut buffer);
+        let free = Free::new(options, self.richest, scans);
+        for _ in 0..4 {
+            let weights = Noise::of_pixels(score.near).weights(few, &state, LIMIT);
+            let trial = adjust::minimise(few, &weights, &state, &free, Effort::FULL);
+            let trial_score = Score::new(&few.all, &trial, &mut buffer);
+            if trial_score.mean.is_nan() || trial_score.mean >= score.mean {
+                break;
+            }
+            let gain = trial_score.mean / score.mean;
+            (state, score) = (trial, trial_score);
+            if gain > 0.99 {
+                break;
+            }
+        }
+        score.mean.is_finite().then_some(Agreed { state, score })
+    }
+
+    /// The terms that make the prediction of left-out samples better, and the solution with them.
+    fn chosen_terms(&self, few: &Observations, first: &Agreed) -> (DistortionTerms, Adjusted) {
+        let options = self.options;
+        let noise = Noise::of_pixels(first.score.near);
+        let rich = adjust::robustly(few, &first.state, &self.free(self.richest), noise, 3);
+        if options.known_lens.is_some() {
+            return (DistortionTerms::None, rich);
+        }
+        if options.distortion != DistortionTerms::Auto {
+            return (options.distortion, rich);
+        }
+        let blocks = Blocks::new(few, options.size_px);
+        let with = |terms: DistortionTerms, start: &State| {
+            let lens = constrained(&start.lens, options, terms).unwrap_or(start.lens);
+            let start = State { lens, poses: start.poses.clone() };
+            let free = self.free(terms);
+            let state = adjust::minimise(few, &rich.weights, &start, &free, Effort::FULL);
+            let left_out = LeftOut::new(few, &rich.weights, &blocks, &state, &free);
+            (terms, state, left_out)
+        };
+        let mut chosen = with(DistortionTerms::None, &rich.state);
+        for terms in [DistortionTerms::K1, DistortionTerms::K1K2, DistortionTerms::PlumbBob] {
+            let trial = with(terms, &rich.state);
+            if trial.2.is_better_than(&chosen.2, &rich.weights, &blocks) {
+                chosen = trial;
+            } else if terms == DistortionTerms::K1 {
+                // A lens whose k1 does not show has nothing finer to show.
+                break;
+            }
+        }
+        let (terms, state, _) = chosen;
+        (terms, Adjusted { state, ..rich })
+    }
+
+    /// Refuses fits that many samples contradict.
+    fn check_fit(&self, adjusted: &Adjusted) -> Result<(), Refusal> {
+        let observations = self.observations;
+        moved::check(observations, adjusted, self.options.seed)?;
+        let depth_of = |i: usize| {
+            let observation = &observations.all[i];
+            (adjusted.state.poses[observation.scan] * observation.point).z
+        };
+        let behind = (0..observations.all.len()).filter(|i| depth_of(*i) <= 0.0).count();
+        let behind = behind as f64 / observations.all.len() as f64;
+        if behind > MOST_BEHIND {
+            return Err(Refusal::BehindProjector { percent: 100.0 * behind });
+        }
+        for (scan, number) in observations.scans.iter().enumerate() {
+            let range = observations.range(scan);
+            let total = range.len() as f64;
+            let share = range.filter(|i| adjusted.weights[*i].is_used()).count() as f64 / total;
+            if share < LEAST_INLIERS {
+                return Err(Refusal::FewInliers { percent: 100.0 * share, scan: *number });
+            }
+        }
+        if orientation::agreeing_share(observations, &adjusted.weights) < SAME_WAY_ROUND {
+            return Err(Refusal::Mirrored);
+        }
+        let (sum, count) = (observations.all.iter().zip(&adjusted.weights))
+            .filter(|(_, weight)| weight.is_used())
+            .filter_map(|(o, _)| Some((o.pixel - adjusted.state.project(o.scan, &o.point)?).norm_squared()))
+            .fold((0.0, 0.0), |(sum, count), squared| (sum + squared, count + 1.0));
+        let typical_px = (sum / count).sqrt();
+        if typical_px.is_nan() || typical_px > MOST_MISS * f64::from(self.options.size_px[0]) {
+            return Err(Refusal::Inconsistent { typical_px });
+        }
+        Ok(())
+    }
+
+    /// The covariance of the unknowns and the deviation of predictions, or why they are too large.
+    fn judged(&self, adjusted: &Adjusted, free: &Free) -> Result<(DMatrix<f64>, f64), Refusal> {
+        let (observations, size_px) = (self.observations, self.options.size_px);
+        let is_used = |i: usize| adjusted.weights[i].is_used();
+        let is_flat = self.needs_relief() && self.relief(is_used).iter().all(|relief| spread::is_flat(*relief));
+        if is_flat && observations.scans.len() == 1 {
+            return Err(Refusal::Flat);
+        }
+        if !free.lens.is_empty() {
+            let pixels: Vec<Point2<f64>> =
+                (0..observations.all.len()).filter(|i| is_used(*i)).map(|i| observations.all[i].pixel).collect();
+            let outline = spread::outline_share(&pixels, size_px);
+            if outline < LEAST_OUTLINE {
+                return Err(Refusal::BadlySpread { picture_percent: 100.0 * outline });
+            }
+        }
+        let undetermined = |what, sigma, unit| {
+            if is_flat {
+                Refusal::Flat
+            } else {
+                Refusal::Undetermined { what, sigma, unit }
+            }
+        };
+        let covariance = covariance::covariance(observations, adjusted, free)
+            .ok_or_else(|| undetermined("the solution", f64::INFINITY, "pixels"))?;
+        let focal = adjusted.state.lens.focal_px;
+        for (column, raw) in free.lens.iter().enumerate() {
+            let sigma = covariance[(column, column)].sqrt() / focal.x.min(focal.y);
+            if raw[0] < 2 && (sigma.is_nan() || sigma > MOST_FOCAL_SIGMA) {
+                return Err(undetermined("the focal length", 100.0 * sigma, "%"));
+            }
+        }
+        let mut depths: Vec<f64> = (observations.all.iter().zip(&adjusted.weights))
+            .filter(|(_, weight)| weight.is_used())
+            .map(|(o, _)| (adjusted.state.poses[o.scan] * o.point).z)
+            .collect();
+        let depth_m = [0.01, 0.99].map(|share| quantile(&mut depths, share));
+        let sigma_px = covariance::prediction_sigma_px(&adjusted.state, free, &covariance, depth_m);
+        if sigma_px.is_nan() || sigma_px > MOST_PREDICTION_SIGMA * f64::from(size_px[0]) {
+            return Err(undetermined("where light lands", sigma_px, "pixels"));
+        }
+        Ok((covariance, sigma_px))
+    }
+
+    fn solution(
+        &self,
+        adjusted: &Adjusted,
+        free: &Free,
+        covariance: &DMatrix<f64>,
+        terms: DistortionTerms,
+    ) -> Solution {
+        let observations = self.observations;
+        let lens = adjusted.state.lens;
+        let sigma_at = |unknown: usize| covariance[(unknown, unknown)].max(0.0).sqrt();
+        let sigma_of = |parameter: Parameter| {
+            free.lens.iter().position(|raw| raw.contains(&(parameter as usize))).map_or(0.0, sigma_at)
+        };
+        let values = lens_values(&lens);
+        let estimates = Parameter::ALL
+            .map(|parameter| Estimate { parameter, value: values[parameter as usize], sigma: sigma_of(parameter) })
+            .to_vec();
+        let poses = (observations.scans.iter().enumerate())
+            .map(|(scan, number)| {
+                let pose = adjusted.state.poses[scan];
+                let at = free.pose_column(scan);
+                let shift = covariance.fixed_view::<3, 3>(at + 3, at + 3).into_owned();
+                let rotation = pose.rotation.to_rotation_matrix().into_inner();
+                let in_camera = rotation.transpose() * shift * rotation;
+                ScanPose {
+                    scan: *number,
+                    projector_from_camera: pose,
+                    position_sigma_m: [0, 1, 2].map(|axis| in_camera[(axis, axis)].max(0.0).sqrt()),
+                    orientation_sigma_rad: [0, 1, 2].map(|axis| sigma_at(at + axis)),
+                    inliers: observations.range(scan).filter(|i| adjusted.weights[*i].is_used()).count(),
+                }
+            })
+            .collect();
+        let mut residuals: Vec<Residual> = (observations.all.par_iter().zip(&adjusted.weights))
+            .filter_map(|(observation, weight)| {
+                let q = adjusted.state.poses[observation.scan] * observation.point;
+                let miss_px = observation.pixel - lens.project(&q)?;
+                Some(Residual {
+                    sample: observation.sample,
+                    miss_px,
+                    miss_m: miss_px.component_div(&lens.focal_px) * q.z,
+                    depth_m: q.z,
+                    is_inlier: weight.is_used(),
+                })
+            })
+            .collect();
+        residuals.sort_unstable_by_key(|residual| residual.sample);
+        let used = || residuals.iter().filter(|residual| residual.is_inlier).map(|residual| residual.miss_px.norm());
+        let inliers = used().count();
+        let rms_px = (used().map(|miss| miss * miss).sum::<f64>() / inliers as f64).sqrt();
+        let max_px = used().fold(0.0, f64::max);
+        Solution {
+            lens,
+            estimates,
+            distortion: terms,
+            poses,
+            residuals,
+            rms_px,
+            held_out_rms_px: 0.0,
+            max_px,
+            inliers,
+            prediction_sigma_px: 0.0,
+        }
+    }
+}

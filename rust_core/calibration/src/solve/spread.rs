@@ -1,0 +1,122 @@
+//! Whether samples are spread enough: a scene that is not flat, and an outline that covers part of the picture.
+
+use nalgebra::{Point2, Point3, Vector3};
+
+use super::random::SplitMix64;
+
+/// Points within this share of their depth of a plane belong to it: more than depth cameras err.
+const THICKNESS: f64 = 0.012;
+/// A scene is flat if a smaller share of its points lies off its largest plane.
+const OFF_PLANE: f64 = 0.04;
+/// Planes that are tried.
+const PLANES: usize = 200;
+/// Points that planes are tried on.
+const TRIED: usize = 500;
+
+/// The share of points that lie off the plane that most lie on.
+pub(super) fn off_plane(points: &[Point3<f64>], seed: u64) -> f64 {
+    if points.len() < 4 {
+        return 0.0;
+    }
+    let mut random = SplitMix64::new(seed, 0x91a7);
+    let few: Vec<Point3<f64>> = if points.len() <= TRIED {
+        points.to_vec()
+    } else {
+        (0..TRIED).map(|_| points[random.below(points.len())]).collect()
+    };
+    let mut most = 3;
+    for _ in 0..PLANES {
+        let [a, b, c] = random.distinct::<3>(few.len()).map(|i| few[i]);
+        let Some(normal) = (b - a).cross(&(c - a)).try_normalize(1e-9) else { continue };
+        let (normal, offset) = refined(&few, normal, normal.dot(&a.coords));
+        most = most.max(few.iter().filter(|point| is_on(point, &normal, offset)).count());
+    }
+    1.0 - most as f64 / few.len() as f64
+}
+
+/// Whether a scene with this share of points off its largest plane is flat.
+pub(super) fn is_flat(off_plane: f64) -> bool {
+    off_plane < OFF_PLANE
+}
+
+fn is_on(point: &Point3<f64>, normal: &Vector3<f64>, offset: f64) -> bool {
+    (normal.dot(&point.coords) - offset).abs() < THICKNESS * point.z
+}
+
+/// The plane through the points that are near a plane, by two steps of least squares along the normal.
+fn refined(points: &[Point3<f64>], mut normal: Vector3<f64>, mut offset: f64) -> (Vector3<f64>, f64) {
+    let side = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let first = normal.cross(&side).normalize();
+    let second = normal.cross(&first);
+    let mut matrix = nalgebra::Matrix3::zeros();
+    let mut right = Vector3::zeros();
+    for point in points.iter().filter(|point| is_on(point, &normal, offset)) {
+        let row = Vector3::new(first.dot(&point.coords), second.dot(&point.coords), 1.0);
+        matrix += row * row.transpose();
+        right += row * normal.dot(&point.coords);
+    }
+    if let Some(fit) = matrix.cholesky().map(|cholesky| cholesky.solve(&right)) {
+        let tilted = normal - first * fit.x - second * fit.y;
+        let length = tilted.norm();
+        if length.is_finite() && length > 0.0 {
+            (normal, offset) = (tilted / length, fit.z / length);
+        }
+    }
+    (normal, offset)
+}
+
+/// The area of the convex outline of pixels as a share of the picture (Andrew's monotone chain, 1979).
+pub(super) fn outline_share(pixels: &[Point2<f64>], size_px: [u32; 2]) -> f64 {
+    let mut sorted = pixels.to_vec();
+    sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let half = |pixels: &mut dyn Iterator<Item = &Point2<f64>>| {
+        let mut chain: Vec<Point2<f64>> = Vec::new();
+        for pixel in pixels {
+            while let [.., before, last] = chain.as_slice() {
+                if (last - before).perp(&(pixel - before)) > 0.0 {
+                    break;
+                }
+                chain.pop();
+            }
+            chain.push(*pixel);
+        }
+        chain.pop();
+        chain
+    };
+    let mut outline = half(&mut sorted.iter());
+    outline.extend(half(&mut sorted.iter().rev()));
+    let area: f64 = (0..outline.len()).map(|i| outline[i].coords.perp(&outline[(i + 1) % outline.len()].coords)).sum();
+    (0.5 * area.abs() / (f64::from(size_px[0]) * f64::from(size_px[1]))).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wall_is_flat_with_noise_and_a_wall_with_a_box_is_not() {
+        let mut random = SplitMix64::new(3, 0);
+        let mut wall: Vec<Point3<f64>> = (0..2000)
+            .map(|_| {
+                let (x, y) = (random.unit() - 0.5, random.unit() - 0.5);
+                Point3::new(x, y, 1.5 + 0.4 * x + 0.004 * (random.unit() - 0.5))
+            })
+            .collect();
+        assert!(is_flat(off_plane(&wall, 0)));
+        for point in wall.iter_mut().take(200) {
+            point.z -= 0.2;
+        }
+        assert!(!is_flat(off_plane(&wall, 0)));
+        assert!(is_flat(off_plane(&wall[..3], 0)));
+    }
+
+    #[test]
+    fn the_outline_of_a_quarter_is_a_quarter() {
+        let pixels: Vec<_> = (0..=10)
+            .flat_map(|i| (0..=10).map(move |j| Point2::new(64.0 * f64::from(i), 40.0 * f64::from(j))))
+            .collect();
+        assert!((outline_share(&pixels, [1280, 800]) - 0.25).abs() < 1e-9);
+        assert_eq!(outline_share(&pixels[..5], [1280, 800]), 0.0);
+        assert_eq!(outline_share(&[], [1280, 800]), 0.0);
+    }
+}
