@@ -94,6 +94,8 @@ targets! {
     TEXTURE: "texture", "textures: PNG, JPEG, BMP, TGA, TIFF, GIF", 2048 MiB, resources::texture;
     RVIZ_CONFIG: "rviz_config", ".rviz", 64 MiB, texts::rviz_config;
     PROJECTOR: "projector", "projector files", 32 MiB, texts::projector;
+    CORRESPONDENCES: "correspondences", "lists of correspondences", 32 MiB, texts::correspondences;
+    PATTERN_LIST: "pattern_list", "lists of patterns and captures", 32 MiB, texts::pattern_list;
     PCD: "pcd", "PCD", 64 MiB, texts::pcd;
     BAG: "bag", "bags", 256 MiB, bags::bag;
     TCPROS_HEADER: "tcpros_header", "connection headers of TCPROS", 32 MiB, wire::tcpros_header;

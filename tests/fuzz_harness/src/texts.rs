@@ -1,7 +1,9 @@
 //! Files of text: `.rviz`, projector files and PCD (whose points may be binary).
 
-use std::path::Path;
+use std::path::{Component, Path};
 
+use rcs_files::capture::parse_patterns;
+use rcs_files::correspondences::Points;
 use rcs_files::pcd::{PcdCloud, PointDatatype};
 use rcs_files::projector::ProjectorFile;
 
@@ -49,6 +51,41 @@ pub(crate) fn projector(data: &[u8]) {
         let again = again.unwrap_or_else(|error| panic!("{error} in what was written:\n{written}"));
         let kept = ProjectorFile { ignored_keys: Vec::new(), ..file };
         assert_eq!(again, kept, "{written}");
+    }
+}
+
+/// A list of correspondences: its points are finite, and each is of a scan that is listed.
+pub(crate) fn correspondences(data: &[u8]) {
+    let points = match Points::parse(Path::new("fuzz.csv"), data) {
+        Ok(points) => points,
+        Err(error) => {
+            assert!(error.to_string().starts_with("fuzz.csv"), "{error}");
+            return;
+        }
+    };
+    for sample in &points.samples {
+        let numbers = sample.pixel.coords.iter().chain(sample.point.coords.iter());
+        assert!(numbers.chain([&sample.sigma_px, &sample.sigma_m]).all(|number| number.is_finite()), "{sample:?}");
+        assert!(sample.sigma_px > 0.0 && sample.sigma_m >= 0.0, "{sample:?}");
+        assert!(points.scans.iter().any(|scan| scan.number == sample.scan), "{sample:?}");
+    }
+}
+
+/// A list of patterns, and so the patterns of a capture: their pictures are in its folder, and each pattern can be
+/// shown.
+pub(crate) fn pattern_list(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let list = match parse_patterns(Path::new("folder/fuzz.yaml"), text) {
+        Ok(list) => list,
+        Err(error) => {
+            assert!(error.to_string().starts_with("folder/fuzz.yaml"), "{error}");
+            return;
+        }
+    };
+    for (path, pattern) in &list.patterns {
+        let name = path.strip_prefix("folder").unwrap_or_else(|_| panic!("{} leaves the folder", path.display()));
+        assert!(name.components().all(|part| matches!(part, Component::Normal(_))), "{}", path.display());
+        let _ = pattern.is_lit(list.projector_size_px[0] - 1, list.projector_size_px[1] - 1);
     }
 }
 

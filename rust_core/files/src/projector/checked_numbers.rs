@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 /// A whole number from `MIN` to `MAX`.
 #[derive(Clone, Copy)]
-pub(super) struct Whole<const MIN: u32, const MAX: u32>(pub(super) u32);
+pub(crate) struct Whole<const MIN: u32, const MAX: u32>(pub(crate) u32);
 
 impl<'de, const MIN: u32, const MAX: u32> Deserialize<'de> for Whole<MIN, MAX> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -36,14 +36,48 @@ impl<'de, const MIN: u32, const MAX: u32> Deserialize<'de> for Whole<MIN, MAX> {
 }
 
 /// A width or height, in pixels.
-pub(super) type Size = Whole<1, { u32::MAX }>;
+pub(crate) type Size = Whole<1, { u32::MAX }>;
 
 /// Finite numbers.
-pub(super) struct Numbers(pub(super) Vec<f64>);
+pub(crate) struct Numbers(pub(crate) Vec<f64>);
 
 /// `N` finite numbers.
 #[derive(Clone, Copy)]
-pub(super) struct Matrix<const N: usize>(pub(super) [f64; N]);
+pub(crate) struct Matrix<const N: usize>(pub(crate) [f64; N]);
+
+/// A finite number above zero.
+#[derive(Clone, Copy)]
+pub(crate) struct PositiveNumber(pub(crate) f64);
+
+impl<'de> Deserialize<'de> for PositiveNumber {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PositiveVisitor;
+        impl Visitor<'_> for PositiveVisitor {
+            type Value = PositiveNumber;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a finite number above 0")
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<PositiveNumber, E> {
+                self.visit_f64(number as f64)
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, number: i64) -> Result<PositiveNumber, E> {
+                self.visit_f64(number as f64)
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<PositiveNumber, E> {
+                if number.is_finite() && number > 0.0 {
+                    Ok(PositiveNumber(number))
+                } else {
+                    Err(E::invalid_value(serde::de::Unexpected::Float(number), &self))
+                }
+            }
+        }
+        deserializer.deserialize_f64(PositiveVisitor)
+    }
+}
 
 struct NumbersVisitor {
     wanted: Option<usize>,

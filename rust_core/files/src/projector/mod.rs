@@ -33,9 +33,9 @@
 //! `rotation_xyzw` is a quaternion; `transform` and the plain text are `static_transform_publisher`'s arguments: x y z
 //! yaw pitch roll, or x y z qx qy qz qw (the plain text with the frames behind, and a period that is not used).
 
-mod checked_numbers;
-mod distortion;
+pub(crate) mod checked_numbers;
 mod frames;
+mod lens;
 mod write;
 
 use std::fs;
@@ -47,9 +47,11 @@ use serde::Deserialize;
 use serde_yaml_ng::Value;
 
 use checked_numbers::{Matrix, Numbers, Size, Whole};
-pub use distortion::{DistortionModel, DistortionProblem};
 pub use frames::StaticFrame;
 use frames::{check_placed_once, FrameEntry};
+pub use lens::LensProblem;
+use rcs_calibration::Distortion;
+pub use rcs_calibration::{DistortionModel, DistortionProblem};
 
 /// The contents of the file.
 ///
@@ -163,7 +165,7 @@ impl ProjectorFile {
     /// Each is a phrase without the file's name.
     pub fn warnings(&self) -> Vec<String> {
         let ignored = self.ignored_keys.iter().map(|key| format!("key '{key}' is not known and is ignored"));
-        let distortion = distortion::check(&self.camera_info.distortion_model, &self.camera_info.D);
+        let distortion = Distortion::from_message(&self.camera_info.distortion_model, &self.camera_info.D);
         let problem = distortion.err().map(|problem| format!("{}: {problem}", problem.key()));
         ignored.chain(problem).collect()
     }

@@ -8,10 +8,12 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-use super::distortion::{self, DistortionProblem};
+use rcs_calibration::{Distortion, DistortionProblem};
+
 use super::frames::{check_placed_once, named_frame};
 use super::{check_focal_lengths, ProjectorFile, ProjectorFileError, StaticFrame};
 use crate::atomic_file::write_atomically;
+use crate::yaml_text::{number, quoted};
 
 /// The key that is wrong, and why.
 type Wrong = (&'static str, String);
@@ -59,15 +61,15 @@ impl ProjectorFile {
                 return Err((key, "it is zero".to_owned()));
             }
         }
-        match distortion::check(&info.distortion_model, &info.D) {
-            Err(problem @ DistortionProblem::Coefficients { .. }) => return Err((problem.key(), problem.to_string())),
+        match Distortion::from_message(&info.distortion_model, &info.D) {
             // How many coefficients another model has is not known here.
-            Err(DistortionProblem::UnknownModel(_)) | Ok(()) => {}
+            Err(DistortionProblem::UnknownModel(_)) | Ok(_) => {}
+            Err(problem) => return Err((problem.key(), problem.to_string())),
         }
         check_focal_lengths(&info.P)?;
         check_placed_once(&self.frames).map_err(|reason| ("frames", reason))?;
 
-        let mut yaml = "# A projector: its CameraInfo, and its static frames. Lengths are metres.\n".to_owned();
+        let mut yaml = "# A CameraInfo and, in `frames`, where it is. Lengths are metres.\n".to_owned();
         let mut line = |key: &str, value: &str| {
             // Writing to a String cannot fail.
             let _ = writeln!(yaml, "{key}: {value}");
@@ -131,33 +133,6 @@ fn numbers(key: &'static str, values: &[f64]) -> Result<String, Wrong> {
     };
     let numbers: Result<Vec<String>, Wrong> = values.iter().map(checked).collect();
     Ok(format!("[{}]", numbers?.join(", ")))
-}
-
-/// A number that is read back exactly, with a point before and a sign in its exponent.
-fn number(value: f64) -> String {
-    let text = format!("{value:?}");
-    let Some((mantissa, exponent)) = text.split_once('e') else { return text };
-    let point = if mantissa.contains('.') { "" } else { ".0" };
-    let sign = if exponent.starts_with('-') { "" } else { "+" };
-    format!("{mantissa}{point}e{sign}{exponent}")
-}
-
-/// A text in double quotes, with escapes for all but letters, digits and ASCII's other visible characters.
-fn quoted(text: &str) -> String {
-    let mut quoted = "\"".to_owned();
-    for character in text.chars() {
-        match character {
-            '"' | '\\' => quoted.extend(['\\', character]),
-            _ if character == ' ' || character.is_ascii_graphic() || character.is_alphanumeric() => {
-                quoted.push(character);
-            }
-            _ => {
-                // Writing to a String cannot fail.
-                let _ = write!(quoted, "\\U{:08x}", u32::from(character));
-            }
-        }
-    }
-    quoted + "\""
 }
 
 #[cfg(test)]
@@ -318,7 +293,6 @@ mod tests {
             assert!(text.contains(line), "{line}\n{text}");
         }
         assert!(!text.contains("roi") && !text.contains("binning") && !text.contains("camera_info_topic"), "{text}");
-        assert_eq!([1e-7, 1.5e300, -0.0, 2e16].map(number), ["1.0e-7", "1.5e+300", "-0.0", "2.0e+16"]);
     }
 
     #[test]

@@ -1,0 +1,133 @@
+//! What is wrong with a capture folder or a list of patterns: one line, with the file and, where there is one, the
+//! line.
+
+use std::path::PathBuf;
+
+use crate::picture_file::PictureFileError;
+use crate::projector::{LensProblem, ProjectorFileError};
+
+/// Why a capture folder or a list of patterns cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum CaptureError {
+    /// The file cannot be read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// The file is a folder, a pipe or a device.
+    #[error("{}: not a file", path.display())]
+    NotAFile {
+        /// The name.
+        path: PathBuf,
+    },
+    /// A value is wrong, or the file is not YAML; the message names key, line and column.
+    #[error("{}: {}", path.display(), one_line(source))]
+    Yaml {
+        /// The file.
+        path: PathBuf,
+        /// Key, line, column and what is wrong there.
+        source: serde_yaml_ng::Error,
+    },
+    /// The file is longer than any list of patterns.
+    #[error("{}: longer than {most_bytes} bytes", path.display())]
+    LongYaml {
+        /// The file.
+        path: PathBuf,
+        /// The most bytes.
+        most_bytes: u64,
+    },
+    /// The camera's CameraInfo cannot be read.
+    #[error(transparent)]
+    CameraInfo(#[from] ProjectorFileError),
+    /// The camera's CameraInfo describes no lens.
+    #[error("{}: {problem}", path.display())]
+    Lens {
+        /// The file.
+        path: PathBuf,
+        /// The key and what is wrong with it.
+        problem: LensProblem,
+    },
+    /// A picture is wider or higher than any camera's or projector's.
+    #[error("{}: pictures of {}x{} pixels; the most is {most_px}", path.display(), size_px[0], size_px[1])]
+    TooLarge {
+        /// The file that says so.
+        path: PathBuf,
+        /// Width and height, pixels.
+        size_px: [u32; 2],
+        /// The most of each, pixels.
+        most_px: u32,
+    },
+    /// All pictures together need too much memory.
+    #[error(
+        "{}: {patterns} pictures of {}x{} pixels need more than {} GiB",
+        path.display(), size_px[0], size_px[1], most_bytes >> 30
+    )]
+    TooMuch {
+        /// The file that says so.
+        path: PathBuf,
+        /// How many pictures.
+        patterns: usize,
+        /// Their width and height, pixels.
+        size_px: [u32; 2],
+        /// The most bytes.
+        most_bytes: u64,
+    },
+    /// A picture is not the PNG that it should be.
+    #[error("{}: not a PNG picture that can be read: {source}", path.display())]
+    Decode {
+        /// The file.
+        path: PathBuf,
+        /// The decoder's error.
+        source: image::ImageError,
+    },
+    /// A picture has another size than the CameraInfo says.
+    #[error(
+        "{}: {}x{} pixels where the CameraInfo says {}x{}",
+        path.display(), size_px[0], size_px[1], camera_px[0], camera_px[1]
+    )]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Its width and height, pixels.
+        size_px: [u32; 2],
+        /// Width and height of the CameraInfo, pixels.
+        camera_px: [u32; 2],
+    },
+    /// A picture has other pixels than it should have.
+    #[error("{}: {found} where {wanted} is needed", path.display())]
+    Pixels {
+        /// The file.
+        path: PathBuf,
+        /// What it has.
+        found: String,
+        /// What it should have.
+        wanted: &'static str,
+    },
+    /// What is to be written could not be read again.
+    #[error("{}: {reason}", path.display())]
+    Unwritable {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A file cannot be written.
+    #[error("{}: cannot write: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// A picture cannot be written.
+    #[error(transparent)]
+    Picture(#[from] PictureFileError),
+}
+
+/// The error repeats words of the file, which may have line breaks.
+fn one_line(error: &serde_yaml_ng::Error) -> String {
+    error.to_string().replace(char::is_control, " ")
+}

@@ -1,0 +1,49 @@
+//! A file's name in a capture folder. It may lead into folders of the folder, never out of it: a folder that somebody
+//! sent must not make a program read other files.
+
+use std::fmt;
+use std::path::{Component, Path, PathBuf};
+
+use serde::de::{Deserializer, Error, Visitor};
+use serde::Deserialize;
+
+/// A relative name without `..`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct FileName(String);
+
+impl FileName {
+    /// Where it is.
+    pub(super) fn in_folder(&self, folder: &Path) -> PathBuf {
+        folder.join(&self.0)
+    }
+
+    /// As the file has it.
+    pub(super) fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl<'de> Deserialize<'de> for FileName {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NameVisitor;
+        impl Visitor<'_> for NameVisitor {
+            type Value = FileName;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a file's name")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<FileName, E> {
+                let is_inside = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
+                if name.is_empty() || name.contains('\0') {
+                    return Err(E::custom(format!("{name:?} is not a file's name")));
+                }
+                if !Path::new(name).components().all(is_inside) {
+                    return Err(E::custom(format!("the file {name:?} is not in the folder")));
+                }
+                Ok(FileName(name.to_owned()))
+            }
+        }
+        deserializer.deserialize_str(NameVisitor)
+    }
+}

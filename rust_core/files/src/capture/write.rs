@@ -1,0 +1,151 @@
+//! Writing a capture folder: pictures first, and last `capture.yaml`, which names them. So whenever a writer is
+//! interrupted, the folder is without a `capture.yaml`, or the one that is there is whole and valid: a folder that
+//! holds a capture already gets its new pictures under names of their own, and loses the old ones afterwards.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use rcs_scene::{Encoding, Picture};
+
+use super::file_name::FileName;
+use super::pattern_entry::{check_writable, entry_line, projector_line, Patterns};
+use super::pattern_list::{make_folder, write_text};
+use super::{check_amount, read_yaml, Capture, CaptureError, RawCapture, CAPTURE_FILE, DEPTH_SCALE_M};
+use crate::picture_file;
+use crate::projector::ProjectorFile;
+
+impl Capture {
+    /// Writes the folder, replacing a capture that is there. The folder is made if it does not exist; its parent must.
+    /// What [`read`](Self::read) gives is the same, with depths rounded to [`DEPTH_SCALE_M`] and those beyond 16 bits
+    /// gone, and without [`warnings`](Self::warnings).
+    ///
+    /// # Errors
+    /// [`CaptureError`]: what could not be read again, such as pictures of another size than the camera's, and files
+    /// that cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), CaptureError> {
+        self.check(folder)?;
+        make_folder(folder)?;
+        let old_files = files_of_capture(folder);
+        let names = Names::new(&old_files);
+        let [width_px, height_px] = self.camera.size_px;
+
+        self.pictures.par_iter().enumerate().try_for_each(|(index, picture)| {
+            let data = picture.grey.clone();
+            let picture = Picture { width_px, height_px, encoding: Encoding::Mono8, data };
+            picture_file::write(&folder.join(names.picture(index)), &picture)
+        })?;
+        let camera_info = names.camera_info();
+        ProjectorFile::from_lens(&self.camera, &self.camera_frame_id).write(&folder.join(&camera_info))?;
+        let entries = self.pictures.iter().enumerate();
+        let mut text = projector_line(self.projector_size_px) + "patterns:\n";
+        text.extend(entries.map(|(index, picture)| entry_line(&names.picture(index), &picture.pattern)));
+        text += &format!("camera_info: {camera_info}\n");
+        if let Some(depth_m) = &self.depth_m {
+            let depth = names.depth();
+            let data = depth_m.iter().flat_map(|depth| depth_value(*depth).to_le_bytes()).collect();
+            let picture = Picture { width_px, height_px, encoding: Encoding::Mono16, data };
+            picture_file::write(&folder.join(&depth), &picture)?;
+            text += &format!("depth: {depth}\ndepth_scale_m: {DEPTH_SCALE_M}\n");
+        }
+        write_text(&folder.join(CAPTURE_FILE), &text)?;
+        for file in old_files.iter().filter(|file| is_ours(file)) {
+            // A file that stays is in nobody's way.
+            let _ = std::fs::remove_file(file.in_folder(folder));
+        }
+        Ok(())
+    }
+
+    /// An error for what could not be read again.
+    fn check(&self, folder: &Path) -> Result<(), CaptureError> {
+        let unwritable = |reason| CaptureError::Unwritable { path: folder.to_owned(), reason };
+        check_writable(self.projector_size_px, self.pictures.iter().map(|picture| &picture.pattern))
+            .map_err(unwritable)?;
+        check_amount(folder, self.camera.size_px, self.pictures.len())?;
+        ProjectorFile::from_lens(&self.camera, &self.camera_frame_id)
+            .lens()
+            .map_err(|problem| unwritable(format!("the camera's {problem}")))?;
+        let [width, height] = self.camera.size_px.map(|size| size as usize);
+        let wrong = |count: usize| count != width * height;
+        if let Some(index) = self.pictures.iter().position(|picture| wrong(picture.grey.len())) {
+            let count = self.pictures[index].grey.len();
+            return Err(unwritable(format!("picture {index} has {count} pixels, but the camera {width}x{height}")));
+        }
+        match &self.depth_m {
+            Some(depth_m) if wrong(depth_m.len()) => {
+                Err(unwritable(format!("the depth has {} pixels, but the camera {width}x{height}", depth_m.len())))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The value of a depth in the file; 0 for none and for what 16 bits cannot hold.
+fn depth_value(depth_m: f32) -> u16 {
+    let value = (f64::from(depth_m) / DEPTH_SCALE_M).round();
+    if (1.0..=f64::from(u16::MAX)).contains(&value) {
+        value as u16
+    } else {
+        0
+    }
+}
+
+/// The files that the folder's capture names; none if there is no capture that can be read.
+fn files_of_capture(folder: &Path) -> Vec<FileName> {
+    let Ok((RawCapture { patterns: Patterns(entries), camera_info, depth, .. }, _)) =
+        read_yaml(&folder.join(CAPTURE_FILE))
+    else {
+        return Vec::new();
+    };
+    entries.into_iter().map(|entry| entry.file).chain([camera_info]).chain(depth).collect()
+}
+
+/// The names of a capture's files.
+struct Names {
+    /// What distinguishes them from those of the capture that they replace.
+    suffix: String,
+}
+
+impl Names {
+    /// Names of which none is an old file's.
+    fn new(old_files: &[FileName]) -> Self {
+        let is_free = |names: &Self| old_files.iter().all(|file| !names.has(file));
+        let suffixes = std::iter::once(String::new()).chain((2..).map(|version: u64| format!("_{version}")));
+        // Each old file takes one at the most.
+        let free = suffixes.map(|suffix| Self { suffix }).take(old_files.len() + 1).find(is_free);
+        free.unwrap_or(Self { suffix: String::new() })
+    }
+
+    fn picture(&self, index: usize) -> String {
+        format!("c{index:03}{}.png", self.suffix)
+    }
+
+    fn camera_info(&self) -> String {
+        format!("camera_info{}.yaml", self.suffix)
+    }
+
+    fn depth(&self) -> String {
+        format!("depth{}.png", self.suffix)
+    }
+
+    /// Whether a file could be one of these.
+    fn has(&self, file: &FileName) -> bool {
+        let name = file.as_str().rsplit('/').next().unwrap_or_default();
+        let index = name.strip_prefix('c').and_then(|rest| rest.strip_suffix(&format!("{}.png", self.suffix)));
+        name == self.camera_info() || name == self.depth() || index.is_some_and(is_index)
+    }
+}
+
+/// Whether a file has a name that [`Names`] gives: others stay when a capture is replaced.
+fn is_ours(file: &FileName) -> bool {
+    let Some((stem, _ending)) = file.as_str().rsplit_once('.') else { return false };
+    let stem = stem.split_once("_").map_or(stem, |(start, version)| if is_index(version) { start } else { stem });
+    let stem = match stem.strip_prefix("camera_info_") {
+        Some(version) if is_index(version) => "camera_info",
+        _ => stem,
+    };
+    matches!(stem, "camera_info" | "depth") || stem.strip_prefix('c').is_some_and(is_index)
+}
+
+fn is_index(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+}

@@ -1,0 +1,46 @@
+//! Numbers and texts as they are written into YAML files: any reader takes them for what they are, and reads back the
+//! same.
+
+use std::fmt::Write as _;
+
+/// A number that is read back exactly, with a point before and a sign in its exponent.
+pub(crate) fn number(value: f64) -> String {
+    let text = format!("{value:?}");
+    let Some((mantissa, exponent)) = text.split_once('e') else { return text };
+    let point = if mantissa.contains('.') { "" } else { ".0" };
+    let sign = if exponent.starts_with('-') { "" } else { "+" };
+    format!("{mantissa}{point}e{sign}{exponent}")
+}
+
+/// A text in double quotes, with escapes for all but letters, digits and ASCII's other visible characters.
+pub(crate) fn quoted(text: &str) -> String {
+    let mut quoted = "\"".to_owned();
+    for character in text.chars() {
+        match character {
+            '"' | '\\' => quoted.extend(['\\', character]),
+            _ if character == ' ' || character.is_ascii_graphic() || character.is_alphanumeric() => {
+                quoted.push(character);
+            }
+            _ => {
+                // Writing to a String cannot fail.
+                let _ = write!(quoted, "\\U{:08x}", u32::from(character));
+            }
+        }
+    }
+    quoted + "\""
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_a_point_and_a_sign_in_the_exponent() {
+        assert_eq!([1e-7, 1.5e300, -0.0, 2e16].map(number), ["1.0e-7", "1.5e+300", "-0.0", "2.0e+16"]);
+    }
+
+    #[test]
+    fn texts_are_quoted_and_escaped() {
+        assert_eq!(quoted("a \"b\" \\ ü\n"), r#""a \"b\" \\ ü\U0000000a""#);
+    }
+}
