@@ -43,7 +43,7 @@ struct Cell {
 /// cut, so that text has the same size.
 const BUILT_IN_CELL: Cell = Cell { height_px: 28, baseline_px: 24 };
 
-static FONT: &[u8] = include_bytes!("../assets/LiberationSans-Regular.ttf");
+pub(crate) static FONT: &[u8] = include_bytes!("../assets/LiberationSans-Regular.ttf");
 
 /// Where a glyph's cell is in the atlas.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,12 +84,12 @@ pub fn glyph_atlas() -> &'static GlyphAtlas {
 }
 
 /// A glyph's coverage, in pixels to the right of its origin and below its baseline.
-struct Bitmap {
-    left_px: i32,
-    top_px: i32,
-    width_px: u32,
-    height_px: u32,
-    coverage: Vec<u8>,
+pub(crate) struct Bitmap {
+    pub(crate) left_px: i32,
+    pub(crate) top_px: i32,
+    pub(crate) width_px: u32,
+    pub(crate) height_px: u32,
+    pub(crate) coverage: Vec<u8>,
 }
 
 struct Glyph {
@@ -110,7 +110,7 @@ fn build(file: &[u8], cell: Option<Cell>) -> Option<GlyphAtlas> {
         .filter_map(char::from_u32)
         .filter_map(|character| {
             let id = charmap.map(character).unwrap_or(GlyphId::NOTDEF);
-            let bitmap = rasterize(&outlines, &hinting, id)?;
+            let bitmap = rasterize(&outlines, DrawSettings::hinted(&hinting, false), id)?;
             let advance_px = metrics.advance_width(id)?.round().max(0.0) as u32;
             Some(Glyph { character, advance_px, bitmap })
         })
@@ -173,9 +173,13 @@ fn pack(glyphs: &[Glyph], cell: Cell) -> GlyphAtlas {
     }
 }
 
-fn rasterize(outlines: &OutlineGlyphCollection<'_>, hinting: &HintingInstance, id: GlyphId) -> Option<Bitmap> {
+pub(crate) fn rasterize(
+    outlines: &OutlineGlyphCollection<'_>,
+    settings: DrawSettings<'_>,
+    id: GlyphId,
+) -> Option<Bitmap> {
     let mut path = Path::default();
-    outlines.get(id)?.draw(DrawSettings::hinted(hinting, false), &mut path).ok()?;
+    outlines.get(id)?.draw(settings, &mut path).ok()?;
     let bounds = |axis: fn(&Point) -> f32| {
         let low = path.points().map(|p| axis(&p)).fold(f32::INFINITY, f32::min);
         let high = path.points().map(|p| axis(&p)).fold(f32::NEG_INFINITY, f32::max);

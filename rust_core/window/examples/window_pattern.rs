@@ -2,7 +2,7 @@
 //!
 //! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png]`: pixel (u, v) of the pattern has red
 //! u % 256, green v % 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same.
-//! The same picture is shown again half a second later. Escape or q quit.
+//! The same picture is shown again half a second later. Keys and the monitor are logged. Escape or q quit.
 
 use std::error::Error;
 use std::io::Write;
@@ -10,7 +10,7 @@ use std::thread;
 use std::time::Duration;
 
 use log::LevelFilter;
-use rcs_window::{self as window, MonitorChoice, ScreenPicture, WindowOptions};
+use rcs_window::{self as window, MonitorChoice, ScreenPicture, UserEvent, WindowOptions};
 
 fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
     ScreenPicture::from_fn(width_px, height_px, |u, v| {
@@ -37,13 +37,19 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => return Err(format!("unknown option {flag}").into()),
         }
     }
-    window::run(options, move |sink| {
-        thread::spawn(move || {
-            sink.show(pattern(width, height));
-            thread::sleep(Duration::from_millis(500));
-            sink.show(pattern(width, height));
-            log::info!("this was the second picture");
-        });
+    window::run_interactive(options, move |event, sink| match event {
+        UserEvent::Opened(monitor) => {
+            log::info!("opened on {monitor}");
+            let sink = sink.clone();
+            thread::spawn(move || {
+                sink.show(pattern(width, height));
+                thread::sleep(Duration::from_millis(500));
+                sink.show(pattern(width, height));
+                log::info!("this was the second picture");
+            });
+        }
+        UserEvent::MonitorChanged(monitor) => log::info!("now on {monitor}"),
+        UserEvent::Key(key) => log::info!("key {key:?}"),
     })?;
     Ok(())
 }

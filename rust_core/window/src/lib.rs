@@ -3,7 +3,7 @@
 //! [`run`] opens the window on the calling thread, which must be the main thread, and stays until the user presses
 //! Escape or q, closes it, or [`PictureSink::close`] is called. Other threads hand pictures to the sink; only the
 //! newest is kept, and the window is drawn when a new picture arrives or the window system requests it, so an unchanged
-//! picture costs nothing.
+//! picture costs nothing. [`run_interactive`] also reports keys and the monitor, for programs that draw to its size.
 //!
 //! Nothing is ever scaled, because a projection fits the world only while picture pixel (u, v) is screen pixel (u, v):
 //! all sizes here are physical pixels, whatever the desktop's scale factor. If picture and monitor
@@ -12,11 +12,14 @@
 #![forbid(unsafe_code)]
 
 mod coverage;
+mod keys;
 mod monitor;
 mod open;
 mod screen_picture;
+pub mod test_pictures;
 mod x11;
 
+pub use keys::WindowKey;
 pub use monitor::{list as list_lines, MonitorChoice, MonitorError, MonitorInfo};
 pub use screen_picture::{PictureError, ReceivedPicture, ScreenPicture};
 
@@ -29,9 +32,9 @@ use winit::application::ApplicationHandler;
 use winit::error::EventLoopError;
 use winit::event::{ElementState, KeyEvent, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy, OwnedDisplayHandle};
-use winit::keyboard::{Key, NamedKey};
 use winit::window::WindowId;
 
+use crate::keys::is_quit_key;
 use crate::open::{monitors, OpenWindow};
 use crate::screen_picture::rgb_bytes;
 use rcs_files::picture_file::{self, PictureFileError};
@@ -123,13 +126,42 @@ impl PictureSink {
 /// # Errors
 /// [`WindowError`] when there is no display, no such monitor, or the window system refuses the window.
 pub fn run(options: WindowOptions, start: impl FnOnce(PictureSink)) -> Result<(), WindowError> {
+    let mut start = Some(start);
+    run_interactive(options, |_, sink| {
+        // The first event is that it is open.
+        if let Some(start) = start.take() {
+            start(sink.clone());
+        }
+    })
+}
+
+/// What happens to the window that a program may answer.
+#[derive(Debug, Clone, Copy)]
+pub enum UserEvent<'a> {
+    /// The window is open on this monitor: the first event, and once.
+    Opened(&'a MonitorInfo),
+    /// The monitor has another position or size.
+    MonitorChanged(&'a MonitorInfo),
+    /// The user pressed a key, or holds it down.
+    Key(WindowKey),
+}
+
+/// Opens the window and shows pictures until it is closed, as [`run`]. `handle` is called on this thread for each event
+/// and may show pictures at once; it must not block.
+///
+/// # Errors
+/// [`WindowError`] when there is no display, no such monitor, or the window system refuses the window.
+pub fn run_interactive(
+    options: WindowOptions,
+    handle: impl FnMut(UserEvent<'_>, &PictureSink),
+) -> Result<(), WindowError> {
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(event_loop_error)?;
     let sink = PictureSink { newest: Arc::default(), proxy: event_loop.create_proxy() };
     let mut application = Application {
         display: event_loop.owned_display_handle(),
         screenshot: options.screenshot.clone(),
         options,
-        start: Some(start),
+        handle,
         sink,
         open: None,
         picture: None,
@@ -173,7 +205,7 @@ pub fn list_monitors() -> Result<Vec<MonitorInfo>, WindowError> {
 struct Application<F> {
     options: WindowOptions,
     display: OwnedDisplayHandle,
-    start: Option<F>,
+    handle: F,
     sink: PictureSink,
     open: Option<OpenWindow>,
     picture: Option<ScreenPicture>,
@@ -236,17 +268,15 @@ impl<F> Application<F> {
     }
 }
 
-impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
+impl<F: FnMut(UserEvent<'_>, &PictureSink)> ApplicationHandler<Wake> for Application<F> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.open.is_some() {
             return;
         }
         match OpenWindow::open(event_loop, self.display.clone(), &self.options) {
             Ok(open) => {
-                self.open = Some(open);
-                if let Some(start) = self.start.take() {
-                    start(self.sink.clone());
-                }
+                let open = self.open.insert(open);
+                (self.handle)(UserEvent::Opened(open.monitor()), &self.sink);
             }
             Err(error) => self.end_on_error(event_loop, Err(error)),
         }
@@ -259,6 +289,7 @@ impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
         let now = Instant::now();
         let is_due = now >= open.next_poll();
         if is_due && open.poll(event_loop, now) {
+            (self.handle)(UserEvent::MonitorChanged(open.monitor()), &self.sink);
             self.compare_sizes();
         }
         if is_due {
@@ -282,7 +313,13 @@ impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             WindowEvent::KeyboardInput {
                 event: KeyEvent { logical_key, state: ElementState::Pressed, .. }, ..
-            } if is_quit_key(&logical_key) => event_loop.exit(),
+            } => {
+                if is_quit_key(&logical_key) {
+                    event_loop.exit();
+                } else if let Some(key) = WindowKey::from_winit(&logical_key) {
+                    (self.handle)(UserEvent::Key(key), &self.sink);
+                }
+            }
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
                 if let Some(open) = &self.open {
                     open.request_redraw();
@@ -297,14 +334,6 @@ impl<F: FnOnce(PictureSink)> ApplicationHandler<Wake> for Application<F> {
     }
 }
 
-fn is_quit_key(key: &Key) -> bool {
-    match key {
-        Key::Named(NamedKey::Escape) => true,
-        Key::Character(text) => text.eq_ignore_ascii_case("q"),
-        _ => false,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,14 +342,5 @@ mod tests {
     fn messages_lose_the_place_in_winits_source_code() {
         assert_eq!(without_place("os error at /x/y.rs:7: DISPLAY: not set."), "DISPLAY: not set");
         assert_eq!(without_place("something else: bad"), "something else: bad");
-    }
-
-    #[test]
-    fn escape_and_q_quit_and_nothing_else() {
-        assert!(is_quit_key(&Key::Named(NamedKey::Escape)));
-        assert!(is_quit_key(&Key::Character("q".into())));
-        assert!(is_quit_key(&Key::Character("Q".into())));
-        assert!(!is_quit_key(&Key::Character("w".into())));
-        assert!(!is_quit_key(&Key::Named(NamedKey::Enter)));
     }
 }

@@ -8,7 +8,7 @@
 //! [`ScreenPicture::draw_unscaled`] lays it on a surface of any size: picture pixel (u, v) is surface pixel (u, v),
 //! what does not fit is cut off, what is not covered is black.
 
-use rcs_scene::Encoding;
+use rcs_scene::{Encoding, Picture};
 
 /// A picture of one `0x00RRGGBB` value a pixel, rows from the top, no padding.
 ///
@@ -161,6 +161,22 @@ impl ScreenPicture {
             read_row(row.get(..row_bytes).unwrap_or(row), &mut pixels);
         }
         Ok(Self { width_px, height_px, pixels })
+    }
+
+    /// A drawn picture as the screen takes it.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the picture is empty, or has less data than its size needs.
+    pub fn from_picture(picture: &Picture) -> Result<Self, PictureError> {
+        Self::from_received(&ReceivedPicture {
+            width_px: picture.width_px,
+            height_px: picture.height_px,
+            // A width that fits no u32 in bytes is that of no picture with data.
+            step_bytes: u32::try_from(picture.step()).unwrap_or(u32::MAX),
+            encoding: picture.encoding.name(),
+            is_bigendian: false,
+            data: &picture.data,
+        })
     }
 
     /// A picture whose pixel (u, v) is `color(u, v)`, each `[red, green, blue]`.

@@ -232,6 +232,9 @@ fn expected(width_px: u32, height_px: u32) -> Vec<u32> {
 
 const ESCAPE: u32 = 0xff1b;
 const LETTER_Q: u32 = 0x0071;
+const SPACE: u32 = 0x0020;
+const LEFT: u32 = 0xff51;
+const LETTER_N: u32 = 0x006e;
 
 fn covers_the_screen_and_quits(with_manager: bool, key: u32) {
     let screen = Screen::start(with_manager);
@@ -257,6 +260,23 @@ fn under_a_window_manager_the_screen_is_the_picture_and_escape_quits() {
 #[test]
 fn without_a_window_manager_the_screen_is_the_picture_and_q_quits() {
     covers_the_screen_and_quits(false, LETTER_Q);
+}
+
+#[test]
+fn keys_and_the_monitor_are_reported_to_the_program() {
+    let screen = Screen::start(true);
+    let mut window = screen.show(&["1280x800"]);
+    screen.wait_for_pixels(&mut window, &expected(1280, 800));
+    for (key, name) in [(SPACE, "key Space"), (LEFT, "key Left"), (LETTER_N, "key Character('n')")] {
+        wait_for(name, || {
+            screen.press(key);
+            window.log_text().contains(name).then_some(())
+        });
+    }
+    assert!(screen.quit(&mut window, ESCAPE).success());
+    let log = window.log_text();
+    let first = log.lines().position(|line| line.contains("opened on screen 1280x800+0+0"));
+    assert!(first.is_some() && first < log.lines().position(|line| line.contains("key ")), "{log}");
 }
 
 #[test]

@@ -24,6 +24,7 @@ mod command_line;
 mod diagnostics;
 mod live_equals_offline;
 mod node_log;
+mod projector_calibrate;
 mod render;
 mod simulated_time;
 mod transforms;

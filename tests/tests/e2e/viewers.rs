@@ -58,15 +58,16 @@ fn rosbag_records_the_picture_as_it_was_sent() {
 }
 
 /// An X server with a window manager, and the pixels of its screen.
-struct Screen {
-    display: String,
+pub(crate) struct Screen {
+    pub(crate) display: String,
     folder: tempfile::TempDir,
     _manager: Running,
     _server: Running,
 }
 
 impl Screen {
-    fn start() -> Self {
+    /// A screen of 640×360 pixels.
+    pub(crate) fn start() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let mut command = Command::new("Xvfb");
         command.args(["-displayfd", "1", "-screen", "0", &format!("{WIDTH_PX}x{HEIGHT_PX}x24"), "-nolisten", "tcp"]);
@@ -78,7 +79,7 @@ impl Screen {
     }
 
     /// The screen's pixels, three bytes each: the server keeps them in a file in xwd's format.
-    fn pixels(&self) -> Vec<u8> {
+    pub(crate) fn pixels(&self) -> Vec<u8> {
         let xwd = fs::read(self.folder.path().join("Xvfb_screen0")).unwrap();
         let word = |index: usize| u32::from_be_bytes(xwd[index * 4..index * 4 + 4].try_into().unwrap()) as usize;
         // Words of XWDFileHeader: size of the header, width, height, bits a pixel, bytes a line, colours.

@@ -1,6 +1,5 @@
 //! `projector_window`: an image topic full screen on a chosen monitor, pixel for pixel.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::mpsc;
 use std::thread;
@@ -10,10 +9,9 @@ use anyhow::Context;
 use clap::Parser;
 use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_ros::NodeEvent;
-use rcs_window::{
-    self as window, list_lines, MonitorChoice, PictureError, PictureSink, ReceivedPicture, ScreenPicture, WindowOptions,
-};
+use rcs_window::{self as window, PictureError, PictureSink, ReceivedPicture, ScreenPicture};
 
+use crate::monitor_arguments::MonitorArguments;
 use crate::small_node::{self, EndRequest};
 
 const DEFAULT_TOPIC: &str = "/proj_view/image";
@@ -37,15 +35,8 @@ struct Arguments {
     /// The image topic [default: the remapping of image:=, else /proj_view/image]
     #[arg(long)]
     topic: Option<String>,
-    /// The monitor's name, or its number in the list [default: the last that is not primary, else the only one]
-    #[arg(long, value_name = "NAME|INDEX", default_value = "", hide_default_value = true)]
-    monitor: MonitorChoice,
-    /// List the monitors and exit
-    #[arg(long)]
-    list_monitors: bool,
-    /// Save what the window shows once the first picture has arrived
-    #[arg(long, value_name = "FILE.png")]
-    screenshot: Option<PathBuf>,
+    #[command(flatten)]
+    monitor: MonitorArguments,
 }
 
 /// Runs the program with the process's arguments.
@@ -54,15 +45,12 @@ pub fn main() -> ExitCode {
 }
 
 fn run(arguments: Arguments) -> anyhow::Result<()> {
-    if arguments.list_monitors {
-        for line in list_lines(&window::list_monitors()?) {
-            println!("{line}");
-        }
+    if arguments.monitor.print_list()? {
         return Ok(());
     }
     let topic =
         arguments.topic.or_else(|| small_node::remapping_of("image")).unwrap_or_else(|| DEFAULT_TOPIC.to_owned());
-    let options = WindowOptions { source: topic.clone(), monitor: arguments.monitor, screenshot: arguments.screenshot };
+    let options = arguments.monitor.window_options(&topic);
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
 
     // The window system needs the main thread; the node runs on another one and closes the window when it ends.

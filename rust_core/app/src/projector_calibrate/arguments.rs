@@ -1,0 +1,67 @@
+//! Quantities as a user types them: sizes in pixels, lengths in metres.
+
+use rcs_files::capture::MOST_PIXELS;
+
+/// Width and height, pixels: `1280x800`.
+pub(super) fn size_px(text: &str) -> Result<[u32; 2], String> {
+    let [width, height] = pair(text).ok_or("not a size such as 1280x800")?;
+    let side = |text: &str| match text.parse() {
+        Ok(side) if (1..=MOST_PIXELS).contains(&side) => Ok(side),
+        _ => Err(format!("'{text}' is not a number of pixels from 1 to {MOST_PIXELS}")),
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+/// Two lengths, metres: `0.9x0.56`, `0.45,0.6`, `90cm x 56cm`.
+pub(super) fn two_lengths_m(text: &str) -> Result<[f64; 2], String> {
+    let [first, second] = pair(text).ok_or("not two lengths such as 0.9x0.56")?;
+    Ok([length_m(first)?, length_m(second)?])
+}
+
+/// A length, metres: `1.25`, `1.25m`, `125cm`, `1250mm`. Whether it can be one is not checked.
+pub(super) fn length_m(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let units = [("mm", 1e3), ("cm", 1e2), ("m", 1.0)];
+    let (number, units_in_metre) =
+        units.iter().find_map(|(unit, count)| Some((text.strip_suffix(unit)?, *count))).unwrap_or((text, 1.0));
+    // Dividing is exact where multiplying by 0.001 is not: 250 mm is 0.25 m.
+    let length: f64 = number.trim().parse().map_err(|_| format!("'{text}' is not a length in metres such as 1.25"))?;
+    Ok(length / units_in_metre)
+}
+
+/// The two sides of an x, a comma or white space.
+fn pair(text: &str) -> Option<[&str; 2]> {
+    let (first, second) =
+        text.trim().split_once(['x', 'X', '×', ',', ';']).or_else(|| text.trim().split_once(char::is_whitespace))?;
+    Some([first.trim(), second.trim()])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_whole_pixels() {
+        for text in ["1280x800", " 1280 x 800 ", "1280×800", "1280,800", "1280 800", "1280X800"] {
+            assert_eq!(size_px(text), Ok([1280, 800]), "{text}");
+        }
+        for text in ["", "1280", "1280x", "0x800", "1280x-8", "1280x800x3", "1e3x8", "99999x800", "1280.5x800"] {
+            assert!(size_px(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn lengths_are_metres_unless_they_have_a_unit() {
+        for text in ["1.25", "1.25m", " 1.25 m", "125cm", "1250 mm"] {
+            assert_eq!(length_m(text), Ok(1.25), "{text}");
+        }
+        assert_eq!(two_lengths_m("-0.1, 0.65"), Ok([-0.1, 0.65]));
+        assert_eq!(two_lengths_m("90cm x 56cm"), Ok([0.9, 0.56]));
+        for text in ["", "m", "1.2.3", "wide", "1,25x"] {
+            assert!(length_m(text).is_err(), "{text}");
+        }
+        for text in ["", "0.9", "0.9x", "x"] {
+            assert!(two_lengths_m(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! The measures, asked for one after the other on the terminal. An answer that cannot be used is asked for again, and
+//! measures that contradict each other, too. The end of the input (Ctrl-D) and Ctrl-C end the program; nothing has been
+//! written by then.
+//!
+//! Questions go to standard error, so that standard output is the file's.
+
+use std::io::{self, BufRead, Read as _, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::thread;
+
+use anyhow::{anyhow, Context as _};
+use rcs_calibration::manual::{solve, ManualMeasures, WallMeasures};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+
+use super::super::arguments::{length_m, size_px, two_lengths_m};
+use super::Failure;
+
+const INTRODUCTION: &str = "\
+Put the projector before a flat wall, its optical axis at right angles to it. Switch keystone correction off, show a
+picture in the projector's own resolution (projector_calibrate show --test border), and leave zoom and focus alone from
+now on. Measure in metres, or write the unit (90cm, 900mm).
+
+  from the side                    the wall, seen from the projector
+
+                |  picture         |<----------- W ----------->|
+              / |                --+---------------------------+--
+            /   |                ^ |                           | ^
+          /     |                | |                           | H
+        /       |                Y |                           | v
+      /         |                | +---------------------------+--
+  [O]-----------+  optical axis  v |
+                |                --|- - - - - - -*  where the axis meets the wall: at the lens' height,
+   |<--- Z ---->|                  |<---- X ---->|  here below the picture (Y greater than H)
+  lens        wall
+";
+const SECOND: &str = "
+With a second distance it does not matter where in the projector the light comes from. Move the projector straight back
+or forth, by as much as there is room, and measure everything again, the distance from the same place of the projector.
+";
+
+/// An answer may be this long, bytes.
+const MOST_BYTES: u64 = 1000;
+/// So many unusable answers in a row are no person's.
+const MOST_ATTEMPTS: u32 = 30;
+
+/// What the user answered.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Answers {
+    /// The measures, of which a lens follows.
+    pub(super) measures: ManualMeasures,
+    /// The file to write; none: standard output.
+    pub(super) output: Option<PathBuf>,
+}
+
+/// Asks on the terminal. `output` is the file to write if one was given already.
+pub(super) fn ask_user(tape_error_m: f64, output: Option<&Path>) -> Result<Answers, Failure> {
+    end_on_signals().context("cannot handle signals").map_err(Failure::Refused)?;
+    ask(&mut io::stdin().lock(), &mut io::stderr(), tape_error_m, output)
+}
+
+/// Ends the program on Ctrl-C while it waits for an answer. To be called once.
+fn end_on_signals() -> io::Result<()> {
+    let mut signals = Signals::new([SIGINT, SIGTERM])?;
+    let waiting = move || {
+        if signals.forever().next().is_some() {
+            eprintln!();
+            let _: ExitCode = interrupted().report();
+            std::process::exit(1);
+        }
+    };
+    thread::Builder::new().name("signals".to_owned()).spawn(waiting).map(drop)
+}
+
+fn interrupted() -> Failure {
+    Failure::Refused(anyhow!("ended before the last answer; nothing written"))
+}
+
+/// Asks until there are measures of which a lens follows.
+fn ask(
+    input: &mut impl BufRead,
+    terminal: &mut impl Write,
+    tape_error_m: f64,
+    output: Option<&Path>,
+) -> Result<Answers, Failure> {
+    let mut dialog = Dialog { input, terminal };
+    dialog.say(INTRODUCTION)?;
+    let size_px = dialog.answer("Width and height of the picture in pixels, such as 1280x800: ", size_px)?;
+    let measures = |first, second| ManualMeasures { size_px, first, second, tape_error_m };
+    let first = dialog.wall(&|wall| solve(&measures(wall, None)).map(drop))?;
+    dialog.say(SECOND)?;
+    let second = if dialog.agrees("Measure at a second distance? [Y/n] ", true)? {
+        Some(dialog.wall(&|wall| solve(&measures(first, Some(wall))).map(drop))?)
+    } else {
+        None
+    };
+    let output = match output {
+        Some(path) => path.to_owned(),
+        None => dialog.file()?,
+    };
+    Ok(Answers { measures: measures(first, second), output: Some(output) })
+}
+
+/// Questions and answers.
+struct Dialog<'a, I, T> {
+    input: &'a mut I,
+    terminal: &'a mut T,
+}
+
+impl<I: BufRead, T: Write> Dialog<'_, I, T> {
+    fn say(&mut self, text: &str) -> Result<(), Failure> {
+        let said = writeln!(self.terminal, "{text}").and_then(|()| self.terminal.flush());
+        said.map_err(Failure::refused)
+    }
+
+    /// What `read` makes of the answer; asks again until it makes something of it.
+    fn answer<A>(&mut self, question: &str, read: impl Fn(&str) -> Result<A, String>) -> Result<A, Failure> {
+        for _ in 0..MOST_ATTEMPTS {
+            write!(self.terminal, "{question}").and_then(|()| self.terminal.flush()).map_err(Failure::refused)?;
+            let mut line = String::new();
+            match self.input.by_ref().take(MOST_BYTES).read_line(&mut line) {
+                Ok(0) => {
+                    self.say("")?;
+                    return Err(interrupted());
+                }
+                Ok(_) => {}
+                Err(error) if error.kind() == io::ErrorKind::InvalidData => line.clear(),
+                Err(error) => return Err(Failure::unreadable(error)),
+            }
+            match read(line.trim()) {
+                Ok(answer) => return Ok(answer),
+                Err(reason) => self.say(&format!("  {reason}"))?,
+            }
+        }
+        Err(Failure::Unreadable(anyhow!("no usable answer to: {}", question.trim())))
+    }
+
+    /// What is measured at one distance; asks for all of it again while `check` finds a fault.
+    fn wall<E: std::fmt::Display>(
+        &mut self,
+        check: &dyn Fn(WallMeasures) -> Result<(), E>,
+    ) -> Result<WallMeasures, Failure> {
+        for _ in 0..MOST_ATTEMPTS {
+            let distance_m =
+                self.answer("Distance from the lens to the wall, Z: ", |text| positive(length_m(text)?))?;
+            let picture_m = self.answer("Width and height of the picture on the wall, W x H: ", |text| {
+                let [width, height] = two_lengths_m(text)?;
+                Ok([positive(width)?, positive(height)?])
+            })?;
+            let axis_m = self.answer("Where the optical axis meets the wall, X, Y: ", |text| {
+                let place = two_lengths_m(text)?;
+                place.iter().all(|length| length.is_finite()).then_some(place).ok_or_else(not_finite)
+            })?;
+            let wall = WallMeasures { distance_m, picture_m, axis_m: Some(axis_m) };
+            match check(wall) {
+                Ok(()) => return Ok(wall),
+                Err(error) => self.say(&format!("  {error}: measure this distance again"))?,
+            }
+        }
+        Err(Failure::Unreadable(anyhow!("no usable measures")))
+    }
+
+    fn agrees(&mut self, question: &str, default: bool) -> Result<bool, Failure> {
+        self.answer(question, |text| match text.to_lowercase().as_str() {
+            "" => Ok(default),
+            "y" | "yes" => Ok(true),
+            "n" | "no" => Ok(false),
+            _ => Err("answer y or n".to_owned()),
+        })
+    }
+
+    /// The file to write.
+    fn file(&mut self) -> Result<PathBuf, Failure> {
+        loop {
+            let path = self.answer("File to write [projector.yaml]: ", |text| match text {
+                "" => Ok(PathBuf::from("projector.yaml")),
+                _ if Path::new(text).is_dir() => Err(format!("{text} is a folder")),
+                _ => Ok(PathBuf::from(text)),
+            })?;
+            if !path.exists() || self.agrees(&format!("{} exists. Replace it? [y/N] ", path.display()), false)? {
+                return Ok(path);
+            }
+        }
+    }
+}
+
+fn positive(length_m: f64) -> Result<f64, String> {
+    if !length_m.is_finite() {
+        Err(not_finite())
+    } else if length_m <= 0.0 {
+        Err("it must be greater than zero".to_owned())
+    } else {
+        Ok(length_m)
+    }
+}
+
+fn not_finite() -> String {
+    "not a finite number".to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answers(lines: &[&str]) -> (Result<Answers, Failure>, String) {
+        let (input, mut shown) = (lines.join("\n") + "\n", Vec::new());
+        let result = ask(&mut input.as_bytes(), &mut shown, 0.001, Some(Path::new("out.yaml")));
+        (result, String::from_utf8(shown).unwrap())
+    }
+
+    #[test]
+    fn each_measure_is_asked_for() {
+        let lines = ["1280x800", "1.2", "0.9x0.56", "45cm,60cm", "", "2.4", "1.83x1.14", "0.915,1.22"];
+        let (result, shown) = answers(&lines);
+        let Answers { measures, output } = result.unwrap();
+        assert_eq!(measures.size_px, [1280, 800]);
+        assert_eq!(measures.first.axis_m, Some([0.45, 0.6]));
+        assert_eq!(measures.second.unwrap().picture_m, [1.83, 1.14]);
+        assert_eq!(output, Some(PathBuf::from("out.yaml")));
+        assert!(shown.starts_with(INTRODUCTION) && shown.contains(SECOND), "{shown}");
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_asked_for_again() {
+        let lines = ["wide", "1280x800", "-1", "nan", "1.2", "0.9", "0.9x0.56", "0.45,inf", "0.45,0.6", "maybe", "n"];
+        let (result, shown) = answers(&lines);
+        assert_eq!(result.unwrap().measures.first.picture_m, [0.9, 0.56]);
+        for reason in ["not a size", "greater than zero", "not a finite number", "not two lengths", "answer y or n"] {
+            assert!(shown.contains(reason), "{reason}: {shown}");
+        }
+    }
+
+    #[test]
+    fn a_second_distance_that_contradicts_the_first_is_asked_for_again() {
+        let first = ["1280x800", "1.2", "0.9x0.56", "0.45,0.6", "y"];
+        let lines = [&first[..], &["2.4", "0.8x0.5", "0.4,0.5", "2.4", "1.8x1.12", "0.9,1.2"]].concat();
+        let (result, shown) = answers(&lines);
+        assert_eq!(result.unwrap().measures.second.unwrap().distance_m, 2.4);
+        assert!(shown.contains("a picture grows with the distance: measure this distance again"), "{shown}");
+    }
+
+    #[test]
+    fn the_end_of_the_input_ends_the_questions_and_so_do_endless_answers() {
+        for count in 0..4 {
+            let (result, _) = answers(&["1280x800", "1.2", "0.9x0.56"][..count]);
+            assert!(matches!(result, Err(Failure::Refused(_))), "{result:?}");
+        }
+        let mut endless = io::BufReader::new(io::repeat(b'7'));
+        let result = ask(&mut endless, &mut Vec::new(), 0.001, None);
+        assert!(matches!(result, Err(Failure::Unreadable(_))), "{result:?}");
+    }
+}

@@ -1,0 +1,65 @@
+//! Marks that tell how a picture was turned or mirrored on its way to the wall: in each corner a white disc, with one
+//! to four black dots in it, clockwise from the top left. So each corner is known for itself (a disc with so many holes,
+//! however it is distorted), and their order tells a mirror image from a turned one. In the middle is an F, which looks
+//! different in each of the eight ways, for people.
+
+use rcs_scene::Picture;
+
+use super::{Canvas, BLACK, WHITE};
+
+/// A disc with dots.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrientationMark {
+    /// The disc's centre, pixels.
+    pub center_px: [f64; 2],
+    /// The disc's radius, pixels.
+    pub radius_px: f64,
+    /// How many dots.
+    pub dots: u32,
+    /// The dots' radius, pixels.
+    pub dot_radius_px: f64,
+}
+
+/// The marks of a picture of this size, clockwise from the top left, with one to four dots.
+pub fn orientation_marks(size_px: [u32; 2]) -> [OrientationMark; 4] {
+    let [width, height] = size_px.map(f64::from);
+    let radius_px = 0.13 * width.min(height);
+    // As far from the edges as another quarter of it.
+    let near = 1.25 * radius_px;
+    let (far_u, far_v) = (width - 1.0 - near, height - 1.0 - near);
+    let mark = |dots, center_px| OrientationMark { center_px, radius_px, dots, dot_radius_px: 0.2 * radius_px };
+    [mark(1, [near, near]), mark(2, [far_u, near]), mark(3, [far_u, far_v]), mark(4, [near, far_v])]
+}
+
+impl OrientationMark {
+    /// Where its dots are, pixels.
+    pub fn dots_px(&self) -> Vec<[f64; 2]> {
+        // A single one is in the middle; the others are farther from each other and from the edge than they are wide.
+        let ring_px = if self.dots < 2 { 0.0 } else { 0.52 * self.radius_px };
+        let turn = std::f64::consts::TAU / f64::from(self.dots.max(1));
+        let angles = (0..self.dots).map(|dot| turn * (f64::from(dot) + 0.5));
+        angles
+            .map(|angle| [0, 1].map(|axis| self.center_px[axis] + ring_px * [angle.sin(), -angle.cos()][axis]))
+            .collect()
+    }
+}
+
+/// The picture.
+pub(super) fn orientation(size_px: [u32; 2]) -> Picture {
+    let mut canvas = Canvas::new(size_px, BLACK);
+    for mark in orientation_marks(size_px) {
+        canvas.disc(mark.center_px, mark.radius_px, WHITE);
+        for dot in mark.dots_px() {
+            canvas.disc(dot, mark.dot_radius_px, BLACK);
+        }
+    }
+    // Stem and bars of the F, in sixths of its height.
+    let sixth = canvas.size_px().into_iter().min().unwrap_or(0) / 12;
+    let [left, top] = canvas.size_px().map(|side| side / 2);
+    let (left, top) = (left - 2 * sixth, top - 3 * sixth);
+    for (columns, first_row, last_row) in [(1, 0, 6), (4, 0, 1), (3, 2, 3)] {
+        let (first, end) = ([left, top + first_row * sixth], [left + columns * sixth, top + last_row * sixth]);
+        canvas.fill(first, end, WHITE);
+    }
+    canvas.into_picture()
+}
