@@ -110,7 +110,7 @@ fn refusals_are_1_and_unreadable_inputs_2_each_one_line_and_nothing_is_written()
         (vec!["manual", "--check", "missing.yaml"], 2, "missing.yaml: No such file"),
         (vec!["manual", "--check", "broken.yaml"], 2, "line 2"),
         (vec!["patterns", "--size", "1280x800", "-o", "no/such/folder"], 1, "No such file"),
-        (vec!["show", "--patterns", "missing"], 2, "missing/patterns.yaml: No such file"),
+        (vec!["show", "--patterns", "missing"], 2, "missing: No such file"),
         (vec!["show", "--test", "grid"], 1, "DISPLAY"),
         (vec!["show", "-o", "missing", "--size", "64x48"], 1, "missing/"),
     ];

@@ -9,6 +9,7 @@ mod manual;
 mod patterns;
 mod placing;
 mod refine;
+mod scan;
 mod show;
 mod solve;
 mod verify;
@@ -43,6 +44,7 @@ enum Command {
     Manual(manual::ManualArguments),
     Patterns(patterns::PatternsArguments),
     Show(show::ShowArguments),
+    Scan(scan::ScanArguments),
     Decode(decode::DecodeArguments),
     Solve(solve::SolveArguments),
     Refine(refine::RefineArguments),
@@ -57,6 +59,7 @@ pub fn main() -> ExitCode {
         Command::Manual(arguments) => manual::run(arguments),
         Command::Patterns(arguments) => patterns::run(arguments),
         Command::Show(arguments) => show::run(arguments),
+        Command::Scan(arguments) => scan::run(arguments),
         Command::Decode(arguments) => decode::run(arguments),
         Command::Solve(arguments) => solve::run(arguments),
         Command::Refine(arguments) => refine::run(arguments),

@@ -1,0 +1,179 @@
+//! What the camera's messages say: grey levels of a picture, depths of a depth image or of an organised cloud.
+
+use rcs_messages::sensor_msgs::PointField;
+use rcs_messages::{Image, PointCloud2};
+
+/// Numbers of the type float32 in a PointField.
+const FLOAT32: u8 = 7;
+
+/// Grey levels of an image, row by row. Of colours, the luma of ITU-R BT.601, as cv_bridge has it.
+///
+/// # Errors
+/// The reason, for a message that names the topic.
+pub(super) fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
+    // Where red, green and blue are in a pixel, and its bytes.
+    let (channels, bytes) = match image.encoding.as_str() {
+        "mono8" | "8UC1" => ([0, 0, 0], 1),
+        "rgb8" | "8UC3" => ([0, 1, 2], 3),
+        "bgr8" => ([2, 1, 0], 3),
+        "rgba8" => ([0, 1, 2], 4),
+        "bgra8" | "8UC4" => ([2, 1, 0], 4),
+        other => {
+            return Err(format!("encoding '{other}' cannot be used (mono8, rgb8, bgr8, rgba8 and bgra8 can)"));
+        }
+    };
+    let mut grey = Vec::new();
+    for row in rows(image, bytes)? {
+        grey.extend(row.chunks_exact(bytes).map(|pixel| luma(channels.map(|channel| pixel[channel]))));
+    }
+    Ok(grey)
+}
+
+fn luma([red, green, blue]: [u8; 3]) -> u8 {
+    ((299 * u32::from(red) + 587 * u32::from(green) + 114 * u32::from(blue) + 500) / 1000) as u8
+}
+
+/// Depths of a depth image, metres, row by row; what is not a positive number is no depth.
+///
+/// # Errors
+/// The reason, for a message that names the topic.
+pub(super) fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
+    let is_bigendian = image.is_bigendian != 0;
+    let mut depths = Vec::new();
+    match image.encoding.as_str() {
+        "16UC1" | "mono16" => {
+            for row in rows(image, 2)? {
+                depths.extend(row.as_chunks().0.iter().map(|bytes| {
+                    let millimetres =
+                        if is_bigendian { u16::from_be_bytes(*bytes) } else { u16::from_le_bytes(*bytes) };
+                    f32::from(millimetres) / 1000.0
+                }));
+            }
+        }
+        "32FC1" => {
+            for row in rows(image, 4)? {
+                depths.extend(row.as_chunks().0.iter().map(|bytes| float(*bytes, is_bigendian)));
+            }
+        }
+        other => {
+            return Err(format!("encoding '{other}' is none of depth (16UC1 in millimetres and 32FC1 in metres are)"));
+        }
+    }
+    Ok(depths)
+}
+
+/// Depths of an organised cloud in the camera's optical frame: the z of each point.
+///
+/// # Errors
+/// The reason, for a message that names the topic.
+pub(super) fn cloud_depths_m(cloud: &PointCloud2) -> Result<Vec<f32>, String> {
+    if cloud.height < 2 {
+        return Err(format!("the cloud is not organised: it has {} row", cloud.height));
+    }
+    let is_z = |field: &&PointField| field.name == "z" && field.datatype == FLOAT32;
+    let z = cloud.fields.iter().find(is_z).ok_or("the cloud has no field z of float32")?;
+    let (offset, step) = (z.offset as usize, cloud.point_step as usize);
+    let (width, row_step) = (cloud.width as usize, cloud.row_step as usize);
+    let is_inside = offset + 4 <= step && width.checked_mul(step).is_some_and(|needed| needed <= row_step);
+    let needed = row_step.checked_mul(cloud.height as usize);
+    if !is_inside || needed.is_none_or(|needed| needed > cloud.data().len()) || row_step == 0 {
+        return Err("the cloud's data are shorter than its size says".to_owned());
+    }
+    let mut depths = Vec::with_capacity(width * cloud.height as usize);
+    for row in cloud.data().chunks_exact(row_step).take(cloud.height as usize) {
+        let z_of = |point: &[u8]| point[offset..].first_chunk().map_or(f32::NAN, |z| float(*z, cloud.is_bigendian));
+        depths.extend(row.chunks_exact(step).take(width).map(z_of));
+    }
+    Ok(depths)
+}
+
+fn float(bytes: [u8; 4], is_bigendian: bool) -> f32 {
+    if is_bigendian {
+        f32::from_be_bytes(bytes)
+    } else {
+        f32::from_le_bytes(bytes)
+    }
+}
+
+/// The rows of an image whose pixels have so many bytes, without what is between them.
+fn rows(image: &Image, bytes_of_pixel: usize) -> Result<impl Iterator<Item = &[u8]>, String> {
+    let (width, height, step) = (image.width as usize, image.height as usize, image.step as usize);
+    let bytes = width.checked_mul(bytes_of_pixel).filter(|bytes| (1..=step).contains(bytes));
+    let needed = bytes.and_then(|bytes| step.checked_mul(height.checked_sub(1)?)?.checked_add(bytes));
+    match (bytes, needed) {
+        (Some(bytes), Some(needed)) if needed <= image.data().len() => {
+            Ok(image.data().chunks(step).take(height).map(move |row| &row[..bytes]))
+        }
+        _ => Err(format!(
+            "{} bytes with a step of {step} are no picture of {width}x{height} pixels in {}",
+            image.data().len(),
+            image.encoding
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use rcs_messages::std_msgs::Header;
+
+    use super::*;
+
+    fn image(encoding: &str, size_px: [u32; 2], step: u32, data: &[u8]) -> Image {
+        Image::new(Header::default(), size_px, encoding, step, Arc::new(data.to_vec()))
+    }
+
+    #[test]
+    fn grey_is_luma_in_any_order_of_channels() {
+        let red = [("rgb8", vec![255, 0, 0]), ("bgr8", vec![0, 0, 255]), ("rgba8", vec![255, 0, 0, 9])];
+        for (encoding, pixel) in red {
+            let step = pixel.len() as u32;
+            assert_eq!(grey_levels(&image(encoding, [1, 1], step, &pixel)), Ok(vec![76]), "{encoding}");
+        }
+        assert_eq!(grey_levels(&image("bgra8", [1, 1], 4, &[0, 255, 0, 0])), Ok(vec![150]));
+        assert_eq!(grey_levels(&image("mono8", [2, 2], 3, &[1, 2, 0, 3, 4])), Ok(vec![1, 2, 3, 4]));
+    }
+
+    #[test]
+    fn depth_is_metres() {
+        let millimetres = [1500_u16, 0].map(u16::to_le_bytes).concat();
+        assert_eq!(depths_m(&image("16UC1", [2, 1], 4, &millimetres)), Ok(vec![1.5, 0.0]));
+        let metres = [1.25_f32, f32::NAN].map(f32::to_le_bytes).concat();
+        let depths = depths_m(&image("32FC1", [1, 2], 4, &metres)).unwrap();
+        assert!(depths[0] == 1.25 && depths[1].is_nan());
+    }
+
+    #[test]
+    fn a_clouds_depth_is_its_z() {
+        let cloud = |change: fn(&mut PointCloud2), len: usize| {
+            let mut cloud = PointCloud2::default();
+            (cloud.width, cloud.height, cloud.point_step, cloud.row_step) = (2, 2, 8, 16);
+            cloud.fields = vec![PointField { name: "z".to_owned(), offset: 4, datatype: FLOAT32, count: 1 }];
+            change(&mut cloud);
+            let data: Vec<u8> = (0..8_u8).flat_map(|i| f32::from(i).to_le_bytes()).collect();
+            cloud_depths_m(&cloud.with_data(data[..len].to_vec()))
+        };
+        assert_eq!(cloud(|_| (), 32), Ok(vec![1.0, 3.0, 5.0, 7.0]));
+        assert!(cloud(|cloud| (cloud.width, cloud.height) = (4, 1), 32).unwrap_err().contains("organised"));
+        assert!(cloud(|cloud| cloud.fields.clear(), 32).unwrap_err().contains("no field z"));
+        assert!(cloud(|_| (), 20).is_err());
+        assert!(cloud(|cloud| (cloud.point_step, cloud.row_step) = (0, 0), 32).is_err());
+    }
+
+    #[test]
+    fn what_is_no_picture_is_an_error() {
+        for (encoding, size_px, step, len) in [
+            ("mono8", [4, 4], 4, 15),
+            ("rgb8", [4, 4], 11, 100),
+            ("mono8", [0, 4], 4, 16),
+            ("mono8", [4, 0], 4, 16),
+            ("mono8", [u32::MAX, u32::MAX], u32::MAX, 16),
+            ("bayer_rggb8", [4, 4], 4, 16),
+        ] {
+            assert!(grey_levels(&image(encoding, size_px, step, &vec![0; len])).is_err(), "{encoding} {size_px:?}");
+        }
+        assert!(depths_m(&image("16UC1", [4, 4], 8, &[0; 31])).is_err());
+        assert!(depths_m(&image("rgb8", [4, 4], 12, &[0; 48])).unwrap_err().contains("rgb8"));
+    }
+}

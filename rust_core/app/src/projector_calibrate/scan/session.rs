@@ -1,0 +1,308 @@
+//! A scan from the first look to the capture: what is shown, what is checked, and when it is given up.
+//!
+//! 1. Black and white in turn ([`super::light`]): the delay, exposure, rest.
+//! 2. The patterns, coarse stripes of both axes first. Once those were seen, it is known whether the picture is mirrored
+//!    or another one ([`super::orientation`]), and from then on an interrupted scan is worth something.
+//! 3. White again, compared with the first one, and decoding.
+
+use std::time::{Duration, Instant};
+
+use rcs_calibration::patterns::{gray_code, shifted_gray_code, Axis, Pattern};
+use rcs_calibration::{decode, Decoded, Pictures, ScanProblem};
+use rcs_files::capture::{Capture, PatternPicture};
+
+use super::compare::Change;
+use super::depth_average::DepthAverage;
+use super::devices::{Camera, Frame, Screen};
+use super::failure::ScanFailure;
+use super::light::{Delay, Light, MOST_MOVED};
+use super::orientation::{self, Orientation};
+
+/// How long the camera may be silent.
+const SILENCE: Duration = Duration::from_secs(5);
+/// Brightness may change by this share from the first white picture to the last.
+const MOST_BRIGHTNESS: f64 = 0.05;
+/// A capture with fewer decoded pixels is worth nothing: this share of the picture.
+const LEAST_DECODED: f64 = 0.002;
+/// Below this share of decoded pixels among the lit ones there is a warning.
+const FEW_DECODED: f64 = 0.5;
+/// A stripe can be read where it and its inverse differ by so many levels and so many times the noise.
+const READABLE_LEVELS: f64 = 4.0;
+const READABLE_NOISE: f64 = 2.0;
+
+/// What is to be scanned and how.
+pub(super) struct ScanOptions<'a> {
+    /// The projector's width and height, pixels.
+    pub(super) projector_px: [u32; 2],
+    /// How many projector pixels share a code.
+    pub(super) step: u32,
+    /// Frames that each picture is the mean of, at least 1.
+    pub(super) frames: usize,
+    /// Whether the scan is to end.
+    pub(super) is_cancelled: &'a dyn Fn() -> bool,
+}
+
+/// What happens during a scan.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum ScanEvent<'a> {
+    /// The delay was measured; so many pictures follow.
+    Delay(Delay, usize),
+    /// A picture was taken. The share of lit pixels that can tell the last stripes from their inverse.
+    Captured(f64),
+    /// Something is not as it should be.
+    Warning(&'a str),
+}
+
+/// What a scan yields.
+#[derive(Debug)]
+pub(super) struct Scanned {
+    /// To be written.
+    pub(super) capture: Capture,
+    /// What it tells.
+    pub(super) decoded: Decoded,
+    /// False if the scan was interrupted when it had seen enough.
+    pub(super) is_whole: bool,
+}
+
+/// A scan.
+pub(super) struct Session<'a> {
+    screen: &'a mut dyn Screen,
+    camera: &'a mut dyn Camera,
+    options: &'a ScanOptions<'a>,
+    observe: &'a mut dyn FnMut(ScanEvent<'_>),
+    depth: DepthAverage,
+}
+
+impl<'a> Session<'a> {
+    /// A scan that has not begun.
+    pub(super) fn new(
+        screen: &'a mut dyn Screen,
+        camera: &'a mut dyn Camera,
+        options: &'a ScanOptions<'a>,
+        observe: &'a mut dyn FnMut(ScanEvent<'_>),
+    ) -> Self {
+        let [width, height] = camera.lens().size_px.map(|side| side as usize);
+        Self { screen, camera, options, observe, depth: DepthAverage::new(width * height) }
+    }
+
+    /// Scans.
+    ///
+    /// # Errors
+    /// [`ScanFailure`]: the first thing that would make a calibration wrong.
+    pub(super) fn run(mut self) -> Result<Scanned, ScanFailure> {
+        let light = self.find_light()?;
+        let patterns = coarse_first(&patterns(self.options.projector_px, self.options.step));
+        (self.observe)(ScanEvent::Delay(light.delay, patterns.len()));
+        for warning in light.warnings() {
+            (self.observe)(ScanEvent::Warning(&warning));
+        }
+        let mut pictures = Vec::new();
+        let is_whole = match self.capture_all(&patterns, &light, &mut pictures) {
+            Ok(()) => true,
+            Err(ScanFailure::Interrupted) => false,
+            Err(failure) => return Err(failure),
+        };
+        self.finish(pictures, &light, is_whole)
+    }
+
+    /// Takes the pictures of all patterns, and compares white at the beginning with white at the end.
+    fn capture_all(
+        &mut self,
+        patterns: &[Pattern],
+        light: &Light,
+        pictures: &mut Vec<PatternPicture>,
+    ) -> Result<(), ScanFailure> {
+        let coarse = patterns.iter().take_while(|pattern| is_coarse(pattern)).count();
+        for pattern in patterns {
+            let last = pictures.last().map(|picture: &PatternPicture| picture.grey.as_slice());
+            let grey = self.capture(pattern, light, last)?;
+            pictures.push(PatternPicture { pattern: *pattern, grey });
+            let readable = readable_share(pictures, light);
+            (self.observe)(ScanEvent::Captured(readable));
+            if pictures.len() == coarse {
+                self.check_orientation(pictures, light)?;
+            }
+        }
+        let Some(first) = pictures.iter().find(|picture| picture.pattern == Pattern::White) else { return Ok(()) };
+        let last = self.capture(&Pattern::White, light, None)?;
+        let change = Change::between(&first.grey, &last, &light.lit, light.noise);
+        if change.brightness.abs() > MOST_BRIGHTNESS {
+            return Err(ScanFailure::Unsteady { change: change.brightness.abs() });
+        }
+        if change.moved > MOST_MOVED {
+            return Err(ScanFailure::Moved { share: change.moved });
+        }
+        Ok(())
+    }
+
+    fn check_orientation(&mut self, pictures: &[PatternPicture], light: &Light) -> Result<(), ScanFailure> {
+        let pictures: Vec<(Pattern, &[u8])> =
+            pictures.iter().map(|picture| (picture.pattern, picture.grey.as_slice())).collect();
+        let projector_px = self.options.projector_px;
+        match orientation::judge(&pictures, &light.lit, self.camera_px(), projector_px) {
+            Orientation::Right => Ok(()),
+            Orientation::Mirrored => Err(ScanFailure::Mirrored),
+            Orientation::OtherPicture(share) => {
+                Err(ScanFailure::OtherPicture { share, size_px: projector_px, screen: self.screen_name() })
+            }
+            Orientation::Cut(axis, [first, last]) => {
+                let lines = if axis == Axis::X { "columns" } else { "rows" };
+                let warning = format!(
+                    "the projector's {lines} {first} to {last} are not seen: is its picture cut off or covered, or the \
+                     size wrong?"
+                );
+                (self.observe)(ScanEvent::Warning(&warning));
+                Ok(())
+            }
+        }
+    }
+
+    /// Decodes what was seen and makes a capture of it, unless it is not worth it.
+    fn finish(self, mut pictures: Vec<PatternPicture>, light: &Light, is_whole: bool) -> Result<Scanned, ScanFailure> {
+        let lens = self.camera.lens();
+        drop_unpaired(&mut pictures);
+        let patterns: Vec<Pattern> = pictures.iter().map(|picture| picture.pattern).collect();
+        let levels = pictures.iter().map(|picture| picture.grey.as_slice()).collect();
+        let decoded =
+            decode(&Pictures { size_px: lens.size_px, patterns: &patterns, levels }, self.options.projector_px);
+        let decoded = match decoded {
+            Ok(decoded) => decoded,
+            Err(_) if !is_whole => return Err(ScanFailure::Interrupted),
+            Err(error) => return Err(error.into()),
+        };
+        for problem in decoded.quality.problems() {
+            let is_known = matches!(problem, ScanProblem::Clipped(_)) && light.is_overexposed();
+            if problem.is_fatal() {
+                return Err(ScanFailure::Problem(problem));
+            }
+            if !is_known {
+                (self.observe)(ScanEvent::Warning(&problem.to_string()));
+            }
+        }
+        let count = decoded.count();
+        if (count as f64) < LEAST_DECODED * decoded.pixels.len() as f64 {
+            return Err(if is_whole { ScanFailure::Undecoded { count } } else { ScanFailure::Interrupted });
+        }
+        let share = count as f64 / decoded.lit.max(1) as f64;
+        if share < FEW_DECODED {
+            let warning = format!("only {:.0} % of the lit pixels could be decoded", 100.0 * share);
+            (self.observe)(ScanEvent::Warning(&warning));
+        }
+        let has_depth = self.camera.has_depth();
+        if has_depth && self.depth.frames() == 0 {
+            return Err(ScanFailure::NoDepth);
+        }
+        let capture = Capture {
+            projector_size_px: self.options.projector_px,
+            camera: lens,
+            camera_frame_id: self.camera.frame_id(),
+            pictures,
+            depth_m: has_depth.then(|| self.depth.depth_m()),
+            warnings: Vec::new(),
+        };
+        Ok(Scanned { capture, decoded, is_whole })
+    }
+
+    /// Shows a pattern; the time at which that was done.
+    pub(super) fn show(&mut self, pattern: &Pattern) -> Result<Instant, ScanFailure> {
+        let picture = pattern.picture(self.options.projector_px);
+        let shown = self.camera.now();
+        match self.screen.show(picture) {
+            Ok(()) => Ok(shown),
+            Err(reason) => Err(ScanFailure::Screen { screen: self.screen_name(), reason }),
+        }
+    }
+
+    /// The camera's first frame that was received after a time. Depth that comes meanwhile is added up.
+    pub(super) fn frame(&mut self, after: Instant) -> Result<Frame, ScanFailure> {
+        if (self.options.is_cancelled)() {
+            return Err(ScanFailure::Interrupted);
+        }
+        let frame = self.camera.frame(after, SILENCE)?;
+        let camera_px = self.camera_px();
+        let check = |what, size_px: [u32; 2], count: usize| {
+            if size_px == camera_px && count == camera_px[0] as usize * camera_px[1] as usize {
+                Ok(())
+            } else {
+                Err(ScanFailure::Size { what, size_px, camera_px })
+            }
+        };
+        check("picture", frame.size_px, frame.grey.len())?;
+        if let Some(depth) = self.camera.depth()? {
+            check("depth image", depth.size_px, depth.depth_m.len())?;
+            self.depth.add(&depth);
+        }
+        Ok(frame)
+    }
+
+    pub(super) fn options(&self) -> &ScanOptions<'a> {
+        self.options
+    }
+
+    pub(super) fn screen_name(&self) -> String {
+        self.screen.name()
+    }
+
+    /// Width and height of the camera's pictures.
+    pub(super) fn camera_px(&self) -> [u32; 2] {
+        self.camera.lens().size_px
+    }
+}
+
+/// The patterns of a scan.
+pub(super) fn patterns(projector_px: [u32; 2], step: u32) -> Vec<Pattern> {
+    if step > 1 {
+        shifted_gray_code(projector_px, step)
+    } else {
+        gray_code(projector_px)
+    }
+}
+
+/// White and black, then the stripes of x and y in turn, the coarse ones first.
+fn coarse_first(patterns: &[Pattern]) -> Vec<Pattern> {
+    let mut counts = [0; 2];
+    let mut ranked: Vec<(usize, Pattern)> = Vec::with_capacity(patterns.len());
+    for pattern in patterns {
+        let rank = match pattern {
+            Pattern::GrayCode(stripes) => {
+                let count = &mut counts[stripes.axis.index()];
+                *count += 1;
+                // Stripes and their inverse stay together.
+                usize::div_ceil(*count, 2)
+            }
+            _ => 0,
+        };
+        ranked.push((rank, *pattern));
+    }
+    ranked.sort_by_key(|(rank, _)| *rank);
+    ranked.into_iter().map(|(_, pattern)| pattern).collect()
+}
+
+/// Whether a pattern's place among the picture's parts is looked at for the orientation.
+fn is_coarse(pattern: &Pattern) -> bool {
+    match pattern {
+        Pattern::GrayCode(stripes) => stripes.bit < orientation::BITS && stripes.offset == 0,
+        _ => true,
+    }
+}
+
+/// Removes stripes without their inverse: those after which the scan was interrupted.
+fn drop_unpaired(pictures: &mut Vec<PatternPicture>) {
+    let patterns: Vec<Pattern> = pictures.iter().map(|picture| picture.pattern).collect();
+    pictures.retain(|picture| match picture.pattern {
+        Pattern::GrayCode(stripes) => patterns.contains(&Pattern::GrayCode(stripes.inverse())),
+        _ => true,
+    });
+}
+
+/// The share of lit pixels that see the difference between the last two pictures; all if they are no pair.
+fn readable_share(pictures: &[PatternPicture], light: &Light) -> f64 {
+    let [.., one, other] = pictures else { return 1.0 };
+    match (one.pattern, other.pattern) {
+        (Pattern::GrayCode(stripes), Pattern::GrayCode(inverse)) if stripes.inverse() == inverse => {}
+        _ => return 1.0,
+    }
+    let limit = READABLE_LEVELS.max(READABLE_NOISE * light.noise);
+    let is_readable = |pixel: &&usize| (f64::from(one.grey[**pixel]) - f64::from(other.grey[**pixel])).abs() > limit;
+    light.lit.iter().filter(is_readable).count() as f64 / light.lit.len().max(1) as f64
+}
