@@ -21,7 +21,7 @@ fn main() {
         let size_px = view.size_px();
         let pictures = Pictures { size_px, patterns: &patterns, levels: pictures.iter().map(Vec::as_slice).collect() };
         let start = Instant::now();
-        let decoded = decode(&pictures, [1280, 800]).expect("complete pictures");
+        let decoded = decode(&pictures, [1280, 800]).unwrap_or_else(|error| panic!("{error}"));
         let time = start.elapsed();
         let (mut lit, mut count, mut unlit, mut right, mut squares) = (0_u32, 0_u32, 0_u32, 0_u32, 0.0_f64);
         let mut pulls = [Vec::new(), Vec::new()];

@@ -123,8 +123,8 @@ impl Report {
             self.say(
                 verdict,
                 format!(
-                    "points that were left out miss by {held_out_px:.2} px RMS: keep camera, projector and things at rest, \
-                     and check that the depth is registered to the image"
+                    "points that were left out miss by {held_out_px:.2} px RMS: keep camera, projector and things at \
+                     rest, and check that the depth is registered to the image"
                 ),
             );
         }
@@ -134,8 +134,8 @@ impl Report {
             self.say(
                 if is_too_much { Verdict::Again } else { Verdict::Usable },
                 format!(
-                    "points that were left out miss by {held_out_px:.2} px, the others by {rms_px:.2} px: scan more points \
-                     over more of the picture"
+                    "points that were left out miss by {held_out_px:.2} px, the others by {rms_px:.2} px: scan more \
+                     points over more of the picture"
                 ),
             );
         }
@@ -187,7 +187,10 @@ impl Report {
         if far < GOOD_DEPTH_RATIO * near {
             self.say(
                 Verdict::Usable,
-                format!("points lie between {near:.2} m and {far:.2} m only: put things nearer to the projector and farther off"),
+                format!(
+                    "points lie between {near:.2} m and {far:.2} m only: put things nearer to the projector and farther \
+                     off"
+                ),
             );
         }
     }
@@ -199,8 +202,8 @@ impl Report {
             self.say(
                 Verdict::Usable,
                 format!(
-                    "the depth camera's smooth error seems to be {:.1} mm RMS: average {ENOUGH_SCANS} scans from different \
-                     places",
+                    "the depth camera's smooth error seems to be {:.1} mm RMS: average {ENOUGH_SCANS} scans from \
+                     different places",
                     1000.0 * error_m
                 ),
             );
@@ -233,8 +236,8 @@ fn coverage(samples: &[Sample], solution: &Solution) -> Coverage {
 }
 
 /// The part of the depth's error that neighbours share. A wrong depth moves a point along the camera's ray, and so its
-/// pixel along the epipolar line, the faster the farther camera and projector are apart. Products of two samples of a cell
-/// of the camera's view have the square of what they share as their mean.
+/// pixel along the epipolar line, the faster the farther camera and projector are apart. Products of two samples of a
+/// cell of the camera's view have the square of what they share as their mean.
 fn smooth_depth_error_m(samples: &[Sample], solution: &Solution) -> f64 {
     let used: Vec<(usize, Vector2<f64>, f64, f64)> = solution
         .residuals

@@ -15,7 +15,8 @@ fn view(seed: u64) -> View {
 fn decoded(view: &View, conditions: Conditions, patterns: &[Pattern]) -> Decoded {
     let pictures = Scan::new(view, conditions).capture_all(patterns);
     let levels = pictures.iter().map(Vec::as_slice).collect();
-    decode(&Pictures { size_px: view.size_px(), patterns, levels }, PROJECTOR_PX).unwrap()
+    let decoded = decode(&Pictures { size_px: view.size_px(), patterns, levels }, PROJECTOR_PX);
+    decoded.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// How a decoded scan compares with the truth.

@@ -13,9 +13,10 @@ fn scan(room: &Room, rig: &Rig, depth_camera: &DepthCamera, number: u32) -> Vec<
     let patterns = gray_code(PROJECTOR_PX);
     let pictures = Scan::new(&view, Conditions::random(rig.seed + 1000 * u64::from(number))).capture_all(&patterns);
     let levels = pictures.iter().map(Vec::as_slice).collect();
-    let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX).unwrap();
+    let decoded = decode(&Pictures { size_px: view.size_px(), patterns: &patterns, levels }, PROJECTOR_PX);
+    let decoded = decoded.unwrap_or_else(|error| panic!("{error}"));
     let depth_m: Vec<f32> = depth_camera.capture(&view).into_iter().map(|depth| f32::from(depth) * 1e-4).collect();
-    let samples = points(&decoded, &depth_m, &rig.camera).unwrap();
+    let samples = points(&decoded, &depth_m, &rig.camera).unwrap_or_else(|error| panic!("{error}"));
     samples.into_iter().map(|sample| Sample { scan: number, ..sample }).collect()
 }
 

@@ -25,6 +25,7 @@ mod diagnostics;
 mod live_equals_offline;
 mod node_log;
 mod projector_calibrate;
+mod projector_scan;
 mod render;
 mod simulated_time;
 mod transforms;

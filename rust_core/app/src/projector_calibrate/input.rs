@@ -28,13 +28,12 @@ pub(super) fn read(paths: &[PathBuf]) -> Result<Input, Failure> {
     })?;
     points.warnings.iter().for_each(|warning| log::warn!("{warning}"));
     let mut input = Input { samples: points.samples, camera_frame: None };
-    let mut scan = points.scans.last().map_or(0, |last| last.number + 1);
-    for folder in folders {
+    let first = points.scans.last().map_or(0, |last| last.number + 1);
+    for (scan, folder) in (first..).zip(folders) {
         let capture = decode::read(folder)?;
         let decoded = decode::decode_capture(folder, &capture)?;
         let samples = decode::points_of(folder, &capture, &decoded)?;
         input.samples.extend(samples.into_iter().map(|sample| Sample { scan, ..sample }));
-        scan += 1;
         if input.camera_frame.is_none() && !capture.camera_frame_id.is_empty() {
             input.camera_frame = Some(capture.camera_frame_id);
         }

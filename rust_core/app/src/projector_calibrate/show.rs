@@ -118,7 +118,7 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<(), Failure> {
     let shown = window::run_interactive(arguments.monitor.window_options(source), |event, sink| {
         match event {
             UserEvent::Opened(monitor) | UserEvent::MonitorChanged(monitor) => {
-                lock(&show).monitor = Some(monitor.clone())
+                lock(&show).monitor = Some(monitor.clone());
             }
             UserEvent::Key(key) if lock(&show).step(key) => {}
             UserEvent::Key(_) => return,

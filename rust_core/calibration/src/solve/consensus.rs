@@ -2,10 +2,10 @@
 //! a score without a scale and local optimisation (Chum, Matas and Kittler, 2003).
 //!
 //! Small random sets of samples are solved exactly. Each solution's score is the geometric mean of the distances of all
-//! samples. So nothing has to be known of the noise; a gross error counts little more than a small one; of two sets that
-//! agree among themselves one is chosen instead of something between them; and a solution that is right on a wall only,
-//! which leaves the lens open, is worse than one that is right on all. The best solutions are adjusted to the samples
-//! within some times the distance within which 40 % lie.
+//! samples. So nothing has to be known of the noise; a gross error counts little more than a small one; of two sets
+//! that agree among themselves one is chosen instead of something between them; and a solution that is right on a wall
+//! only, which leaves the lens open, is worse than one that is right on all. The best solutions are adjusted to the
+//! samples within some times the distance within which 40 % lie.
 
 use nalgebra::{Isometry3, Vector3};
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ const AGREEING: f64 = 0.4;
 /// Sets of six samples: with 40 % gross errors, one in 21 has none.
 const SETS_OF_SIX: usize = 1600;
 /// Sets of three samples: with 50 % gross errors, one in 8 has none.
-const SETS_OF_THREE: usize = 320;
+const SETS_OF_THREE: usize = 200;
 /// Streams of random numbers, each a task for a thread.
 const STREAMS: usize = 8;
 /// The best solutions of each stream that are kept.

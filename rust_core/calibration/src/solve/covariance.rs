@@ -1,20 +1,22 @@
 //! How certain lens and poses are, given that neighbouring samples share errors.
 //!
-//! A sandwich (Huber 1967; White 1980): H⁻¹ M H⁻¹, where H is the curvature of the loss and M the covariance of its slope.
-//! Depth cameras err smoothly, so M has terms between samples, as for errors that are correlated in space (Conley, "GMM
-//! estimation with cross sectional dependence", 1999). Samples are put into square cells of the camera's picture. Products
-//! of the residuals of pairs of cells show how the correlation falls with distance; a covariance function is fitted to
-//! them, as in kriging (Cressie, "Statistics for spatial data", 1993, 2.4), separately along the epipolar lines, where
-//! depth errors show, and across. Where points are so few that cells have no pairs, errors count as independent.
+//! A sandwich (Huber 1967; White 1980): H⁻¹ M H⁻¹, where H is the curvature of the loss and M the covariance of its
+//! slope. Depth cameras err smoothly, so M has terms between samples, as for errors that are correlated in space
+//! (Conley, "GMM estimation with cross sectional dependence", 1999). Samples are put into square cells of the camera's
+//! picture. Products of the residuals of pairs of cells show how the correlation falls with distance; a covariance
+//! function is fitted to them, as in kriging (Cressie, "Statistics for spatial data", 1993, 2.4), separately along the
+//! epipolar lines, where depth errors show, and across. Where points are so few that cells have no pairs, errors count
+//! as independent.
 
 use nalgebra::{DMatrix, Point2, SMatrix, SVector, Vector2};
 use rayon::prelude::*;
 
 use super::adjust::{inverse_of_positive, Adjusted};
+use super::depth_errors::equations;
 use super::input::Observations;
 use super::model::{Free, State, LOCAL};
 use super::noise::{cauchy_weight, CAUCHY};
-use super::normal_equations::{whitened_rows, NormalEquations};
+use super::normal_equations::NormalEquations;
 
 /// Cells along the longer side of what the camera sees.
 const CELLS: usize = 16;
@@ -100,6 +102,20 @@ impl Shape {
             Self::Exponential(range) => (-distance / range).exp(),
         }
     }
+
+    fn table(&self) -> Table {
+        let side = CELLS + 1;
+        Table((0..side * side).map(|i| self.at(((i % side) as f64).hypot((i / side) as f64))).collect())
+    }
+}
+
+/// Correlations of cells by how many columns and rows they are apart.
+struct Table(Vec<f64>);
+
+impl Table {
+    fn at(&self, apart: Vector2<f64>) -> f64 {
+        self.0[apart.y.abs() as usize * (CELLS + 1) + apart.x.abs() as usize]
+    }
 }
 
 /// The covariance of the unknowns; none if the samples do not determine them.
@@ -177,15 +193,12 @@ fn sums_of(observations: &Observations, adjusted: &Adjusted, scan: usize) -> Sum
             let mut sums = empty();
             for i in chunk.clone().filter(|i| adjusted.weights[*i].is_used()) {
                 let (observation, weight) = (&observations.all[i], &adjusted.weights[i]);
-                let Some(prediction) = adjusted.state.predict(scan, &observation.point) else {
-                    continue;
-                };
-                let residual = weight.whitened(observation.pixel - prediction.pixel);
-                let factor = cauchy_weight(residual.norm_squared());
-                let rows = whitened_rows(weight, &prediction.jacobian);
+                let Some(equations) = equations(&adjusted.state, observation, weight) else { continue };
+                let squared = equations.residual.norm_squared();
+                let factor = cauchy_weight(squared);
                 sums.weight += factor;
-                sums.curvature += factor - residual.norm_squared() * factor * factor / (CAUCHY * CAUCHY);
-                sums.add(cell_of(observation.ray.xy()), &rows, residual * factor);
+                sums.curvature += factor - squared * factor * factor / (CAUCHY * CAUCHY);
+                sums.add(cell_of(observation.ray.xy()), &equations.slopes, equations.residual * factor);
             }
             sums
         })
@@ -313,6 +326,7 @@ fn expected(
     inverse: &DMatrix<f64>,
 ) -> Bins {
     let covariance = inverse * over_scans(sums, free, |sums| shared_slopes(sums, direction, shape)) * inverse;
+    let table = shape.table();
     // For each cell its slopes, how the unknowns follow them, and how unknowns and the cell's errors vary together.
     let mut cells: Vec<Vec<CellInFit>> = Vec::new();
     for (scan, sums) in measured.iter().enumerate() {
@@ -321,7 +335,7 @@ fn expected(
         let in_fit = filled.iter().map(|(place, cell)| {
             let mut near = SVector::<f64, LOCAL>::zeros();
             for (other_place, other) in &filled {
-                near += other.slopes[direction] * shape.at((place - other_place).norm());
+                near += other.slopes[direction] * table.at(place - other_place);
             }
             let slopes = cell.slopes[direction];
             CellInFit {
@@ -335,7 +349,7 @@ fn expected(
         cells.push(in_fit.collect());
     }
     let product = |a: &CellInFit, b: &CellInFit| {
-        a.count * b.count * shape.at((a.place - b.place).norm()) + a.taken.dot(&b.slopes) - a.slopes.dot(&b.with)
+        a.count * b.count * table.at(a.place - b.place) + a.taken.dot(&b.slopes) - a.slopes.dot(&b.with)
     };
     binned(
         measured,
@@ -359,12 +373,12 @@ struct CellInFit {
 /// The covariance of the sum of slope times error over the samples of a scan, for errors of this correlation and a
 /// variance of one.
 fn shared_slopes(sums: &Sums, direction: usize, shape: &Shape) -> Block {
-    let filled = sums.filled();
+    let (filled, table) = (sums.filled(), shape.table());
     let mut total = Block::zeros();
     for (place, cell) in &filled {
         let mut near = SVector::<f64, LOCAL>::zeros();
         for (other_place, other) in &filled {
-            near += other.slopes[direction] * shape.at((place - other_place).norm());
+            near += other.slopes[direction] * table.at(place - other_place);
         }
         total += cell.slopes[direction] * near.transpose();
     }

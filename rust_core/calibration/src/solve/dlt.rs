@@ -1,9 +1,9 @@
 //! A lens without distortion and its pose from six points, by linear equations: the direct linear transformation of
 //! Abdel-Aziz and Karara (1971), normalised as in Hartley and Zisserman, "Multiple View Geometry" (2nd ed., 7.1).
 //!
-//! Six points give twelve equations for the twelve entries of the 3×4 matrix P, of which only the ratios count, so one is
-//! left out. Elimination with full pivoting solves them in a fixed number of steps. P = K [R t] is then split row by row,
-//! from the last to the first.
+//! Six points give twelve equations for the twelve entries of the 3×4 matrix P, of which only the ratios count, so one
+//! is left out. Elimination with full pivoting solves them in a fixed number of steps. P = K [R t] is then split row by
+//! row, from the last to the first.
 
 use nalgebra::{Isometry3, Matrix3, Point2, Point3, Rotation3, SMatrix, Translation3, UnitQuaternion, Vector3};
 

@@ -1,8 +1,8 @@
 //! How well samples are predicted that were left out, and which terms of the distortion that speaks for.
 //!
 //! Neighbouring samples share errors, so whole blocks are left out: cells of the projector's picture times near and far
-//! (block cross-validation; Roberts et al., "Cross-validation strategies for data with temporal, spatial, hierarchical, or
-//! phylogenetic structure", 2017). Each of five parts has blocks from all over the picture.
+//! (block cross-validation; Roberts et al., "Cross-validation strategies for data with temporal, spatial, hierarchical,
+//! or phylogenetic structure", 2017). Each of five parts has blocks from all over the picture.
 
 use nalgebra::Vector2;
 use rayon::prelude::*;

@@ -1,10 +1,10 @@
 //! Solving: from samples to the projector's lens and pose.
 //!
 //! The steps, each a file: `input` checks and sorts the samples; `consensus` finds a first lens and pose among gross
-//! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`, `quartic`); `adjust` makes all of it
-//! fit best in the sense of `noise`, on the equations of `normal_equations` for the unknowns of `model`; `left_out`
-//! chooses the distortion; `covariance` says how certain the result is. `spread`, `orientation` and `moved` find the
-//! scenes and scans that are to be refused. `solver` has the order of the steps.
+//! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`, `quartic`); `adjust` makes all of
+//! it fit best in the sense of `noise` and `depth_errors`, on the equations of `normal_equations` for the unknowns of
+//! `model`; `left_out` chooses the distortion; `covariance` says how certain the result is. `spread`, `orientation` and
+//! `moved` find the scenes and scans that are to be refused. `solver` has the order of the steps.
 //!
 //! The result depends on the samples, the options and the seed alone: sums are formed in the same order whatever the
 //! number of threads.
@@ -18,6 +18,7 @@ use crate::Lens;
 mod adjust;
 mod consensus;
 mod covariance;
+mod depth_errors;
 mod dlt;
 mod input;
 mod left_out;
@@ -217,7 +218,7 @@ pub struct Solution {
     pub max_px: f64,
     /// How many samples took part.
     pub inliers: usize,
-    /// Standard deviation of where a point's light is predicted, by the uncertainty of lens and pose alone, pixels: root
-    /// of the mean square over the whole picture and the depths of the inliers.
+    /// Standard deviation of where a point's light is predicted, by the uncertainty of lens and pose alone, pixels:
+    /// root of the mean square over the whole picture and the depths of the inliers.
     pub prediction_sigma_px: f64,
 }

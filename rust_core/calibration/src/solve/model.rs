@@ -3,7 +3,7 @@
 //! Poses change by increments of SO(3) × R³ in the projector's optical frame: q' = exp(w) q + d. So w is a turn about
 //! the projector's own axes, and d moves its position by -Rᵀ d in the camera's frame, independently of w.
 
-use nalgebra::{DVector, Isometry3, Point2, Point3, SMatrix, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{DVector, Isometry3, Matrix2x3, Point2, Point3, SMatrix, Translation3, UnitQuaternion, Vector3};
 
 use super::{DistortionTerms, FocalLengths, Parameter, SolveOptions};
 use crate::{Distortion, DistortionModel, Lens};
@@ -27,6 +27,8 @@ pub(super) struct State {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prediction {
     pub(super) pixel: Point2<f64>,
+    /// Derivatives by the point in the projector's optical frame, pixels per metre.
+    pub(super) by_point: Matrix2x3<f64>,
     pub(super) jacobian: Jacobian,
 }
 
@@ -69,7 +71,7 @@ impl State {
                 jacobian[(row, LENS + 3 + axis)] = by[axis];
             }
         }
-        Some(Prediction { pixel: landing.pixel, jacobian })
+        Some(Prediction { pixel: landing.pixel, by_point: landing.by_point, jacobian })
     }
 
     /// The state after a step of the unknowns; none if it makes no sense.

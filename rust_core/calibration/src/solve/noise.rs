@@ -2,8 +2,8 @@
 //!
 //! A decoded pixel errs in any direction; the depth of a point errs along the camera's ray, which is a line in the
 //! projector's picture (the epipolar line). Across that line only the pixel's error shows, along it both. So the
-//! residuals tell the two apart, and their scales are measured from them: medians, which gross errors do not move (Huber,
-//! "Robust Statistics", 1981, ch. 5). Each sample is then weighted by the inverse of its 2×2 covariance.
+//! residuals tell the two apart, and their scales are measured from them: medians, which gross errors do not move
+//! (Huber, "Robust Statistics", 1981, ch. 5). Each sample is then weighted by the inverse of its 2×2 covariance.
 
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -40,12 +40,22 @@ pub(super) struct Weight {
     pub(super) along: f64,
     /// The same across.
     pub(super) across: f64,
+    /// The deviation of the point's depth, metres.
+    pub(super) depth_m: f64,
 }
 
 impl Weight {
+    /// That of a pixel and a depth with these deviations; `by_depth` is how the pixel moves with the depth.
+    pub(super) fn new(by_depth: Vector2<f64>, sigma_px: f64, depth_m: f64) -> Self {
+        let slope = by_depth.norm();
+        let direction = if slope > 1e-9 { by_depth / slope } else { Vector2::x() };
+        let along = (sigma_px * sigma_px + (depth_m * slope).powi(2)).sqrt();
+        Self { direction, along: 1.0 / along, across: 1.0 / sigma_px, depth_m }
+    }
+
     /// That of a pixel with this deviation and an exact depth.
     pub(super) fn of_pixels(sigma_px: f64) -> Self {
-        Self { direction: Vector2::x(), along: 1.0 / sigma_px, across: 1.0 / sigma_px }
+        Self::new(Vector2::x(), sigma_px, 0.0)
     }
 
     /// Whether the sample takes part.
@@ -83,11 +93,8 @@ impl Noise {
             .par_iter()
             .map(|observation| {
                 let Some((miss, by_ray)) = miss_and_slope(observation, state) else { return Weight::default() };
-                let slope = by_ray.norm();
-                let direction = if slope > 1e-9 { by_ray / slope } else { Vector2::x() };
-                let pixel = self.pixel * observation.sigma_px;
-                let along = pixel.hypot(self.depth * observation.sigma_m * slope);
-                let weight = Weight { direction, along: 1.0 / along, across: 1.0 / pixel };
+                let (sigma_px, depth_m) = (self.pixel * observation.sigma_px, self.depth * observation.sigma_m);
+                let weight = Weight::new(by_ray, sigma_px, depth_m);
                 if weight.whitened(miss).norm() <= limit {
                     weight
                 } else {
@@ -136,8 +143,8 @@ impl Noise {
         } else {
             high = 0.0;
         }
-        // Of few samples the unknowns take up much (the correction of Rousseeuw and Leroy, "Robust regression and outlier
-        // detection", 1987, p. 202).
+        // Of few samples the unknowns take up much (the correction of Rousseeuw and Leroy, "Robust regression and
+        // outlier detection", 1987, p. 202).
         let count = weights.iter().filter(|weight| weight.is_used()).count() as f64;
         let (left, unknowns) = ((count - 0.5 * unknowns as f64).max(1.0), unknowns as f64);
         let missing = (1.0 + 5.0 / left) * (2.0 * count / (2.0 * count - unknowns).max(1.0)).sqrt();

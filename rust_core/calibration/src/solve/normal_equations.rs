@@ -1,16 +1,17 @@
 //! The normal equations of the weighted, robust least squares: sums over samples, in parallel.
 //!
 //! A sample depends on the lens and on one pose, so it adds to a small dense block; a chunk of samples of one scan is
-//! summed by one thread, and the chunks are put into the large matrix in their order (Triggs et al., "Bundle adjustment:
-//! a modern synthesis", 2000, section 6). So the sums do not depend on the number of threads.
+//! summed by one thread, and the chunks are put into the large matrix in their order (Triggs et al., "Bundle
+//! adjustment: a modern synthesis", 2000, section 6). So the sums do not depend on the number of threads.
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use rayon::prelude::*;
 
+use super::depth_errors::{equations, Equations};
 use super::input::Observations;
-use super::model::{Free, Jacobian, State, LOCAL};
+use super::model::{Free, State, LOCAL};
 use super::noise::{cauchy_loss, cauchy_weight, Weight};
 
 /// The squared residual, in deviations, that a sample counts with which the lens cannot project.
@@ -66,14 +67,13 @@ impl Block {
             if !weight.is_used() {
                 continue;
             }
-            let Some(prediction) = state.predict(scan, &observation.point) else {
+            let Some(equations) = equations(state, observation, weight) else {
                 block.cost += cauchy_loss(LOST);
                 continue;
             };
-            let residual = weight.whitened(observation.pixel - prediction.pixel);
-            let squared = residual.norm_squared();
+            let squared = equations.residual.norm_squared();
             block.cost += cauchy_loss(squared);
-            block.add(weight, &prediction.jacobian, residual, cauchy_weight(squared));
+            block.add(&equations, cauchy_weight(squared));
         }
         for row in 0..LOCAL {
             for column in 0..row {
@@ -84,9 +84,8 @@ impl Block {
     }
 
     /// Adds a sample to the lower triangle.
-    fn add(&mut self, weight: &Weight, jacobian: &Jacobian, residual: Vector2<f64>, factor: f64) {
-        let rows = whitened_rows(weight, jacobian);
-        for (row, residual) in rows.iter().zip([residual.x, residual.y]) {
+    fn add(&mut self, equations: &Equations, factor: f64) {
+        for (row, residual) in equations.slopes.iter().zip(equations.residual.iter()) {
             let scaled = row * factor;
             for column in 0..LOCAL {
                 let by = row[column];
@@ -97,16 +96,4 @@ impl Block {
             }
         }
     }
-}
-
-/// The derivatives of a whitened prediction, along and across.
-pub(super) fn whitened_rows(weight: &Weight, jacobian: &Jacobian) -> [SVector<f64, LOCAL>; 2] {
-    let d = weight.direction;
-    let (mut along, mut across) = (SVector::zeros(), SVector::zeros());
-    for column in 0..LOCAL {
-        let (u, v) = (jacobian[(0, column)], jacobian[(1, column)]);
-        along[column] = (d.x * u + d.y * v) * weight.along;
-        across[column] = (d.x * v - d.y * u) * weight.across;
-    }
-    [along, across]
 }

@@ -1,8 +1,9 @@
 //! Which way round the projector's picture lies in the camera's.
 //!
-//! Camera and projector see the same side of a surface, so three neighbouring points that run clockwise in one picture run
-//! clockwise in the other, unless one of the pictures is mirrored. That holds without lens and pose, and for a flat wall,
-//! where a mirrored picture fits a projector behind the wall perfectly. At depth edges it may not hold, so neighbours vote.
+//! Camera and projector see the same side of a surface, so three neighbouring points that run clockwise in one picture
+//! run clockwise in the other, unless one of the pictures is mirrored. That holds without lens and pose, and for a flat
+//! wall, where a mirrored picture fits a projector behind the wall perfectly. At depth edges it may not hold, so
+//! neighbours vote.
 
 use nalgebra::Vector2;
 
@@ -10,12 +11,12 @@ use super::input::Observations;
 use super::noise::Weight;
 
 /// Points of each scan that vote.
-const VOTERS: usize = 500;
+const VOTERS: usize = 300;
 /// The least sine of a triangle's angle at the voter.
 const LEAST_SINE: f64 = 0.3;
 
-/// The share of neighbouring triples of samples that take part which run the same way round in both pictures; 1 if there
-/// are none.
+/// The share of neighbouring triples of samples that take part which run the same way round in both pictures; 1 if
+/// there are none.
 pub(super) fn agreeing_share(observations: &Observations, weights: &[Weight]) -> f64 {
     let (mut agreeing, mut votes) = (0, 0);
     for scan in 0..observations.scans.len() {

@@ -1,8 +1,8 @@
 //! Real roots of a polynomial of the fourth degree, in a bounded number of steps.
 //!
-//! Ferrari's way: a real root of the resolvent cubic splits the quartic into two quadratics; Newton steps on the quartic
-//! itself then take back what the closed form lost (any textbook of algebra; the notation is that of Abramowitz and
-//! Stegun, 3.8.3).
+//! Ferrari's way: a real root of the resolvent cubic splits the quartic into two quadratics; Newton steps on the
+//! quartic itself then take back what the closed form lost (any textbook of algebra; the notation is that of Abramowitz
+//! and Stegun, 3.8.3).
 
 /// Newton steps on each root.
 const POLISHING_STEPS: usize = 3;

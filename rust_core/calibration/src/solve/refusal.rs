@@ -25,8 +25,8 @@ pub enum Refusal {
     },
     /// Pixels beside the picture.
     #[error(
-        "{outside} of {points} samples lie outside of {}x{} pixels, such as ({:.1}, {:.1}): these are data of a projector \
-         of another size, give its own",
+        "{outside} of {points} samples lie outside of {}x{} pixels, such as ({:.1}, {:.1}): these are data of a \
+         projector of another size, give its own",
         size_px[0], size_px[1], example[0], example[1]
     )]
     OtherSize {
@@ -70,8 +70,8 @@ pub enum Refusal {
     Flat,
     /// The samples lie too close to each other.
     #[error(
-        "the points cover {picture_percent:.0} % of the picture, too little to determine the lens: move the camera back or \
-         light more of the scene; a pose alone is possible with a known lens (refine)"
+        "the points cover {picture_percent:.0} % of the picture, too little to determine the lens: move the camera \
+         back or light more of the scene; a pose alone is possible with a known lens (refine)"
     )]
     BadlySpread {
         /// The share of the picture within the points' outline, percent.
@@ -79,8 +79,8 @@ pub enum Refusal {
     },
     /// The samples agree with very different lenses or poses.
     #[error(
-        "the points do not determine the result: {what} is uncertain by {sigma:.3} {unit}; scan things at more different \
-         depths over more of the picture, or fix what is known"
+        "the points do not determine the result: {what} is uncertain by {sigma:.3} {unit}; scan things at more \
+         different depths over more of the picture, or fix what is known"
     )]
     Undetermined {
         /// What is uncertain.
@@ -92,14 +92,14 @@ pub enum Refusal {
     },
     /// The picture is that of a mirror.
     #[error(
-        "the projector's pixels are mirrored (left to right or upside down): switch off the projector's rear or ceiling \
-         flip, and check that the pictures are shown as they are"
+        "the projector's pixels are mirrored (left to right or upside down): switch off the projector's rear or \
+         ceiling flip, and check that the pictures are shown as they are"
     )]
     Mirrored,
     /// The light would have to go backwards.
     #[error(
-        "{percent:.0} % of the points lie behind the projector, where it cannot light them: check that points and pixels \
-         belong together and the units are metres"
+        "{percent:.0} % of the points lie behind the projector, where it cannot light them: check that points and \
+         pixels belong together and the units are metres"
     )]
     BehindProjector {
         /// Their share.
@@ -116,8 +116,8 @@ pub enum Refusal {
     Contradiction(Parameter, Parameter),
     /// Most samples do not fit.
     #[error(
-        "only {percent:.0} % of the samples of scan {scan} agree with each other: the camera, the projector or the things \
-         moved, or the decoding failed; scan again with everything at rest"
+        "only {percent:.0} % of the samples of scan {scan} agree with each other: the camera, the projector or the \
+         things moved, or the decoding failed; scan again with everything at rest"
     )]
     FewInliers {
         /// The share that agrees.
@@ -148,8 +148,8 @@ pub enum Refusal {
     },
     /// All fit, but badly.
     #[error(
-        "the samples miss the best solution by {typical_px:.1} px: the camera moved, the depth is not registered to the \
-         image, or the given lens is another's; scan again with everything at rest"
+        "the samples miss the best solution by {typical_px:.1} px: the camera moved, the depth is not registered to \
+         the image, or the given lens is another's; scan again with everything at rest"
     )]
     Inconsistent {
         /// The typical miss.
@@ -157,8 +157,8 @@ pub enum Refusal {
     },
     /// The fit is better than what it predicts.
     #[error(
-        "the solution fits its points within {rms_px:.2} px but misses left-out ones by {held_out_px:.2} px, so it is not \
-         to be trusted: scan more points over more of the picture and at more depths"
+        "the solution fits its points within {rms_px:.2} px but misses left-out ones by {held_out_px:.2} px, so it is \
+         not to be trusted: scan more points over more of the picture and at more depths"
     )]
     Unpredictive {
         /// Root mean square of the points that were used.

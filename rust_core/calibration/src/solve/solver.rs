@@ -13,8 +13,10 @@ use super::{covariance, moved, orientation, spread};
 use super::{DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Solution, SolveOptions};
 use crate::{Lens, Sample};
 
-/// Samples of each scan that a first solution is adjusted to.
-const FIRST: usize = 2000;
+/// Samples of all scans that a first solution is adjusted to.
+const FIRST: usize = 4000;
+/// Samples of each scan that are drawn at least, and of a single one that are drawn at most for the first solution.
+const OF_EACH: [usize; 2] = [300, 2000];
 /// Samples of all scans that distortion terms are chosen with and left-out ones are predicted of.
 const CHOOSING: usize = 12_000;
 /// Half as many misses with mirrored pixels mean that the samples are mirrored.
@@ -56,7 +58,7 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
     observations.check_count(solver.lens_is_known())?;
     solver.check_flat(&observations)?;
     let first = solver.first()?;
-    let per_scan = (CHOOSING / observations.scans.len()).max(200);
+    let per_scan = (CHOOSING / observations.scans.len()).max(OF_EACH[0]);
     let few = observations.thinned(per_scan, options.seed);
     let (terms, adjusted) = solver.chosen_terms(&few, &first);
     let free = Free::new(options, terms, observations.scans.len());
@@ -129,7 +131,9 @@ impl<'a> Solver<'a> {
 
     /// A first solution, after a comparison with that of mirrored pixels.
     fn first(&self) -> Result<Agreed, Refusal> {
-        let few = self.observations.thinned(FIRST, self.options.seed);
+        let [least, most] = OF_EACH;
+        let few =
+            self.observations.thinned((FIRST / self.observations.scans.len()).clamp(least, most), self.options.seed);
         let relief = self.relief(|_| true);
         let best = (0..relief.len()).max_by(|a, b| relief[*a].total_cmp(&relief[*b])).unwrap_or(0);
         let is_flat = spread::is_flat(relief[best]);

@@ -146,7 +146,8 @@ pub(super) fn border(size_px: [u32; 2]) -> Picture {
     }
     let (field, middle) = ((width.min(height) / 5).max(1), [width / 2, height / 2]);
     let gap = field / 8;
-    let fields: [(i64, fn(i64, i64) -> bool); 3] = [
+    type IsLit = fn(i64, i64) -> bool;
+    let fields: [(i64, IsLit); 3] = [
         (-field / 2 - gap - field, |u, _| u % 2 == 0),
         (-field / 2, |u, v| (u + v) % 2 == 0),
         (-field / 2 + gap + field, |_, v| v % 2 == 0),

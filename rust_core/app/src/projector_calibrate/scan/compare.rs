@@ -21,7 +21,7 @@ pub(super) const CLIPPED: u8 = 255;
 /// Indices of pixels all over a picture of this size, in all of its columns.
 pub(super) fn sample(size_px: [u32; 2]) -> Vec<usize> {
     let [width, height] = size_px.map(|side| side as usize);
-    let share_divisor = |step: usize| (2..=step).any(|by| step % by == 0 && width % by == 0);
+    let share_divisor = |step: usize| (2..=step).any(|by| step.is_multiple_of(by) && width.is_multiple_of(by));
     let mut step = (width * height / MOST_PIXELS).max(1);
     while share_divisor(step) {
         step += 1;

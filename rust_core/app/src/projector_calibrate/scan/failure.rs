@@ -28,7 +28,7 @@ pub(super) enum ScanFailure {
         change: f64,
     },
     /// Much of the picture is clipped at white.
-    #[error("{:.0} % of the lit pixels are overexposed: shorten the camera's exposure or open a curtain less", 100.0 * clipped)]
+    #[error("{:.0} % of the lit pixels are overexposed: shorten the camera's exposure", 100.0 * clipped)]
     Overexposed {
         /// The share of lit pixels.
         clipped: f64,
@@ -90,7 +90,10 @@ pub(super) enum ScanFailure {
     #[error(transparent)]
     Camera(CameraError),
     /// A picture or a depth image of another size than the camera info says.
-    #[error("the {what} has {}x{} pixels, but the camera info says {}x{}", size_px[0], size_px[1], camera_px[0], camera_px[1])]
+    #[error(
+        "the {what} has {}x{} pixels, but the camera info says {}x{}",
+        size_px[0], size_px[1], camera_px[0], camera_px[1]
+    )]
     Size {
         /// `picture` or `depth image`.
         what: &'static str,

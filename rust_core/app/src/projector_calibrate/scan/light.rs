@@ -1,8 +1,8 @@
 //! The first look: black and white in turn.
 //!
-//! It finds the camera pixels that the projector lights and how long it takes from showing a picture to seeing it, which
-//! no fixed sleep would know: window system, projector, camera and network each take their time. White that is held
-//! for a second also tells whether brightness is steady, and whether the camera is at rest.
+//! It finds the camera pixels that the projector lights, and how long it takes from showing a picture to seeing it,
+//! which no fixed sleep would know: window system, projector, camera and network each take their time. White that is
+//! held for a second also tells whether brightness is steady, and whether the camera is at rest.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -83,8 +83,8 @@ impl Light {
             .then(|| format!("{:.0} % of the lit pixels are overexposed: shorten the exposure", 100.0 * self.clipped));
         let little = (self.contrast < LITTLE_LIGHT).then(|| {
             format!(
-                "the projector's light raises the camera's levels by only {:.0} of 255: darken the room or lengthen the \
-                 exposure",
+                "the projector's light raises the camera's levels by only {:.0} of 255: darken the room or lengthen \
+                 the exposure",
                 self.contrast
             )
         });

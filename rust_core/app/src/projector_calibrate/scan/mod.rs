@@ -44,9 +44,9 @@ const MOST_STEP: i64 = 8;
 
 /// Shows patterns with the projector and writes what the camera sees of them
 ///
-/// Nothing may move meanwhile, half a minute or so. The camera's exposure must be fixed. Checked are the delay from
-/// showing to seeing, exposure, rest, and whether the picture is mirrored; a scan that would mislead is refused. Ctrl-C,
-/// or Escape in the window, ends it: what was seen up to then is written if it is enough.
+/// Nothing may move meanwhile, half a minute or so. The camera's exposure must be fixed. Measured is the delay from
+/// showing to seeing; checked are exposure, rest, and whether the picture is mirrored; a scan that would mislead is
+/// refused. Ctrl-C, or Escape in the window, ends it: what was seen up to then is written if it is enough.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "\
 Topics subscribed to: --image (sensor_msgs/Image: mono8, rgb8, bgr8, rgba8, bgra8), --camera-info, and --depth (16UC1 in

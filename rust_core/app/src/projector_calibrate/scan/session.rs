@@ -1,8 +1,8 @@
 //! A scan from the first look to the capture: what is shown, what is checked, and when it is given up.
 //!
 //! 1. Black and white in turn ([`super::light`]): the delay, exposure, rest.
-//! 2. The patterns, coarse stripes of both axes first. Once those were seen, it is known whether the picture is mirrored
-//!    or another one ([`super::orientation`]), and from then on an interrupted scan is worth something.
+//! 2. The patterns, coarse stripes of both axes first. Once those were seen, it is known whether the picture is
+//!    mirrored or another one ([`super::orientation`]), and soon an interrupted scan is worth something.
 //! 3. White again, compared with the first one, and decoding.
 
 use std::time::{Duration, Instant};

@@ -120,3 +120,16 @@ proptest! {
         prop_assert!(landing_px(&simulation, &solution) < 0.5);
     }
 }
+
+#[test]
+fn walls_at_several_angles_determine_a_lens_without_bias() {
+    for seed in 0..4 {
+        let mut simulation = Simulation { is_flat: true, ..Simulation::new(seed) };
+        simulation.projector_from_camera = (0..6).map(|scan| pose(seed + 100 * scan)).collect();
+        let solution = solve(&simulation.samples(), &options()).unwrap();
+        let errors = super::uncertainty::normalised_errors(&simulation, &solution);
+        // With slopes at the points as they were seen, these are up to 7.
+        assert!(errors.iter().all(|error| error.abs() < 4.0), "{seed}: {errors:?}");
+        assert!(landing_px(&simulation, &solution) < 0.8);
+    }
+}

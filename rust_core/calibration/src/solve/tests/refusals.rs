@@ -68,10 +68,10 @@ fn mirrored_pictures_are_refused() {
         for is_flat in [false, true] {
             let simulation = Simulation { is_flat, gross: 0.2, ..Simulation::new(seed).with_distortion(K1) };
             let known = SolveOptions { known_lens: Some(simulation.lens), ..options() };
-            for axis in 0..2 {
+            for (axis, size_px) in SIZE_PX.into_iter().enumerate() {
                 let mut samples = simulation.samples();
                 for sample in &mut samples {
-                    sample.pixel[axis] = f64::from(SIZE_PX[axis]) - 1.0 - sample.pixel[axis];
+                    sample.pixel[axis] = f64::from(size_px) - 1.0 - sample.pixel[axis];
                 }
                 if !is_flat {
                     assert_eq!(refusal(&samples, &options()), Refusal::Mirrored);

@@ -6,7 +6,7 @@ use super::super::model::lens_values;
 use super::*;
 
 /// Errors of lens and pose divided by their deviations.
-fn normalised_errors(simulation: &Simulation, solution: &Solution) -> Vec<f64> {
+pub(super) fn normalised_errors(simulation: &Simulation, solution: &Solution) -> Vec<f64> {
     let truth = lens_values(&simulation.lens);
     let mut errors: Vec<f64> = (solution.estimates.iter().filter(|estimate| estimate.sigma > 0.0))
         .map(|estimate| (estimate.value - truth[estimate.parameter as usize]) / estimate.sigma)

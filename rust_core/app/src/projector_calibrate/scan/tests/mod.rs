@@ -223,7 +223,7 @@ fn an_interrupted_scan_is_kept_if_it_saw_enough() {
     let outcome = Outcome::until(Faults::default(), 33);
     let scanned = outcome.result.as_ref().unwrap();
     let pictures = scanned.capture.pictures.len();
-    assert!(!scanned.is_whole && (20..33).contains(&pictures) && pictures % 2 == 0, "{pictures}");
+    assert!(!scanned.is_whole && (20..33).contains(&pictures) && pictures.is_multiple_of(2), "{pictures}");
     let (_, right) = outcome.shares();
     assert!(right > 0.8, "{right}");
     let folder = tempfile::tempdir().unwrap();

@@ -219,7 +219,7 @@ impl Camera for SimulatedCamera {
 
     fn depth(&mut self) -> Result<Option<DepthFrame>, CameraError> {
         let world = self.0.borrow();
-        let is_due = world.faults.depth_every.is_some_and(|every| world.frames % every == 0);
+        let is_due = world.faults.depth_every.is_some_and(|every| world.frames.is_multiple_of(every));
         let depth_m = || world.depth[world.frames as usize % world.depth.len()].clone();
         Ok(is_due.then(|| DepthFrame { size_px: [160, 120], depth_m: depth_m() }))
     }
