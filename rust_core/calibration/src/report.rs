@@ -144,7 +144,8 @@ impl Report {
             self.say(
                 if share < AGAIN_INLIERS { Verdict::Again } else { Verdict::Usable },
                 format!(
-                    "only {:.0} % of the points agree with the solution: remove mirrors and glossy things, darken the room",
+                    "only {:.0} % of the points agree with the solution: remove mirrors and glossy things, darken the \
+                     room",
                     100.0 * share
                 ),
             );
@@ -188,8 +189,8 @@ impl Report {
             self.say(
                 Verdict::Usable,
                 format!(
-                    "points lie between {near:.2} m and {far:.2} m only: put things nearer to the projector and farther \
-                     off"
+                    "points lie between {near:.2} m and {far:.2} m only: put things nearer to the projector and \
+                     farther off"
                 ),
             );
         }
