@@ -77,9 +77,9 @@ pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<S
         return Ok(Vec::new());
     }
     let middle = noises.len() / 2;
-    let most_noise = MOST_NOISE * *noises.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let typical_noise = *noises.select_nth_unstable_by(middle, f32::total_cmp).1;
     let sample = |(index, window): &(usize, Window)| {
-        if window.noise > most_noise {
+        if window.noise > MOST_NOISE * typical_noise {
             return None;
         }
         let pixel = &decoded.pixels[*index];
@@ -91,7 +91,8 @@ pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<S
             point: Point3::from(ray * depth),
             scan: 0,
             sigma_px: f64::from(variance.sqrt()),
-            sigma_m: f64::from(window.sigma) * depth * depth,
+            // Where rounding makes all depths of a window the same, they are no more certain than elsewhere.
+            sigma_m: f64::from(window.noise.max(typical_noise) * window.sigma_per_noise) * depth * depth,
         })
     };
     Ok(windows.iter().filter_map(sample).collect())
@@ -102,8 +103,8 @@ pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<S
 struct Window {
     /// The inverse depth, 1/m.
     inverse: f32,
-    /// Its standard deviation.
-    sigma: f32,
+    /// Its standard deviation as a share of that of single pixels.
+    sigma_per_noise: f32,
     /// That of single pixels.
     noise: f32,
 }
@@ -154,8 +155,7 @@ impl Window {
         if (on_plane as f32) < least || plane.at.abs() > 4.0 * noise || noise > MOST_NOISE_SHARE * own {
             return None;
         }
-        let sigma = (plane.variance * ALIKE / plane.support).sqrt();
-        Some(Self { inverse: own + plane.at, sigma, noise })
+        Some(Self { inverse: own + plane.at, sigma_per_noise: (ALIKE / plane.support).sqrt(), noise })
     }
 }
 

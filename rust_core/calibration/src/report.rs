@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{Sample, Solution};
+use crate::{Parameter, Sample, Solution};
 
 /// Cells of the projector's picture, along u and v, that count as covered or not.
 const PICTURE_CELLS: [usize; 2] = [8, 6];
@@ -19,6 +19,8 @@ const AGAIN_HELD_OUT_PX: f64 = 3.0;
 const GOOD_HELD_OUT_RATIO: f64 = 1.25;
 /// Such a ratio means that the solution follows its own points rather than the lens.
 const AGAIN_HELD_OUT_RATIO: f64 = 2.0;
+/// Focal lengths that differ by more are not those of square pixels.
+const SQUARE_PIXELS: f64 = 0.02;
 /// The solution of a good calibration is certain to this, pixels.
 const GOOD_PREDICTION_PX: f64 = 0.5;
 /// The same at the farthest points, metres.
@@ -103,6 +105,7 @@ impl Report {
 
     fn judge(&mut self) {
         self.judge_fit();
+        self.judge_lens();
         self.judge_certainty();
         self.judge_coverage();
         self.judge_depth();
@@ -147,6 +150,27 @@ impl Report {
                     "only {:.0} % of the points agree with the solution: remove mirrors and glossy things, darken the \
                      room",
                     100.0 * share
+                ),
+            );
+        }
+    }
+
+    /// A keystone correction or a scaled picture is still a pinhole's, but one whose pixels are not square.
+    fn judge_lens(&mut self) {
+        let focal_px = self.solution.lens.focal_px;
+        let is_solved = self
+            .solution
+            .estimates
+            .iter()
+            .any(|estimate| matches!(estimate.parameter, Parameter::Fx | Parameter::Fy) && estimate.sigma > 0.0);
+        let differ = (focal_px.x / focal_px.y - 1.0).abs();
+        if is_solved && differ > SQUARE_PIXELS {
+            self.say(
+                Verdict::Usable,
+                format!(
+                    "fx and fy differ by {:.1} %, but a projector's pixels are square: switch keystone correction and \
+                     scaling off, set the native resolution",
+                    100.0 * differ
                 ),
             );
         }
@@ -319,6 +343,16 @@ mod tests {
             assert!(!advises(&report(&simulation, |_| true)));
         }
         assert!((0.001..0.004).contains(&(sum / 8.0)), "{}", sum / 8.0);
+    }
+
+    #[test]
+    fn a_scaled_picture_is_named() {
+        let mut samples = Simulation { step_px: 4, ..Simulation::new(2) }.samples();
+        samples.iter_mut().for_each(|sample| sample.pixel.y *= 0.94);
+        let solution = solve(&samples, &SolveOptions::new([1280, 800])).unwrap();
+        let report = Report::new(&samples, solution);
+        let names = |reason: &&String| reason.contains("keystone");
+        assert_eq!((report.verdict, report.reasons.iter().filter(names).count()), (Verdict::Usable, 1), "{report:?}");
     }
 
     #[test]

@@ -276,6 +276,8 @@ impl<F: FnMut(UserEvent<'_>, &PictureSink)> ApplicationHandler<Wake> for Applica
         match OpenWindow::open(event_loop, self.display.clone(), &self.options) {
             Ok(open) => {
                 let open = self.open.insert(open);
+                // Whatever becomes of the window: a manager that just starts can miss it, and then no event comes.
+                event_loop.set_control_flow(ControlFlow::WaitUntil(open.next_poll()));
                 (self.handle)(UserEvent::Opened(open.monitor()), &self.sink);
             }
             Err(error) => self.end_on_error(event_loop, Err(error)),

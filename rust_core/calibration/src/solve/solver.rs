@@ -38,6 +38,11 @@ const LEAST_OUTLINE: f64 = 0.15;
 const MOST_FOCAL_SIGMA: f64 = 0.05;
 /// The largest deviation of a prediction, as a share of the picture's width.
 const MOST_PREDICTION_SIGMA: f64 = 0.01;
+/// What all samples share, such as the rounding of depths, is in no residual. So nothing is known better than this: the
+/// focal length, as a share of it,
+const LEAST_FOCAL_SHARE: f64 = 4e-6;
+/// and the projector's position, as a share of the points' depth.
+const LEAST_POSITION_SHARE: f64 = 8e-6;
 /// Left-out samples may miss by so many times as much as others, and by so many pixels more: by twice as many if the
 /// samples are no more than this.
 const HELD_OUT_LIMIT: (f64, f64) = (3.0, 1.0);
@@ -345,7 +350,12 @@ impl<'a> Solver<'a> {
         let lens = adjusted.state.lens;
         let sigma_at = |unknown: usize| covariance[(unknown, unknown)].max(0.0).sqrt();
         let sigma_of = |parameter: Parameter| {
-            free.lens.iter().position(|raw| raw.contains(&(parameter as usize))).map_or(0.0, sigma_at)
+            let sigma = free.lens.iter().position(|raw| raw.contains(&(parameter as usize))).map(sigma_at);
+            let floor = match parameter {
+                Parameter::Fx | Parameter::Fy => LEAST_FOCAL_SHARE * lens.focal_px.min(),
+                _ => 0.0,
+            };
+            sigma.map_or(0.0, |sigma| sigma.hypot(floor))
         };
         let values = lens_values(&lens);
         let estimates = Parameter::ALL
@@ -358,10 +368,14 @@ impl<'a> Solver<'a> {
                 let shift = covariance.fixed_view::<3, 3>(at + 3, at + 3).into_owned();
                 let rotation = pose.rotation.to_rotation_matrix().into_inner();
                 let in_camera = rotation.transpose() * shift * rotation;
+                let range = observations.range(scan);
+                let mut depths: Vec<f64> =
+                    observations.all[range].iter().map(|observation| observation.point.z).collect();
+                let least_m = LEAST_POSITION_SHARE * quantile(&mut depths, 0.5);
                 ScanPose {
                     scan: *number,
                     projector_from_camera: pose,
-                    position_sigma_m: [0, 1, 2].map(|axis| in_camera[(axis, axis)].max(0.0).sqrt()),
+                    position_sigma_m: [0, 1, 2].map(|axis| in_camera[(axis, axis)].max(0.0).sqrt().hypot(least_m)),
                     orientation_sigma_rad: [0, 1, 2].map(|axis| sigma_at(at + axis)),
                     inliers: observations.range(scan).filter(|i| adjusted.weights[*i].is_used()).count(),
                 }
