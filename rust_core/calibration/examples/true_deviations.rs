@@ -8,6 +8,9 @@ use rcs_scan_simulator::{Conditions, DepthCamera, LightError, Rig, Room, Scan, V
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 const NAMES: [&str; 10] = ["fx", "fy", "cx", "cy", "x", "y", "z", "about x", "about y", "about z"];
 
+/// Calibrations with an error of so many deviations are printed.
+const REMARKABLE: f64 = 3.5;
+
 fn main() {
     let mut given = std::env::args().skip(1).filter_map(|number| number.parse::<u64>().ok());
     let (count, first) = (given.next().unwrap_or(100), given.next().unwrap_or(1000));
@@ -16,6 +19,10 @@ fn main() {
     for seed in first..first + count {
         match calibrate(seed) {
             Ok((errors, light_error)) => {
+                let worst = errors.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()));
+                if worst > REMARKABLE {
+                    println!("seed {seed}: {}", errors.map(|error| format!("{error:.1}")).join(" "));
+                }
                 ratios.iter_mut().zip(errors).for_each(|(ratios, error)| ratios.push(error));
                 light.push(light_error);
             }
