@@ -247,13 +247,11 @@ impl<'a> Solver<'a> {
             (terms, state, left_out)
         };
         let mut chosen = with(DistortionTerms::None, &rich.state);
+        // All are tried: a lens without radial distortion may be mounted askew.
         for terms in [DistortionTerms::K1, DistortionTerms::K1K2, DistortionTerms::PlumbBob] {
             let trial = with(terms, &rich.state);
             if trial.2.is_better_than(&chosen.2, &rich.weights, &blocks) {
                 chosen = trial;
-            } else if terms == DistortionTerms::K1 {
-                // A lens whose k1 does not show has nothing finer to show.
-                break;
             }
         }
         let (terms, state, _) = chosen;
