@@ -1,5 +1,5 @@
-//! Whether the standard deviations of whole calibrations are true: over many simulated scans, errors divided by them have
-//! a spread of one. `cargo run --release -p rcs_calibration --example true_deviations [COUNT [FIRST_SEED]]`
+//! Whether the standard deviations of whole calibrations are true: over many simulated scans, errors divided by them
+//! have a spread of one. `cargo run --release -p rcs_calibration --example true_deviations [COUNT [FIRST_SEED]]`
 
 use rcs_calibration::patterns::gray_code;
 use rcs_calibration::{decode, points, solve, Parameter, Pictures, SolveOptions};

@@ -2,8 +2,8 @@
 //!
 //! Depth is smoothed by planes through the inverse depths of windows: on a plane in space, inverse depth is linear in
 //! the camera's pixels, and a depth camera's noise, which grows with the squared depth, is the same everywhere in it
-//! (Khoshelham, Elberink, "Accuracy and resolution of Kinect depth data", 2012). Where a window's depths lie on no common
-//! plane there is an edge, whose depth is not used.
+//! (Khoshelham, Elberink, "Accuracy and resolution of Kinect depth data", 2012). Where a window's depths lie on no
+//! common plane there is an edge, whose depth is not used.
 
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;

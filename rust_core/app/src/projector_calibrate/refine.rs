@@ -11,8 +11,8 @@ use super::{input, solve as solving, Failure};
 
 /// Solves for the pose alone, for a projector that was bumped; a flat wall is enough
 ///
-/// Takes points or capture folders as solve does, and the projector's file, whose lens is kept as it is. Without a scan,
-/// six or more points measured by hand do: steer the crosshair of `show --test crosshair` onto things, and write
+/// Takes points or capture folders as solve does, and the projector's file, whose lens is kept as it is. Without a
+/// scan, six or more points measured by hand do: steer the crosshair of `show --test crosshair` onto things, and write
 /// its pixel and the thing's place in the camera's optical frame into a file of points.
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -16,8 +16,8 @@ use super::{input, Failure};
 /// Solves for the projector's lens and pose, and writes the file that the program projector publishes
 ///
 /// Takes files of points (u_px, v_px, x_m, y_m, z_m and optionally scan, which numbers the camera's poses), and capture
-/// folders. Each further file or folder is another pose of the camera; the projector must not have moved in between. The
-/// pose that is written belongs to the first of them.
+/// folders. Each further file or folder is another pose of the camera; the projector must not have moved in between.
+/// The pose that is written belongs to the first of them.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Exit codes: 0 written; 1 refused, nothing written but the report of a verdict \"again\"; 2 invalid arguments or

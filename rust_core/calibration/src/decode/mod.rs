@@ -215,8 +215,9 @@ fn without_margins(pixels: &[DecodedPixel], width: usize) -> Vec<DecodedPixel> {
 }
 
 /// Where light and dark surfaces meet, a camera's blur mixes neighbours' light into a pixel, whose place is pulled
-/// towards the brighter ones: by the blur's variance times the relative gradient. That counts as uncertainty; pixels that
-/// are pulled far are dropped, and so are those that are so dark that what they see is mostly bright ones' stray light.
+/// towards the brighter ones: by the blur's variance times the relative gradient. That counts as uncertainty; pixels
+/// that are pulled far are dropped, and so are those that are so dark that what they see is mostly bright ones' stray
+/// light.
 fn without_bleeding(pixels: &[DecodedPixel], amplitudes: &[f32], width: usize) -> Vec<DecodedPixel> {
     let brightest = brightest_around(amplitudes, width);
     let mut kept = pixels.to_vec();

@@ -178,7 +178,9 @@ mod tests {
     #[test]
     fn a_grid_of_more_lines_than_memory_is_an_error_status() {
         let world = TestWorld::at(Time::ZERO);
-        for (plane_cell_count, normal_cell_count) in [(u32::MAX, 0), (i32::MAX as u32, i32::MAX as u32), (10, 85_788), (2000, 1)] {
+        for (plane_cell_count, normal_cell_count) in
+            [(u32::MAX, 0), (i32::MAX as u32, i32::MAX as u32), (10, 85_788), (2000, 1)]
+        {
             let settings = GridSettings { plane_cell_count, normal_cell_count, ..GridSettings::default() };
             let mut display = GridDisplay::new(0, settings);
             assert!(!display.update(&world.get()) && display.drawables().is_empty());

@@ -1,7 +1,7 @@
 //! Marks that tell how a picture was turned or mirrored on its way to the wall: in each corner a white disc, with one
-//! to four black dots in it, clockwise from the top left. So each corner is known for itself (a disc with so many holes,
-//! however it is distorted), and their order tells a mirror image from a turned one. In the middle is an F, which looks
-//! different in each of the eight ways, for people.
+//! to four black dots in it, clockwise from the top left. So each corner is known for itself (a disc with so many
+//! holes, however it is distorted), and their order tells a mirror image from a turned one. In the middle is an F,
+//! which looks different in each of the eight ways, for people.
 
 use rcs_scene::Picture;
 

@@ -1,6 +1,6 @@
 //! Test pictures for a projector, drawn in its own resolution, so that each pixel of a picture is one of the
-//! projector's: what is wrong with the set-up (scaling, overscan, keystone correction, mirroring, the wrong screen) is seen on the
-//! wall. Levels of grey only, for cameras of any kind.
+//! projector's: what is wrong with the set-up (scaling, overscan, keystone correction, mirroring, the wrong screen) is
+//! seen on the wall. Levels of grey only, for cameras of any kind.
 
 mod canvas;
 mod layout;
