@@ -12,6 +12,7 @@ mod refine;
 mod scan;
 mod show;
 mod solve;
+mod steer;
 mod verify;
 
 use std::path::Path;

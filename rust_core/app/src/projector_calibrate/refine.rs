@@ -1,19 +1,23 @@
 //! `projector_calibrate refine`: the pose alone, for a projector that was bumped.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use rcs_calibration::{solve, SolveOptions};
+use rcs_calibration::{solve, Lens, Sample, SolveOptions};
+use rcs_files::correspondences::read_places;
 use rcs_files::projector::ProjectorFile;
 
-use super::placing::PlacingArguments;
+use super::input::Input;
+use super::placing::{self, PlacingArguments};
+use super::steer::steer;
 use super::{input, solve as solving, Failure};
+use crate::monitor_arguments::MonitorArguments;
 
 /// Solves for the pose alone, for a projector that was bumped; a flat wall is enough
 ///
-/// Takes points or capture folders as solve does, and the projector's file, whose lens is kept as it is. Without a
-/// scan, six or more points measured by hand do: steer the crosshair of `show --test crosshair` onto things, and write
-/// its pixel and the thing's place in the camera's optical frame into a file of points.
+/// Takes points or capture folders as solve does, and the projector's file, whose lens is kept as it is. By hand: with
+/// --things, the projector shows a crosshair that you steer with the keyboard onto six or more things, whose places in
+/// the camera's optical frame the file has (read off the depth camera, such as with rviz's Publish Point).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments or unreadable files
@@ -21,8 +25,13 @@ Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments or unread
 Example: projector_calibrate refine capture --projector projector.yaml -o projector.yaml")]
 pub(super) struct RefineArguments {
     /// Files of points, or capture folders
-    #[arg(value_name = "FILE", required = true)]
+    #[arg(value_name = "FILE", required_unless_present_any = ["things", "list_monitors"])]
     points: Vec<PathBuf>,
+    /// Places of things, with the columns x_m, y_m and z_m, to steer a crosshair onto
+    #[arg(long, value_name = "FILE", conflicts_with = "points")]
+    things: Option<PathBuf>,
+    #[command(flatten)]
+    monitor: MonitorArguments,
     /// The projector's file with its lens
     #[arg(long, value_name = "FILE")]
     projector: PathBuf,
@@ -38,8 +47,14 @@ pub(super) struct RefineArguments {
 
 /// Runs the command.
 pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
+    if arguments.monitor.print_list().map_err(Failure::refused)? {
+        return Ok(());
+    }
     let lens = super::read_lens(&arguments.projector)?;
-    let input = input::read(&arguments.points)?;
+    let input = match &arguments.things {
+        None => input::read(&arguments.points)?,
+        Some(path) => Input { samples: steered(arguments, path, &lens)?, camera_frame: None },
+    };
     let options = SolveOptions { known_lens: Some(lens), ..SolveOptions::new(lens.size_px) };
     let solution = solve(&input.samples, &options).map_err(Failure::refused)?;
     let pose = solving::first_pose(&solution)?;
@@ -51,4 +66,12 @@ pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
     solving::summarise(&report);
     eprintln!("written: {}", arguments.output.display());
     Ok(())
+}
+
+/// What the user steers the crosshair onto; it starts where the projector's file expects each thing.
+fn steered(arguments: &RefineArguments, things: &Path, lens: &Lens) -> Result<Vec<Sample>, Failure> {
+    let things = read_places(things).map_err(Failure::unreadable)?;
+    let file = ProjectorFile::read(&arguments.projector).map_err(Failure::unreadable)?;
+    let old_pose = placing::pose_in_file(&file, None);
+    steer(&things, lens, old_pose.as_ref(), &arguments.monitor)
 }

@@ -24,6 +24,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+use nalgebra::Point3;
 use rcs_calibration::Sample;
 
 pub use error::{PointsError, RowProblem};
@@ -56,6 +57,15 @@ pub struct Scan {
     pub number_in_file: u32,
 }
 
+/// Reads places of things: a file with the columns `x_m`, `y_m` and `z_m`; pixels in it are not looked at.
+///
+/// # Errors
+/// [`PointsError`] with the file and, where there is one, the line.
+pub fn read_places(path: &Path) -> Result<Vec<Point3<f64>>, PointsError> {
+    let parsed = parse::parse(path, &read_bytes(path)?, parse::NEEDED_BY_PLACES)?;
+    Ok(parsed.samples.into_iter().map(|sample| sample.point).collect())
+}
+
 impl Points {
     /// Reads files.
     ///
@@ -83,7 +93,7 @@ impl Points {
     }
 
     fn add(&mut self, path: &Path, text: &[u8]) -> Result<(), PointsError> {
-        let parse::Parsed { mut samples, ignored_columns } = parse::parse(path, text)?;
+        let parse::Parsed { mut samples, ignored_columns } = parse::parse(path, text, parse::NEEDED)?;
         if self.samples.len() + samples.len() > MOST_POINTS {
             return Err(PointsError::TooMany { path: path.to_owned(), most: MOST_POINTS });
         }

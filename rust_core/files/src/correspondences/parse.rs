@@ -1,6 +1,7 @@
 //! The text of `points.csv`. After the header it is cut at ends of lines into pieces, which are parsed on all cores;
 //! of several wrong lines the first is told.
 
+use std::ops::Range;
 use std::path::Path;
 
 use nalgebra::{Point2, Point3};
@@ -18,8 +19,10 @@ const SHOWN_CHARACTERS: usize = 40;
 
 /// The columns that have a meaning, in the order of [`Column`].
 const NAMES: [&str; 8] = ["u_px", "v_px", "x_m", "y_m", "z_m", "scan", "sigma_px", "sigma_m"];
-/// How many of them are needed.
-const NEEDED: usize = 5;
+/// Those that correspondences need,
+pub(super) const NEEDED: Range<usize> = 0..5;
+/// and those that places need.
+pub(super) const NEEDED_BY_PLACES: Range<usize> = 2..5;
 const SCAN: usize = 5;
 const SIGMA_PX: usize = 6;
 const SIGMA_M: usize = 7;
@@ -36,7 +39,8 @@ struct Header {
     ignored: Vec<String>,
 }
 
-pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Parsed, PointsError> {
+/// Parses a file that needs these of the columns; pixels that it does not have are zero.
+pub(super) fn parse(path: &Path, text: &[u8], needed: Range<usize>) -> Result<Parsed, PointsError> {
     let row_error = |line, problem| PointsError::Row { path: path.to_owned(), line, problem };
     let mut rest = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let mut line = 0;
@@ -48,7 +52,7 @@ pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Parsed, PointsError> {
         line += 1;
         rest = after;
         if has_contents(first) {
-            break Header::parse(first).map_err(|problem| row_error(line, problem))?;
+            break Header::parse(first, needed).map_err(|problem| row_error(line, problem))?;
         }
     };
     let pieces: Vec<Result<Piece, (usize, RowProblem)>> =
@@ -69,7 +73,7 @@ struct Piece {
 }
 
 impl Header {
-    fn parse(line: &[u8]) -> Result<Self, RowProblem> {
+    fn parse(line: &[u8], mut needed: Range<usize>) -> Result<Self, RowProblem> {
         let mut header = Self { columns: Vec::new(), ignored: Vec::new() };
         for field in line.split(|byte| *byte == b',') {
             let name = field.trim_ascii();
@@ -83,7 +87,7 @@ impl Header {
             }
             header.columns.push(column);
         }
-        match (0..NEEDED).find(|needed| !header.columns.contains(&Some(*needed))) {
+        match needed.find(|needed| !header.columns.contains(&Some(*needed))) {
             Some(missing) => Err(RowProblem::MissingColumn(NAMES[missing])),
             None => Ok(header),
         }

@@ -200,3 +200,14 @@ fn two_hundred_thousand_points_are_read_at_once() {
     println!("{fastest:?}");
     assert!(fastest < Duration::from_millis(400), "{fastest:?}");
 }
+
+#[test]
+fn places_need_no_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("things.csv");
+    std::fs::write(&path, "name,z_m,x_m,y_m\nmug,1.5,0.25,-0.5\n\nbox,2,0,1\n").unwrap();
+    let places = read_places(&path).unwrap();
+    assert_eq!(places, [Point3::new(0.25, -0.5, 1.5), Point3::new(0.0, 1.0, 2.0)]);
+    std::fs::write(&path, "x_m,y_m\n1,2\n").unwrap();
+    assert!(read_places(&path).unwrap_err().to_string().ends_with("things.csv:1: the header has no column z_m"));
+}
