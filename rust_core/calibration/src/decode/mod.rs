@@ -41,15 +41,18 @@ const WORTH_PREDICTING: f32 = 16.0;
 /// Standard deviation of the blur of a camera's lens and of its pixels' extent, camera pixels.
 const CAMERA_BLUR_PX: f32 = 0.8;
 /// Pixels that have less than this share of the light of a pixel near them mostly see its stray light,
-const STRAY_LIGHT: f32 = 0.2;
+const STRAY_LIGHT: f32 = 0.15;
 /// which reaches so far, camera pixels.
 const STRAY_REACH: usize = 8;
+/// Both weights count what stripes and planes leave unexplained; of what they say together, so much is true of simulated
+/// scans, in the middle.
+const CAUTION: f32 = 0.65;
 /// The largest deviation of a decoded coordinate, projector pixels.
-const WORST_SIGMA_PX: f32 = 0.7;
+const WORST_SIGMA_PX: f32 = 1.0;
 /// Neighbouring camera pixels whose projector pixels are farther apart see different surfaces, projector pixels.
 const SURFACE_STEP_PX: f32 = 12.0;
 /// How many of the eight neighbours of a pixel must be decoded and on its surface.
-const LEAST_NEIGHBOURS: usize = 7;
+const LEAST_NEIGHBOURS: usize = 6;
 
 /// The pictures of a scan.
 #[derive(Debug, Clone)]
@@ -467,6 +470,6 @@ fn fuse(at: f32, sigma: f32, prediction: Prediction) -> Option<(f32, f32)> {
     let own = 1.0 / (sigma * sigma + 1e-3);
     let others = 1.0 / (prediction.sigma.powi(2) + 0.03 * prediction.spread.powi(2));
     let fused = (own * at + others * prediction.at) / (own + others);
-    let deviation = (1.0 / (own + others)).sqrt().max(0.03);
+    let deviation = (CAUTION * (1.0 / (own + others)).sqrt()).max(0.02);
     (deviation < WORST_SIGMA_PX).then_some((fused, deviation))
 }
