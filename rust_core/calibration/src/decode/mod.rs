@@ -44,8 +44,8 @@ const CAMERA_BLUR_PX: f32 = 0.8;
 const STRAY_LIGHT: f32 = 0.15;
 /// which reaches so far, camera pixels.
 const STRAY_REACH: usize = 8;
-/// Both weights count what stripes and planes leave unexplained; of what they say together, so much is true of simulated
-/// scans, in the middle.
+/// Both weights count what stripes and planes leave unexplained; of what they say together, so much is true of
+/// simulated scans, in the middle.
 const CAUTION: f32 = 0.65;
 /// The largest deviation of a decoded coordinate, projector pixels.
 const WORST_SIGMA_PX: f32 = 1.0;
