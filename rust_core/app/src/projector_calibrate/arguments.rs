@@ -2,6 +2,15 @@
 
 use rcs_files::capture::MOST_PIXELS;
 
+/// Width and height, pixels, as an argument.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Size(pub(super) [u32; 2]);
+
+/// [`size_px`] as an argument.
+pub(super) fn size(text: &str) -> Result<Size, String> {
+    size_px(text).map(Size)
+}
+
 /// Width and height, pixels: `1280x800`.
 pub(super) fn size_px(text: &str) -> Result<[u32; 2], String> {
     let [width, height] = pair(text).ok_or("not a size such as 1280x800")?;

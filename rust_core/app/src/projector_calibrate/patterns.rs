@@ -6,7 +6,7 @@ use clap::{value_parser, Args};
 use rcs_calibration::patterns::{gray_code, shifted_gray_code};
 use rcs_files::capture::{write_patterns, PATTERNS_FILE};
 
-use super::arguments::size_px;
+use super::arguments::{size, Size};
 use super::Failure;
 
 /// Writes the patterns of a scan: p000.png and so on, and patterns.yaml
@@ -20,7 +20,7 @@ Exit codes: 0 written; 1 not written; 2 invalid arguments
 Example: projector_calibrate patterns --size 1280x800 --step 4 -o patterns")]
 pub(super) struct PatternsArguments {
     /// Width and height of the projector's picture, pixels
-    #[arg(long, value_name = "WxH", value_parser = |text: &str| size_px(text).map(Size))]
+    #[arg(long, value_name = "WxH", value_parser = size)]
     size: Size,
     /// How many pixels share a code, 1 to 64
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u32).range(1..=64))]
@@ -29,10 +29,6 @@ pub(super) struct PatternsArguments {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
-
-/// A size in pixels, as an argument.
-#[derive(Debug, Clone, Copy)]
-struct Size([u32; 2]);
 
 /// Runs the command.
 pub(super) fn run(arguments: &PatternsArguments) -> Result<(), Failure> {

@@ -17,7 +17,7 @@ use rcs_window::{self as window, MonitorInfo, PictureSink, ScreenPicture, UserEv
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
-use super::arguments::size_px;
+use super::arguments::{size, Size};
 use super::Failure;
 use crate::monitor_arguments::MonitorArguments;
 
@@ -50,7 +50,7 @@ pub(super) struct ShowArguments {
     #[arg(short, long, value_name = "DIR", requires = "size", conflicts_with_all = ["patterns", "seconds"])]
     output: Option<PathBuf>,
     /// Width and height of the pictures written with -o, pixels
-    #[arg(long, value_name = "WxH", value_parser = |text: &str| size_px(text).map(Size), requires = "output")]
+    #[arg(long, value_name = "WxH", value_parser = size, requires = "output")]
     size: Option<Size>,
     #[command(flatten)]
     monitor: MonitorArguments,
@@ -58,10 +58,6 @@ pub(super) struct ShowArguments {
 
 /// What `--test` means all pictures by.
 const ALL: &str = "all";
-
-/// A size in pixels, as an argument.
-#[derive(Debug, Clone, Copy)]
-struct Size([u32; 2]);
 
 fn test_names() -> PossibleValuesParser {
     PossibleValuesParser::new(TestPicture::ALL.map(TestPicture::name).into_iter().chain([ALL]))
@@ -141,7 +137,8 @@ fn lock(show: &Mutex<Show>) -> MutexGuard<'_, Show> {
     show.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn close_on_signal(mut signals: Signals, sink: PictureSink) -> io::Result<()> {
+/// Closes the window when one of the signals comes.
+pub(super) fn close_on_signal(mut signals: Signals, sink: PictureSink) -> io::Result<()> {
     let waiting = move || {
         if signals.forever().next().is_some() {
             sink.close();

@@ -9,7 +9,7 @@ use rcs_calibration::{
 use rcs_files::calibration_report;
 use rcs_files::projector::ProjectorFile;
 
-use super::arguments::size_px;
+use super::arguments::{size, Size};
 use super::placing::PlacingArguments;
 use super::{input, Failure};
 
@@ -29,7 +29,7 @@ pub(super) struct SolveArguments {
     #[arg(value_name = "FILE", required = true)]
     points: Vec<PathBuf>,
     /// Width and height of the projector's picture, pixels
-    #[arg(long, value_name = "WxH", value_parser = size_of)]
+    #[arg(long, value_name = "WxH", value_parser = size)]
     size: Size,
     /// The projector's file to write
     #[arg(short, long, value_name = "FILE")]
@@ -51,14 +51,6 @@ pub(super) struct SolveArguments {
     initial: Option<PathBuf>,
     #[command(flatten)]
     placing: PlacingArguments,
-}
-
-/// A size in pixels, as an argument.
-#[derive(Debug, Clone, Copy)]
-struct Size([u32; 2]);
-
-fn size_of(text: &str) -> Result<Size, String> {
-    size_px(text).map(Size)
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]

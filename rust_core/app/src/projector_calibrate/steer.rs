@@ -1,15 +1,13 @@
 //! Correspondences by hand: the user steers a crosshair that the projector shows onto things whose places are known.
 
-use std::io;
-use std::thread;
-
 use anyhow::{anyhow, Context as _};
 use nalgebra::{Isometry3, Point2, Point3};
 use rcs_calibration::{Lens, Sample};
-use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowKey};
+use rcs_window::{self as window, ScreenPicture, UserEvent, WindowKey};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
+use super::show::close_on_signal;
 use super::Failure;
 use crate::monitor_arguments::MonitorArguments;
 
@@ -76,15 +74,6 @@ fn check_size(monitor_px: [u32; 2], lens_px: [u32; 2]) -> anyhow::Result<()> {
         "the monitor has {width}x{height} pixels, the projector's file is for {lens_width}x{lens_height}: choose the \
          projector's monitor, in its native resolution"
     ))
-}
-
-fn close_on_signal(mut signals: Signals, sink: PictureSink) -> io::Result<()> {
-    let waiting = move || {
-        if signals.forever().next().is_some() {
-            sink.close();
-        }
-    };
-    thread::Builder::new().name("signals".to_owned()).spawn(waiting).map(drop)
 }
 
 /// Where the crosshair is for each thing.

@@ -6,9 +6,11 @@
 //! - [`search`]: each pixel's place along each axis, by comparing what it saw with blurred stripes.
 //! - [`neighbours`]: what a surface's pixels tell of one another; a pixel that contradicts all of its own is looked up
 //!   again near the predicted place, or dropped.
+//! - [`margins`]: pixels that see two surfaces, or stray light, are dropped.
 
 mod blur;
 mod channels;
+mod margins;
 mod neighbours;
 mod quality;
 mod response;
@@ -22,6 +24,7 @@ use rayon::prelude::*;
 use crate::patterns::Pattern;
 use blur::{Energy, Tables};
 use channels::{AxisChannels, Channels, MOST_CHANNELS};
+use margins::{without_bleeding, without_margins};
 use neighbours::{Field, Prediction};
 use response::Response;
 use search::{Differences, Found, Search};
@@ -38,21 +41,11 @@ const WORST_MISFIT: f32 = 25.0;
 const CLEAR_MARGIN: f32 = 40.0;
 /// How much worse, at most, a place near the prediction may explain a pixel than its best place does.
 const WORTH_PREDICTING: f32 = 16.0;
-/// Standard deviation of the blur of a camera's lens and of its pixels' extent, camera pixels.
-const CAMERA_BLUR_PX: f32 = 0.8;
-/// Pixels that have less than this share of the light of a pixel near them mostly see its stray light,
-const STRAY_LIGHT: f32 = 0.15;
-/// which reaches so far, camera pixels.
-const STRAY_REACH: usize = 8;
 /// Both weights count what stripes and planes leave unexplained; of what they say together, so much is true of
 /// simulated scans, in the middle.
 const CAUTION: f32 = 0.65;
 /// The largest deviation of a decoded coordinate, projector pixels.
 const WORST_SIGMA_PX: f32 = 1.0;
-/// Neighbouring camera pixels whose projector pixels are farther apart see different surfaces, projector pixels.
-const SURFACE_STEP_PX: f32 = 12.0;
-/// How many of the eight neighbours of a pixel must be decoded and on its surface.
-const LEAST_NEIGHBOURS: usize = 6;
 
 /// The pictures of a scan.
 #[derive(Debug, Clone)]
@@ -188,92 +181,6 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
     let pixels = without_margins(&pixels, width);
     let pixels = without_bleeding(&pixels, &lights.amplitudes(), width);
     Ok(Decoded { size_px: pictures.size_px, pixels, lit, quality })
-}
-
-/// Drops pixels at the margin of what a surface shows: they see two surfaces, or light and shadow.
-fn without_margins(pixels: &[DecodedPixel], width: usize) -> Vec<DecodedPixel> {
-    let height = pixels.len() / width.max(1);
-    let is_kept = |x: usize, y: usize| {
-        let pixel = pixels[y * width + x];
-        if x == 0 || y == 0 || x + 1 >= width || y + 1 >= height {
-            return false;
-        }
-        let is_of_surface = |other: &DecodedPixel| {
-            let far = [0, 1].map(|axis| (other.at[axis] - pixel.at[axis]).abs() < SURFACE_STEP_PX);
-            far[0] && far[1]
-        };
-        let around = (y - 1..=y + 1).flat_map(|row| &pixels[row * width + x - 1..row * width + x + 2]);
-        // The pixel itself counts, too.
-        around.filter(|other| is_of_surface(other)).count() > LEAST_NEIGHBOURS
-    };
-    let mut kept = pixels.to_vec();
-    kept.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        for (x, pixel) in row.iter_mut().enumerate() {
-            if !is_kept(x, y) {
-                *pixel = DecodedPixel::NONE;
-            }
-        }
-    });
-    kept
-}
-
-/// Where light and dark surfaces meet, a camera's blur mixes neighbours' light into a pixel, whose place is pulled
-/// towards the brighter ones: by the blur's variance times the relative gradient. That counts as uncertainty; pixels
-/// that are pulled far are dropped, and so are those that are so dark that what they see is mostly bright ones' stray
-/// light.
-fn without_bleeding(pixels: &[DecodedPixel], amplitudes: &[f32], width: usize) -> Vec<DecodedPixel> {
-    let brightest = brightest_around(amplitudes, width);
-    let mut kept = pixels.to_vec();
-    kept.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        for (x, pixel) in row.iter_mut().enumerate().filter(|(_, pixel)| pixel.is_decoded()) {
-            if amplitudes[y * width + x] < STRAY_LIGHT * brightest[y * width + x] {
-                *pixel = DecodedPixel::NONE;
-                continue;
-            }
-            // A decoded pixel has neighbours on all sides: others are margins.
-            let index = y * width + x;
-            let sides = [[index - 1, index + 1], [index - width, index + width]];
-            for axis in 0..2 {
-                let pulled = sides.iter().map(|[before, after]| {
-                    let gradient = (amplitudes[*after] - amplitudes[*before]) / (2.0 * amplitudes[index]);
-                    let (here, before, after) = (pixels[index].at, pixels[*before].at, pixels[*after].at);
-                    let step = match (before[axis].is_nan(), after[axis].is_nan()) {
-                        (false, false) => (after[axis] - before[axis]) / 2.0,
-                        (true, false) => after[axis] - here[axis],
-                        (false, true) => here[axis] - before[axis],
-                        (true, true) => 0.0,
-                    };
-                    CAMERA_BLUR_PX.powi(2) * gradient * step
-                });
-                let pulled: f32 = pulled.sum();
-                pixel.sigma[axis] = pixel.sigma[axis].hypot(pulled);
-            }
-            if pixel.sigma.iter().any(|sigma| *sigma > WORST_SIGMA_PX) {
-                *pixel = DecodedPixel::NONE;
-            }
-        }
-    });
-    kept
-}
-
-/// The largest amplitude within [`STRAY_REACH`] of each pixel, along rows and columns.
-fn brightest_around(amplitudes: &[f32], width: usize) -> Vec<f32> {
-    let mut along_rows = vec![0.0; amplitudes.len()];
-    along_rows.par_chunks_mut(width).zip(amplitudes.par_chunks(width)).for_each(|(brightest, row)| {
-        for (x, brightest) in brightest.iter_mut().enumerate() {
-            let near = &row[x.saturating_sub(STRAY_REACH)..(x + STRAY_REACH + 1).min(width)];
-            *brightest = near.iter().copied().fold(0.0, f32::max);
-        }
-    });
-    let height = amplitudes.len() / width.max(1);
-    let mut brightest = vec![0.0_f32; amplitudes.len()];
-    brightest.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        for near in y.saturating_sub(STRAY_REACH)..(y + STRAY_REACH + 1).min(height) {
-            let other = &along_rows[near * width..][..width];
-            row.iter_mut().zip(other).for_each(|(brightest, other)| *brightest = brightest.max(*other));
-        }
-    });
-    brightest
 }
 
 /// The pictures in linear light.

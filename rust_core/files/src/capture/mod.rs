@@ -14,8 +14,8 @@
 //! ```
 //!
 //! Pictures are PNGs of 8 bits, grey or in colours. Of colours, the luma of ITU-R BT.601 counts (0.299 red, 0.587
-//! green, 0.114 blue), as with OpenCV and so with cv_bridge. What the stripes are is said at
-//! [`rcs_calibration::patterns::Stripes`]. Names may lead into folders of the folder, never out of it.
+//! green, 0.114 blue), as with OpenCV and so with cv_bridge. [`rcs_calibration::patterns::Stripes`]
+//! defines the stripes. Names may lead into folders of the folder, never out of it.
 //!
 //! [`PatternList`] is the same list without a camera, as `patterns.yaml` beside the pictures to be shown.
 

@@ -1,4 +1,4 @@
-//! Tests of capture folders: what was written is read back, and what is wrong is said with file and line.
+//! Tests of capture folders: what was written is read back, and what is wrong is reported with file and line.
 
 use std::fs;
 

@@ -31,7 +31,7 @@ use rcs_files::picture_file::{self, PictureFormat};
 use rcs_ros::RosNode;
 use rcs_window::{self as window, MonitorChoice, UserEvent, WindowOptions};
 
-use super::arguments::size_px;
+use super::arguments::{size, Size};
 use super::Failure;
 use crate::small_node::{self, EndRequest};
 use devices::Screen;
@@ -56,7 +56,7 @@ Exit codes: 0 written; 1 refused, nothing written; 2 invalid arguments, or a top
 Example: projector_calibrate scan --size 1280x800 --monitor HDMI-1 -o scan1")]
 pub(super) struct ScanArguments {
     /// Width and height of the projector's picture, pixels: its native resolution
-    #[arg(long, value_name = "WxH", value_parser = |text: &str| size_px(text).map(Size))]
+    #[arg(long, value_name = "WxH", value_parser = size)]
     size: Size,
     /// The folder to write to; made if it does not exist, a capture in it is replaced
     #[arg(short, long, value_name = "DIR")]
@@ -92,10 +92,6 @@ pub(super) struct ScanArguments {
     #[arg(long, value_name = "FILE.png")]
     preview: Option<PathBuf>,
 }
-
-/// A size in pixels, as an argument.
-#[derive(Debug, Clone, Copy)]
-struct Size([u32; 2]);
 
 /// Runs the command.
 ///
