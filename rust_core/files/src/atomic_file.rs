@@ -6,8 +6,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes one file with `write`, replacing one that is there. The folder must exist. `io_error` wraps the system's
-/// errors.
+/// Writes one file with `write`, replacing the content of one that is there: its permissions stay, and so does a link to
+/// it. What is no regular file, such as `/dev/stdout`, is written to as it is. The folder must exist. `io_error` wraps the
+/// system's errors.
 ///
 /// # Errors
 /// Those of `write`, and the system's.
@@ -16,12 +17,24 @@ pub fn write_atomically<E>(
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
     io_error: impl Fn(io::Error) -> E,
 ) -> Result<(), E> {
-    let unfinished = unfinished_name(path);
+    // A link whose target does not exist yet is replaced.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let known = fs::metadata(&target).ok();
+    if known.as_ref().is_some_and(|known| !known.is_file()) {
+        let mut file = BufWriter::new(File::options().write(true).open(&target).map_err(&io_error)?);
+        write(&mut file)?;
+        return file.flush().map_err(&io_error);
+    }
+    let unfinished = unfinished_name(&target);
     let written = (|| {
-        let mut file = BufWriter::new(File::create(&unfinished).map_err(&io_error)?);
+        let file = File::create(&unfinished).map_err(&io_error)?;
+        if let Some(known) = known {
+            file.set_permissions(known.permissions()).map_err(&io_error)?;
+        }
+        let mut file = BufWriter::new(file);
         write(&mut file)?;
         file.flush().map_err(&io_error)?;
-        fs::rename(&unfinished, path).map_err(&io_error)
+        fs::rename(&unfinished, &target).map_err(&io_error)
     })();
     if written.is_err() {
         // What is left of a failed attempt is of no use, and the error that matters is already at hand.
@@ -56,5 +69,40 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         write("second", Ok(())).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "second");
+    }
+
+    fn write(path: &Path, text: &str) -> io::Result<()> {
+        write_atomically(path, |file| file.write_all(text.as_bytes()), |error| error)
+    }
+
+    #[test]
+    fn a_link_and_permissions_stay() {
+        use std::os::unix::fs::{symlink, PermissionsExt};
+
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        write(&file, "first").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+        symlink("file", &link).unwrap();
+        write(&link, "second").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&file).unwrap(), "second");
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+    }
+
+    #[test]
+    fn a_pipe_is_written_to_and_a_folder_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
+        assert!(made.success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read_to_string(pipe).unwrap()
+        });
+        write(&pipe, "text").unwrap();
+        assert_eq!(reader.join().unwrap(), "text");
+        assert!(!fs::metadata(&pipe).unwrap().is_file(), "it is a pipe still");
+        assert!(write(folder.path(), "text").is_err());
     }
 }
