@@ -177,8 +177,8 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let target = Target::Picture { file: file.to_owned() };
     let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
     let bag = case.folder.join("scene.bag");
-    let (camera, section, projection) = (case.camera.as_deref(), Section::default(), Projection::Rviz);
-    let job = Job { bag: &bag, camera, projector: None, section, target: &target, projection };
+    let (camera, section, model) = (case.camera.as_deref(), Section::default(), Projection::Rviz.into());
+    let job = Job { bag: &bag, camera, projector: None, section, target: &target, model };
     offline::render(&mut stage, &job, renderer.as_mut())
 }
 

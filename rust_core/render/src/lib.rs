@@ -50,6 +50,7 @@
 mod bounds;
 mod cpu;
 mod gpu;
+mod lens;
 mod renderer;
 mod shading;
 

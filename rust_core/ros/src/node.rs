@@ -393,15 +393,16 @@ impl RosNode {
         })
     }
 
-    /// A private parameter (`~name`) that was a string when the node started.
-    pub fn string_param(&self, name: &str) -> Option<String> {
-        self.private_param(name)?.as_str().map(str::to_owned)
+    /// A private parameter (`~name`) that was a string, a boolean or a whole number when the node started, as text.
+    pub fn text_param(&self, name: &str) -> Option<String> {
+        text_of(self.private_param(name)?)
     }
 
-    /// Another node's parameter, if it is a string. Waits for the master, for some seconds at most.
-    pub fn other_string_param(&self, name: &str) -> Option<String> {
+    /// Another node's parameter, if it is a string, a boolean or a whole number, as text. Waits for the master, for some
+    /// seconds at most.
+    pub fn other_text_param(&self, name: &str) -> Option<String> {
         let whole_name = self.resolve(name).ok()?;
-        self.network().registrar().master().param(&whole_name).ok()??.as_str().map(str::to_owned)
+        text_of(&self.network().registrar().master().param(&whole_name).ok()??)
     }
 
     /// A private parameter (`~name`) that was a boolean when the node started.
@@ -523,4 +524,13 @@ fn with_wake_slack<T>(start: impl FnOnce() -> T) -> T {
     let started = start();
     let _ = rustix::thread::set_current_timer_slack(before);
     started
+}
+
+/// A parameter's value as text, if it is a string, a boolean or a whole number.
+fn text_of(value: &Value) -> Option<String> {
+    match value {
+        Value::Bool(value) => Some(value.to_string()),
+        Value::Int(value) => Some(value.to_string()),
+        value => value.as_str().map(str::to_owned),
+    }
 }

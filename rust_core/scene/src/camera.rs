@@ -3,8 +3,12 @@
 //! A projector is a camera run backwards, so this is the projector too. Reproduces what rviz's CameraPub display does
 //! with a CameraInfo, and offers the projection that P actually means.
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry3, Matrix4, Point3, Translation3, UnitQuaternion, Vector3};
 use thiserror::Error;
+
+use crate::PixelMap;
 
 /// The far clip distance of a CameraPub camera, in metres.
 pub const FAR_CLIP_M: f64 = 100.0;
@@ -90,10 +94,16 @@ impl Intrinsics {
         Ok(Self { width_px, height_px, fx_px: p[0], fy_px: p[5], cx_px: p[2], cy_px: p[6], tx: p[3], ty: p[7] })
     }
 
-    /// Whether rviz's CameraPub and the meaning of P agree on these intrinsics: square pixels (to one part in a
-    /// million) and no vertical offset.
+    /// Whether rviz's CameraPub and the meaning of P agree on these intrinsics but for [half a pixel](Self::as_p_means):
+    /// square pixels (to one part in a million) and no vertical offset.
     pub fn rviz_is_exact(&self) -> bool {
         (self.fx_px - self.fy_px).abs() <= 1e-6 * self.fx_px.abs() && self.ty == 0.0
+    }
+
+    /// The intrinsics with which a point is drawn where P sends it, if an integer is a pixel's centre, as in ROS and
+    /// OpenCV: for a renderer the centre of the first pixel is at 0.5. rviz leaves that half pixel out.
+    pub fn as_p_means(&self) -> Self {
+        Self { cx_px: self.cx_px + 0.5, cy_px: self.cy_px + 0.5, ..*self }
     }
 
     /// The intrinsics that rviz's CameraPub in effect draws with. It shrinks the longer focal length (and the
@@ -147,6 +157,8 @@ pub fn require_finite(field: &str, values: &[f64]) -> Result<(), CameraError> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     intrinsics: Intrinsics,
+    /// Between what is drawn and the picture.
+    lens: Option<Arc<PixelMap>>,
     near_m: f64,
     fixed_from_view: Isometry3<f64>,
     clip_from_view: Matrix4<f64>,
@@ -154,7 +166,9 @@ pub struct Camera {
 
 impl Camera {
     /// A camera whose optical frame (x right, y down, z forward) stands at a pose in the fixed frame and that draws
-    /// what lies between `near_m` and [`FAR_CLIP_M`] in front of it. Tx and Ty of the intrinsics move it.
+    /// what lies between `near_m` and [`FAR_CLIP_M`] in front of it. Tx and Ty of the intrinsics move it. Pixels are
+    /// counted from the picture's edges: the first one's centre is at 0.5, as rviz reads P
+    /// ([`Intrinsics::as_p_means`]).
     ///
     /// A near distance that is not above zero or not below the far one is moved just inside of that range.
     pub fn new(intrinsics: Intrinsics, fixed_from_optical: &Isometry3<f64>, near_m: f64) -> Self {
@@ -173,10 +187,22 @@ impl Camera {
         );
         Self {
             intrinsics,
+            lens: None,
             near_m,
             fixed_from_view: fixed_from_optical * optical_from_camera * optical_from_view,
             clip_from_view,
         }
+    }
+
+    /// The same camera behind a lens: what the intrinsics draw is the source of its picture, which has the map's size.
+    #[must_use]
+    pub fn with_lens(self, lens: Arc<PixelMap>) -> Self {
+        Self { lens: Some(lens), ..self }
+    }
+
+    /// The lens through which what is drawn becomes the picture, if there is one.
+    pub fn lens(&self) -> Option<&Arc<PixelMap>> {
+        self.lens.as_ref()
     }
 
     /// Its intrinsics.
@@ -184,12 +210,12 @@ impl Camera {
         &self.intrinsics
     }
 
-    /// Picture width in pixels.
+    /// Width of what is drawn, in pixels; without a lens that is the picture.
     pub fn width_px(&self) -> u32 {
         self.intrinsics.width_px
     }
 
-    /// Picture height in pixels.
+    /// Height of what is drawn, in pixels; without a lens that is the picture.
     pub fn height_px(&self) -> u32 {
         self.intrinsics.height_px
     }
@@ -278,6 +304,15 @@ mod tests {
         assert_eq!((drawn.fx_px, drawn.fy_px), (1000.0, 1000.0));
         assert!((drawn.cy_px - (400.0 + 350.0 * 1000.0 / 1900.0)).abs() < 1e-9);
         assert_eq!(drawn.cx_px, 640.0);
+    }
+
+    #[test]
+    fn p_counts_pixels_from_the_first_ones_centre() {
+        let intrinsics = Intrinsics::from_p(1280, 800, &P).unwrap().as_p_means();
+        let camera = Camera::new(intrinsics, &Isometry3::identity(), 0.01);
+        let (u, v) = pixel(&camera, Point3::new(0.1, -0.2, 2.0));
+        assert!((u - 0.5 - (640.0 + 1900.0 * 0.05)).abs() < 1e-9, "{u}");
+        assert!((v - 0.5 - (750.0 - 1900.0 * 0.1)).abs() < 1e-9, "{v}");
     }
 
     #[test]

@@ -6,6 +6,8 @@ use rcs_scene::{require_finite, Camera, CameraError, Intrinsics};
 use rcs_transforms::{LookupError, Time};
 use thiserror::Error;
 
+use super::projector_lens::{is_distorted, Lenses};
+
 /// How a CameraInfo's P becomes a projection.
 ///
 /// ```
@@ -26,8 +28,24 @@ pub enum Projection {
     /// As rviz's CameraPub draws: one focal length for both axes, `P[7]` upwards. Exact if fx = fy and P[7] = 0
     #[default]
     Rviz,
-    /// As P says: needed by a projector with different focal lengths
+    /// As P says, to the pixel: for a projector
     Exact,
+}
+
+/// How a CameraInfo becomes a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct CameraModel {
+    /// How its P becomes a projection.
+    pub projection: Projection,
+    /// Where it has a distortion, the picture is bent so that it is right after the lens of K and D. P is taken
+    /// [exactly](Projection::Exact) then.
+    pub undistort: bool,
+}
+
+impl From<Projection> for CameraModel {
+    fn from(projection: Projection) -> Self {
+        Self { projection, undistort: false }
+    }
 }
 
 /// Why there is no camera to draw with.
@@ -61,29 +79,41 @@ pub enum CameraProblem {
 ///
 /// # Errors
 /// See [`CameraProblem`].
-pub fn camera(
+pub(crate) fn camera(
     info: &CameraInfo,
     topic: &str,
     world: &World<'_>,
     near_m: f64,
-    projection: Projection,
+    model: CameraModel,
+    lenses: &Lenses,
 ) -> Result<Camera, CameraProblem> {
     let bad = |error| CameraProblem::BadCameraInfo { topic: topic.to_owned(), error };
     for (field, values) in [("D", &info.D[..]), ("K", &info.K[..]), ("R", &info.R[..])] {
         require_finite(field, values).map_err(bad)?;
     }
     let intrinsics = Intrinsics::from_p(info.width, info.height, &info.P).map_err(bad)?;
-    let intrinsics = match projection {
-        Projection::Rviz => intrinsics.as_rviz_draws(),
-        Projection::Exact => intrinsics,
+    let through_lens = match model.undistort && is_distorted(info) {
+        // What is wrong with a lens is a status of the camera.
+        true => lenses.of(topic, info, &intrinsics).ok(),
+        false => None,
+    };
+    let drawn = match (&through_lens, model.projection) {
+        (Some(lens), _) => lens.intrinsics,
+        (None, Projection::Rviz) => intrinsics.as_rviz_draws(),
+        (None, Projection::Exact) => intrinsics.as_p_means(),
     };
     let fixed_from_optical = world
         .fixed_from(&info.header.frame_id, Time::ZERO)
         .map_err(|error| CameraProblem::NoTransform { topic: topic.to_owned(), error: Box::new(error) })?;
-    Ok(Camera::new(intrinsics, &fixed_from_optical, near_m))
+    let camera = Camera::new(drawn, &fixed_from_optical, near_m);
+    Ok(match through_lens {
+        Some(lens) => camera.with_lens(lens.map),
+        None => camera,
+    })
 }
 
-/// Whether rviz's projection of this CameraInfo differs from what P says.
+/// Whether rviz's projection of this CameraInfo differs from what P says by more than half a pixel.
+///
 pub fn rviz_differs(info: &CameraInfo) -> bool {
     Intrinsics::from_p(info.width, info.height, &info.P).is_ok_and(|intrinsics| !intrinsics.rviz_is_exact())
 }

@@ -10,7 +10,7 @@ use rcs_files::picture_file::PictureFormat;
 use rcs_render::RendererChoice;
 use rcs_resources::ResourceOptions;
 
-use crate::camera_stream::camera_pose::Projection;
+use crate::camera_stream::camera_pose::{CameraModel, Projection};
 
 /// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
 ///
@@ -30,13 +30,32 @@ pub struct Cli {
     /// What draws: a hardware GPU if there is one, else the CPU (auto); the CPU (cpu); or any GPU driver (gpu)
     #[arg(long, global = true, value_name = "auto|cpu|gpu")]
     pub renderer: Option<RendererChoice>,
-    /// How a CameraInfo's P is used: as rviz does (the same picture as before), or exactly (needed if fx ≠ fy or P[7] ≠
-    /// 0)
-    #[arg(long, global = true, value_enum)]
-    pub projection: Option<Projection>,
+    /// How CameraInfos become pictures.
+    #[command(flatten)]
+    pub model: ModelArgs,
     /// Which mesh files may be read.
     #[command(flatten)]
     pub resources: ResourceArgs,
+}
+
+/// How CameraInfos become pictures.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct ModelArgs {
+    /// How a CameraInfo's P is used: as rviz does (the same picture as before), or exactly, which a projector needs
+    /// (rviz is half a pixel off, and more if fx ≠ fy or P[7] ≠ 0)
+    #[arg(long, global = true, value_enum)]
+    pub projection: Option<Projection>,
+    /// Bend the picture of a CameraInfo with D ≠ 0, so that it is right after the projector's lens; P is used exactly
+    /// then
+    #[arg(long, global = true)]
+    pub undistort: bool,
+}
+
+impl ModelArgs {
+    /// The model without a node's parameters.
+    pub fn chosen(&self) -> CameraModel {
+        CameraModel { projection: self.projection.unwrap_or_default(), undistort: self.undistort }
+    }
 }
 
 /// Sizes in MB that a mesh file can be limited to.
@@ -376,7 +395,7 @@ mod tests {
         let check = |line: &str| {
             let args = ["camera_stream", "check", "--live"].into_iter().chain(line.split(' '));
             Cli::try_parse_from(args).map(|cli| match cli.command {
-                Some(Command::Check(args)) => (args.file(), args.node.fixed_frame, cli.projection, cli.renderer),
+                Some(Command::Check(args)) => (args.file(), args.node.fixed_frame, cli.model.projection, cli.renderer),
                 other => panic!("{other:?}"),
             })
         };

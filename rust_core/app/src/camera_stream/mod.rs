@@ -9,6 +9,7 @@ pub mod offline;
 pub mod outputs;
 mod private_parameters;
 mod projector_fit;
+mod projector_lens;
 mod rolling_window;
 pub mod stage;
 mod status_log;
@@ -115,7 +116,7 @@ fn invalid(error: &dyn std::fmt::Display) -> ExitCode {
 fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
     let (listen, fixed_frame) = (args.listen, args.node.fixed_frame.clone());
     let resources = cli.resources.clone();
-    let args = LiveArgs { listen, fixed_frame, projection: cli.projection, resources };
+    let args = LiveArgs { listen, fixed_frame, model: cli.model, resources };
     match check::live::run(config, &args, &mut std::io::stdout().lock()) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
@@ -148,7 +149,7 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
         projector: args.projector.as_deref(),
         section: Section { at_secs: args.at, start_secs: args.start, end_secs: args.end },
         target: &target,
-        projection: cli.projection.unwrap_or_default(),
+        model: cli.model.chosen(),
     };
     let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
     offline::render(&mut stage, &job, renderer.as_mut())

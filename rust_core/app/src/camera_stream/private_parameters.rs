@@ -9,8 +9,8 @@ use rcs_render::RendererChoice;
 use rcs_resources::ResourceOptions;
 use rcs_ros::RosNode;
 
-use crate::camera_stream::camera_pose::Projection;
-use crate::camera_stream::cli::{ResourceArgs, MESH_MB};
+use crate::camera_stream::camera_pose::{CameraModel, Projection};
+use crate::camera_stream::cli::{ModelArgs, ResourceArgs, MESH_MB};
 
 /// What draws: `--renderer`, else `~renderer`.
 ///
@@ -20,12 +20,23 @@ pub(crate) fn renderer(ros: &RosNode, given: Option<RendererChoice>) -> Result<R
     choose(ros, given, &["~renderer"], RendererChoice::from_str)
 }
 
-/// The projection: `--projection`, else the first of these parameters that is set.
+/// How CameraInfos become pictures: `--projection`, else `~projection`; `--undistort` or `~undistort`. Parameters that
+/// are not set are those of another node where one is given.
 ///
 /// # Errors
-/// When the parameter has no valid value; names the parameter.
-pub(crate) fn projection(ros: &RosNode, given: Option<Projection>, parameters: &[&str]) -> Result<Projection> {
-    choose(ros, given, parameters, |text| Projection::from_str(text, true))
+/// When a parameter has no valid value; names the parameter.
+pub(crate) fn camera_model(ros: &RosNode, given: &ModelArgs, other_node: Option<&str>) -> Result<CameraModel> {
+    let names = |name: &str| {
+        let of_other = other_node.map(|node| format!("{node}/{name}"));
+        std::iter::once(format!("~{name}")).chain(of_other).collect::<Vec<_>>()
+    };
+    let projection = choose(ros, given.projection, &names("projection"), |text| Projection::from_str(text, true))?;
+    let undistort = choose(ros, given.undistort.then_some(true), &names("undistort"), |text| match text {
+        "true" | "1" => Ok(true),
+        "false" | "0" => Ok(false),
+        _ => Err(format!("{text} is not true or false")),
+    })?;
+    Ok(CameraModel { projection, undistort })
 }
 
 /// Which mesh files may be read: `--max-mesh-mb`, else `~max_mesh_mb`; the folders of `--mesh-folder` and
@@ -52,14 +63,14 @@ pub(crate) fn resources(ros: &RosNode, given: &ResourceArgs) -> Result<ResourceO
 fn choose<T: Default>(
     ros: &RosNode,
     given: Option<T>,
-    parameters: &[&str],
+    parameters: &[impl AsRef<str>],
     parse: impl Fn(&str) -> Result<T, String>,
 ) -> Result<T> {
     if let Some(given) = given {
         return Ok(given);
     }
-    let text = |name: &str| if name.starts_with('~') { ros.string_param(name) } else { ros.other_string_param(name) };
-    let set = parameters.iter().find_map(|name| Some((name, text(name)?)));
+    let text = |name: &str| if name.starts_with('~') { ros.text_param(name) } else { ros.other_text_param(name) };
+    let set = parameters.iter().map(AsRef::as_ref).find_map(|name| Some((name, text(name)?)));
     set.map_or_else(
         || Ok(T::default()),
         |(name, text)| parse(&text).map_err(|error| anyhow!("parameter {name}: {error}")),

@@ -1,18 +1,22 @@
 //! Where a picture does not fit the world when it is projected, although it is the picture that rviz draws.
 //!
-//! rviz uses one focal length and its own sign of `P[7]`, and neither rviz nor this program distorts the picture as the
-//! lens does that D describes. For a picture on a screen that hardly matters; a projection misses its objects.
+//! rviz uses one focal length and its own sign of `P[7]`, and does not bend the picture for the lens that D describes; nor
+//! does this program unless it is asked to. For a picture on a screen that hardly matters; a projection misses its objects.
 
+use nalgebra::Point2;
+use rcs_calibration::Distortion;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_scene::Intrinsics;
 
-use crate::camera_stream::camera_pose::Projection;
+use super::camera_pose::{CameraModel, Projection};
+use super::projector_lens::{is_distorted, NoLens};
 
-/// One phrase for each deviation, with its size.
-pub(crate) fn deviations(info: &CameraInfo, projection: Projection) -> Vec<String> {
+/// One phrase for each deviation, with its size; `no_lens` is why the lens could not be allowed for, if that was tried.
+pub(crate) fn deviations(info: &CameraInfo, model: CameraModel, no_lens: Option<NoLens>) -> Vec<String> {
     let Ok(intrinsics) = Intrinsics::from_p(info.width, info.height, &info.P) else { return Vec::new() };
     let mut phrases = Vec::new();
-    if projection == Projection::Rviz && !intrinsics.rviz_is_exact() {
+    let is_through_lens = model.undistort && is_distorted(info) && no_lens.is_none();
+    if model.projection == Projection::Rviz && !is_through_lens && !intrinsics.rviz_is_exact() {
         phrases.extend(focal_lengths(&intrinsics));
         if intrinsics.ty != 0.0 {
             phrases.push(format!(
@@ -23,7 +27,9 @@ pub(crate) fn deviations(info: &CameraInfo, projection: Projection) -> Vec<Strin
             ));
         }
     }
-    phrases.extend(distortion(info, &intrinsics));
+    if !is_through_lens {
+        phrases.extend(distortion(info, &intrinsics, no_lens));
+    }
     phrases
 }
 
@@ -43,11 +49,14 @@ fn focal_lengths(intrinsics: &Intrinsics) -> Option<String> {
 }
 
 /// Lens distortion, which is not in the picture.
-fn distortion(info: &CameraInfo, intrinsics: &Intrinsics) -> Option<String> {
-    if info.D.iter().all(|coefficient| *coefficient == 0.0) {
+fn distortion(info: &CameraInfo, intrinsics: &Intrinsics, no_lens: Option<NoLens>) -> Option<String> {
+    if !is_distorted(info) {
         return None;
     }
     let model = &info.distortion_model;
+    if let Some(problem) = no_lens {
+        return Some(format!("D is not zero ({model}), and the picture is drawn without distortion: {problem}"));
+    }
     let Some(moved_px) = largest_shift_px(info, intrinsics) else {
         return Some(format!(
             "D is not zero (distortion_model \"{model}\"), and the picture is drawn without distortion"
@@ -56,7 +65,7 @@ fn distortion(info: &CameraInfo, intrinsics: &Intrinsics) -> Option<String> {
     let percent = 100.0 * moved_px / f64::from(intrinsics.width_px);
     Some(format!(
         "D is not zero ({model}), and the picture is drawn without distortion: that lens moves pixels by up to \
-         {moved_px:.1} px, {percent:.2} % of the width; it fits only a projector that undistorts by itself"
+         {moved_px:.1} px, {percent:.2} % of the width; --undistort allows for it"
     ))
 }
 
@@ -64,44 +73,17 @@ fn distortion(info: &CameraInfo, intrinsics: &Intrinsics) -> Option<String> {
 /// the model is not known, or moves a point to nowhere.
 fn largest_shift_px(info: &CameraInfo, intrinsics: &Intrinsics) -> Option<f64> {
     let Intrinsics { width_px, height_px, fx_px, fy_px, cx_px, cy_px, .. } = *intrinsics;
+    let distortion = Distortion::from_message(&info.distortion_model, &info.D).ok()?;
     let mut largest_px = 0.0_f64;
     for column in [0.0, 0.5, 1.0] {
         for row in [0.0, 0.5, 1.0] {
             let x = (column * f64::from(width_px) - cx_px) / fx_px;
             let y = (row * f64::from(height_px) - cy_px) / fy_px;
-            let [distorted_x, distorted_y] = distort(&info.distortion_model, &info.D, [x, y])?;
-            let shift_px = ((distorted_x - x) * fx_px).hypot((distorted_y - y) * fy_px);
-            largest_px = largest_px.max(shift_px.is_finite().then_some(shift_px)?);
+            let moved = distortion.distort(Point2::new(x, y))? - Point2::new(x, y);
+            largest_px = largest_px.max((moved.x * fx_px).hypot(moved.y * fy_px));
         }
     }
     Some(largest_px)
-}
-
-/// Where the lens of a CameraInfo shows a direction, both as x / z and y / z. The models are those that
-/// `sensor_msgs/distortion_models.h` names, with OpenCV's order of coefficients.
-fn distort(model: &str, coefficients: &[f64], [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-    let d = |index: usize| coefficients.get(index).copied().unwrap_or(0.0);
-    let r2 = x * x + y * y;
-    match (model, coefficients.len()) {
-        ("plumb_bob", 4 | 5) | ("rational_polynomial", 8) => {
-            let numerator = 1.0 + r2 * (d(0) + r2 * (d(1) + r2 * d(4)));
-            let radial = numerator / (1.0 + r2 * (d(5) + r2 * (d(6) + r2 * d(7))));
-            let (p1, p2) = (d(2), d(3));
-            let tangential = [2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x), p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y];
-            Some([x * radial + tangential[0], y * radial + tangential[1]])
-        }
-        ("equidistant", 4) => {
-            let r = r2.sqrt();
-            if r == 0.0 {
-                return Some([x, y]);
-            }
-            let angle = r.atan();
-            let a2 = angle * angle;
-            let scale = angle * (1.0 + a2 * (d(0) + a2 * (d(1) + a2 * (d(2) + a2 * d(3))))) / r;
-            Some([x * scale, y * scale])
-        }
-        _ => None,
-    }
 }
 
 #[cfg(test)]
@@ -122,8 +104,11 @@ mod tests {
     #[test]
     fn an_ideal_projector_has_no_deviation() {
         for projection in [Projection::Rviz, Projection::Exact] {
-            assert_eq!(deviations(&info(1000.0, 1000.0, 0.0, "plumb_bob", &[0.0; 5]), projection), [""; 0]);
-            assert_eq!(deviations(&info(1000.0, 1000.0, 0.0, "", &[]), projection), [""; 0]);
+            assert_eq!(
+                deviations(&info(1000.0, 1000.0, 0.0, "plumb_bob", &[0.0; 5]), projection.into(), None),
+                [""; 0]
+            );
+            assert_eq!(deviations(&info(1000.0, 1000.0, 0.0, "", &[]), projection.into(), None), [""; 0]);
         }
     }
 
@@ -131,8 +116,8 @@ mod tests {
     fn focal_lengths_and_offsets_matter_only_to_rvizs_projection() {
         let one = |fx, fy, ty| {
             let info = info(fx, fy, ty, "", &[]);
-            assert_eq!(deviations(&info, Projection::Exact), [""; 0]);
-            let found = deviations(&info, Projection::Rviz);
+            assert_eq!(deviations(&info, Projection::Exact.into(), None), [""; 0]);
+            let found = deviations(&info, Projection::Rviz.into(), None);
             assert_eq!(found.len(), 1, "{found:?}");
             found[0].clone()
         };
@@ -146,7 +131,7 @@ mod tests {
     #[test]
     fn distortion_is_measured_where_it_is_largest() {
         let phrase = |model: &str, d: &[f64]| {
-            let found = deviations(&info(1000.0, 1000.0, 0.0, model, d), Projection::Exact);
+            let found = deviations(&info(1000.0, 1000.0, 0.0, model, d), Projection::Exact.into(), None);
             assert_eq!(found.len(), 1, "{found:?}");
             found[0].clone()
         };

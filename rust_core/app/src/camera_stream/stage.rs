@@ -41,7 +41,8 @@ use rcs_rviz_config::Config;
 use rcs_scene::{DisplayId, Scene};
 use rcs_transforms::{RawTransform, Time, TransformTree, UNCROWDED};
 
-use crate::camera_stream::camera_pose::{self, CameraProblem, Projection};
+use crate::camera_stream::camera_pose::{self, CameraModel, CameraProblem};
+use crate::camera_stream::projector_lens::{Lenses, NoLens};
 use crate::camera_stream::status_tree::{self, StatusEntry};
 
 /// Rejected transforms of so many frames are logged.
@@ -62,6 +63,7 @@ pub struct Stage {
     /// That of the meshes at the last update.
     meshes_version: u64,
     camera_infos: HashMap<String, Arc<CameraInfo>>,
+    lenses: Lenses,
     warned: std::collections::HashSet<String>,
     /// It was logged that there are too many frames.
     has_warned_of_frames: bool,
@@ -77,6 +79,7 @@ impl Stage {
             meshes,
             meshes_version: 0,
             camera_infos: HashMap::new(),
+            lenses: Lenses::default(),
             warned: std::collections::HashSet::new(),
             has_warned_of_frames: false,
         }
@@ -94,7 +97,9 @@ impl Stage {
             self.displays.change_fixed_frame(&world);
         }
         let topics = self.topics();
-        self.camera_infos.retain(|topic, _| topics.iter().any(|request| request.topic == *topic));
+        let is_read = |topic: &str| topics.iter().any(|request| request.topic == topic);
+        self.camera_infos.retain(|topic, _| is_read(topic));
+        self.lenses.keep(is_read);
         changed
     }
 
@@ -224,10 +229,20 @@ impl Stage {
     ///
     /// # Errors
     /// See [`CameraProblem`]: no picture can be drawn then.
-    pub fn camera(&self, camera: &CameraView, projection: Projection) -> Result<rcs_scene::Camera, CameraProblem> {
+    pub fn camera(
+        &self,
+        camera: &CameraView,
+        model: impl Into<CameraModel>,
+    ) -> Result<rcs_scene::Camera, CameraProblem> {
         let topic = &camera.settings.camera_info_topic;
         let info = self.camera_info(camera).ok_or_else(|| CameraProblem::NoCameraInfo { topic: topic.clone() })?;
-        camera_pose::camera(info, topic, &self.world(Time::ZERO), f64::from(camera.settings.near_clip_m), projection)
+        let near_m = f64::from(camera.settings.near_clip_m);
+        camera_pose::camera(info, topic, &self.world(Time::ZERO), near_m, model.into(), &self.lenses)
+    }
+
+    /// Why the lens of a camera's last CameraInfo was not allowed for, if that was tried.
+    pub(crate) fn no_lens(&self, camera: &CameraView) -> Option<NoLens> {
+        self.lenses.problem(&camera.settings.camera_info_topic)
     }
 
     /// Drops frames and messages: the time jumped back. CameraInfos are kept, as latched topics are not sent again.

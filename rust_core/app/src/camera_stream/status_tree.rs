@@ -10,7 +10,7 @@ use rcs_ros::{Publications, RosNode};
 use rcs_scene::DisplayId;
 use rcs_transforms::{Time, TransformTree};
 
-use crate::camera_stream::camera_pose::{CameraProblem, Projection};
+use crate::camera_stream::camera_pose::{CameraModel, CameraProblem};
 use crate::camera_stream::projector_fit;
 use crate::camera_stream::stage::Stage;
 
@@ -130,7 +130,7 @@ fn global(transforms: &TransformTree, fixed_frame: &str) -> StatusEntry<'static>
 }
 
 /// A camera, with the statuses that rviz's CameraPub has.
-pub(crate) fn camera(stage: &Stage, view: &CameraView, projection: Projection) -> StatusEntry<'static> {
+pub(crate) fn camera(stage: &Stage, view: &CameraView, model: CameraModel) -> StatusEntry<'static> {
     let settings = &view.settings;
     let mut statuses = Statuses::default();
     if settings.image_topic.is_empty() {
@@ -143,10 +143,11 @@ pub(crate) fn camera(stage: &Stage, view: &CameraView, projection: Projection) -
         statuses.set(Level::Error, "Camera Info", "No topic set");
     } else {
         values.push(("camera info topic", settings.camera_info_topic.clone()));
-        match stage.camera(view, projection) {
+        match stage.camera(view, model) {
             Ok(_) => {
                 let info = stage.camera_info(view);
-                let deviations = info.map(|info| projector_fit::deviations(info, projection)).unwrap_or_default();
+                let deviations =
+                    info.map(|info| projector_fit::deviations(info, model, stage.no_lens(view))).unwrap_or_default();
                 if deviations.is_empty() {
                     statuses.set(Level::Ok, "Camera Info", "OK");
                 } else {

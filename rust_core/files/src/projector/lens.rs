@@ -20,6 +20,33 @@ pub struct LensProblem {
     pub reason: String,
 }
 
+/// The lens that K and D of a CameraInfo describe.
+///
+/// # Errors
+/// [`LensProblem`]: focal lengths that are not positive, a skew, a last row of K that is not 0 0 1, a distortion that no
+/// lens model has.
+pub fn lens_of(info: &CameraInfo) -> Result<Lens, LensProblem> {
+    let CameraInfo { width, height, distortion_model, D, K, .. } = info;
+    let [fx, skew, cx, below_fx, fy, cy, last_row @ ..] = *K;
+    let wrong = |key, reason| Err(LensProblem { key, reason });
+    if K.iter().any(|value| !value.is_finite()) {
+        return wrong("K", "not all are finite numbers".to_owned());
+    }
+    if fx <= 0.0 || fy <= 0.0 {
+        return wrong("K", format!("the focal lengths (fx {fx}, fy {fy}) are not positive"));
+    }
+    if skew != 0.0 || below_fx != 0.0 {
+        return wrong("K", format!("a skew ({skew}, {below_fx}) is not known to the lens model"));
+    }
+    if last_row != [0.0, 0.0, 1.0] {
+        return wrong("K", format!("its last row is {last_row:?} where [0, 0, 1] is needed"));
+    }
+    let distortion = Distortion::from_message(distortion_model, D)
+        .map_err(|problem| LensProblem { key: problem.key(), reason: problem.to_string() })?;
+    let (focal_px, center_px) = (Vector2::new(fx, fy), Point2::new(cx, cy));
+    Ok(Lens { size_px: [*width, *height], focal_px, center_px, distortion })
+}
+
 impl ProjectorFile {
     /// The optical frame that a calibrated projector's file places.
     pub const FRAME_ID: &str = "proj_view";
@@ -27,28 +54,9 @@ impl ProjectorFile {
     /// The lens that K and D describe.
     ///
     /// # Errors
-    /// [`LensProblem`]: focal lengths that are not positive, a skew, a last row of K that is not 0 0 1, a distortion
-    /// that no lens model has.
+    /// Those of [`lens_of`].
     pub fn lens(&self) -> Result<Lens, LensProblem> {
-        let CameraInfo { width, height, distortion_model, D, K, .. } = &self.camera_info;
-        let [fx, skew, cx, below_fx, fy, cy, last_row @ ..] = *K;
-        let wrong = |key, reason| Err(LensProblem { key, reason });
-        if K.iter().any(|value| !value.is_finite()) {
-            return wrong("K", "not all are finite numbers".to_owned());
-        }
-        if fx <= 0.0 || fy <= 0.0 {
-            return wrong("K", format!("the focal lengths (fx {fx}, fy {fy}) are not positive"));
-        }
-        if skew != 0.0 || below_fx != 0.0 {
-            return wrong("K", format!("a skew ({skew}, {below_fx}) is not known to the lens model"));
-        }
-        if last_row != [0.0, 0.0, 1.0] {
-            return wrong("K", format!("its last row is {last_row:?} where [0, 0, 1] is needed"));
-        }
-        let distortion = Distortion::from_message(distortion_model, D)
-            .map_err(|problem| LensProblem { key: problem.key(), reason: problem.to_string() })?;
-        let (focal_px, center_px) = (Vector2::new(fx, fy), Point2::new(cx, cy));
-        Ok(Lens { size_px: [*width, *height], focal_px, center_px, distortion })
+        lens_of(&self.camera_info)
     }
 
     /// The file of a lens whose optical frame is `frame_id`: P is K, R the identity.

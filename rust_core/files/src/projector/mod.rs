@@ -49,7 +49,7 @@ use serde_yaml_ng::Value;
 use checked_numbers::{Matrix, Numbers, Size, Whole};
 pub use frames::StaticFrame;
 use frames::{check_placed_once, FrameEntry};
-pub use lens::LensProblem;
+pub use lens::{lens_of, LensProblem};
 use rcs_calibration::Distortion;
 pub use rcs_calibration::{DistortionModel, DistortionProblem};
 

@@ -42,7 +42,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use fearless_simd::Level;
-use rcs_scene::{DisplayId, Picture, MAX_SIDE_PX};
+use rcs_scene::{DisplayId, Encoding, Picture, MAX_SIDE_PX};
 
 use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
@@ -53,7 +53,7 @@ use self::points::PointScratch;
 use self::ranked::{Load, RankedScratch};
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
-use crate::{RenderError, Renderer, View};
+use crate::{lens, RenderError, Renderer, View};
 
 /// From how many opaque solids on those that others hide are looked for.
 const SOLIDS_OF_CROWD: usize = 1024;
@@ -74,6 +74,8 @@ pub struct CpuRenderer {
     finished: VecDeque<Picture>,
     /// Memory for the next picture.
     unused_picture: Picture,
+    /// What is drawn of a picture that a lens bends.
+    before_lens: Picture,
     /// Whose the jobs of the last picture were.
     job_displays: Vec<DisplayId>,
 }
@@ -176,6 +178,18 @@ impl Renderer for CpuRenderer {
 
 impl CpuRenderer {
     fn draw(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
+        let Some(map) = view.camera.lens() else { return self.draw_straight(view, picture) };
+        let mut drawn = std::mem::take(&mut self.before_lens);
+        let result = self.draw_straight(&View { encoding: Encoding::Rgba8, ..*view }, &mut drawn);
+        if result.is_ok() {
+            lens::see_through(map, &drawn, view.background, view.encoding, picture);
+        }
+        self.before_lens = drawn;
+        result
+    }
+
+    /// Draws what a camera sees without its lens.
+    fn draw_straight(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
         let (width_px, height_px) = (view.camera.width_px(), view.camera.height_px());
         if width_px.max(height_px) > MAX_SIDE_PX {
             let renderer = self.describe();

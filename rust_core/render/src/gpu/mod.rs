@@ -42,10 +42,11 @@ mod triangles;
 mod uniforms;
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::Instant;
 
 use nalgebra::Matrix4;
-use rcs_scene::{Camera, DrawOrder, Encoding, Geometry, Ordered, Picture};
+use rcs_scene::{Camera, DrawOrder, Encoding, Geometry, Ordered, Picture, PixelMap};
 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
@@ -58,7 +59,7 @@ use self::text::{TextDraw, TextPipelines};
 use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
 use crate::shading::to_light;
-use crate::{RenderError, Renderer, View};
+use crate::{lens, RenderError, Renderer, View};
 
 /// Draws with wgpu.
 #[derive(Debug)]
@@ -82,6 +83,8 @@ struct Gpu {
     targets: Targets,
     /// The oldest first.
     in_flight: VecDeque<InFlight>,
+    /// What is drawn of a picture that a lens bends.
+    before_lens: Picture,
 }
 
 /// A picture that was submitted and not yet returned.
@@ -90,6 +93,14 @@ struct InFlight {
     target: Target,
     arrival: Arrival,
     encoding: Encoding,
+    lens: Option<LensView>,
+}
+
+/// What a picture is seen through.
+#[derive(Debug)]
+struct LensView {
+    map: Arc<PixelMap>,
+    background: [u8; 3],
 }
 
 /// One picture is drawn while others are prepared and encoded; as many as a node usually has cameras.
@@ -180,8 +191,8 @@ impl Gpu {
         );
         device.check()?;
         let (targets, in_flight) = (Targets::default(), VecDeque::new());
-        let order = DrawOrder::default();
-        Ok(Self { device, uniforms, points, lines, triangles, texts, cells, order, targets, in_flight })
+        let (order, before_lens) = (DrawOrder::default(), Picture::default());
+        Ok(Self { device, uniforms, points, lines, triangles, texts, cells, order, targets, in_flight, before_lens })
     }
 
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
@@ -222,7 +233,8 @@ impl Gpu {
         self.device.check()?;
         let arrival = target.readback().map(submission);
         self.device.check()?;
-        self.in_flight.push_back(InFlight { target, arrival, encoding: view.encoding });
+        let lens = view.camera.lens().map(|map| LensView { map: Arc::clone(map), background: view.background });
+        self.in_flight.push_back(InFlight { target, arrival, encoding: view.encoding, lens });
         self.device.count(|stats| {
             stats.pictures += 1;
             stats.draws += draws.len() as u64;
@@ -233,10 +245,16 @@ impl Gpu {
     }
 
     fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
-        let Some(InFlight { target, arrival, encoding }) = self.in_flight.pop_front() else { return Ok(false) };
+        let Some(InFlight { target, arrival, encoding, lens }) = self.in_flight.pop_front() else { return Ok(false) };
         let [width_px, height_px] = target.size_px();
-        picture.reset(width_px, height_px, encoding);
-        target.readback().read(&self.device, arrival, picture)?;
+        if let Some(LensView { map, background }) = lens {
+            self.before_lens.reset(width_px, height_px, Encoding::Rgba8);
+            target.readback().read(&self.device, arrival, &mut self.before_lens)?;
+            lens::see_through(&map, &self.before_lens, background, encoding, picture);
+        } else {
+            picture.reset(width_px, height_px, encoding);
+            target.readback().read(&self.device, arrival, picture)?;
+        }
         self.targets.give_back(target);
         Ok(true)
     }

@@ -10,10 +10,9 @@ use rcs_ros::{NodeError, RosNode};
 use rcs_rviz_config::Config;
 use rcs_transforms::Time;
 
-use crate::camera_stream::camera_pose::Projection;
 use crate::camera_stream::check::node_name::NodeName;
 use crate::camera_stream::check::table;
-use crate::camera_stream::cli::ResourceArgs;
+use crate::camera_stream::cli::{ModelArgs, ResourceArgs};
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
@@ -47,8 +46,8 @@ pub struct LiveArgs {
     pub listen: Duration,
     /// Overrides the config's.
     pub fixed_frame: Option<String>,
-    /// Overrides the node's private parameter.
-    pub projection: Option<Projection>,
+    /// Overrides the node's private parameters.
+    pub model: ModelArgs,
     /// Which mesh files may be read, besides the private parameters.
     pub resources: ResourceArgs,
 }
@@ -76,8 +75,7 @@ fn check(
     out: &mut dyn Write,
 ) -> Result<bool, LiveError> {
     // `_projection:=` of the command line, or what the node's own launch file set.
-    let parameters = ["~projection", &format!("{}/projection", name.diagnosed)];
-    let projection = private_parameters::projection(ros, args.projection, &parameters)
+    let model = private_parameters::camera_model(ros, &args.model, Some(&name.diagnosed))
         .map_err(|error| LiveError::Parameter(error.to_string()))?;
     let resources =
         private_parameters::resources(ros, &args.resources).map_err(|error| LiveError::Parameter(error.to_string()))?;
@@ -87,10 +85,10 @@ fn check(
     receive(&mut stage, args.listen, ros, end)?;
     ros.query_publications();
     let mut entries = stage.status_entries(ros_time(ros));
-    let place = |view| PlacedCamera { view, camera: stage.camera(view, projection).ok() };
+    let place = |view| PlacedCamera { view, camera: stage.camera(view, model).ok() };
     let placed: Vec<_> = stage.cameras().iter().map(place).collect();
     visibility::add(&mut entries, stage.displays(), &placed);
-    entries.extend(stage.cameras().iter().map(|view| status_tree::camera(&stage, view, projection)));
+    entries.extend(stage.cameras().iter().map(|view| status_tree::camera(&stage, view, model)));
     status_tree::add_ros_graph(&mut entries, ros);
     print(&entries, out)?;
     let is_understood = super::print_findings(config, out)?;

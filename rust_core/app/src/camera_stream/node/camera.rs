@@ -23,7 +23,7 @@ use super::latency::Update;
 use super::reconfigurable::Switch;
 use super::runtime_settings::RuntimeSettings;
 use super::schedule::Schedule;
-use crate::camera_stream::camera_pose::Projection;
+use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::outputs::{Frame, Output, Outputs, TopicOutput};
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::StatusEntry;
@@ -159,8 +159,8 @@ impl CameraOutput {
     }
 
     /// Its statuses.
-    pub(super) fn status_entry(&self, stage: &Stage, projection: Projection) -> StatusEntry<'static> {
-        self.health.status_entry(stage, &self.view, projection, &self.connections)
+    pub(super) fn status_entry(&self, stage: &Stage, model: CameraModel) -> StatusEntry<'static> {
+        self.health.status_entry(stage, &self.view, model, &self.connections)
     }
 
     /// Records an update of the scene, for the latency figures.
@@ -221,7 +221,7 @@ impl CameraOutput {
     pub(super) fn begin_if_due(
         &mut self,
         stage: &Stage,
-        projection: Projection,
+        model: CameraModel,
         ros: &RosNode,
     ) -> Result<Option<DuePicture>> {
         if !self.connections.outputs.is_watched() {
@@ -229,7 +229,7 @@ impl CameraOutput {
             self.health.latency.forget();
             return Ok(None);
         }
-        let camera = match stage.camera(&self.view, projection) {
+        let camera = match stage.camera(&self.view, model) {
             Ok(camera) => camera,
             Err(problem) => {
                 // The last picture must not pass for a current one.
@@ -254,7 +254,7 @@ impl CameraOutput {
         }
         self.schedule.begin(now, changed);
         if changed {
-            self.health.warn_about_projection(&self.view, &info, projection);
+            self.health.warn_about_projection(&self.view, &info, model);
             return Ok(Some(DuePicture { view: Arc::clone(&self.view), camera, info, scene_version }));
         }
         if let Some(last) = &mut self.last {

@@ -8,7 +8,8 @@ use rcs_messages::sensor_msgs::CameraInfo;
 
 use super::camera::CameraConnections;
 use super::latency::Latency;
-use crate::camera_stream::camera_pose::{rviz_differs, CameraProblem, Projection};
+use crate::camera_stream::camera_pose::{rviz_differs, CameraModel, CameraProblem, Projection};
+use crate::camera_stream::projector_lens::is_distorted;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::logging::one_line;
@@ -105,8 +106,9 @@ impl CameraHealth {
     }
 
     /// Warns once if rviz's projection is not the one that the CameraInfo asks for.
-    pub(super) fn warn_about_projection(&mut self, view: &CameraView, info: &CameraInfo, projection: Projection) {
-        if projection == Projection::Rviz && rviz_differs(info) && !self.has_warned_about_projection {
+    pub(super) fn warn_about_projection(&mut self, view: &CameraView, info: &CameraInfo, model: CameraModel) {
+        let is_exact = model.projection == Projection::Exact || (model.undistort && is_distorted(info));
+        if !is_exact && rviz_differs(info) && !self.has_warned_about_projection {
             self.has_warned_about_projection = true;
             log::warn!(
                 "camera {}: P on [{}] has fx ≠ fy or P[7] ≠ 0, which rviz's CameraPub does not project exactly; \
@@ -122,10 +124,10 @@ impl CameraHealth {
         &self,
         stage: &Stage,
         view: &CameraView,
-        projection: Projection,
+        model: CameraModel,
         connections: &CameraConnections,
     ) -> StatusEntry<'static> {
-        let mut entry = status_tree::camera(stage, view, projection);
+        let mut entry = status_tree::camera(stage, view, model);
         let statuses = entry.statuses.to_mut();
         if connections.outputs.is_empty() && statuses.level() < Level::Error {
             statuses.set(Level::Error, "Output Topic", "Image publisher not configured");

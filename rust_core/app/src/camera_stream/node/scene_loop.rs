@@ -20,7 +20,7 @@ use super::camera_plan;
 use super::costs::Costs;
 use super::latency::Update;
 use super::shared::{Reload, Shared};
-use crate::camera_stream::camera_pose::Projection;
+use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::{renderer_view, Stage};
@@ -36,7 +36,7 @@ pub(super) struct SceneLoop {
     stage: Stage,
     renderer: Box<dyn Renderer>,
     renderer_choice: RendererChoice,
-    projection: Projection,
+    model: CameraModel,
     subscriptions: Subscriptions,
     /// The command line's, which overrides the config's.
     fixed_frame: Option<String>,
@@ -55,7 +55,7 @@ impl SceneLoop {
     pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
         let ros = &shared.ros;
         let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
-        let projection = private_parameters::projection(ros, cli.projection, &["~projection"])?;
+        let model = private_parameters::camera_model(ros, &cli.model, None)?;
         let renderer = rcs_render::create(renderer_choice)?;
         let resources = private_parameters::resources(ros, &cli.resources)?;
         let events = Arc::clone(ros.events());
@@ -78,7 +78,7 @@ impl SceneLoop {
             stage,
             renderer,
             renderer_choice,
-            projection,
+            model,
             subscriptions,
             fixed_frame: cli.node.fixed_frame.clone(),
             scene: None,
@@ -184,17 +184,17 @@ impl SceneLoop {
             return;
         }
         shared.activity.begin(Step::Statuses);
-        let (stage, projection) = (&self.stage, self.projection);
+        let (stage, model) = (&self.stage, self.model);
         let mut entries = stage.status_entries(self.now());
         let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
         if is_published {
             // This may take long, so the cameras are not locked meanwhile.
             let views: Vec<_> = shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
-            let place = |view: &Arc<_>| stage.camera(view, projection).ok();
+            let place = |view: &Arc<_>| stage.camera(view, model).ok();
             let placed: Vec<_> = views.iter().map(|view| PlacedCamera { view, camera: place(view) }).collect();
             visibility::add(&mut entries, stage.displays(), &placed);
         }
-        entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(stage, projection)));
+        entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(stage, model)));
         shared.diagnostics().report(&shared.ros, entries);
     }
 
@@ -249,7 +249,7 @@ impl SceneLoop {
     fn begin(&mut self, index: usize) -> Result<bool> {
         let shared = Arc::clone(&self.shared);
         let due = match shared.cameras().get_mut(index) {
-            Some(camera) => camera.begin_if_due(&self.stage, self.projection, &shared.ros)?,
+            Some(camera) => camera.begin_if_due(&self.stage, self.model, &shared.ros)?,
             None => None,
         };
         let Some(due) = due else { return Ok(false) };

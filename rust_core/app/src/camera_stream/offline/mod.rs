@@ -21,7 +21,7 @@ use rcs_scene::Picture;
 use rcs_transforms::Time;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-use crate::camera_stream::camera_pose::Projection;
+use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
 use crate::camera_stream::stage::{renderer_view, Stage};
 
@@ -70,7 +70,7 @@ pub struct Job<'a> {
     /// Where to.
     pub target: &'a Target,
     /// How P becomes a projection.
-    pub projection: Projection,
+    pub model: CameraModel,
 }
 
 /// Renders what one camera of the stage sees of a bag.
@@ -100,7 +100,7 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
         }
         player.play_until(stage, moment);
         stage.update(moment);
-        let camera = stage.camera(&view, job.projection).with_context(|| job.bag.display().to_string())?;
+        let camera = stage.camera(&view, job.model).with_context(|| job.bag.display().to_string())?;
         let scene = stage.scene();
         renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
         let info = stage.camera_info(&view).cloned().unwrap_or_default();
@@ -122,7 +122,7 @@ impl Job<'_> {
         };
         let [first, last] = self.section.bounds(times)?;
         let whole = Moments::between([first, last], rate_hz)?;
-        let Some(begin) = player.play_until_camera(stage, view, self.projection, [first, last]) else {
+        let Some(begin) = player.play_until_camera(stage, view, self.model, [first, last]) else {
             // The error of the first picture says what is missing.
             return Ok(whole);
         };

@@ -9,7 +9,7 @@ use rcs_messages::{AnyMessage, MessageKind};
 use rcs_transforms::Time;
 
 use super::projector::Projector;
-use crate::camera_stream::camera_pose::Projection;
+use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_log::StatusLog;
 
@@ -68,12 +68,12 @@ impl Player {
         &mut self,
         stage: &mut Stage,
         view: &CameraView,
-        projection: Projection,
+        model: CameraModel,
         [moment, last]: [Time; 2],
     ) -> Option<Time> {
         self.play_until(stage, moment);
         let mut reached = moment;
-        while stage.camera(view, projection).is_err() {
+        while stage.camera(view, model).is_err() {
             reached = self.play_next(stage, last)?.max(moment);
         }
         Some(reached)

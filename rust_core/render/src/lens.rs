@@ -1,0 +1,141 @@
+//! Through a lens: the picture of a [`PixelMap`], taken from what was drawn without one.
+
+use rayon::prelude::*;
+use rcs_scene::{Encoding, MapRun, Picture, PixelMap};
+
+/// Rows that a thread takes at once.
+const ROWS: usize = 16;
+
+/// Writes the picture that a lens makes of `drawn`, an [`Encoding::Rgba8`] picture of the map's source. Colours between
+/// pixels are interpolated, so that edges and lines are where they are, not at the nearest pixel; what the lens does not
+/// show has the background's colour.
+pub(crate) fn see_through(
+    map: &PixelMap,
+    drawn: &Picture,
+    background: [u8; 3],
+    encoding: Encoding,
+    picture: &mut Picture,
+) {
+    let [width, height] = map.size_px();
+    picture.reset(width, height, encoding);
+    let step = picture.step();
+    let [r, g, b] = background;
+    let (source, _) = drawn.data.as_chunks::<4>();
+    let source = Source { pixels: source, width: drawn.width_px as usize };
+    let strips = picture.data.par_chunks_mut(step * ROWS).enumerate();
+    strips.for_each_init(Vec::new, |pixels, (strip, rows)| {
+        for (row, bytes) in rows.chunks_mut(step).enumerate() {
+            pixels.clear();
+            pixels.resize(width as usize, [r, g, b, 255]);
+            for run in map.runs((strip * ROWS + row) as u32) {
+                source.write(run, pixels);
+            }
+            encoding.write_row(pixels, bytes);
+        }
+    });
+}
+
+/// What was drawn.
+#[derive(Clone, Copy)]
+struct Source<'a> {
+    pixels: &'a [[u8; 4]],
+    width: usize,
+}
+
+impl Source<'_> {
+    /// Writes a run's pixels into their row.
+    fn write(&self, run: MapRun, row: &mut [[u8; 4]]) {
+        let MapRun { column, len, place: [mut x, mut y], step } = run;
+        let Some(pixels) = row.get_mut(column as usize..).and_then(|row| row.get_mut(..len as usize)) else { return };
+        for pixel in pixels {
+            *pixel = self.color([x, y]);
+            (x, y) = (x + step[0], y + step[1]);
+        }
+    }
+
+    /// The colour at a place in 1/65536 pixels; black beside the source, where no map leads.
+    #[inline(always)]
+    fn color(&self, [x, y]: [i32; 2]) -> [u8; 4] {
+        let at = (y >> 16) as usize * self.width + (x >> 16) as usize;
+        let above = self.pixels.get(at..at + 2);
+        let below = self.pixels.get(at + self.width..at + self.width + 2);
+        let (Some([a, b]), Some([c, d])) = (above, below) else { return [0, 0, 0, 255] };
+        let (above, below) = (between(spread(*a), spread(*b), x), between(spread(*c), spread(*d), x));
+        joined(between(above, below, y))
+    }
+}
+
+/// The lowest byte of each of four numbers.
+const BYTES: u64 = 0x00ff_00ff_00ff_00ff;
+
+/// A colour's channels as four numbers of 16 bits.
+#[inline(always)]
+fn spread(color: [u8; 4]) -> u64 {
+    let color = u64::from(u32::from_ne_bytes(color));
+    (color | color << 24) & BYTES
+}
+
+/// The inverse of [`spread`].
+#[inline(always)]
+fn joined(channels: u64) -> [u8; 4] {
+    ((channels | channels >> 24) as u32).to_ne_bytes()
+}
+
+/// Between two colours by a place's fraction, to the nearest level.
+#[inline(always)]
+fn between(first: u64, second: u64, place: i32) -> u64 {
+    const HALF: u64 = 0x0080_0080_0080_0080;
+    let share = u64::from(place as u32 >> 8 & 0xff);
+    ((first * (256 - share) + second * share + HALF) >> 8) & BYTES
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawn(width_px: u32, height_px: u32, color: impl Fn(u32, u32) -> [u8; 4]) -> Picture {
+        let mut picture = Picture::default();
+        picture.reset(width_px, height_px, Encoding::Rgba8);
+        let pixels = (0..height_px).flat_map(|y| (0..width_px).map(move |x| (x, y)));
+        picture.data = pixels.flat_map(|(x, y)| color(x, y)).collect();
+        picture
+    }
+
+    fn seen(map: &PixelMap, drawn: &Picture, encoding: Encoding) -> Picture {
+        let mut picture = Picture::default();
+        see_through(map, drawn, [1, 2, 3], encoding, &mut picture);
+        picture
+    }
+
+    #[test]
+    fn colours_between_pixels_are_interpolated() {
+        let map = PixelMap::new([20, 10], |[u, v]| Some([u + 0.25, v + 0.5])).unwrap();
+        let [width, height] = map.source_size_px();
+        let source = drawn(width, height, |x, y| [(4 * x) as u8, (10 * y) as u8, 200, 255]);
+        let picture = seen(&map, &source, Encoding::Rgb8);
+        let [left, top] = map.source_origin_px();
+        for (at, pixel) in picture.data.as_chunks::<3>().0.iter().enumerate() {
+            let (x, y) = ((at % 20) as i32 - left, (at / 20) as i32 - top);
+            assert_eq!(*pixel, [(4 * x + 1) as u8, (10 * y + 5) as u8, 200]);
+        }
+    }
+
+    #[test]
+    fn an_even_surface_keeps_its_colour_and_the_rest_is_background() {
+        let place = |[u, v]: [f64; 2]| (u < 12.0).then_some([1.1 * u, 0.93 * v + 0.37]);
+        let map = PixelMap::new([33, 21], place).unwrap();
+        let [width, height] = map.source_size_px();
+        let source = drawn(width, height, |_, _| [10, 255, 99, 255]);
+        for encoding in Encoding::ALL {
+            let picture = seen(&map, &source, encoding);
+            assert_eq!((picture.width_px, picture.height_px), (33, 21));
+            let cell = encoding.bytes_per_pixel();
+            let mut colors = [vec![0; cell], vec![0; cell]];
+            encoding.write_row(&[[10, 255, 99, 255]], &mut colors[0]);
+            encoding.write_row(&[[1, 2, 3, 255]], &mut colors[1]);
+            for (at, pixel) in picture.data.chunks(cell).enumerate() {
+                assert_eq!(pixel, colors[usize::from(at % 33 >= 12)], "{encoding:?}, {at}");
+            }
+        }
+    }
+}
