@@ -2,7 +2,7 @@
 //! what is noticed when a scan was not taken well.
 
 use nalgebra::Vector2;
-use rcs_calibration::patterns::{gray_code, shifted_gray_code, Pattern};
+use rcs_calibration::patterns::{gray_code, shifted_gray_code, Pattern, Stripes};
 use rcs_calibration::{decode, Decoded, Pictures, ScanProblem};
 use rcs_scan_simulator::{Conditions, Motion, Rig, Room, Scan, View};
 
@@ -13,9 +13,12 @@ fn view(seed: u64) -> View {
 }
 
 fn decoded(view: &View, conditions: Conditions, patterns: &[Pattern]) -> Decoded {
-    let pictures = Scan::new(view, conditions).capture_all(patterns);
+    decoded_as(view, &Scan::new(view, conditions).capture_all(patterns), patterns, PROJECTOR_PX)
+}
+
+fn decoded_as(view: &View, pictures: &[Vec<u8>], patterns: &[Pattern], projector_px: [u32; 2]) -> Decoded {
     let levels = pictures.iter().map(Vec::as_slice).collect();
-    let decoded = decode(&Pictures { size_px: view.size_px(), patterns, levels }, PROJECTOR_PX);
+    let decoded = decode(&Pictures { size_px: view.size_px(), patterns, levels }, projector_px);
     decoded.unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -122,6 +125,23 @@ fn too_long_an_exposure_is_noticed() {
     let problems = decoded(&view, conditions, &gray_code(PROJECTOR_PX)).quality.problems();
     assert!(problems.iter().any(|problem| matches!(problem, ScanProblem::Clipped(_))), "{problems:?}");
     assert!(problems.iter().all(|problem| !problem.is_fatal()), "{problems:?}");
+}
+
+#[test]
+fn patterns_of_another_projector_are_noticed() {
+    let view = view(8);
+    let patterns = gray_code(PROJECTOR_PX);
+    let pictures = Scan::new(&view, Conditions::random(8)).capture_all(&patterns);
+    let beyond = |patterns: &[Pattern], projector_px| {
+        let problems = decoded_as(&view, &pictures, patterns, projector_px).quality.problems();
+        problems.first().is_some_and(|problem| matches!(problem, ScanProblem::Beyond { .. }) && problem.is_fatal())
+    };
+    assert!(!beyond(&patterns, PROJECTOR_PX) && beyond(&patterns, [1024, 768]));
+    let doubled = patterns.iter().map(|pattern| match *pattern {
+        Pattern::GrayCode(stripes) => Pattern::GrayCode(Stripes { step: 2, ..stripes }),
+        other => other,
+    });
+    assert!(beyond(&doubled.collect::<Vec<_>>(), PROJECTOR_PX));
 }
 
 #[test]

@@ -75,6 +75,9 @@ impl AxisChannels {
             return Err(DecodeError::NoCode(axis.name()));
         };
         let code_bits = length(best);
+        if all.iter().any(|channel| code_of(&channel.stripes) == best && channel.stripes.bit as usize > code_bits) {
+            return Err(DecodeError::MissingBit { axis: axis.name(), bit: code_bits as u32 });
+        }
         let rank = |channel: &Channel| {
             let bit = channel.stripes.bit as usize;
             (code_of(&channel.stripes) != best || bit >= code_bits, bit)
@@ -126,6 +129,10 @@ mod tests {
         };
         assert!(without(0).contains("white") && without(1).contains("black"));
         assert!(without(3).contains("x") && without(3).contains("inverse"), "{}", without(3));
+        let is_third_of_x = |pattern: &Pattern| matches!(pattern, Pattern::GrayCode(stripes) if stripes.axis == Axis::X && stripes.bit == 2);
+        let without_bit: Vec<Pattern> = patterns.iter().copied().filter(|pattern| !is_third_of_x(pattern)).collect();
+        let expected = DecodeError::MissingBit { axis: "x", bit: 2 };
+        assert_eq!(Channels::new(&without_bit).unwrap_err(), expected);
         let only_x: Vec<Pattern> = patterns[..10].to_vec();
         assert!(Channels::new(&only_x).unwrap_err().to_string().contains('y'));
     }

@@ -2,6 +2,7 @@
 //!
 //! - [`response`]: the camera's gamma and noise, from the capture itself.
 //! - [`quality`]: whether the pictures belong together.
+//! - [`range`]: whether they are those of this projector.
 //! - [`blur`]: how blurred the stripes are in each tile.
 //! - [`search`]: each pixel's place along each axis, by comparing what it saw with blurred stripes.
 //! - [`neighbours`]: what a surface's pixels tell of one another; a pixel that contradicts all of its own is looked up
@@ -13,6 +14,7 @@ mod channels;
 mod margins;
 mod neighbours;
 mod quality;
+mod range;
 mod response;
 mod search;
 mod stripes;
@@ -26,6 +28,7 @@ use blur::{Energy, Tables};
 use channels::{AxisChannels, Channels, MOST_CHANNELS};
 use margins::{without_bleeding, without_margins};
 use neighbours::{Field, Prediction};
+use range::least_place_px;
 use response::Response;
 use search::{Differences, Found, Search};
 
@@ -67,6 +70,14 @@ pub enum DecodeError {
     /// Stripes without their inverse.
     #[error("bit {bit} of the stripes along {axis} has no inverse")]
     NoInverse {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// The bit, 0 is the most significant.
+        bit: u32,
+    },
+    /// A bit of the code that localises is missing although a finer one is there.
+    #[error("bit {bit} of the code along {axis} is missing")]
+    MissingBit {
         /// `x` or `y`.
         axis: &'static str,
         /// The bit, 0 is the most significant.
@@ -160,7 +171,8 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
     let response = Response::find(pictures, &channels);
     let lights = Lights { pictures, channels: &channels, response: &response };
     let noise = lights.noise();
-    let quality = Quality::measure(pictures, &channels, &response, &noise);
+    let mut quality = Quality::measure(pictures, &channels, &response, &noise);
+    quality.beyond = [0, 1].map(|axis| lights.share_beyond(&channels.axes[axis], projector_px[axis], &noise));
     let lit = noise.iter().filter(|noise| noise.is_finite()).count();
     let axes = [0, 1].map(|axis| {
         let tables = Tables::new(&channels.axes[axis], projector_px[axis]);
@@ -205,6 +217,18 @@ impl Lights<'_> {
             }
         };
         white.iter().zip(black).map(noise).collect()
+    }
+
+    /// The share of the lit pixels whose certain stripes lead beyond the projector's picture.
+    fn share_beyond(&self, channels: &AxisChannels, size_px: u32, noise: &[f32]) -> f64 {
+        let Some(coarse) = channels.all.first() else { return 0.0 };
+        let last_px = i64::from(size_px) + i64::from(coarse.stripes.step);
+        let (mut lit, mut beyond) = (0_usize, 0_usize);
+        for (pixel, noise) in noise.iter().enumerate().step_by(7).filter(|(_, noise)| noise.is_finite()) {
+            lit += 1;
+            beyond += usize::from(least_place_px(channels, &self.differences(channels, pixel), *noise) > last_px);
+        }
+        beyond as f64 / lit.max(1) as f64
     }
 
     /// The light of white less that of black, for each pixel.

@@ -20,6 +20,8 @@ const UNSTEADY_EXPOSURE: f64 = 0.05;
 const LOST_EXPOSURE: f64 = 0.3;
 /// From this share of clipped pixels on the exposure was too long.
 const MUCH_CLIPPED: f64 = 0.02;
+/// From this share of pixels beyond the projector's picture on, the patterns are not those of its size.
+const MANY_BEYOND: f64 = 0.03;
 /// Pixels that are looked at in each pair of pictures.
 const LOOKED_AT: usize = 20_000;
 
@@ -32,6 +34,8 @@ pub struct Quality {
     pub moved_px: f64,
     /// The largest change of the exposure: 0.1 where a picture is 10 % brighter or darker than white and black are.
     pub exposure_change: f64,
+    /// The shares of the lit pixels whose stripes lead beyond the projector's last column and row.
+    pub beyond: [f64; 2],
     /// The exponent of the camera's response that was found: light = level ^ gamma.
     pub gamma: f64,
 }
@@ -45,13 +49,20 @@ pub enum ScanProblem {
     Exposure(f64),
     /// This share of the lit pixels is clipped.
     Clipped(f64),
+    /// The stripes of this share of the lit pixels lead beyond the projector's last column, or row.
+    Beyond {
+        /// `column` or `row`.
+        last: &'static str,
+        /// 0 to 1.
+        share: f64,
+    },
 }
 
 impl ScanProblem {
     /// Whether a scan with this problem is to be refused, because what it tells is wrong.
     pub fn is_fatal(self) -> bool {
         match self {
-            Self::Moved(_) => true,
+            Self::Moved(_) | Self::Beyond { .. } => true,
             Self::Exposure(change) => change > LOST_EXPOSURE,
             Self::Clipped(_) => false,
         }
@@ -75,6 +86,12 @@ impl fmt::Display for ScanProblem {
                 "{:.0} % of the lit pixels are overexposed: shorten the exposure until white is not clipped",
                 100.0 * share
             ),
+            Self::Beyond { last, share } => write!(
+                f,
+                "the stripes of {:.0} % of the lit pixels lead beyond the projector's last {last}: the size of the \
+                 projector is another one, or the list of patterns is not that of the pictures",
+                100.0 * share
+            ),
         }
     }
 }
@@ -82,11 +99,13 @@ impl fmt::Display for ScanProblem {
 impl Quality {
     /// What was wrong, the worst first.
     pub fn problems(&self) -> Vec<ScanProblem> {
+        let beyond = ["column", "row"].into_iter().zip(self.beyond).filter(|(_, share)| *share > MANY_BEYOND);
+        let beyond = beyond.map(|(last, share)| ScanProblem::Beyond { last, share }).next();
         let moved = (self.moved_px > MOST_MOVED_PX).then_some(ScanProblem::Moved(self.moved_px));
         let exposure = self.exposure_change > UNSTEADY_EXPOSURE;
         let exposure = exposure.then_some(ScanProblem::Exposure(self.exposure_change));
         let clipped = (self.clipped > MUCH_CLIPPED).then_some(ScanProblem::Clipped(self.clipped));
-        [moved, exposure, clipped].into_iter().flatten().collect()
+        [beyond, moved, exposure, clipped].into_iter().flatten().collect()
     }
 
     pub(super) fn measure(pictures: &Pictures<'_>, channels: &Channels, response: &Response, noise: &[f32]) -> Self {
