@@ -30,9 +30,31 @@ pub(crate) fn quoted(text: &str) -> String {
     quoted + "\""
 }
 
+/// What a reader of YAML says is wrong, in one line: it may repeat a text that is as long as the file.
+pub(crate) fn brief(error: &serde_yaml_ng::Error) -> String {
+    const BEGIN: usize = 160;
+    const END: usize = 60;
+    let text: Vec<char> = error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.len() <= BEGIN + END {
+        return text.into_iter().collect();
+    }
+    // The end says at which line and column.
+    let (begin, end) = (&text[..BEGIN], &text[text.len() - END..]);
+    begin.iter().chain(&[' ', '…', ' ']).chain(end).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_wrong_with_yaml_fits_into_a_line() {
+        let error = |text: &str| serde_yaml_ng::from_str::<u32>(text).unwrap_err();
+        assert_eq!(brief(&error("a b")), error("a b").to_string());
+        let brief = brief(&error(&"word\n ".repeat(1000)));
+        assert!(brief.starts_with("invalid type: string \"word word") && brief.contains(" … "), "{brief}");
+        assert!(brief.chars().count() < 250 && !brief.contains(char::is_control));
+    }
 
     #[test]
     fn numbers_have_a_point_and_a_sign_in_the_exponent() {

@@ -18,8 +18,10 @@ const MOST_MOVED_PX: f64 = 0.5;
 /// From this change on the exposure was not steady; from the other one on, nothing can be compared any more.
 const UNSTEADY_EXPOSURE: f64 = 0.05;
 const LOST_EXPOSURE: f64 = 0.3;
-/// From this share of clipped pixels on the exposure was too long.
+/// From this share of clipped pixels on the exposure was too long; from the other one on, most of what is decoded is
+/// wrong.
 const MUCH_CLIPPED: f64 = 0.02;
+const LOST_CLIPPED: f64 = 0.5;
 /// From this share of pixels beyond the projector's picture on, the patterns are not those of its size.
 const MANY_BEYOND: f64 = 0.03;
 /// Pixels that are looked at in each pair of pictures.
@@ -64,7 +66,7 @@ impl ScanProblem {
         match self {
             Self::Moved(_) | Self::Beyond { .. } => true,
             Self::Exposure(change) => change > LOST_EXPOSURE,
-            Self::Clipped(_) => false,
+            Self::Clipped(share) => share > LOST_CLIPPED,
         }
     }
 }

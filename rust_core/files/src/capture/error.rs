@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use crate::picture_file::PictureFileError;
 use crate::projector::{LensProblem, ProjectorFileError};
+use crate::yaml_text::brief;
 
 /// Why a capture folder or a list of patterns cannot be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -24,7 +25,7 @@ pub enum CaptureError {
         path: PathBuf,
     },
     /// A value is wrong, or the file is not YAML; the message names key, line and column.
-    #[error("{}: {}", path.display(), one_line(source))]
+    #[error("{}: {}", path.display(), brief(source))]
     Yaml {
         /// The file.
         path: PathBuf,
@@ -125,9 +126,4 @@ pub enum CaptureError {
     /// A picture cannot be written.
     #[error(transparent)]
     Picture(#[from] PictureFileError),
-}
-
-/// The error repeats words of the file, which may have line breaks.
-fn one_line(error: &serde_yaml_ng::Error) -> String {
-    error.to_string().replace(char::is_control, " ")
 }

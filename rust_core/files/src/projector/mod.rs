@@ -46,6 +46,7 @@ use rcs_messages::std_msgs::Header;
 use serde::Deserialize;
 use serde_yaml_ng::Value;
 
+use crate::yaml_text::brief;
 use checked_numbers::{Matrix, Numbers, Size, Whole};
 pub use frames::StaticFrame;
 use frames::{check_placed_once, FrameEntry};
@@ -103,7 +104,7 @@ pub enum ProjectorFileError {
         source: std::io::Error,
     },
     /// A value is wrong, or the file is not YAML; the message names key, line and column.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {}", path.display(), brief(source))]
     Yaml {
         /// The file.
         path: PathBuf,
