@@ -21,6 +21,8 @@ const GOOD_HELD_OUT_RATIO: f64 = 1.25;
 const AGAIN_HELD_OUT_RATIO: f64 = 2.0;
 /// Focal lengths that differ by more are not those of square pixels.
 const SQUARE_PIXELS: f64 = 0.02;
+/// Unknowns take up this share of what is measured, at most: those of a pose by six points, each with two coordinates.
+const MOST_TAKEN_UP: f64 = 0.5;
 /// The solution of a good calibration is certain to this, pixels.
 const GOOD_PREDICTION_PX: f64 = 0.5;
 /// The same at the farthest points, metres.
@@ -131,9 +133,10 @@ impl Report {
                 ),
             );
         }
+        let expected_px = self.expected_held_out_px();
         // Where all is exact, the ratio says nothing.
-        if held_out_px > GOOD_HELD_OUT_RATIO * rms_px + 0.02 {
-            let is_too_much = held_out_px > AGAIN_HELD_OUT_RATIO * rms_px && held_out_px > GOOD_HELD_OUT_PX;
+        if held_out_px > GOOD_HELD_OUT_RATIO * expected_px + 0.02 {
+            let is_too_much = held_out_px > AGAIN_HELD_OUT_RATIO * expected_px && held_out_px > GOOD_HELD_OUT_PX;
             self.say(
                 if is_too_much { Verdict::Again } else { Verdict::Usable },
                 format!(
@@ -153,6 +156,16 @@ impl Report {
                 ),
             );
         }
+    }
+
+    /// By how much left-out points should miss, given the others' RMS: more, since the others were adjusted to; by
+    /// nothing that matters but for a few points.
+    fn expected_held_out_px(&self) -> f64 {
+        let solution = &self.solution;
+        let adjusted = solution.estimates.iter().filter(|estimate| estimate.sigma > 0.0).count();
+        let unknowns = (adjusted + 6 * solution.poses.len()) as f64;
+        let taken_up = (unknowns / (2 * solution.inliers).max(1) as f64).min(MOST_TAKEN_UP);
+        solution.rms_px * ((1.0 + taken_up) / (1.0 - taken_up)).sqrt()
     }
 
     /// A keystone correction or a scaled picture is still a pinhole's, but one whose pixels are not square.

@@ -141,7 +141,7 @@ fn polished(observations: &Observations, candidates: &[Agreed], free: &Free) -> 
     let polish = |candidate: &Agreed| {
         let (mut best, mut buffer) = (candidate.clone(), Vec::new());
         for _ in 0..3 {
-            let noise = Noise::of_pixels(best.score.near);
+            let noise = Noise::first(best.score.near, observations.all.len());
             let weights = noise.weights(observations, &best.state, super::noise::LIMIT);
             let state = adjust::minimise(observations, &weights, &best.state, free, adjust::Effort::ROUGH);
             let score = Score::new(&observations.all, &state, &mut buffer);

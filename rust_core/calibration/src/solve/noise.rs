@@ -19,6 +19,8 @@ pub(super) const CAUCHY: f64 = 3.0;
 const MEASURED: usize = 6000;
 /// Scales of pixel errors are not believed to be smaller.
 const LEAST_SCALE: f64 = 0.003;
+/// Fewer samples are few: things that a crosshair was steered onto, not pixels of a camera.
+const FEW: usize = 24;
 /// The median of the square of a standard normal variable.
 const MEDIAN_OF_SQUARE: f64 = 0.454_936;
 
@@ -84,6 +86,12 @@ impl Noise {
     /// Errors of pixels only.
     pub(super) fn of_pixels(scale: f64) -> Self {
         Self { pixel: scale.max(LEAST_SCALE), depth: 0.0 }
+    }
+
+    /// The errors of pixels by the distance within which some of so many samples lie from a first solution. A solution
+    /// through three of a few samples says nothing of their errors: then the given deviations are believed at least.
+    pub(super) fn first(near: f64, samples: usize) -> Self {
+        Self::of_pixels(if samples < FEW { near.max(1.0) } else { near })
     }
 
     /// The weights of samples; those that miss by more than `limit` deviations do not take part.

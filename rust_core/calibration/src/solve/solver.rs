@@ -211,7 +211,7 @@ impl<'a> Solver<'a> {
         let mut score = Score::new(&few.all, &state, &mut buffer);
         let free = Free::new(options, self.richest, scans);
         for _ in 0..4 {
-            let weights = Noise::of_pixels(score.near).weights(few, &state, LIMIT);
+            let weights = Noise::first(score.near, few.all.len() / scans).weights(few, &state, LIMIT);
             let trial = adjust::minimise(few, &weights, &state, &free, Effort::FULL);
             let trial_score = Score::new(&few.all, &trial, &mut buffer);
             if trial_score.mean.is_nan() || trial_score.mean >= score.mean {
@@ -229,7 +229,7 @@ impl<'a> Solver<'a> {
     /// The terms that make the prediction of left-out samples better, and the solution with them.
     fn chosen_terms(&self, few: &Observations, first: &Agreed) -> (DistortionTerms, Adjusted) {
         let options = self.options;
-        let noise = Noise::of_pixels(first.score.near);
+        let noise = Noise::first(first.score.near, few.all.len() / few.scans.len());
         let rich = adjust::robustly(few, &first.state, &self.free(self.richest), noise, 3);
         if options.known_lens.is_some() {
             return (DistortionTerms::None, rich);

@@ -1,8 +1,9 @@
 //! Samples that must be refused, and near ones that must not.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point2, Vector3};
 
 use super::*;
+use crate::solve::random::SplitMix64;
 use crate::{Lens, Sample};
 
 fn refusal(samples: &[Sample], options: &SolveOptions) -> Refusal {
@@ -133,17 +134,28 @@ fn points_behind_are_refused() {
     let mut samples = simulation.samples();
     samples[9].point.z = -1.0;
     assert_eq!(refusal(&samples, &options()), Refusal::BehindCamera { sample: 9 });
+}
+
+#[test]
+fn points_behind_the_projector_are_refused() {
+    // The projector stands half a metre before the camera, which sees things between both in every fifth row.
+    let mut simulation = Simulation::new(0);
+    simulation.projector_from_camera[0].translation.z = -0.5;
+    let (pose, known) =
+        (simulation.projector_from_camera[0], SolveOptions { known_lens: Some(simulation.lens), ..options() });
     let mut samples = simulation.samples();
+    let mut random = SplitMix64::new(0, 1);
     for sample in samples.iter_mut().step_by(5) {
-        // The camera, pushed far back, sees the projector's back.
-        sample.point = Point3::new(0.1 * sample.point.x, 0.1 * sample.point.y, 0.05);
-        let q = simulation.projector_from_camera[0] * sample.point;
-        sample.point -= simulation.projector_from_camera[0].rotation.inverse() * Vector3::new(0.0, 0.0, q.z + 0.02);
-        sample.point.z = sample.point.z.abs().max(1e-3);
+        let ray = sample.point / sample.point.z;
+        sample.point = ray * (0.1 + 0.2 * random.unit());
+        sample.pixel = Point2::new(1280.0 * random.unit() - 0.5, 800.0 * random.unit() - 0.5);
+        assert!(sample.point.z > 0.0 && (pose * sample.point).z < 0.0);
     }
-    let behind = samples.iter().filter(|s| (simulation.projector_from_camera[0] * s.point).z <= 0.0).count();
-    if behind * 8 > samples.len() {
-        assert!(matches!(refusal(&samples, &options()), Refusal::BehindProjector { .. }));
+    for options in [options(), known] {
+        let Refusal::BehindProjector { percent } = refusal(&samples, &options) else {
+            panic!("{:?}", refusal(&samples, &options));
+        };
+        assert!((percent - 20.0).abs() < 1.0, "{percent}");
     }
 }
 
@@ -228,4 +240,27 @@ fn few_points_give_a_pose_and_their_deviations_say_how_well() {
         }
     }
     assert!(good >= 8, "{good} of 12");
+}
+
+#[test]
+fn six_things_that_a_crosshair_was_steered_onto_give_a_pose() {
+    let (mut good, mut worst) = (0, 0.0_f64);
+    for seed in 0..20 {
+        let simulation = Simulation { noise_px: 0.8, depth_noise_m: 0.001, ..Simulation::new(seed) };
+        let known = SolveOptions { known_lens: Some(simulation.lens), ..options() };
+        let all = simulation.samples();
+        // The nearest to places all over the picture.
+        let places = [[200, 150], [640, 120], [1080, 150], [200, 650], [640, 680], [1080, 650]];
+        let nearest = |place: [i32; 2]| {
+            let place = Point2::from(place.map(f64::from));
+            let distance = |sample: &&Sample| (sample.pixel - place).norm();
+            *all.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
+        };
+        let six = places.map(nearest).map(|sample| Sample { sigma_px: 1.0, sigma_m: 0.0, ..sample });
+        if let Ok(solution) = solve(&six, &known) {
+            good += usize::from(solution.inliers == 6);
+            worst = worst.max(landing_px(&simulation, &solution));
+        }
+    }
+    assert!(good >= 18 && worst < 12.0, "{good} of 20, {worst} px");
 }
