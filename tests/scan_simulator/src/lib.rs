@@ -20,6 +20,7 @@ mod rig;
 mod room;
 mod scan;
 mod sensor;
+mod shown;
 mod stripes;
 mod surface;
 mod view;

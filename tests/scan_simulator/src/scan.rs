@@ -1,8 +1,8 @@
 //! The pictures that the camera takes of patterns.
 //!
 //! Light that comes straight from the projector is looked up in tables of the blurred stripes, for each ray of each
-//! pixel. Black pixels leak, surfaces light each other, the camera's lens scatters, the room has light of its own; then
-//! the sensor makes bytes of it.
+//! pixel, or in any other picture that it shows. Black pixels leak, surfaces light each other, the camera's lens
+//! scatters, the room has light of its own; then the sensor makes bytes of it.
 
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
@@ -10,6 +10,7 @@ use rcs_calibration::patterns::{Axis, Pattern};
 
 use crate::bounce::Bounce;
 use crate::sensor::Sensor;
+use crate::shown::Shown;
 use crate::stripes::{strength, Stripes};
 use crate::view::{Ray, RAYS};
 use crate::{Conditions, Random, View};
@@ -64,7 +65,7 @@ impl<'a> Scan<'a> {
             rays,
             is_used,
         };
-        let mut brightest = scan.light(&Pattern::White);
+        let mut brightest = scan.light(scan.direct(&Pattern::White));
         let rank = brightest.len() - 1 - brightest.len() / 200;
         let (_, level, _) = brightest.select_nth_unstable_by(rank, f32::total_cmp);
         scan.exposure = scan.conditions.exposure as f32 / level.max(1e-6);
@@ -78,12 +79,29 @@ impl<'a> Scan<'a> {
 
     /// The picture of a pattern, the one with this number in the scan: grey levels, row by row.
     pub fn capture(&self, pattern: &Pattern, picture: u32) -> Vec<u8> {
+        self.expose(&self.light(self.direct(pattern)), picture)
+    }
+
+    /// The light of all camera pixels, row by row, while the projector shows any picture: grey levels of its size, row
+    /// by row. For [`Self::expose`].
+    pub fn light_of(&self, shown: &[u8]) -> Vec<f32> {
+        let size_px = self.view.rig().projector.size_px;
+        let shown = Shown::new(shown, size_px, self.conditions.black_level as f32);
+        let brightness = |ray: &Lit| if ray.light > 0.0 { ray.light * shown.at(ray.place, ray.blur) } else { 0.0 };
+        let mut light = vec![0.0; self.rays.len() / RAYS];
+        light.par_iter_mut().zip(self.rays.par_chunks(RAYS)).for_each(|(light, rays)| {
+            *light = rays.iter().map(brightness).sum();
+        });
+        self.light(light)
+    }
+
+    /// The picture of light, the one with this number: grey levels, row by row.
+    pub fn expose(&self, light: &[f32], picture: u32) -> Vec<u8> {
         let conditions = &self.conditions;
-        let mut light = self.light(pattern);
         let flicker = Random::new(&[conditions.seed, u64::from(picture), 0x464c_4943]).normal();
         let drift = (1.0 + conditions.drift_per_picture).powf(f64::from(picture));
         let exposure = self.exposure * (drift * (1.0 + conditions.flicker * flicker)) as f32;
-        light.iter_mut().for_each(|light| *light *= exposure);
+        let light: Vec<f32> = light.iter().map(|light| light * exposure).collect();
         let moved = conditions.motion.filter(|motion| picture >= motion.from_picture);
         let shift_px = moved.map_or_else(Vector2::zeros, |motion| motion.shift_px);
         self.sensor.expose(&light, self.width(), shift_px, picture)
@@ -98,10 +116,9 @@ impl<'a> Scan<'a> {
         self.view.size_px()[0] as usize
     }
 
-    /// The light of all pixels.
-    fn light(&self, pattern: &Pattern) -> Vec<f32> {
+    /// All light, by that which comes straight from the projector.
+    fn light(&self, direct: Vec<f32>) -> Vec<f32> {
         let conditions = &self.conditions;
-        let direct = self.direct(pattern);
         let mean = direct.iter().sum::<f32>() / direct.len().max(1) as f32;
         let (ambient, scattered) = (conditions.ambient as f32, conditions.scatter as f32 * mean);
         let width = self.width();
@@ -220,6 +237,19 @@ mod tests {
                 right += usize::from(pattern.is_lit(at(0), at(1)) == (lit > dark));
             }
             assert!(right as f64 > 0.93 * all as f64, "{pattern:?}: {right} of {all}");
+        }
+    }
+
+    #[test]
+    fn any_picture_looks_like_the_pattern_that_it_is_of() {
+        let view = view();
+        let scan = Scan::new(&view, Conditions { full_well: f64::INFINITY, flicker: 0.0, ..Conditions::random(2) });
+        let patterns = gray_code([1280, 800]);
+        for pattern in [&Pattern::White, &patterns[8], &patterns[32]] {
+            let expected = scan.capture(pattern, 0);
+            let seen = scan.expose(&scan.light_of(&pattern.picture([1280, 800])), 0);
+            let far = expected.iter().zip(&seen).filter(|(one, other)| one.abs_diff(**other) > 2).count();
+            assert!(far * 1000 < seen.len(), "{pattern:?}: {far}");
         }
     }
 

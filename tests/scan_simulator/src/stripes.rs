@@ -24,6 +24,11 @@ pub(crate) fn strength(deviation_px: f32) -> u8 {
     ((deviation_px / LEAST_PX).ln() / RATIO.ln()).round().clamp(0.0, (STRENGTHS - 1) as f32) as u8
 }
 
+/// The blur of a table: a standard deviation in projector pixels.
+pub(crate) fn deviation_px(strength: u8) -> f32 {
+    LEAST_PX * RATIO.powi(i32::from(strength))
+}
+
 /// The brightness along an axis for each strength of blur: 0 where nothing is lit near, 1 where everything is.
 #[derive(Debug, Clone)]
 pub(crate) struct Stripes {
@@ -95,7 +100,7 @@ fn blurred(levels: &[f32], deviation_px: f64) -> Vec<f32> {
 }
 
 /// The normal distribution's share below x, by Abramowitz and Stegun's formula 7.1.26, to 2e-7.
-fn normal_distribution(x: f64) -> f64 {
+pub(crate) fn normal_distribution(x: f64) -> f64 {
     let z = x.abs() / SQRT_2;
     let t = 1.0 / (1.0 + 0.327_591_1 * z);
     let series =
