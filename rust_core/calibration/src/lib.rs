@@ -17,6 +17,7 @@ mod points;
 mod report;
 mod sample;
 mod solve;
+mod verification;
 
 pub use decode::{decode, DecodeError, Decoded, DecodedPixel, Pictures, Quality, ScanProblem};
 pub use distortion::{Distorted, Distortion, DistortionModel, DistortionProblem};
@@ -28,3 +29,4 @@ pub use sample::Sample;
 pub use solve::{
     solve, DistortionTerms, Estimate, FocalLengths, Parameter, Refusal, Residual, ScanPose, Solution, SolveOptions,
 };
+pub use verification::{Figures, LightMap, Miss, Scene, VerificationPlan, VerificationProblem, Verified};

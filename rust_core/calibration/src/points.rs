@@ -62,8 +62,7 @@ pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<S
         return Err(PointsError::Camera { camera: camera.size_px, pictures: decoded.size_px });
     }
     let width = decoded.size_px[0] as usize;
-    let inverse: Vec<f32> =
-        depth_m.iter().map(|depth| if depth.is_finite() && *depth > 0.0 { 1.0 / depth } else { 0.0 }).collect();
+    let inverse = inverse_depths(depth_m);
     let windows: Vec<Vec<(usize, Window)>> = (0..decoded.size_px[1] as usize)
         .into_par_iter()
         .map(|y| {
@@ -98,11 +97,18 @@ pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<S
     Ok(windows.iter().filter_map(sample).collect())
 }
 
+/// The inverse of each depth, 1/m; 0 for what is not finite or not positive.
+pub(crate) fn inverse_depths(depth_m: &[f32]) -> Vec<f32> {
+    depth_m.iter().map(|depth| if depth.is_finite() && *depth > 0.0 { 1.0 / depth } else { 0.0 }).collect()
+}
+
 /// What a pixel's surroundings tell of its depth.
 #[derive(Debug, Clone, Copy)]
-struct Window {
+pub(crate) struct Window {
     /// The inverse depth, 1/m.
-    inverse: f32,
+    pub(crate) inverse: f32,
+    /// By how much it grows from pixel to pixel, to the right and down.
+    pub(crate) by_px: [f32; 2],
     /// Its standard deviation as a share of that of single pixels.
     sigma_per_noise: f32,
     /// That of single pixels.
@@ -111,7 +117,7 @@ struct Window {
 
 impl Window {
     /// The window around a pixel; none where depths are missing or an edge is near.
-    fn new(inverse: &[f32], width: usize, x: usize, y: usize) -> Option<Self> {
+    pub(crate) fn new(inverse: &[f32], width: usize, x: usize, y: usize) -> Option<Self> {
         let height = inverse.len() / width;
         if x < RADIUS || y < RADIUS || x + RADIUS >= width || y + RADIUS >= height {
             return None;
@@ -155,7 +161,8 @@ impl Window {
         if (on_plane as f32) < least || plane.at.abs() > 4.0 * noise || noise > MOST_NOISE_SHARE * own {
             return None;
         }
-        Some(Self { inverse: own + plane.at, sigma_per_noise: (ALIKE / plane.support).sqrt(), noise })
+        let sigma_per_noise = (ALIKE / plane.support).sqrt();
+        Some(Self { inverse: own + plane.at, by_px: [plane.by_x, plane.by_y], sigma_per_noise, noise })
     }
 }
 

@@ -1,0 +1,274 @@
+//! Outlines of things: lines along the edges of the depth image, a little inside on the nearer surface.
+//!
+//! At an edge itself depth is uncertain; a few pixels inside it is not. There the outline is drawn, and in many places
+//! it is measured how far beside the line its light lands. Along the line that cannot be seen.
+
+use std::collections::VecDeque;
+
+use nalgebra::{Matrix2, Point2, SymmetricEigen, Vector2};
+
+use super::drawing::Drawing;
+use super::light_map::{LightMap, Shares};
+use super::shadow::Shadow;
+use super::surface::{Patch, Projector, Surface};
+
+/// What lies behind an edge is farther by this share of the depth.
+const JUMP: f64 = 0.04;
+/// It is looked for across so many pixels, some of which may have no depth.
+const ACROSS_PX: usize = 5;
+/// How far inside the outline is drawn, camera pixels.
+const INSET_PX: std::ops::Range<f64> = 4.5..5.6;
+/// Depths of the same surface differ by a smaller share than this from the edge to the outline.
+const SAME: f64 = 0.025;
+/// The projector lights the surface so many camera pixels around the outline.
+const LIT_PX: usize = 2;
+/// Half the outline's width as the camera sees it, pixels.
+const HALF_WIDTH_PX: f64 = 1.0;
+/// Only the longest outlines are drawn, and none of fewer pixels.
+const MOST_OUTLINES: usize = 16;
+const LEAST_PIXELS: usize = 18;
+/// Outlines are measured every so many pixels, where they are straight over so many on both sides.
+const APART_PX: f64 = 12.0;
+const STRAIGHT_PX: f64 = 6.0;
+const LEAST_STRAIGHT: usize = 8;
+/// The standard deviation of a straight outline's pixels across, at most.
+const MOST_ACROSS_PX: f64 = 0.75;
+/// Light is looked for so far beside the outline, and another outline is twice as far away.
+const BESIDE_PX: f64 = 7.0;
+/// The light of the outline is seen if this share arrives.
+const SEEN_SHARE: f64 = 0.25;
+
+/// A pixel of an outline.
+#[derive(Debug, Clone, Copy)]
+struct RimPixel {
+    patch: Patch,
+    /// The projector pixel that should light it.
+    pixel: Point2<f64>,
+    /// Half the line's width there, projector pixels.
+    radius_px: f64,
+    /// Which outline it belongs to.
+    outline: usize,
+}
+
+/// The outlines of what the camera sees.
+#[derive(Debug, Clone)]
+pub(super) struct Rims {
+    width: usize,
+    /// By the camera's pixels.
+    pixels: Vec<Option<RimPixel>>,
+    /// Where they are measured.
+    pub(super) places: Vec<RimPlace>,
+}
+
+/// A straight piece of an outline.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RimPlace {
+    /// The surface.
+    pub(super) patch: Patch,
+    /// Where the camera should see its middle, pixels.
+    pub(super) expected: Point2<f64>,
+    /// Across the line: a unit vector in the camera's picture.
+    across: Vector2<f64>,
+}
+
+impl Rims {
+    /// Finds them.
+    pub(super) fn new(surface: &Surface, projector: &Projector, shadow: &Shadow, light: &LightMap) -> Self {
+        let [width, height] = surface.size();
+        let nearest = nearest_edges(surface);
+        let mut pixels = vec![None; width * height];
+        for (index, pixel) in pixels.iter_mut().enumerate() {
+            let (x, y) = (index % width, index / width);
+            let Some([edge_x, edge_y]) = nearest[index] else { continue };
+            let distance = (edge_x as f64 - x as f64).hypot(edge_y as f64 - y as f64);
+            let depths = surface.depth_m(index).zip(surface.depth_m(edge_y * width + edge_x));
+            let is_same = depths.is_some_and(|(own, edge)| (own - edge).abs() < SAME * edge);
+            if INSET_PX.contains(&distance) && is_same && light.is_lit_around(x, y, LIT_PX) {
+                *pixel = surface.patch(x, y).and_then(|patch| RimPixel::new(patch, surface, projector, shadow));
+            }
+        }
+        keep_longest(&mut pixels, width);
+        let places = places(&pixels, width);
+        Self { width, pixels, places }
+    }
+
+    /// The picture of all outlines.
+    pub(super) fn picture(&self, size_px: [u32; 2]) -> Drawing {
+        let mut drawing = Drawing::black(size_px);
+        for (index, rim) in self.pixels.iter().enumerate() {
+            let Some(rim) = rim else { continue };
+            drawing.disc(rim.pixel, rim.radius_px);
+            for other in neighbours(index, self.width, self.pixels.len()).filter(|other| *other > index) {
+                if let Some(other) = self.pixels[other] {
+                    drawing.line(rim.pixel, other.pixel, rim.radius_px);
+                }
+            }
+        }
+        drawing
+    }
+}
+
+impl RimPixel {
+    fn new(patch: Patch, surface: &Surface, projector: &Projector, shadow: &Shadow) -> Option<Self> {
+        let camera = &surface.camera;
+        let point = patch.point(camera, patch.middle)?;
+        let pixel = projector.pixel(&point).filter(|pixel| projector.lens.contains(*pixel))?;
+        let by_camera_px = projector.by_camera_px(&patch, camera, patch.middle)?;
+        let radius_px = (HALF_WIDTH_PX * by_camera_px.determinant().sqrt()).max(1.0);
+        let depth_m = (projector.from_camera * point).z;
+        shadow.is_reached(pixel, depth_m).then_some(Self { patch, pixel, radius_px, outline: 0 })
+    }
+}
+
+impl RimPlace {
+    /// Where the camera sees the outline's light, pixels, looking about so far beside its place; none if it does not.
+    pub(super) fn find(&self, seen: &Shares, shift: Vector2<f64>) -> Option<Point2<f64>> {
+        let along = Vector2::new(-self.across.y, self.across.x);
+        let profile = |beside: f64| {
+            let shares = (-4..=4).map(|step| {
+                let place = self.expected + shift + self.across * beside + along * f64::from(step);
+                seen.at(place).map(|share| share.clamp(0.0, 1.5))
+            });
+            shares.sum::<Option<f64>>().map(|sum| sum / 9.0)
+        };
+        let steps = (2.0 * BESIDE_PX) as i32;
+        let places: Vec<(f64, f64)> = (-steps..=steps)
+            .map(|step| profile(0.5 * f64::from(step)).map(|share| (0.5 * f64::from(step), share)))
+            .collect::<Option<_>>()?;
+        let (peak, most) = places.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        if most < SEEN_SHARE || peak.abs() + 2.0 > BESIDE_PX {
+            return None;
+        }
+        // The middle of what is brighter than a third of the peak, within the line's width.
+        let near = places.iter().filter(|(beside, _)| (beside - peak).abs() <= 3.0);
+        let weighed = near.map(|(beside, share)| (beside, (share - most / 3.0).max(0.0)));
+        let (sum, weight) =
+            weighed.fold((0.0, 0.0), |(sum, total), (beside, weight)| (sum + beside * weight, total + weight));
+        (weight > 0.0).then(|| self.expected + self.across * (shift.dot(&self.across) + sum / weight))
+    }
+}
+
+/// For each pixel the nearest one, about, that lies on the nearer side of an edge.
+fn nearest_edges(surface: &Surface) -> Vec<Option<[usize; 2]>> {
+    let [width, height] = surface.size();
+    let mut nearest: Vec<Option<[usize; 2]>> =
+        (0..width * height).map(|index| is_edge(surface, index).then_some([index % width, index / width])).collect();
+    // Two passes of a distance transform that hands on the places of edges (Danielsson, "Euclidean distance mapping",
+    // 1980).
+    let squared = |at: usize, edge: [usize; 2]| {
+        let (x, y) = (at % width, at / width);
+        edge[0].abs_diff(x).pow(2) + edge[1].abs_diff(y).pow(2)
+    };
+    let mut pass = |order: &mut dyn Iterator<Item = usize>| {
+        for index in order {
+            for other in neighbours(index, width, width * height) {
+                if let Some(edge) = nearest[other] {
+                    if nearest[index].is_none_or(|own| squared(index, edge) < squared(index, own)) {
+                        nearest[index] = Some(edge);
+                    }
+                }
+            }
+        }
+    };
+    pass(&mut (0..width * height));
+    pass(&mut (0..width * height).rev());
+    nearest
+}
+
+/// Whether something much farther away is seen right beside a pixel.
+fn is_edge(surface: &Surface, index: usize) -> bool {
+    let [width, height] = surface.size();
+    let (x, y) = ((index % width) as i64, (index / width) as i64);
+    let Some(own) = surface.depth_m(index) else { return false };
+    [[1, 0], [-1, 0], [0, 1], [0, -1]].iter().any(|[right, down]| {
+        let beside = (1..=ACROSS_PX as i64).find_map(|step| {
+            let (x, y) = (x + step * right, y + step * down);
+            let is_inside = x >= 0 && y >= 0 && x < width as i64 && y < height as i64;
+            is_inside.then(|| surface.depth_m(y as usize * width + x as usize))?
+        });
+        beside.is_some_and(|depth| depth > (1.0 + JUMP) * own)
+    })
+}
+
+/// The up to eight pixels around one.
+fn neighbours(index: usize, width: usize, count: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (index % width, index / width);
+    let rows = y.saturating_sub(1)..=(y + 1).min((count / width).saturating_sub(1));
+    rows.flat_map(move |row| (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |column| row * width + column))
+        .filter(move |other| *other != index)
+}
+
+/// Numbers the outlines by their connection and drops all but the longest.
+fn keep_longest(pixels: &mut [Option<RimPixel>], width: usize) {
+    let mut is_met = vec![false; pixels.len()];
+    let mut outlines: Vec<Vec<usize>> = Vec::new();
+    for start in 0..pixels.len() {
+        if pixels[start].is_none() || is_met[start] {
+            continue;
+        }
+        is_met[start] = true;
+        let (mut outline, mut queue) = (Vec::new(), VecDeque::from([start]));
+        while let Some(index) = queue.pop_front() {
+            outline.push(index);
+            for other in neighbours(index, width, pixels.len()) {
+                if pixels[other].is_some() && !is_met[other] {
+                    is_met[other] = true;
+                    queue.push_back(other);
+                }
+            }
+        }
+        outlines.push(outline);
+    }
+    outlines.sort_by_key(|outline| std::cmp::Reverse(outline.len()));
+    for (number, outline) in outlines.iter().enumerate() {
+        let is_kept = number < MOST_OUTLINES && outline.len() >= LEAST_PIXELS;
+        for index in outline {
+            pixels[*index] = pixels[*index].filter(|_| is_kept).map(|rim| RimPixel { outline: number, ..rim });
+        }
+    }
+}
+
+/// Straight pieces that are apart from each other.
+fn places(pixels: &[Option<RimPixel>], width: usize) -> Vec<RimPlace> {
+    let mut places: Vec<RimPlace> = Vec::new();
+    for rim in pixels.iter().flatten() {
+        let is_apart = places.iter().all(|place| (place.expected - rim.patch.middle).norm() >= APART_PX);
+        if is_apart {
+            places.extend(place(rim, pixels, width));
+        }
+    }
+    places
+}
+
+/// The straight piece around a pixel, if it is one and no other outline is near.
+fn place(rim: &RimPixel, pixels: &[Option<RimPixel>], width: usize) -> Option<RimPlace> {
+    let reach = 2.0 * BESIDE_PX;
+    let (x, y) = (rim.patch.middle.x, rim.patch.middle.y);
+    let range = |at: f64, size: usize| ((at - reach).max(0.0) as usize)..((at + reach) as usize + 1).min(size);
+    let height = pixels.len() / width;
+    let columns = range(x, width);
+    let around: Vec<&RimPixel> = range(y, height)
+        .flat_map(|row| pixels[row * width + columns.start..row * width + columns.end].iter().flatten())
+        .collect();
+    let is_near = |other: &&&RimPixel| (other.patch.middle - rim.patch.middle).norm() <= STRAIGHT_PX;
+    let own: Vec<Point2<f64>> = around.iter().filter(is_near).map(|other| other.patch.middle).collect();
+    if own.len() < LEAST_STRAIGHT {
+        return None;
+    }
+    let expected = Point2::from(own.iter().map(|place| place.coords).sum::<Vector2<f64>>() / own.len() as f64);
+    let spread: Matrix2<f64> =
+        own.iter().map(|place| (place - expected) * (place - expected).transpose()).sum::<Matrix2<f64>>()
+            / own.len() as f64;
+    let spread = SymmetricEigen::new(spread);
+    let least = spread.eigenvalues.imin();
+    let across: Vector2<f64> = spread.eigenvectors.column(least).into_owned();
+    // In the middle of a piece that is straight and long enough on both sides.
+    let is_straight = spread.eigenvalues[least].sqrt() <= MOST_ACROSS_PX && (expected - rim.patch.middle).norm() < 1.5;
+    // What lies across is the outline itself and nothing else.
+    let is_alone = around.iter().all(|other| {
+        let off = other.patch.middle - expected;
+        let along = off.perp(&across).abs();
+        along > 5.0 || off.dot(&across).abs() < 3.0 && other.outline == rim.outline
+    });
+    (is_straight && is_alone).then_some(RimPlace { patch: rim.patch, expected, across })
+}

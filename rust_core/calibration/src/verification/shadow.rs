@@ -1,0 +1,56 @@
+//! What of the surface the projector sees by its file: depths from the projector, in cells of its picture.
+
+use nalgebra::Point2;
+
+use super::surface::{Projector, Surface};
+
+/// The side of a cell, projector pixels.
+const CELL_PX: f64 = 6.0;
+/// A point is hidden if something in a cell beside it is nearer by this share of its depth.
+const NEARER: f64 = 0.03;
+
+/// The nearest depth in each cell of the projector's picture.
+#[derive(Debug, Clone)]
+pub(super) struct Shadow {
+    cells: [usize; 2],
+    nearest_m: Vec<f64>,
+}
+
+impl Shadow {
+    /// Enters all of the surface.
+    pub(super) fn new(surface: &Surface, projector: &Projector) -> Self {
+        let cells = projector.lens.size_px.map(|side| (f64::from(side) / CELL_PX).ceil() as usize);
+        let mut nearest_m = vec![f64::INFINITY; cells[0] * cells[1]];
+        let [width, height] = surface.size();
+        for index in 0..width * height {
+            let Some(depth) = surface.depth_m(index) else { continue };
+            let seen = Point2::new((index % width) as f64, (index / width) as f64);
+            let Some(ray) = surface.camera.ray(seen) else { continue };
+            let point = projector.from_camera * nalgebra::Point3::from(ray * depth);
+            let cell = projector.lens.project(&point).and_then(|pixel| cell_of(pixel, cells));
+            if let Some([column, row]) = cell {
+                let nearest = &mut nearest_m[row * cells[0] + column];
+                *nearest = nearest.min(point.z);
+            }
+        }
+        Self { cells, nearest_m }
+    }
+
+    /// Whether the light of a pixel reaches a point of this depth before the projector, metres.
+    pub(super) fn is_reached(&self, pixel: Point2<f64>, depth_m: f64) -> bool {
+        let Some([column, row]) = cell_of(pixel, self.cells) else { return false };
+        let columns = column.saturating_sub(1)..=(column + 1).min(self.cells[0] - 1);
+        let mut rows = row.saturating_sub(1)..=(row + 1).min(self.cells[1] - 1);
+        rows.all(|row| {
+            let start = row * self.cells[0];
+            let nearest = &self.nearest_m[start + columns.start()..=start + columns.end()];
+            nearest.iter().all(|nearest| *nearest > (1.0 - NEARER) * depth_m)
+        })
+    }
+}
+
+fn cell_of(pixel: Point2<f64>, cells: [usize; 2]) -> Option<[usize; 2]> {
+    let [column, row] = [pixel.x, pixel.y].map(|at| (at + 0.5) / CELL_PX);
+    (column >= 0.0 && row >= 0.0 && column < cells[0] as f64 && row < cells[1] as f64)
+        .then_some([column as usize, row as usize])
+}

@@ -1,0 +1,105 @@
+//! Verifying projectors in simulated rooms: true files, and files that are off by a known amount.
+#![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use rcs_calibration::patterns::Pattern;
+use rcs_calibration::{Figures, LightMap, Miss, Scene, VerificationPlan, VerificationProblem, Verified};
+use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Room, Scan, View};
+
+/// A room with a camera and a projector, and what is seen of black and white.
+struct World {
+    view: View,
+    conditions: Conditions,
+    depth_m: Vec<f32>,
+}
+
+impl World {
+    fn new(seed: u64, room: &Room) -> Self {
+        let view = View::new(room, &Rig::random(seed));
+        let depth = DepthCamera { frames: 10, ..DepthCamera::kinect(seed) }.capture(&view);
+        let depth_m = depth.into_iter().map(|depth| f32::from(depth) * 1e-4).collect();
+        Self { view, conditions: Conditions::random(seed), depth_m }
+    }
+
+    /// Shows what a file's pose plans, and measures.
+    fn verify(&self, projector_from_camera: &Isometry3<f64>) -> Result<Verified, VerificationProblem> {
+        let scan = Scan::new(&self.view, self.conditions.clone());
+        let rig = self.view.rig();
+        let (white, black) = (scan.capture(&Pattern::White, 0), scan.capture(&Pattern::Black, 1));
+        let scene = Scene {
+            camera: &rig.camera,
+            projector: &rig.projector,
+            projector_from_camera,
+            depth_m: &self.depth_m,
+            light: &LightMap::new(&white, &black, rig.camera.size_px[0], 2.0),
+        };
+        let plan = VerificationPlan::new(&scene)?;
+        let pictures = plan.pictures();
+        let seen: Vec<Vec<u8>> =
+            (2..).zip(&pictures).map(|(number, shown)| scan.expose(&scan.light_of(shown), number)).collect();
+        plan.measure(&seen)
+    }
+
+    /// How far light lands from a place of the camera's picture by a file's pose, pixels.
+    fn true_miss_px(&self, miss: &Miss, projector_from_camera: &Isometry3<f64>) -> Option<f64> {
+        let [u, v] = [miss.expected.x, miss.expected.y].map(|at| at.round() as u32);
+        let sight = self.view.sight(u, v)?;
+        let pixel = self.view.rig().projector.project(&(projector_from_camera * sight.point))?;
+        Some((pixel - sight.lit_by?).norm())
+    }
+}
+
+/// Five millimetres to the side and half a degree.
+fn bump() -> Isometry3<f64> {
+    let turned = UnitQuaternion::new(Vector3::new(0.3, 0.9, 0.1).normalize() * 0.5_f64.to_radians());
+    Isometry3::from_parts(Translation3::new(0.005, 0.0, 0.0), turned)
+}
+
+#[test]
+fn a_true_file_is_verified_and_a_bumped_one_is_off_by_the_right_amount() {
+    for seed in [1, 3] {
+        let world = World::new(seed, &Room::cluttered(seed));
+        let file = world.view.rig().projector_from_camera();
+        let verified = world.verify(&file).unwrap();
+        let (spots, edges) = (Figures::of(&verified.spots), Figures::of(&verified.edges));
+        assert!(spots.count * 10 >= 9 * verified.spots_shown && spots.count >= 30, "seed {seed}: {spots:?}");
+        assert!(spots.median[0] < 0.15 && spots.rms[0] < 0.3, "seed {seed}: {spots:?}");
+        assert!(edges.count >= 20 && edges.median[0] < 0.4 && edges.rms[0] < 0.6, "seed {seed}: {edges:?}");
+        assert!(verified.all().rms[0] < 0.5 && verified.all().rms[1] < 0.001, "seed {seed}: {:?}", verified.all());
+
+        let file = bump() * file;
+        let verified = world.verify(&file).unwrap();
+        let misses: Vec<[f64; 2]> =
+            verified.spots.iter().filter_map(|miss| Some([miss.px, world.true_miss_px(miss, &file)?])).collect();
+        let near = misses.iter().filter(|[px, truth]| (px - truth).abs() < 0.8).count();
+        let (spots, edges) = (Figures::of(&verified.spots), Figures::of(&verified.edges));
+        assert!(misses.len() > 40 && near * 10 > 8 * misses.len(), "seed {seed}: {near} of {misses:?}");
+        assert!((10.0..30.0).contains(&spots.median[0]) && spots.median[1] > 0.008, "seed {seed}: {spots:?}");
+        assert!(edges.count > 10 && edges.median[0] > 5.0 && edges.worst[0] < 40.0, "seed {seed}: {edges:?}");
+    }
+}
+
+#[test]
+fn where_nothing_is_seen_nothing_is_said() {
+    let rig = Rig::random(0);
+    let pose = rig.projector_from_camera();
+    let count = 640 * 480;
+    let (depth_m, dark) = (vec![1.2_f32; count], LightMap::new(&vec![40; count], &vec![38; count], 640, 1.0));
+    let scene = |light| Scene {
+        camera: &rig.camera,
+        projector: &rig.projector,
+        projector_from_camera: &pose,
+        depth_m: &depth_m,
+        light,
+    };
+    let problem = VerificationPlan::new(&scene(&dark)).unwrap_err();
+    assert_eq!(problem, VerificationProblem::FewPlaces { spots: 0 });
+    let lit = LightMap::new(&vec![140; count], &vec![20; count], 640, 1.0);
+    let plan = VerificationPlan::new(&scene(&lit)).unwrap();
+    let [spots, edges] = plan.counts();
+    assert!(spots > 30 && edges == 0, "a wall has no edges: {spots} {edges}");
+    let black = vec![vec![20; count]; plan.pictures().len()];
+    assert_eq!(plan.measure(&black), Err(VerificationProblem::FewSeen { seen: 0, shown: spots }));
+    let problem = VerificationPlan::new(&Scene { depth_m: &vec![0.0; count], ..scene(&lit) }).unwrap_err();
+    assert!(problem.to_string().lines().count() == 1);
+}
