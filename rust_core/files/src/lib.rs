@@ -1,14 +1,16 @@
 //! The files that the programs read and write, each format in one place: a projector's geometry ([`projector`]), what
-//! its calibration reads and writes ([`capture`], [`correspondences`], [`calibration_report`]), point clouds ([`pcd`])
-//! and pictures ([`picture_file`]).
+//! its calibration reads and writes ([`capture`], [`correspondences`], [`calibration_report`], [`verification`]), point
+//! clouds ([`pcd`]) and pictures ([`picture_file`], with marks drawn by [`canvas`]).
 
 #![forbid(unsafe_code)]
 
 pub mod atomic_file;
 pub mod calibration_report;
+pub mod canvas;
 pub mod capture;
 pub mod correspondences;
 pub mod pcd;
 pub mod picture_file;
 pub mod projector;
+pub mod verification;
 mod yaml_text;

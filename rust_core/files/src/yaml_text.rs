@@ -43,6 +43,33 @@ pub(crate) fn brief(error: &serde_yaml_ng::Error) -> String {
     begin.iter().chain(&[' ', '…', ' ']).chain(end).collect()
 }
 
+/// A number that is read back exactly, or what YAML calls one that is none.
+pub(crate) fn exact(value: f64) -> String {
+    if value.is_nan() {
+        ".nan".to_owned()
+    } else if value.is_infinite() {
+        if value > 0.0 { ".inf" } else { "-.inf" }.to_owned()
+    } else {
+        number(value)
+    }
+}
+
+/// A number with the six digits that count.
+pub(crate) fn figure(value: f64) -> String {
+    exact(format!("{value:.5e}").parse().unwrap_or(value))
+}
+
+/// Such numbers as a list.
+pub(crate) fn figures(values: &[f64]) -> String {
+    list(values, figure)
+}
+
+/// Numbers as a list.
+pub(crate) fn list(values: &[f64], text: impl Fn(f64) -> String) -> String {
+    let texts: Vec<String> = values.iter().map(|value| text(*value)).collect();
+    format!("[{}]", texts.join(", "))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

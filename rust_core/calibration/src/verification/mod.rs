@@ -6,8 +6,8 @@
 //! 2. [`VerificationPlan::pictures`] are what the projector shows: spots and outlines where its file says that they
 //!    will land on these places.
 //! 3. [`VerificationPlan::measure`] finds the light in the camera's pictures. The surface there is known, and so the
-//!    point on which it has landed, the distance from where it should have landed, and the projector pixel that should
-//!    have lit it.
+//!    point on which it has landed, and the projector pixel that should have lit it: by so many pixels the light has
+//!    missed.
 //!
 //! Pixels and frames are those of the crate.
 
@@ -99,7 +99,7 @@ pub struct Miss {
     /// The distance in the projector's picture: from the pixel that was lit to the one that lights this place by the
     /// file, pixels.
     pub px: f64,
-    /// The distance on the surface, metres.
+    /// The same distance where the light should land, across its direction, metres.
     pub m: f64,
 }
 
@@ -195,8 +195,11 @@ impl VerificationPlan {
         let is_near = (landed - expected).norm() <= SAME_PIECE_PX;
         let there = if is_near { *patch } else { self.surface.patch_near(landed)? };
         let (aim, point) = (patch.point(camera, expected)?, there.point(camera, landed)?);
-        let px = (self.projector.pixel(&point)? - self.projector.pixel(&aim)?).norm();
-        Some(Miss { expected, landed, px, m: (point - aim).norm() })
+        let miss = self.projector.pixel(&point)? - self.projector.pixel(&aim)?;
+        // Light that just misses a thing lands far behind it: what counts is by how much it has missed.
+        let depth_m = (self.projector.from_camera * aim).z;
+        let m = miss.component_div(&self.projector.lens.focal_px).norm() * depth_m;
+        Some(Miss { expected, landed, px: miss.norm(), m })
     }
 }
 

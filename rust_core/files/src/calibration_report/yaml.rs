@@ -29,7 +29,7 @@ use std::fmt::Write as _;
 use rcs_calibration::{Coverage, Report, ScanPose};
 
 use super::{parameters, verdict_word};
-use crate::yaml_text::{number, quoted};
+use crate::yaml_text::{exact, figure, figures, list, quoted};
 
 /// The text of the file.
 pub(super) fn yaml(report: &Report) -> String {
@@ -78,29 +78,4 @@ fn pose(pose: &ScanPose) -> String {
         list(&[rotation.i, rotation.j, rotation.k, rotation.w], exact),
         figures(&pose.orientation_sigma_rad),
     )
-}
-
-/// A number that is read back exactly.
-fn exact(value: f64) -> String {
-    if value.is_nan() {
-        ".nan".to_owned()
-    } else if value.is_infinite() {
-        if value > 0.0 { ".inf" } else { "-.inf" }.to_owned()
-    } else {
-        number(value)
-    }
-}
-
-/// A number with the six digits that count.
-fn figure(value: f64) -> String {
-    exact(format!("{value:.5e}").parse().unwrap_or(value))
-}
-
-fn figures(values: &[f64]) -> String {
-    list(values, figure)
-}
-
-fn list(values: &[f64], text: impl Fn(f64) -> String) -> String {
-    let texts: Vec<String> = values.iter().map(|value| text(*value)).collect();
-    format!("[{}]", texts.join(", "))
 }

@@ -2,7 +2,9 @@
 //! `projector_calibrate` on.
 //!
 //! Writes capture folders as a scan leaves them, the projector's true file, and one as a tape measure yields it; and
-//! draws onto the camera's picture where the light of a projector's file lands.
+//! draws onto the camera's picture where the light of a projector's file lands. Or is that robot live, on ROS topics.
+
+mod robot;
 
 use std::path::{Path, PathBuf};
 
@@ -11,11 +13,12 @@ use clap::{Parser, Subcommand};
 use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector3};
 use rcs_calibration::patterns::{gray_code, Pattern};
 use rcs_calibration::Lens;
+use rcs_files::canvas::Canvas;
 use rcs_files::capture::{Capture, PatternPicture};
 use rcs_files::picture_file;
 use rcs_files::projector::ProjectorFile;
 use rcs_scan_simulator::{Conditions, DepthCamera, Random, Rig, Room, Scan, View};
-use rcs_scene::{Encoding, Picture};
+use rcs_scene::Picture;
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 const CAMERA_FRAME: &str = "head_camera_rgb_optical_frame";
@@ -41,6 +44,15 @@ enum Command {
         #[arg(long, default_value_t = 1)]
         places: u32,
     },
+    /// Is the robot: its projector shows what arrives on /projector/patterns, and its head camera publishes what it
+    /// sees of that, on the topics of Fetch's
+    Robot {
+        /// A folder to write truth.yaml and tape.yaml to
+        folder: PathBuf,
+        /// Camera and projector have a quarter of the pixels: 320×240 and 640×400
+        #[arg(long)]
+        small: bool,
+    },
     /// Draws where the light of a projector's file lands: green crosses are what is to be lit, orange dots the light
     Light {
         /// The projector's file
@@ -61,10 +73,13 @@ fn main() -> Result<()> {
                 let capture = scan(&room, &rig.at_place(place), arguments.seed);
                 capture.write(&folder.join(format!("capture_{place}")))?;
             }
-            let truth = rig.projector_from_camera();
-            write_projector(&folder.join("truth.yaml"), &rig.projector, &truth)?;
-            let (lens, pose) = by_tape(&rig, arguments.seed);
-            write_projector(&folder.join("tape.yaml"), &lens, &pose)
+            write_projectors(folder, &rig, arguments.seed)
+        }
+        Command::Robot { folder, small } => {
+            std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+            let rig = if *small { robot::small(&rig) } else { rig };
+            write_projectors(folder, &rig, arguments.seed)?;
+            robot::run(&View::new(&room, &rig), arguments.seed)
         }
         Command::Light { projector, output } => {
             let file = ProjectorFile::read(projector)?;
@@ -109,6 +124,13 @@ fn by_tape(rig: &Rig, seed: u64) -> (Lens, Isometry3<f64>) {
     (lens, Isometry3::from_parts(moved, turned) * rig.projector_from_camera())
 }
 
+/// Writes truth.yaml and tape.yaml.
+fn write_projectors(folder: &Path, rig: &Rig, seed: u64) -> Result<()> {
+    write_projector(&folder.join("truth.yaml"), &rig.projector, &rig.projector_from_camera())?;
+    let (lens, pose) = by_tape(rig, seed);
+    write_projector(&folder.join("tape.yaml"), &lens, &pose)
+}
+
 fn write_projector(path: &Path, lens: &Lens, projector_from_camera: &Isometry3<f64>) -> Result<()> {
     Ok(ProjectorFile::calibrated(lens, CAMERA_FRAME, &projector_from_camera.inverse()).write(path)?)
 }
@@ -118,65 +140,21 @@ fn light(view: &View, lens: &Lens, projector_from_camera: &Isometry3<f64>, seed:
     let rig = view.rig();
     let grey = Scan::new(view, Conditions::random(seed)).capture(&Pattern::White, 0);
     let [width, height] = view.size_px();
-    let mut canvas = Canvas { width, height, rgb: grey.iter().flat_map(|grey| [grey / 2 + 20; 3]).collect() };
+    let mut canvas = Canvas::from_grey([width, height], grey.iter().map(|grey| grey / 2 + 20));
     for v in (20..height - 20).step_by(20) {
         for u in (20..width - 20).step_by(20) {
             let Some(sight) = view.sight(u, v).filter(|sight| sight.lit_by.is_some()) else { continue };
-            canvas.cross(Point2::new(f64::from(u), f64::from(v)), [60, 230, 90]);
+            let aim = Point2::new(f64::from(u), f64::from(v));
+            canvas.cross(aim, [60, 230, 90]);
             let pixel = lens.project(&(projector_from_camera * Point3::from(sight.point.coords)));
             let Some(ray) = pixel.and_then(|pixel| rig.projector.ray(pixel)) else { continue };
             let origin = Point3::from(rig.room_from_projector.translation.vector);
             let Some(hit) = view.room().hit(&origin, &(rig.room_from_projector.rotation * ray)) else { continue };
             if let Some(landed) = rig.camera.project(&rig.room_from_camera.inverse_transform_point(&hit.point)) {
-                canvas.line(Point2::new(f64::from(u), f64::from(v)), landed, [255, 150, 40]);
+                canvas.line(aim, landed, [255, 150, 40]);
                 canvas.dot(landed, [255, 150, 40]);
             }
         }
     }
-    canvas.picture()
-}
-
-/// A colour picture to draw on.
-struct Canvas {
-    width: u32,
-    height: u32,
-    rgb: Vec<u8>,
-}
-
-impl Canvas {
-    fn set(&mut self, at: Point2<f64>, color: [u8; 3]) {
-        let (x, y) = (at.x.round(), at.y.round());
-        if x >= 0.0 && y >= 0.0 && x < f64::from(self.width) && y < f64::from(self.height) {
-            let index = 3 * (y as usize * self.width as usize + x as usize);
-            self.rgb[index..index + 3].copy_from_slice(&color);
-        }
-    }
-
-    fn cross(&mut self, at: Point2<f64>, color: [u8; 3]) {
-        for step in -3..=3 {
-            let step = f64::from(step);
-            self.set(Point2::new(at.x + step, at.y), color);
-            self.set(Point2::new(at.x, at.y + step), color);
-        }
-    }
-
-    fn dot(&mut self, at: Point2<f64>, color: [u8; 3]) {
-        for y in -1..=1 {
-            for x in -1..=1 {
-                self.set(Point2::new(at.x + f64::from(x), at.y + f64::from(y)), color);
-            }
-        }
-    }
-
-    fn line(&mut self, from: Point2<f64>, to: Point2<f64>, color: [u8; 3]) {
-        let steps = ((to - from).amax().ceil() as u32).min(2000);
-        for step in 0..=steps {
-            let share = f64::from(step) / f64::from(steps.max(1));
-            self.set(from + (to - from) * share, color);
-        }
-    }
-
-    fn picture(self) -> Picture {
-        Picture { width_px: self.width, height_px: self.height, encoding: Encoding::Rgb8, data: self.rgb }
-    }
+    canvas.into_picture()
 }

@@ -1,0 +1,112 @@
+//! The robot, live on ROS topics: its projector shows what arrives on one topic, its head camera publishes what it sees
+//! of that, with depth.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use rcs_calibration::Lens;
+use rcs_files::projector::ProjectorFile;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{AnyMessage, Image, MessageKind};
+use rcs_ros::{LatchedPublisher, NodeEvent, RosNode};
+use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Scan, View};
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use crate::CAMERA_FRAME;
+
+/// What the projector shows.
+const SHOWN: &str = "/projector/patterns";
+/// Time from picture to picture.
+const PERIOD: Duration = Duration::from_millis(100);
+/// Depth images that differ in their noise.
+const DEPTHS: u64 = 8;
+
+/// The same camera and projector with a quarter of the pixels.
+pub(crate) fn small(rig: &Rig) -> Rig {
+    let halved = |lens: &Lens| {
+        let center_px = lens.center_px.map(|at| 0.5 * (at + 0.5) - 0.5);
+        Lens { size_px: lens.size_px.map(|side| side / 2), focal_px: 0.5 * lens.focal_px, center_px, ..*lens }
+    };
+    Rig { camera: halved(&rig.camera), projector: halved(&rig.projector), ..rig.clone() }
+}
+
+/// Runs the robot until a signal comes or ROS asks it to end.
+pub(crate) fn run(view: &View, seed: u64) -> Result<()> {
+    rcs_ros::init()?;
+    let ended = Arc::new(AtomicBool::new(false));
+    for signal in [SIGTERM, SIGINT] {
+        signal_hook::flag::register(signal, Arc::clone(&ended))?;
+    }
+    let is_ended = || ended.load(Ordering::Relaxed);
+    let node = RosNode::connect("simulated_robot", &is_ended).context("ROS")?;
+    let shown = node.subscribe(SHOWN, MessageKind::Image, 1)?;
+    let camera = HeadCamera::new(&node, view.rig().camera)?;
+    let scan = Scan::new(view, Conditions { interreflection: 0.0, ..Conditions::random(seed) });
+    let depth = |seed| DepthCamera::kinect(seed).capture(view);
+    let depths: Vec<Vec<u16>> = (seed..seed + DEPTHS).map(depth).collect();
+    let [width, height] = view.rig().projector.size_px;
+    let black = vec![0; width as usize * height as usize];
+    let mut light = scan.light_of(&black);
+    let mut due = Instant::now();
+    for frame in 0.. {
+        due += PERIOD;
+        while !is_ended() && Instant::now() < due {
+            for event in node.events().wait(due.saturating_duration_since(Instant::now())) {
+                match event {
+                    NodeEvent::Message { topic, message: AnyMessage::Image(image), .. } if topic == *shown.topic() => {
+                        light = scan.light_of(picture(&image, [width, height])?);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        if is_ended() || node.is_asked_to_end() {
+            break;
+        }
+        camera.send(scan.expose(&light, frame), &depths[frame as usize % depths.len()])?;
+    }
+    node.shutdown();
+    Ok(())
+}
+
+/// The levels of a picture for the projector.
+fn picture(image: &Image, size_px: [u32; 2]) -> Result<&[u8]> {
+    let is_fitting = [image.width, image.height] == size_px && image.encoding == "mono8" && image.step == size_px[0];
+    anyhow::ensure!(is_fitting, "{SHOWN}: the projector needs {}x{} pixels in mono8", size_px[0], size_px[1]);
+    Ok(image.data())
+}
+
+/// The topics of Fetch's head camera.
+struct HeadCamera {
+    lens: Lens,
+    image: LatchedPublisher<Image>,
+    depth: LatchedPublisher<Image>,
+    info: LatchedPublisher<CameraInfo>,
+}
+
+impl HeadCamera {
+    fn new(node: &RosNode, lens: Lens) -> Result<Self> {
+        Ok(Self {
+            lens,
+            image: node.latched_publisher("/head_camera/rgb/image_raw", 1)?,
+            depth: node.latched_publisher("/head_camera/depth_registered/image_raw", 1)?,
+            info: node.latched_publisher("/head_camera/rgb/camera_info", 1)?,
+        })
+    }
+
+    /// Sends a picture, a depth image in tenths of millimetres, and the lens.
+    fn send(&self, grey: Vec<u8>, depth: &[u16]) -> Result<()> {
+        let size_px = self.lens.size_px;
+        let stamp = rcs_ros::node_time().map(|time| time.stamp).unwrap_or_default();
+        let header = || Header { seq: 0, stamp, frame_id: CAMERA_FRAME.to_owned() };
+        let millimetres = depth.iter().flat_map(|depth| ((depth + 5) / 10).to_le_bytes()).collect();
+        self.depth.send(Image::new(header(), size_px, "16UC1", 2 * size_px[0], Arc::new(millimetres)))?;
+        self.image.send(Image::new(header(), size_px, "mono8", size_px[0], Arc::new(grey)))?;
+        let info = ProjectorFile::from_lens(&self.lens, CAMERA_FRAME).camera_info;
+        self.info.send(CameraInfo { header: header(), ..info })?;
+        Ok(())
+    }
+}
