@@ -8,10 +8,13 @@ use std::net::{TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Long enough for a python program to start on a busy machine.
 pub const PATIENCE: Duration = Duration::from_secs(40);
+/// How long an ended program's last lines may take to be read.
+const LAST_LINES: Duration = Duration::from_secs(10);
 
 /// Whether ROS's programs are installed here.
 pub fn is_ros_installed() -> bool {
@@ -160,6 +163,7 @@ pub struct Running {
     child: Child,
     printed: Lines,
     errors: Lines,
+    readers: Vec<JoinHandle<()>>,
 }
 
 type Lines = Arc<Mutex<Vec<String>>>;
@@ -170,13 +174,9 @@ impl Running {
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn()?;
         let (printed, errors) = (Lines::default(), Lines::default());
-        if let Some(stdout) = child.stdout.take() {
-            collect(stdout, &printed);
-        }
-        if let Some(stderr) = child.stderr.take() {
-            collect(stderr, &errors);
-        }
-        Ok(Self { child, printed, errors })
+        let stdout = child.stdout.take().map(|stdout| collect(stdout, &printed));
+        let stderr = child.stderr.take().map(|stderr| collect(stderr, &errors));
+        Ok(Self { child, printed, errors, readers: stdout.into_iter().chain(stderr).collect() })
     }
 
     /// Its process.
@@ -221,13 +221,17 @@ impl Running {
         let _ = Command::new("kill").arg(format!("-{name}")).arg(self.id().to_string()).status();
     }
 
-    /// Waits for its end; none when it still runs after `timeout`.
+    /// Waits for its end; none when it still runs after `timeout`. Then all of its lines have been read, unless another
+    /// program that it has started goes on to print.
     pub fn wait(&mut self, timeout: Duration) -> Option<ExitStatus> {
         let mut status = None;
         wait_until(timeout, || {
             status = self.child.try_wait().ok().flatten();
             status.is_some()
         });
+        if status.is_some() {
+            wait_until(LAST_LINES, || self.readers.iter().all(JoinHandle::is_finished));
+        }
         status
     }
 }
@@ -243,13 +247,13 @@ impl Drop for Running {
     }
 }
 
-fn collect(stream: impl Read + Send + 'static, lines: &Lines) {
+fn collect(stream: impl Read + Send + 'static, lines: &Lines) -> JoinHandle<()> {
     let lines = Arc::clone(lines);
     std::thread::spawn(move || {
         for line in BufReader::new(stream).lines().map_while(Result::ok) {
             lock(&lines).push(line);
         }
-    });
+    })
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
