@@ -1,4 +1,5 @@
-//! The README's tables of arguments give the defaults that the programs have.
+//! The tables of arguments give the defaults that the programs have: those of the README, and those of
+//! docs/calibration.md, which have every argument of `projector_calibrate`.
 #![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
 
 use std::fs;
@@ -29,9 +30,18 @@ fn values(cell: &str) -> Vec<&str> {
 /// What a program's help prints as an option's default.
 fn default_in_help(help: &str, option: &str) -> Option<String> {
     let start = help.find(&format!("{option} <"))?;
-    let paragraph = help[start..].split("\n      --").next()?;
+    let mut lines = help[start..].lines();
+    let first = lines.next()?.to_owned();
+    let paragraph = lines.take_while(|line| option_of(line).is_none()).fold(first, |text, line| text + " " + line);
     let default = paragraph.split("[default: ").nth(1)?;
     Some(default.split(']').next()?.to_owned())
+}
+
+/// The option that a line of a program's help begins to explain.
+fn option_of(line: &str) -> Option<&str> {
+    let text = line.trim_start();
+    let is_option = line.len() - text.len() <= 6 && text.starts_with('-');
+    is_option.then(|| text.split([' ', ',', '=']).find(|word| word.starts_with("--")))?
 }
 
 /// Options whose defaults are compared with nothing, and why.
@@ -82,4 +92,64 @@ fn defaults_are_those_of_the_programs() {
         }
     }
     assert_eq!(not_compared, NOT_COMPARED.map(|(option, _)| option));
+}
+
+/// The options that a program's help explains, without --help; what follows are examples.
+fn options_of(help: &str) -> impl Iterator<Item = &str> {
+    let explained = help.lines().skip_while(|line| *line != "Options:").skip(1);
+    let explained = explained.take_while(|line| line.is_empty() || line.starts_with(' '));
+    explained.filter_map(option_of).filter(|option| *option != "--help")
+}
+
+/// The arguments without a name that a program's help explains, without brackets.
+fn places_of(help: &str) -> Vec<&str> {
+    let explained =
+        help.lines().skip_while(|line| *line != "Arguments:").skip(1).take_while(|line| *line != "Options:");
+    explained.filter_map(|line| line.strip_prefix("  ")?.strip_prefix(['<', '['])?.split(['>', ']']).next()).collect()
+}
+
+/// What a table must say of an argument's default.
+fn expected_default(help: &str, argument: &str) -> String {
+    let usage = help.lines().find(|line| line.starts_with("Usage:")).unwrap();
+    let words: Vec<&str> = usage.split_whitespace().collect();
+    let is_required = words.windows(2).any(|words| {
+        let is_value = words[0].starts_with('-');
+        words[0] == argument || (!is_value && words[1].trim_end_matches("...") == format!("<{argument}>"))
+    });
+    if is_required {
+        return "required".to_owned();
+    }
+    let is_flag = help.lines().any(|line| line.trim_end().ends_with(argument) && option_of(line) == Some(argument));
+    default_in_help(help, argument).unwrap_or_else(|| if is_flag { "off" } else { "none" }.to_owned())
+}
+
+#[test]
+fn every_argument_of_projector_calibrate_is_in_a_table_with_its_default() {
+    let page = fs::read_to_string(repository().join("docs/calibration.md")).unwrap();
+    let program = program("projector_calibrate");
+    let help = |arguments: &[&str]| {
+        String::from_utf8(Command::new(&program).args(arguments).output().unwrap().stdout).unwrap()
+    };
+    let all = help(&["--help"]);
+    let commands = all.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let commands: Vec<&str> = commands.filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(commands.contains(&"verify") && commands.len() >= 8, "{commands:?}");
+    for command in commands.into_iter().filter(|command| *command != "help") {
+        let help = help(&[command, "--help"]);
+        let mut expected: Vec<&str> = places_of(&help).into_iter().chain(options_of(&help)).collect();
+        let section = format!("### `projector_calibrate {command}");
+        assert!(page.contains(&section), "docs/calibration.md has no section {section}`");
+        let rows = rows(&page, &section);
+        let mut found = Vec::new();
+        for row in &rows {
+            let [names, _, written, ..] = &**row else { panic!("{command}: {row:?}") };
+            let name = *values(names).last().unwrap();
+            let default = expected_default(&help, name);
+            assert_eq!(written.replace('`', ""), default, "{command} {name}, in docs/calibration.md");
+            found.push(name);
+        }
+        expected.sort_unstable();
+        found.sort_unstable();
+        assert_eq!(found, expected, "{command}: the table of docs/calibration.md and --help have different arguments");
+    }
 }

@@ -26,6 +26,7 @@ mod live_equals_offline;
 mod node_log;
 mod projector_calibrate;
 mod projector_scan;
+mod projector_verify;
 mod render;
 mod simulated_time;
 mod transforms;

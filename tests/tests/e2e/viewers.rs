@@ -78,6 +78,12 @@ impl Screen {
         Self { display, folder, _manager: manager, _server: server }
     }
 
+    /// Presses a key, by its name in X11.
+    pub(crate) fn press(&self, key: &str) {
+        let status = Command::new("xdotool").args(["key", key]).env("DISPLAY", &self.display).status().unwrap();
+        assert!(status.success(), "xdotool: {status}");
+    }
+
     /// The screen's pixels, three bytes each: the server keeps them in a file in xwd's format.
     pub(crate) fn pixels(&self) -> Vec<u8> {
         let xwd = fs::read(self.folder.path().join("Xvfb_screen0")).unwrap();

@@ -2,6 +2,7 @@
 //! and checked. One file or folder for each command.
 
 mod arguments;
+mod clicks;
 mod decode;
 mod failure;
 mod input;

@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
     let solution = solve(&input.samples, &options).map_err(Failure::refused)?;
     let pose = first_pose(&solution)?;
     let report = judge(&input.samples, solution, arguments.report.as_deref())?;
-    let placed = arguments.placing.place(&pose.projector_from_camera, input.camera_frame.as_deref())?;
+    let placed = arguments.placing.place(&pose.projector_from_camera, input.camera_frame.as_deref(), None)?;
     ProjectorFile::calibrated(&report.solution.lens, &placed.parent, &placed.parent_from_projector)
         .write(&arguments.output)
         .map_err(Failure::refused)?;

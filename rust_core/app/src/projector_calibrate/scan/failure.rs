@@ -1,6 +1,6 @@
 //! Why a scan yields no capture. Each is one line that says what to do.
 
-use rcs_calibration::{DecodeError, ScanProblem};
+use rcs_calibration::{DecodeError, ScanProblem, VerificationProblem};
 
 use super::devices::CameraError;
 use crate::projector_calibrate::Failure;
@@ -110,6 +110,9 @@ pub(super) enum ScanFailure {
         /// Why.
         reason: anyhow::Error,
     },
+    /// A verification that says nothing.
+    #[error(transparent)]
+    Verification(#[from] VerificationProblem),
     /// The patterns cannot be decoded.
     #[error(transparent)]
     Decode(#[from] DecodeError),

@@ -5,7 +5,7 @@
 //! held for a second also tells whether brightness is steady, and whether the camera is at rest.
 
 use std::collections::VecDeque;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rcs_calibration::patterns::Pattern;
 
@@ -237,6 +237,16 @@ impl Session<'_> {
         last: Option<&[u8]>,
     ) -> Result<Vec<u8>, ScanFailure> {
         let shown = self.show(pattern)?;
+        self.capture_shown(shown, light, last)
+    }
+
+    /// [`Self::capture`] of what is shown since a time.
+    pub(super) fn capture_shown(
+        &mut self,
+        shown: Instant,
+        light: &Light,
+        last: Option<&[u8]>,
+    ) -> Result<Vec<u8>, ScanFailure> {
         let settled = light.delay.settled.mul_f64(1.25);
         let mut previous: Option<Vec<u8>> = None;
         let mut after = shown + settled;

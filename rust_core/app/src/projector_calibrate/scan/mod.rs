@@ -17,6 +17,8 @@ mod screens;
 mod session;
 #[cfg(test)]
 mod tests;
+mod verification;
+mod verify_live;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,6 +40,8 @@ use devices::Screen;
 use ros_camera::{CameraTopics, DepthTopic, RosCamera};
 use screens::{TopicScreen, WindowScreen};
 use session::{ScanEvent, ScanOptions, Scanned, Session};
+pub(super) use verification::Verification;
+pub(super) use verify_live::{verify_live, LiveOptions};
 
 /// The widest code, so that there are no more stripes than can be decoded.
 const MOST_STEP: i64 = 8;
@@ -105,32 +109,41 @@ pub(super) fn run(arguments: &ScanArguments) -> Result<(), Failure> {
         let screen = |node: &RosNode| Ok(Box::new(TopicScreen::new(node, topic, size_px)?) as Box<dyn Screen>);
         return scan(arguments, &end, &AtomicBool::new(false), screen);
     }
-    scan_in_window(arguments, &end)
+    let (Size(size_px), scanned) = (arguments.size, arguments.clone());
+    let options = WindowOptions { source: "the scan".to_owned(), monitor: arguments.monitor.clone(), screenshot: None };
+    in_window(options, size_px, &end, move |screen, end, is_void| {
+        scan(&scanned, end, is_void, |_| Ok(Box::new(screen)))
+    })
 }
 
-/// Opens the window, which needs the main thread, and scans on another one.
-fn scan_in_window(arguments: &ScanArguments, end: &EndRequest) -> Result<(), Failure> {
-    let Size([width, height]) = arguments.size;
-    let options = WindowOptions { source: "the scan".to_owned(), monitor: arguments.monitor.clone(), screenshot: None };
+/// Opens the window, which needs the main thread, and scans on another one: `work`, which is told of a monitor of
+/// another size by the flag. The window closes when that is done; closing it before asks `work` to end.
+fn in_window<T: Send + 'static>(
+    options: WindowOptions,
+    size_px: [u32; 2],
+    end: &EndRequest,
+    work: impl FnOnce(WindowScreen, &EndRequest, &AtomicBool) -> Result<T, Failure> + Send + 'static,
+) -> Result<T, Failure> {
+    let [width, height] = size_px;
     let is_void = Arc::new(AtomicBool::new(false));
     let mut refusal = None;
-    let mut scanning: Option<JoinHandle<Result<(), Failure>>> = None;
+    let mut work = Some(work);
+    let mut scanning: Option<JoinHandle<Result<T, Failure>>> = None;
     let shown = window::run_interactive(options, |event, sink| {
         let (UserEvent::Opened(monitor) | UserEvent::MonitorChanged(monitor)) = event else { return };
         if monitor.size_px != (width, height) {
             is_void.store(true, Ordering::Release);
             end.request();
             refusal = Some(anyhow!(
-                "monitor {monitor} does not have the {width}x{height} pixels of --size: give the projector's native \
-                 resolution, and set the monitor to it without scaling"
+                "monitor {monitor} does not have the projector's {width}x{height} pixels: give its native resolution, \
+                 and set the monitor to it without scaling"
             ));
             sink.close();
-        } else if scanning.is_none() {
-            let screen = WindowScreen { sink: sink.clone(), monitor: monitor.name.clone(), size_px: [width, height] };
-            let (arguments, end, is_void) = (arguments.clone(), end.clone(), Arc::clone(&is_void));
-            let closing = sink.clone();
+        } else if let Some(work) = work.take() {
+            let screen = WindowScreen { sink: sink.clone(), monitor: monitor.name.clone(), size_px };
+            let (end, is_void, closing) = (end.clone(), Arc::clone(&is_void), sink.clone());
             let work = move || {
-                let result = scan(&arguments, &end, &is_void, |_| Ok(Box::new(screen)));
+                let result = work(screen, &end, &is_void);
                 closing.close();
                 result
             };
@@ -150,9 +163,10 @@ fn scan_in_window(arguments: &ScanArguments, end: &EndRequest) -> Result<(), Fai
         return Err(Failure::Refused(refusal));
     }
     shown.map_err(Failure::refused)?;
-    scanned
-        .unwrap_or(Ok(Ok(())))
-        .unwrap_or_else(|_| Err(Failure::Refused(anyhow!("the scan's thread has ended early"))))
+    let ended_early = || Err(Failure::Refused(anyhow!("ended before it began")));
+    scanned.map_or_else(ended_early, |scanned| {
+        scanned.unwrap_or_else(|_| Err(Failure::Refused(anyhow!("the scan's thread has ended early"))))
+    })
 }
 
 /// Scans and writes. Nothing is written once `is_void` is set.

@@ -8,7 +8,7 @@
 use std::time::{Duration, Instant};
 
 use rcs_calibration::patterns::{gray_code, shifted_gray_code, Axis, Pattern};
-use rcs_calibration::{decode, Decoded, Pictures, ScanProblem};
+use rcs_calibration::{decode, Decoded, Lens, Pictures, ScanProblem};
 use rcs_files::capture::{Capture, PatternPicture};
 
 use super::compare::Change;
@@ -124,8 +124,13 @@ impl<'a> Session<'a> {
             }
         }
         let Some(first) = pictures.iter().find(|picture| picture.pattern == Pattern::White) else { return Ok(()) };
+        self.check_unchanged(&first.grey, light)
+    }
+
+    /// Compares the first white picture with what white looks like now.
+    pub(super) fn check_unchanged(&mut self, first_white: &[u8], light: &Light) -> Result<(), ScanFailure> {
         let last = self.capture(&Pattern::White, light, None)?;
-        let change = Change::between(&first.grey, &last, &light.lit, light.noise);
+        let change = Change::between(first_white, &last, &light.lit, light.noise);
         if change.brightness.abs() > MOST_BRIGHTNESS {
             return Err(ScanFailure::Unsteady { change: change.brightness.abs() });
         }
@@ -205,7 +210,11 @@ impl<'a> Session<'a> {
 
     /// Shows a pattern; the time at which that was done.
     pub(super) fn show(&mut self, pattern: &Pattern) -> Result<Instant, ScanFailure> {
-        let picture = pattern.picture(self.options.projector_px);
+        self.show_picture(pattern.picture(self.options.projector_px))
+    }
+
+    /// Shows a picture of the projector's size, grey levels row by row; the time at which that was done.
+    pub(super) fn show_picture(&mut self, picture: Vec<u8>) -> Result<Instant, ScanFailure> {
         let shown = self.camera.now();
         match self.screen.show(picture) {
             Ok(()) => Ok(shown),
@@ -233,6 +242,26 @@ impl<'a> Session<'a> {
             self.depth.add(&depth);
         }
         Ok(frame)
+    }
+
+    /// The camera's time.
+    pub(super) fn now(&self) -> Instant {
+        self.camera.now()
+    }
+
+    /// The camera's lens.
+    pub(super) fn camera_lens(&self) -> Lens {
+        self.camera.lens()
+    }
+
+    /// What depth images were added up to.
+    pub(super) fn depth(&self) -> &DepthAverage {
+        &self.depth
+    }
+
+    /// Tells who watches.
+    pub(super) fn tell(&mut self, event: ScanEvent<'_>) {
+        (self.observe)(event);
     }
 
     pub(super) fn options(&self) -> &ScanOptions<'a> {

@@ -1,65 +1,117 @@
-//! `projector_calibrate verify`: how far light lands from where it should.
+//! `projector_calibrate verify`: how far light lands from where it should, on the things that the camera sees now or
+//! on the points of a scan.
 
-use std::path::PathBuf;
+mod live;
+mod points;
 
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::anyhow;
 use clap::Args;
-use rcs_calibration::Landed;
-use rcs_files::projector::ProjectorFile;
+use rcs_window::MonitorChoice;
 
-use super::{input, placing, Failure};
+use super::Failure;
 
 /// Measures how far the light of a calibrated projector lands from where it should
 ///
-/// Compares points of a scan (files of points or capture folders) with the projector's file: which pixel lights each
-/// point, and which should. The file must place the projector in the camera's optical frame.
+/// Lights spots, and outlines along depth edges, on the things that the camera sees now, and finds their light in the
+/// camera's pictures. Afterwards both stay shown for you to look at. Given files of points or capture folders beside
+/// --projector, compares with these instead and shows nothing.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Exit codes: 0 within the limit; 1 beyond it; 2 invalid arguments or unreadable files
+Topics subscribed to: --image (sensor_msgs/Image: mono8, rgb8, bgr8, rgba8, bgra8), --camera-info, and --depth (16UC1 in
+millimetres, 32FC1 in metres) or --cloud; the defaults are those of Fetch's head camera. /tf, if the file places the
+projector in another frame than the camera's
+Exit codes: 0 within the limit; 1 beyond it, or too little light was found; 2 invalid arguments, unreadable files, or a
+topic that is silent or cannot be used
 
-Example: projector_calibrate verify capture --projector projector.yaml --limit 2")]
+Examples: projector_calibrate verify projector.yaml --limit 2 --monitor HDMI-1
+          projector_calibrate verify capture --projector projector.yaml --limit 2")]
 pub(super) struct VerifyArguments {
-    /// Files of points, or capture folders
-    #[arg(value_name = "FILE", required = true)]
-    points: Vec<PathBuf>,
+    /// The projector's file; with --projector, files of points or capture folders to compare it with
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
     /// The projector's file
     #[arg(long, value_name = "FILE")]
-    projector: PathBuf,
+    projector: Option<PathBuf>,
     /// The limit of the RMS, pixels of the projector
     #[arg(long, value_name = "PIXELS", default_value_t = 2.0)]
     limit: f64,
+    /// The projector's monitor, by name or number [default: the last that is not primary, else the only one]
+    #[arg(long, value_name = "NAME|INDEX", default_value = "", hide_default_value = true)]
+    monitor: MonitorChoice,
+    /// Publish the pictures on this topic, for a projector_window elsewhere, and open no window
+    #[arg(long, value_name = "TOPIC", conflicts_with = "monitor")]
+    show_on: Option<String>,
+    /// The camera's pictures
+    #[arg(long, value_name = "TOPIC", default_value = "/head_camera/rgb/image_raw")]
+    image: String,
+    /// Its CameraInfo
+    #[arg(long, value_name = "TOPIC", default_value = "/head_camera/rgb/camera_info")]
+    camera_info: String,
+    /// Depth images that are registered to the pictures
+    #[arg(long, value_name = "TOPIC", default_value = "/head_camera/depth_registered/image_raw")]
+    depth: String,
+    /// Take depth from an organised cloud with a point for each pixel instead
+    #[arg(long, value_name = "TOPIC", conflicts_with = "depth")]
+    cloud: Option<String>,
+    /// Frames that each picture is the mean of
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=100))]
+    frames: u8,
+    /// Show spots and outlines for so long afterwards; Ctrl-C, or Escape in the window, ends it
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = hold)]
+    hold: Duration,
+    /// Write all distances as YAML
+    #[arg(long, value_name = "FILE.yaml")]
+    report: Option<PathBuf>,
+    /// Write the camera's picture with arrows from where light should land to where it has landed
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<PathBuf>,
+}
+
+/// The longest that spots are shown, seconds.
+const MOST_SECONDS: f64 = 1e6;
+
+fn hold(text: &str) -> Result<Duration, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=MOST_SECONDS).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err(format!("not a number of seconds from 0 to {MOST_SECONDS}")),
+    }
 }
 
 /// Runs the command.
 pub(super) fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
-    let VerifyArguments { points, projector, limit } = arguments;
-    if !limit.is_finite() || *limit <= 0.0 {
-        return Err(Failure::Unreadable(anyhow::anyhow!("--limit {limit} is not a positive number")));
+    let limit = arguments.limit;
+    if !limit.is_finite() || limit <= 0.0 {
+        return Err(Failure::Unreadable(anyhow!("--limit {limit} is not a positive number")));
     }
-    let file = ProjectorFile::read(projector).map_err(Failure::unreadable)?;
-    let lens = super::read_lens(projector)?;
-    let input = input::read(points)?;
-    let pose = placing::pose_in_file(&file, input.camera_frame.as_deref()).ok_or_else(|| {
-        let camera = input.camera_frame.as_deref().unwrap_or("the camera's optical frame");
-        Failure::Unreadable(anyhow::anyhow!(
-            "{}: does not place {} in {camera}: solve or refine without --parent writes such a file",
-            projector.display(),
-            file.camera_info.header.frame_id
-        ))
-    })?;
-    let landed = Landed::measure(&input.samples, &lens, &pose);
-    println!(
-        "light lands {:.2} px ({:.2} mm) RMS from where it should, {:.2} px for the middle one, {:.1} px at most for 99 % of {} points",
-        landed.rms_px,
-        1000.0 * landed.rms_m,
-        landed.median_px,
-        landed.most_px,
-        landed.count
-    );
-    if landed.count == 0 {
-        return Err(Failure::Refused(anyhow::anyhow!("no point is in front of the projector")));
+    match (&arguments.projector, &*arguments.files) {
+        (Some(projector), []) | (None, [projector]) => live::run(arguments, projector),
+        (Some(projector), files) => {
+            if arguments.report.is_some() || arguments.picture.is_some() {
+                let reason = "--report and --picture are of a live verification: give no files of points";
+                return Err(Failure::Unreadable(anyhow!(reason)));
+            }
+            points::run(files, projector, limit)
+        }
+        (None, _) => Err(Failure::Unreadable(anyhow!("which projector? Give its file, alone or as --projector"))),
     }
-    if landed.rms_px > *limit {
-        return Err(Failure::Refused(anyhow::anyhow!("beyond the limit of {limit} px")));
+}
+
+/// Judges an RMS.
+fn judge(rms_px: f64, limit: f64) -> Result<(), Failure> {
+    if rms_px > limit {
+        return Err(Failure::Refused(anyhow!("{rms_px:.2} px RMS are beyond the limit of {limit} px")));
     }
     Ok(())
+}
+
+/// Finds out before anything is shown whether a file can be written.
+fn check_folder(path: &Path) -> Result<(), Failure> {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if parent.is_dir() {
+        return Ok(());
+    }
+    Err(Failure::Unreadable(anyhow!("{}: the folder {} does not exist", path.display(), parent.display())))
 }

@@ -1,5 +1,6 @@
 //! Scans of a simulated room, and what goes wrong in them.
 
+mod verification;
 mod world;
 
 use std::time::Duration;

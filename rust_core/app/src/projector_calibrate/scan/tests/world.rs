@@ -63,15 +63,25 @@ impl Default for Faults {
     }
 }
 
+/// What the projector shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Shown {
+    Pattern(Pattern),
+    /// Another picture of the projector's size, by its number.
+    Picture(usize),
+}
+
 /// Everything that the screen and the camera share.
 pub(super) struct World {
     view: View,
     faults: Faults,
     known: Vec<(Pattern, Vec<u8>)>,
+    /// Pictures that are no patterns.
+    others: Vec<Vec<u8>>,
     /// What was shown from when on.
-    shown: Vec<(Instant, Pattern)>,
-    /// What the camera sees of each pattern, before and after it has moved.
-    seen: HashMap<(Pattern, bool), Vec<u8>>,
+    shown: Vec<(Instant, Shown)>,
+    /// What the camera sees of each, before and after it has moved.
+    seen: HashMap<(Shown, bool), Vec<u8>>,
     started: Instant,
     now: Instant,
     frames: u32,
@@ -93,6 +103,7 @@ impl World {
         Rc::new(RefCell::new(Self {
             view,
             known,
+            others: Vec::new(),
             shown: Vec::new(),
             seen: HashMap::new(),
             started: now,
@@ -114,6 +125,11 @@ impl World {
         self.now - self.started
     }
 
+    /// Where the camera and the projector stand, and their lenses.
+    pub(super) fn rig(&self) -> &Rig {
+        self.view.rig()
+    }
+
     /// The projector pixel that lights a camera pixel.
     pub(super) fn truth(&self, pixel: usize) -> Option<[f64; 2]> {
         self.view.truth(pixel as u32 % 160, pixel as u32 / 160).map(|truth| [truth.x, truth.y])
@@ -121,16 +137,19 @@ impl World {
 
     /// What the camera sees of what was shown at a time.
     fn sees(&mut self, at: Instant) -> Vec<u8> {
-        let shown = self.shown.iter().rev().find(|(from, _)| *from <= at).map(|(_, pattern)| *pattern);
-        let pattern = shown.filter(|_| !self.faults.is_dark).unwrap_or(Pattern::Black);
+        let shown = self.shown.iter().rev().find(|(from, _)| *from <= at).map(|(_, shown)| *shown);
+        let shown = shown.filter(|_| !self.faults.is_dark).unwrap_or(Shown::Pattern(Pattern::Black));
         let has_moved = self.faults.moves_after.is_some_and(|after| at > self.started + after);
-        let key = (pattern, has_moved);
+        let key = (shown, has_moved);
         if let Some(seen) = self.seen.get(&key) {
             return seen.clone();
         }
         let motion = has_moved.then(|| Motion { from_picture: 0, shift_px: Vector2::new(2.0, 1.0) });
         let scan = Scan::new(&self.view, Conditions { motion, ..self.still() });
-        let seen = scan.capture(&pattern, 0);
+        let seen = match shown {
+            Shown::Pattern(pattern) => scan.capture(&pattern, 0),
+            Shown::Picture(number) => scan.expose(&scan.light_of(&self.others[number]), 0),
+        };
         self.seen.insert(key, seen.clone());
         seen
     }
@@ -177,8 +196,12 @@ impl Screen for SimulatedScreen {
 
     fn show(&mut self, picture: Vec<u8>) -> anyhow::Result<()> {
         let world = &mut *self.0.borrow_mut();
-        let (pattern, _) = world.known.iter().find(|(_, known)| *known == picture).expect("a known pattern");
-        world.shown.push((world.now, *pattern));
+        let pattern = world.known.iter().find(|(_, known)| *known == picture).map(|(pattern, _)| *pattern);
+        let shown = pattern.map_or(Shown::Picture(world.others.len()), Shown::Pattern);
+        if pattern.is_none() {
+            world.others.push(picture);
+        }
+        world.shown.push((world.now, shown));
         Ok(())
     }
 }

@@ -1,0 +1,154 @@
+//! A verification with the projector's monitor or topic, and the camera's topics.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use anyhow::{anyhow, Context};
+use indicatif::{ProgressBar, ProgressStyle};
+use rcs_files::projector::ProjectorFile;
+use rcs_ros::RosNode;
+use rcs_window::{MonitorChoice, WindowOptions};
+
+use super::devices::Camera as _;
+use super::devices::Screen;
+use super::ros_camera::{CameraTopics, DepthTopic, RosCamera};
+use super::screens::TopicScreen;
+use super::session::{ScanEvent, ScanOptions, Session};
+use super::{in_window, Verification};
+use crate::projector_calibrate::{placing, Failure};
+use crate::small_node::{self, EndRequest};
+
+/// What is verified, and with which devices.
+#[derive(Debug, Clone)]
+pub(in crate::projector_calibrate) struct LiveOptions {
+    /// The projector's file.
+    pub(in crate::projector_calibrate) projector: PathBuf,
+    /// The projector's monitor.
+    pub(in crate::projector_calibrate) monitor: MonitorChoice,
+    /// A topic to show on instead.
+    pub(in crate::projector_calibrate) show_on: Option<String>,
+    /// The camera's pictures.
+    pub(in crate::projector_calibrate) image: String,
+    /// Its CameraInfo.
+    pub(in crate::projector_calibrate) camera_info: String,
+    /// Its depth image.
+    pub(in crate::projector_calibrate) depth: String,
+    /// An organised cloud instead.
+    pub(in crate::projector_calibrate) cloud: Option<String>,
+    /// Frames that each picture is the mean of.
+    pub(in crate::projector_calibrate) frames: usize,
+    /// How long spots and outlines are shown afterwards.
+    pub(in crate::projector_calibrate) hold: Duration,
+}
+
+/// Verifies a projector's file: opens the window, which needs the main thread, or publishes on the topic. `measured` is
+/// called on another thread once the distances are known, while spots and outlines are still shown.
+///
+/// # Errors
+/// [`Failure`]: nothing could be measured, or that of `measured`.
+pub(in crate::projector_calibrate) fn verify_live(
+    options: &LiveOptions,
+    measured: impl FnOnce(&Verification) -> Result<(), Failure> + Send + 'static,
+) -> Result<(), Failure> {
+    let file = ProjectorFile::read(&options.projector).map_err(Failure::unreadable)?;
+    let lens = crate::projector_calibrate::read_lens(&options.projector)?;
+    let end = EndRequest::watch_signals().context("cannot handle signals").map_err(Failure::Unreadable)?;
+    let live = Live { options: options.clone(), file, lens };
+    if let Some(topic) = options.show_on.clone() {
+        let screen = |node: &RosNode| Ok(Box::new(TopicScreen::new(node, &topic, lens.size_px)?) as Box<dyn Screen>);
+        return live.verify(&end, &AtomicBool::new(false), screen, measured);
+    }
+    let window =
+        WindowOptions { source: "the verification".to_owned(), monitor: options.monitor.clone(), screenshot: None };
+    in_window(window, lens.size_px, &end, move |screen, end, is_void| {
+        live.verify(end, is_void, |_| Ok(Box::new(screen)), measured)
+    })
+}
+
+/// A verification that has not begun.
+struct Live {
+    options: LiveOptions,
+    file: ProjectorFile,
+    lens: rcs_calibration::Lens,
+}
+
+impl Live {
+    fn verify(
+        &self,
+        end: &EndRequest,
+        is_void: &AtomicBool,
+        make_screen: impl FnOnce(&RosNode) -> anyhow::Result<Box<dyn Screen>>,
+        measured: impl FnOnce(&Verification) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let node = small_node::connect("projector_calibrate", end).map_err(Failure::unreadable)?;
+        let node = node.ok_or_else(interrupted)?;
+        let result = make_screen(&node).map_err(Failure::Unreadable).and_then(|mut screen| {
+            let verification = self.measure(&node, end, &mut *screen)?;
+            if is_void.load(Ordering::Acquire) {
+                return Err(interrupted());
+            }
+            let judged = measured(&verification);
+            if !self.options.hold.is_zero() {
+                log::info!(
+                    "spots and outlines are shown for {:.0} s, or until Ctrl-C",
+                    self.options.hold.as_secs_f64()
+                );
+            }
+            end.wait_for(self.options.hold);
+            judged
+        });
+        node.shutdown();
+        result
+    }
+
+    fn measure(&self, node: &RosNode, end: &EndRequest, screen: &mut dyn Screen) -> Result<Verification, Failure> {
+        let mut camera = RosCamera::connect(node, end, &self.options.topics()).map_err(|error| {
+            if end.is_requested() {
+                interrupted()
+            } else {
+                Failure::unreadable(error)
+            }
+        })?;
+        let pose = placing::pose_by_tf(&self.file, &self.options.projector, &camera.frame_id(), node, end)?;
+        let options = ScanOptions {
+            projector_px: self.lens.size_px,
+            step: 1,
+            frames: self.options.frames,
+            is_cancelled: &|| end.is_requested(),
+        };
+        let bar = ProgressBar::new_spinner().with_message("looking for the projector's light");
+        let verified =
+            Session::new(screen, &mut camera, &options, &mut |event| show(&bar, &event)).verify(&self.lens, &pose);
+        bar.finish_and_clear();
+        Ok(verified?)
+    }
+}
+
+impl LiveOptions {
+    fn topics(&self) -> CameraTopics {
+        let depth = match &self.cloud {
+            Some(cloud) => DepthTopic::Cloud(cloud.clone()),
+            None => DepthTopic::Image(self.depth.clone()),
+        };
+        CameraTopics { image: self.image.clone(), camera_info: self.camera_info.clone(), depth }
+    }
+}
+
+fn interrupted() -> Failure {
+    Failure::Refused(anyhow!("interrupted before the light was measured"))
+}
+
+/// Shows how far it is.
+fn show(bar: &ProgressBar, event: &ScanEvent<'_>) {
+    match event {
+        ScanEvent::Delay(_, pictures) => {
+            let style = ProgressStyle::with_template("{bar:40} {pos}/{len} pictures, {eta} left");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.set_length(*pictures as u64);
+            bar.set_position(0);
+        }
+        ScanEvent::Captured(_) => bar.inc(1),
+        ScanEvent::Warning(warning) => bar.suspend(|| log::warn!("{warning}")),
+    }
+}
