@@ -54,3 +54,30 @@ fn cell_of(pixel: Point2<f64>, cells: [usize; 2]) -> Option<[usize; 2]> {
     (column >= 0.0 && row >= 0.0 && column < cells[0] as f64 && row < cells[1] as f64)
         .then_some([column as usize, row as usize])
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Isometry3, Point3};
+
+    use super::*;
+    use crate::Lens;
+
+    #[test]
+    fn a_thing_hides_the_wall_on_the_side_away_from_the_projector() {
+        let camera = Lens::pinhole([160, 120], [140.0, 140.0], [79.5, 59.5]);
+        // A wall at 2 m and before it, in the middle, a panel at 1 m. The projector is 0.3 m to the right.
+        let is_panel = |index: usize| (70..90).contains(&(index % 160)) && (40..80).contains(&(index / 160));
+        let depth_m: Vec<f32> = (0..160 * 120).map(|index| if is_panel(index) { 1.0 } else { 2.0 }).collect();
+        let lens = Lens::pinhole([320, 240], [200.0, 200.0], [159.5, 119.5]);
+        let projector = Projector { lens, from_camera: Isometry3::translation(-0.3, 0.0, 0.0) };
+        let shadow = Shadow::new(&Surface::new(&camera, &depth_m), &projector);
+        let is_reached = |point: Point3<f64>| {
+            let pixel = projector.pixel(&point).unwrap();
+            shadow.is_reached(pixel, point.z)
+        };
+        assert!(is_reached(Point3::new(0.0, 0.0, 1.0)) && is_reached(Point3::new(0.4, 0.0, 2.0)));
+        // The line from the projector through the panel meets the wall from -0.44 m to -0.15 m.
+        assert!(!is_reached(Point3::new(-0.3, 0.0, 2.0)) && is_reached(Point3::new(-0.6, 0.0, 2.0)));
+        assert!(!shadow.is_reached(Point2::new(-9.0, 0.0), 1.0));
+    }
+}

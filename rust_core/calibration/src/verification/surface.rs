@@ -129,3 +129,29 @@ impl Projector {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_projectors_pixel_is_seen_where_its_light_meets_the_surface() {
+        let camera = Lens::pinhole([160, 120], [140.0, 140.0], [79.5, 59.5]);
+        // A slanted plane: z = 1.5 + 0.3 x.
+        let depth_of = |index: usize| {
+            let ray = camera.ray(Point2::new((index % 160) as f64, (index / 160) as f64)).unwrap();
+            (1.5 / (1.0 - 0.3 * ray.x)) as f32
+        };
+        let depth_m: Vec<f32> = (0..160 * 120).map(depth_of).collect();
+        let surface = Surface::new(&camera, &depth_m);
+        let lens = Lens::pinhole([640, 400], [700.0, 700.0], [320.0, 200.0]);
+        let projector = Projector { lens, from_camera: Isometry3::translation(-0.2, 0.05, 0.0) };
+        let patch = surface.patch_near(Point2::new(90.4, 60.0)).unwrap();
+        let pixel = projector.pixel_of(&patch, &camera, Point2::new(91.3, 58.6)).unwrap();
+        let seen = projector.seen_at(&patch, &camera, pixel).unwrap();
+        assert!((seen - Point2::new(91.3, 58.6)).norm() < 1e-3, "{seen}");
+        let point = patch.point(&camera, seen).unwrap();
+        assert!((point.z - 0.3 * point.x - 1.5).abs() < 1e-4, "{point}");
+        assert!(surface.patch(0, 0).is_none() && surface.patch_near(Point2::new(-5.0, 3.0)).is_none());
+    }
+}
