@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+mod curvature;
 mod decode;
 mod distortion;
 mod landed;

@@ -5,10 +5,12 @@
 //! - [`range`]: whether they are those of this projector.
 //! - [`blur`]: how blurred the stripes are in each tile.
 //! - [`search`]: each pixel's place along each axis, by comparing what it saw with blurred stripes.
+//! - [`bleeding`]: how far the camera's blur has pulled each pixel towards the light.
 //! - [`neighbours`]: what a surface's pixels tell of one another; a pixel that contradicts all of its own is looked up
 //!   again near the predicted place, or dropped.
 //! - [`margins`]: pixels that see two surfaces, or stray light, are dropped.
 
+mod bleeding;
 mod blur;
 mod channels;
 mod margins;
@@ -24,6 +26,7 @@ pub use quality::{Quality, ScanProblem};
 use rayon::prelude::*;
 
 use crate::patterns::Pattern;
+use bleeding::Gradients;
 use blur::{Energy, Tables};
 use channels::{AxisChannels, Channels, MOST_CHANNELS};
 use margins::{without_bleeding, without_margins};
@@ -174,9 +177,18 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
     let mut quality = Quality::measure(pictures, &channels, &response, &noise);
     quality.beyond = [0, 1].map(|axis| lights.share_beyond(&channels.axes[axis], projector_px[axis], &noise));
     let lit = noise.iter().filter(|noise| noise.is_finite()).count();
+    let amplitudes = lights.amplitudes();
+    let gradients = Gradients::new(&amplitudes, pictures.size_px[0] as usize);
     let axes = [0, 1].map(|axis| {
         let tables = Tables::new(&channels.axes[axis], projector_px[axis]);
-        AxisDecoder { lights: &lights, noise: &noise, channels: &channels.axes[axis], tables: &tables }.decode()
+        AxisDecoder {
+            lights: &lights,
+            noise: &noise,
+            channels: &channels.axes[axis],
+            tables: &tables,
+            gradients: &gradients,
+        }
+        .decode()
     });
     let [along_x, along_y] = &axes;
     let pixels: Vec<DecodedPixel> = (0..expected)
@@ -191,7 +203,7 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
         .collect();
     let width = pictures.size_px[0] as usize;
     let pixels = without_margins(&pixels, width);
-    let pixels = without_bleeding(&pixels, &lights.amplitudes(), width);
+    let pixels = without_bleeding(&pixels, &amplitudes, width);
     Ok(Decoded { size_px: pictures.size_px, pixels, lit, quality })
 }
 
@@ -261,6 +273,7 @@ struct AxisDecoder<'a> {
     noise: &'a [f32],
     channels: &'a AxisChannels,
     tables: &'a Tables<'a>,
+    gradients: &'a Gradients,
 }
 
 /// What one band of tiles yields.
@@ -277,14 +290,21 @@ impl AxisDecoder<'_> {
         let all = self.energy_of((0..self.noise.len()).step_by(13));
         let bands: Vec<Band> =
             (0..rows_of_pixels.len()).into_par_iter().map(|band| self.band(band, width, &all)).collect();
-        let found: Vec<Option<Found>> = bands.iter().flat_map(|band| band.found.iter().copied()).collect();
+        let mut found: Vec<Option<Found>> = bands.iter().flat_map(|band| band.found.iter().copied()).collect();
         let tiles: Vec<&[(usize, f32)]> = bands.iter().map(|band| band.tiles.as_slice()).collect();
         let is_sure = |found: &Found| found.misfit < WORST_MISFIT && found.sigma < 3.0;
-        let field = Field {
+        let mut field = Field {
             width,
             at: found.iter().map(|found| found.map_or(0.0, |found| found.at)).collect(),
             sigma: found.iter().map(|found| found.filter(is_sure).map_or(f32::INFINITY, |found| found.sigma)).collect(),
         };
+        let pulls = self.gradients.pulls(&field);
+        for ((at, found), pull) in field.at.iter_mut().zip(&mut found).zip(&pulls) {
+            if let Some(found) = found {
+                found.at -= pull;
+                *at = found.at;
+            }
+        }
         let predictions = field.predictions();
         let mut result = Field { width, at: vec![0.0; field.at.len()], sigma: vec![f32::INFINITY; field.at.len()] };
         result.at.par_chunks_mut(width).zip(result.sigma.par_chunks_mut(width)).enumerate().for_each(

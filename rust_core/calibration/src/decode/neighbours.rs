@@ -2,19 +2,24 @@
 //!
 //! A plane is fitted to the coordinates of each window of 5×5 pixels, twice, the second time with less weight for what
 //! is far from the first. A pixel is compared with the plane of the window around it or beside it that fits best, so
-//! that edges between surfaces stay where they are.
+//! that edges between surfaces stay where they are. What planes leave out of curved surfaces is added back.
 
 use rayon::prelude::*;
 
+use crate::curvature::means_around;
 use crate::plane::{Plane, Sums};
 
 /// Half the width of a window, pixels.
 const RADIUS: usize = 2;
+/// Half the width of the windows in which planes are compared with what they were fitted to.
+const CURVATURE_RADIUS: usize = 4;
 /// Weight that a window must have, in pixels of full weight.
 const LEAST_SUPPORT: f32 = 5.0;
 /// Deviations from a window's first pixel at which weights are halved in the first round, projector pixels.
 const FIRST_WIDTH_PX: f32 = 12.0;
 const SECOND_WIDTH_PX: f32 = 1.5;
+/// Pixels so many deviations off a plane do not show how curved the surface is.
+const OUTLIER: f32 = 3.0;
 /// What a plane leaves out of a curved surface, projector pixels.
 const CURVATURE_PX: f32 = 0.035;
 
@@ -36,11 +41,38 @@ pub(super) struct Prediction {
     pub(super) sigma: f32,
     /// How far the pixels of the window lie from their plane, RMS.
     pub(super) spread: f32,
+    /// Whether the window is the one around the pixel.
+    is_around: bool,
 }
 
 impl Field {
     /// What neighbours predict for each pixel; none where there are too few.
     pub(super) fn predictions(&self) -> Vec<Option<Prediction>> {
+        let mut predictions = self.predicted_by_planes();
+        let left_over: Vec<f32> = (0..self.at.len())
+            .map(|pixel| predictions[pixel].map_or(f32::NAN, |prediction| self.left_over(pixel, &prediction)))
+            .collect();
+        let curvature = means_around(&left_over, self.width, CURVATURE_RADIUS);
+        for (prediction, curvature) in predictions.iter_mut().zip(&curvature) {
+            if let Some(prediction) = prediction.as_mut().filter(|prediction| prediction.is_around) {
+                prediction.at += curvature;
+            }
+        }
+        predictions
+    }
+
+    /// How far a pixel is off the plane of the window around it; NaN if it is an outlier, or seen by a window beside it.
+    fn left_over(&self, pixel: usize, prediction: &Prediction) -> f32 {
+        let off = self.at[pixel] - prediction.at;
+        let is_near = off.abs() <= OUTLIER * self.sigma[pixel].hypot(prediction.sigma);
+        if prediction.is_around && self.sigma[pixel].is_finite() && is_near {
+            off
+        } else {
+            f32::NAN
+        }
+    }
+
+    fn predicted_by_planes(&self) -> Vec<Option<Prediction>> {
         let planes = self.planes();
         let height = self.at.len() / self.width;
         let offsets = [-2_i32, 0, 2];
@@ -71,6 +103,7 @@ impl Field {
                         at: plane.at + plane.by_x * dx + plane.by_y * dy,
                         sigma: variance.sqrt(),
                         spread: plane.variance.sqrt(),
+                        is_around: dx == 0.0 && dy == 0.0,
                     });
                 }
             }
@@ -141,5 +174,25 @@ impl Field {
         plane = sums.plane(LEAST_SUPPORT)?;
         plane.at += origin;
         Some(plane)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curved_surfaces_are_predicted_without_a_shift() {
+        const SIDE: usize = 30;
+        let at = |index: usize| {
+            let (x, y) = ((index % SIDE) as f32 - 15.0, (index / SIDE) as f32 - 15.0);
+            300.0 + 2.0 * x + 0.5 * y + 0.006 * (x * x + y * y)
+        };
+        let at: Vec<f32> = (0..SIDE * SIDE).map(at).collect();
+        let field = Field { width: SIDE, sigma: vec![0.05; at.len()], at };
+        let middle = 15 * SIDE + 15;
+        let [planes, predictions] = [field.predicted_by_planes(), field.predictions()];
+        let off = |predictions: &[Option<Prediction>]| predictions[middle].unwrap().at - field.at[middle];
+        assert!(off(&planes) > 0.02 && off(&predictions).abs() < 0.001, "{} {}", off(&planes), off(&predictions));
     }
 }

@@ -1,0 +1,98 @@
+//! The camera's blur pulls pixels towards brighter neighbours, and how that is undone.
+//!
+//! What a pixel sees is the mean over its blur, weighted by light. For a blur like a normal distribution and a
+//! coordinate that changes linearly, this mean is off the pixel's own coordinate by the blur's variance times the
+//! coordinate's gradient times the relative gradient of the light that was seen (integrate by parts). On the shaded
+//! side of a ball all pixels are pulled the same way, so no averaging removes it.
+
+use rayon::prelude::*;
+
+use super::neighbours::Field;
+
+/// The variance of a sharp camera's blur and its pixels' extent, squared camera pixels. Others are corrected in part.
+const BLUR_VARIANCE: f32 = 0.3;
+/// Where the light changes by this share per pixel, half of the pull is undone, and less beyond: at the edges of dark
+/// things the blur would have to be known well, but pixels there are pulled against one another.
+const SHADING: f32 = 0.2;
+/// Neighbouring camera pixels whose projector pixels are farther apart see different surfaces, projector pixels.
+const SURFACE_STEP_PX: f32 = 12.0;
+
+/// How the light changes across each pixel as a share of its own, per camera pixel, along rows and columns.
+pub(super) struct Gradients {
+    width: usize,
+    relative: Vec<[f32; 2]>,
+}
+
+impl Gradients {
+    /// Those of the light that pixels get from the projector.
+    pub(super) fn new(amplitudes: &[f32], width: usize) -> Self {
+        let height = amplitudes.len() / width.max(1);
+        let mut relative = vec![[0.0; 2]; amplitudes.len()];
+        relative.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            if y == 0 || y + 1 >= height {
+                return;
+            }
+            for x in 1..width.saturating_sub(1) {
+                let index = y * width + x;
+                let slope = |step: usize| {
+                    let slope = (amplitudes[index + step] - amplitudes[index - step]) / (2.0 * amplitudes[index]);
+                    slope / (1.0 + (slope / SHADING).powi(2))
+                };
+                if amplitudes[index] > 0.0 {
+                    row[x] = [slope(1), slope(width)];
+                }
+            }
+        });
+        Self { width, relative }
+    }
+
+    /// How far each pixel of a field was pulled, projector pixels; 0 where that is not known.
+    pub(super) fn pulls(&self, field: &Field) -> Vec<f32> {
+        let step = |index: usize, by: usize| {
+            let (before, after) = (index - by, index + by);
+            let is_known = field.sigma[before].is_finite() && field.sigma[after].is_finite();
+            let step = 0.5 * (field.at[after] - field.at[before]);
+            if is_known && step.abs() < SURFACE_STEP_PX {
+                step
+            } else {
+                0.0
+            }
+        };
+        let pull = |index: usize| {
+            let [along_row, along_column] = self.relative[index];
+            // At the margin of the picture, where there are no neighbours, both are 0.
+            if along_row == 0.0 && along_column == 0.0 {
+                return 0.0;
+            }
+            BLUR_VARIANCE * (along_row * step(index, 1) + along_column * step(index, self.width))
+        };
+        (0..self.relative.len()).into_par_iter().map(pull).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 12;
+    const HEIGHT: usize = 9;
+
+    fn field(at: impl Fn(usize, usize) -> f32) -> Field {
+        let at: Vec<f32> = (0..WIDTH * HEIGHT).map(|index| at(index % WIDTH, index / WIDTH)).collect();
+        Field { width: WIDTH, sigma: vec![0.1; at.len()], at }
+    }
+
+    #[test]
+    fn pixels_are_pulled_towards_the_light() {
+        // Brighter to the right by 3 % per pixel, evenly lit from top to bottom.
+        let amplitudes: Vec<f32> = (0..WIDTH * HEIGHT).map(|index| (0.03 * (index % WIDTH) as f32).exp()).collect();
+        let gradients = Gradients::new(&amplitudes, WIDTH);
+        let pulls = gradients.pulls(&field(|x, y| 2.0 * x as f32 + 3.0 * y as f32));
+        let middle = 4 * WIDTH + 6;
+        assert!((pulls[middle] - 0.03 * 2.0 * BLUR_VARIANCE).abs() < 1e-3, "{}", pulls[middle]);
+        assert_eq!(pulls[0], 0.0);
+        let mut field = field(|x, _| 2.0 * x as f32);
+        field.sigma[middle + 1] = f32::INFINITY;
+        assert_eq!(gradients.pulls(&field)[middle], 0.0);
+    }
+}
