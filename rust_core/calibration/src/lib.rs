@@ -28,6 +28,7 @@ pub use points::{points, PointsError};
 pub use report::{Coverage, Report, Verdict};
 pub use sample::Sample;
 pub use solve::{
-    solve, DistortionTerms, Estimate, FocalLengths, Parameter, Refusal, Residual, ScanPose, Solution, SolveOptions,
+    solve, DistortionTerms, Estimate, FocalLengths, Parameter, Refusal, Residual, ScanPose, Skew, Solution,
+    SolveOptions,
 };
 pub use verification::{Figures, LightMap, Miss, Scene, VerificationPlan, VerificationProblem, Verified};

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{Parameter, Sample, Solution};
+use crate::{Parameter, Sample, Skew, Solution};
 
 /// Cells of the projector's picture, along u and v, that count as covered or not.
 const PICTURE_CELLS: [usize; 2] = [8, 6];
@@ -23,6 +23,10 @@ const AGAIN_HELD_OUT_RATIO: f64 = 2.0;
 const SQUARE_PIXELS: f64 = 0.02;
 /// Unknowns take up this share of what is measured, at most: those of a pose by six points, each with two coordinates.
 const MOST_TAKEN_UP: f64 = 0.5;
+/// A picture whose K has a larger skew, as a share of the focal length, is distorted by the projector,
+const NO_SKEW: f64 = 0.003;
+/// if this is not by chance: deviations.
+const SIGNIFICANT: f64 = 4.0;
 /// The solution of a good calibration is certain to this, pixels.
 const GOOD_PREDICTION_PX: f64 = 0.5;
 /// The same at the farthest points, metres.
@@ -168,9 +172,22 @@ impl Report {
         solution.rms_px * ((1.0 + taken_up) / (1.0 - taken_up)).sqrt()
     }
 
-    /// A keystone correction or a scaled picture is still a pinhole's, but one whose pixels are not square.
+    /// A keystone correction leaves a pinhole a pinhole, but one that is skewed, or whose pixels are not square. A scaled
+    /// picture's pixels are not square, either.
     fn judge_lens(&mut self) {
         let focal_px = self.solution.lens.focal_px;
+        if let Some(Skew { value_px, sigma_px }) = self.solution.skew {
+            if value_px.abs() > (NO_SKEW * focal_px.min()).max(SIGNIFICANT * sigma_px) {
+                self.say(
+                    Verdict::Again,
+                    format!(
+                        "keystone correction seems to be on, the picture is skewed by {:.1} % (K[0][1] would be \
+                         {value_px:.1} ± {sigma_px:.1} px): turn it off in the projector's menu and scan again",
+                        100.0 * value_px.abs() / focal_px.min()
+                    ),
+                );
+            }
+        }
         let is_solved = self
             .solution
             .estimates

@@ -32,14 +32,14 @@ impl Gradients {
             if y == 0 || y + 1 >= height {
                 return;
             }
-            for x in 1..width.saturating_sub(1) {
+            for (x, relative) in row.iter_mut().enumerate().take(width.saturating_sub(1)).skip(1) {
                 let index = y * width + x;
                 let slope = |step: usize| {
                     let slope = (amplitudes[index + step] - amplitudes[index - step]) / (2.0 * amplitudes[index]);
                     slope / (1.0 + (slope / SHADING).powi(2))
                 };
                 if amplitudes[index] > 0.0 {
-                    row[x] = [slope(1), slope(width)];
+                    *relative = [slope(1), slope(width)];
                 }
             }
         });

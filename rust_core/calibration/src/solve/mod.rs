@@ -3,8 +3,9 @@
 //! The steps, each a file: `input` checks and sorts the samples; `consensus` finds a first lens and pose among gross
 //! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`, `quartic`); `adjust` makes all of
 //! it fit best in the sense of `noise` and `depth_errors`, on the equations of `normal_equations` for the unknowns of
-//! `model`; `left_out` chooses the distortion; `covariance` says how certain the result is. `spread`, `orientation` and
-//! `moved` find the scenes and scans that are to be refused. `solver` has the order of the steps.
+//! `model`; `left_out` chooses the distortion; `covariance`, by the sums of `cells` and what `correlation` sees in them,
+//! says how certain the result is, and `skew` whether it is a lens at all. `spread`, `orientation` and `moved` find the
+//! scenes and scans that are to be refused. `solver` has the order of the steps.
 //!
 //! The result depends on the samples, the options and the seed alone: sums are formed in the same order whatever the
 //! number of threads.
@@ -16,7 +17,9 @@ use nalgebra::{Isometry3, Vector2};
 use crate::Lens;
 
 mod adjust;
+mod cells;
 mod consensus;
+mod correlation;
 mod covariance;
 mod depth_errors;
 mod dlt;
@@ -31,6 +34,7 @@ mod p3p;
 mod quartic;
 mod random;
 mod refusal;
+mod skew;
 mod solver;
 mod spread;
 #[cfg(test)]
@@ -182,6 +186,15 @@ pub struct Estimate {
     pub sigma: f64,
 }
 
+/// A skew (the second number of K's first row) that the samples would be explained with better. No lens has one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Skew {
+    /// Its value, pixels.
+    pub value_px: f64,
+    /// Its standard deviation.
+    pub sigma_px: f64,
+}
+
 /// How far the light of a sample's pixel lands from its point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
@@ -221,4 +234,6 @@ pub struct Solution {
     /// Standard deviation of where a point's light is predicted, by the uncertainty of lens and pose alone, pixels:
     /// root of the mean square over the whole picture and the depths of the inliers.
     pub prediction_sigma_px: f64,
+    /// How skewed the picture seems; none if the lens was not solved for.
+    pub skew: Option<Skew>,
 }

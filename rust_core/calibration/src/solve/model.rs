@@ -8,8 +8,11 @@ use nalgebra::{DVector, Isometry3, Matrix2x3, Point2, Point3, SMatrix, Translati
 use super::{DistortionTerms, FocalLengths, Parameter, SolveOptions};
 use crate::{Distortion, DistortionModel, Lens};
 
-/// Parameters of a lens, in the order of [`Parameter::ALL`].
-pub(super) const LENS: usize = 9;
+/// Parameters of a lens: those of [`Parameter::ALL`] in their order, then the skew.
+pub(super) const LENS: usize = 10;
+/// How u follows the distorted y, pixels. No lens has a skew, so a state has none; it is only asked how large one would
+/// have to be.
+pub(super) const SKEW: usize = 9;
 /// Parameters that a sample depends on: the lens's, then its scan's turn and shift.
 pub(super) const LOCAL: usize = LENS + 6;
 
@@ -53,6 +56,7 @@ impl State {
         jacobian[(1, 1)] = distorted.y;
         jacobian[(0, 2)] = 1.0;
         jacobian[(1, 3)] = 1.0;
+        jacobian[(0, SKEW)] = distorted.y;
         let (fx_x, fy_y) = (focal.x * x, focal.y * y);
         for (column, power) in [(4, r2), (5, r2 * r2), (8, r2 * r2 * r2)] {
             jacobian[(0, column)] = fx_x * power;
@@ -78,7 +82,7 @@ impl State {
     pub(super) fn stepped(&self, free: &Free, step: &DVector<f64>) -> Option<Self> {
         let mut values = lens_values(&self.lens);
         for (column, raw) in free.lens.iter().enumerate() {
-            for parameter in raw {
+            for parameter in raw.iter().filter(|parameter| **parameter != SKEW) {
                 values[*parameter] += step[column];
             }
         }
@@ -96,7 +100,7 @@ impl State {
 }
 
 /// The values of a lens's parameters; distortions of other models than Brown and Conrady's are left out.
-pub(super) fn lens_values(lens: &Lens) -> [f64; LENS] {
+pub(super) fn lens_values(lens: &Lens) -> [f64; SKEW] {
     let mut k = [0.0; 5];
     if lens.distortion.model() == DistortionModel::PlumbBob {
         k.copy_from_slice(&lens.distortion.coefficients()[..5]);
@@ -105,7 +109,7 @@ pub(super) fn lens_values(lens: &Lens) -> [f64; LENS] {
 }
 
 /// The lens of such values; none if they are not finite or a focal length is not positive.
-pub(super) fn lens_of(size_px: [u32; 2], values: [f64; LENS]) -> Option<Lens> {
+pub(super) fn lens_of(size_px: [u32; 2], values: [f64; SKEW]) -> Option<Lens> {
     let [fx, fy, cx, cy, k1, k2, p1, p2, k3] = values;
     let is_sound = values.iter().all(|value| value.is_finite()) && fx > 0.0 && fy > 0.0;
     is_sound.then(|| {
@@ -148,6 +152,13 @@ impl Free {
         let others = [Parameter::Cx, Parameter::Cy].iter().chain(solved_terms(terms));
         lens.extend(others.filter(|parameter| !is_fixed(**parameter)).map(|parameter| vec![*parameter as usize]));
         Self { lens, scans }
+    }
+
+    /// The same and the skew, as the last of the lens's unknowns.
+    pub(super) fn with_skew(&self) -> Self {
+        let mut free = self.clone();
+        free.lens.push(vec![SKEW]);
+        free
     }
 
     /// How many unknowns there are.

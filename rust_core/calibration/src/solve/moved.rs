@@ -1,5 +1,7 @@
 //! Whether what one pose leaves over agrees with another: then something moved during the scan.
 
+use rayon::prelude::*;
+
 use super::adjust::{robustly, Adjusted};
 use super::consensus;
 use super::input::Observations;
@@ -16,34 +18,36 @@ const LEAST: usize = 12;
 
 /// Refuses scans in which two poses each explain part of the samples.
 pub(super) fn check(observations: &Observations, adjusted: &Adjusted, seed: u64) -> Result<(), Refusal> {
-    for (scan, number) in observations.scans.iter().enumerate() {
-        let range = observations.range(scan);
-        let total = range.len();
-        let left_over = Observations {
-            all: range
-                .clone()
-                .filter(|i| !adjusted.weights[*i].is_used())
-                .map(|i| super::input::Observation { scan: 0, ..observations.all[i] })
-                .collect(),
-            scans: vec![*number],
-        };
-        let count = left_over.all.len();
-        if count < LEAST || (count as f64) < SECOND_SHARE * total as f64 {
-            continue;
-        }
-        let few = left_over.thinned(2000, seed);
-        let Some(second) = consensus::pose(&few, &adjusted.state.lens, seed) else { continue };
-        let agreeing = agreeing(&few, &second.state, adjusted.noise);
-        let second_share = agreeing * count as f64 / total as f64;
-        if agreeing > OF_LEFT_OVER && second_share > SECOND_SHARE {
-            return Err(Refusal::Moved {
-                scan: *number,
-                first_percent: 100.0 * (total - count) as f64 / total as f64,
-                second_percent: 100.0 * second_share,
-            });
-        }
+    let scans = observations.scans.par_iter().enumerate();
+    let refusals: Vec<Option<Refusal>> =
+        scans.map(|(scan, number)| moved(observations, adjusted, seed, scan, *number)).collect();
+    refusals.into_iter().flatten().next().map_or(Ok(()), Err)
+}
+
+/// Why one scan is refused, if it is.
+fn moved(observations: &Observations, adjusted: &Adjusted, seed: u64, scan: usize, number: u32) -> Option<Refusal> {
+    let range = observations.range(scan);
+    let total = range.len();
+    let left_over = Observations {
+        all: range
+            .filter(|i| !adjusted.weights[*i].is_used())
+            .map(|i| super::input::Observation { scan: 0, ..observations.all[i] })
+            .collect(),
+        scans: vec![number],
+    };
+    let count = left_over.all.len();
+    if count < LEAST || (count as f64) < SECOND_SHARE * total as f64 {
+        return None;
     }
-    Ok(())
+    let few = left_over.thinned(2000, seed);
+    let second = consensus::pose(&few, &adjusted.state.lens, seed)?;
+    let agreeing = agreeing(&few, &second.state, adjusted.noise);
+    let second_share = agreeing * count as f64 / total as f64;
+    (agreeing > OF_LEFT_OVER && second_share > SECOND_SHARE).then(|| Refusal::Moved {
+        scan: number,
+        first_percent: 100.0 * (total - count) as f64 / total as f64,
+        second_percent: 100.0 * second_share,
+    })
 }
 
 /// The share of samples that a pose explains as well as the first explains its own.

@@ -117,7 +117,7 @@ pub enum Refusal {
     /// Most samples do not fit.
     #[error(
         "only {percent:.0} % of the samples of scan {scan} agree with each other: the camera, the projector or the \
-         things moved, or the decoding failed; scan again with everything at rest"
+         things moved, or the decoding failed; scan again with everything at rest and keystone correction off"
     )]
     FewInliers {
         /// The share that agrees.
@@ -128,7 +128,7 @@ pub enum Refusal {
     /// Two poses in one scan.
     #[error(
         "the camera moved during scan {scan}: {first_percent:.0} % of the samples agree with one pose and \
-         {second_percent:.0} % with another; scan again with everything at rest"
+         {second_percent:.0} % with another; scan again with everything at rest and keystone correction off"
     )]
     Moved {
         /// The scan.
@@ -149,7 +149,7 @@ pub enum Refusal {
     /// All fit, but badly.
     #[error(
         "the samples miss the best solution by {typical_px:.1} px: the camera moved, the depth is not registered to \
-         the image, or the given lens is another's; scan again with everything at rest"
+         the image, or the given lens is another's; scan again with everything at rest and keystone correction off"
     )]
     Inconsistent {
         /// The typical miss.

@@ -5,12 +5,14 @@ use rayon::prelude::*;
 
 use super::adjust::{self, Adjusted, Effort};
 use super::consensus::{self, Agreed, Score};
+use super::covariance::Errors;
 use super::input::{check_options, Observations};
 use super::left_out::{Blocks, LeftOut};
 use super::model::{constrained, lens_values, Free, State};
 use super::noise::{quantile, Noise, Weight, LIMIT};
-use super::{covariance, moved, orientation, spread};
-use super::{DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Solution, SolveOptions};
+use super::normal_equations::NormalEquations;
+use super::{covariance, moved, orientation, skew, spread};
+use super::{DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Skew, Solution, SolveOptions};
 use crate::{Lens, Sample};
 
 /// Samples of all scans that a first solution is adjusted to.
@@ -40,9 +42,9 @@ const MOST_FOCAL_SIGMA: f64 = 0.05;
 const MOST_PREDICTION_SIGMA: f64 = 0.01;
 /// What all samples share, such as the rounding of depths, is in no residual. So nothing is known better than this: the
 /// focal length, as a share of it,
-const LEAST_FOCAL_SHARE: f64 = 4e-6;
+const LEAST_FOCAL_SHARE: f64 = 2e-6;
 /// and the projector's position, as a share of the points' depth.
-const LEAST_POSITION_SHARE: f64 = 8e-6;
+const LEAST_POSITION_SHARE: f64 = 2e-6;
 /// Left-out samples may miss by so many times as much as others, and by so many pixels more: by twice as many if the
 /// samples are no more than this.
 const HELD_OUT_LIMIT: (f64, f64) = (3.0, 1.0);
@@ -65,16 +67,15 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
     let first = solver.first()?;
     let per_scan = (CHOOSING / observations.scans.len()).max(OF_EACH[0]);
     let few = observations.thinned(per_scan, options.seed);
-    let (terms, adjusted) = solver.chosen_terms(&few, &first);
-    let free = Free::new(options, terms, observations.scans.len());
+    let Chosen { terms, free, adjusted } = solver.chosen_terms(&few, &first);
     let adjusted = adjust::robustly(&observations, &adjusted.state, &free, adjusted.noise, 2);
     solver.check_fit(&adjusted)?;
-    let (covariance, prediction_sigma_px) = solver.judged(&adjusted, &free)?;
+    let Judged { covariance, prediction_sigma_px, skew } = solver.judged(&adjusted, &free)?;
     let weights = adjusted.noise.weights(&few, &adjusted.state, LIMIT);
     let blocks = Blocks::new(&few, options.size_px);
     let held_out_rms_px = LeftOut::new(&few, &weights, &blocks, &adjusted.state, &free).rms_px();
     let solution = solver.solution(&adjusted, &free, &covariance, terms);
-    let solution = Solution { held_out_rms_px, prediction_sigma_px, ..solution };
+    let solution = Solution { held_out_rms_px, prediction_sigma_px, skew, ..solution };
     let (factor, more_px) = HELD_OUT_LIMIT;
     // What the unknowns took up of the errors, which shows where samples are few.
     let equations = 2.0 * solution.inliers as f64;
@@ -83,6 +84,34 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
         return Err(Refusal::Unpredictive { rms_px: solution.rms_px, held_out_px: held_out_rms_px });
     }
     Ok(solution)
+}
+
+/// The terms of the distortion that were chosen.
+struct Chosen {
+    terms: DistortionTerms,
+    free: Free,
+    adjusted: Adjusted,
+}
+
+/// How certain a solution is.
+struct Judged {
+    covariance: DMatrix<f64>,
+    prediction_sigma_px: f64,
+    skew: Option<Skew>,
+}
+
+/// What is tried one after the other. All of it, because a lens without radial distortion may be mounted askew; k3 last
+/// and for itself, because few lenses have it and it makes the others uncertain.
+fn candidates(options: &SolveOptions) -> Vec<(DistortionTerms, SolveOptions)> {
+    let with = |terms: DistortionTerms| (terms, options.clone());
+    let mut candidates = vec![with(DistortionTerms::K1), with(DistortionTerms::K1K2)];
+    if options.fixed.iter().all(|(parameter, _)| *parameter != Parameter::K3) {
+        let (terms, mut without) = with(DistortionTerms::PlumbBob);
+        without.fixed.push((Parameter::K3, 0.0));
+        candidates.push((terms, without));
+    }
+    candidates.push(with(DistortionTerms::PlumbBob));
+    candidates
 }
 
 struct Solver<'a> {
@@ -227,35 +256,35 @@ impl<'a> Solver<'a> {
     }
 
     /// The terms that make the prediction of left-out samples better, and the solution with them.
-    fn chosen_terms(&self, few: &Observations, first: &Agreed) -> (DistortionTerms, Adjusted) {
+    fn chosen_terms(&self, few: &Observations, first: &Agreed) -> Chosen {
         let options = self.options;
         let noise = Noise::first(first.score.near, few.all.len() / few.scans.len());
-        let rich = adjust::robustly(few, &first.state, &self.free(self.richest), noise, 3);
+        let free = self.free(self.richest);
+        let rich = adjust::robustly(few, &first.state, &free, noise, 3);
         if options.known_lens.is_some() {
-            return (DistortionTerms::None, rich);
+            return Chosen { terms: DistortionTerms::None, free, adjusted: rich };
         }
         if options.distortion != DistortionTerms::Auto {
-            return (options.distortion, rich);
+            return Chosen { terms: options.distortion, free, adjusted: rich };
         }
         let blocks = Blocks::new(few, options.size_px);
-        let with = |terms: DistortionTerms, start: &State| {
-            let lens = constrained(&start.lens, options, terms).unwrap_or(start.lens);
-            let start = State { lens, poses: start.poses.clone() };
-            let free = self.free(terms);
+        let with = |terms: DistortionTerms, options: &SolveOptions| {
+            let lens = constrained(&rich.state.lens, options, terms).unwrap_or(rich.state.lens);
+            let start = State { lens, poses: rich.state.poses.clone() };
+            let free = Free::new(options, terms, few.scans.len());
             let state = adjust::minimise(few, &rich.weights, &start, &free, Effort::FULL);
             let left_out = LeftOut::new(few, &rich.weights, &blocks, &state, &free);
-            (terms, state, left_out)
+            (terms, free, state, left_out)
         };
-        let mut chosen = with(DistortionTerms::None, &rich.state);
-        // All are tried: a lens without radial distortion may be mounted askew.
-        for terms in [DistortionTerms::K1, DistortionTerms::K1K2, DistortionTerms::PlumbBob] {
-            let trial = with(terms, &rich.state);
-            if trial.2.is_better_than(&chosen.2, &rich.weights, &blocks) {
+        let mut chosen = with(DistortionTerms::None, options);
+        for (terms, options) in candidates(options) {
+            let trial = with(terms, &options);
+            if trial.3.is_better_than(&chosen.3, &rich.weights, &blocks) {
                 chosen = trial;
             }
         }
-        let (terms, state, _) = chosen;
-        (terms, Adjusted { state, ..rich })
+        let (terms, free, state, _) = chosen;
+        Chosen { terms, free, adjusted: Adjusted { state, ..rich } }
     }
 
     /// Refuses fits that many samples contradict.
@@ -293,8 +322,8 @@ impl<'a> Solver<'a> {
         Ok(())
     }
 
-    /// The covariance of the unknowns and the deviation of predictions, or why they are too large.
-    fn judged(&self, adjusted: &Adjusted, free: &Free) -> Result<(DMatrix<f64>, f64), Refusal> {
+    /// How certain the solution is, or why it is not certain enough.
+    fn judged(&self, adjusted: &Adjusted, free: &Free) -> Result<Judged, Refusal> {
         let (observations, size_px) = (self.observations, self.options.size_px);
         let is_used = |i: usize| adjusted.weights[i].is_used();
         let is_flat = self.needs_relief() && self.relief(is_used).iter().all(|relief| spread::is_flat(*relief));
@@ -316,8 +345,11 @@ impl<'a> Solver<'a> {
                 Refusal::Undetermined { what, sigma, unit }
             }
         };
-        let covariance = covariance::covariance(observations, adjusted, free)
-            .ok_or_else(|| undetermined("the solution", f64::INFINITY, "pixels"))?;
+        let equations = NormalEquations::new(observations, &adjusted.weights, &adjusted.state, free);
+        let errors = Errors::new(observations, adjusted);
+        let unknown = || undetermined("the solution", f64::INFINITY, "pixels");
+        let correlations = errors.correlations(&equations, free).ok_or_else(unknown)?;
+        let covariance = errors.covariance(&equations, free, &correlations).ok_or_else(unknown)?;
         let focal = adjusted.state.lens.focal_px;
         for (column, raw) in free.lens.iter().enumerate() {
             let sigma = covariance[(column, column)].sqrt() / focal.x.min(focal.y);
@@ -334,7 +366,8 @@ impl<'a> Solver<'a> {
         if sigma_px.is_nan() || sigma_px > MOST_PREDICTION_SIGMA * f64::from(size_px[0]) {
             return Err(undetermined("where light lands", sigma_px, "pixels"));
         }
-        Ok((covariance, sigma_px))
+        let skew = skew::skew(observations, adjusted, free, &errors, &correlations);
+        Ok(Judged { covariance, prediction_sigma_px: sigma_px, skew })
     }
 
     fn solution(
@@ -408,6 +441,7 @@ impl<'a> Solver<'a> {
             max_px,
             inliers,
             prediction_sigma_px: 0.0,
+            skew: None,
         }
     }
 }

@@ -4,7 +4,9 @@ use std::fs;
 
 use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use proptest::prelude::*;
-use rcs_calibration::{Coverage, Distortion, DistortionTerms, Estimate, Lens, Parameter, Residual, ScanPose, Solution};
+use rcs_calibration::{
+    Coverage, Distortion, DistortionTerms, Estimate, Lens, Parameter, Residual, ScanPose, Skew, Solution,
+};
 use serde_yaml_ng::Value;
 
 use super::*;
@@ -83,6 +85,7 @@ fn report(points_per_scan: usize, scans: u32) -> (Report, Vec<Sample>) {
         prediction_sigma_px: 0.21,
         max_px,
         inliers,
+        skew: Some(Skew { value_px: -0.31, sigma_px: 0.12 }),
     };
     let reasons = vec![
         "the depth camera's errors (2.1 mm) are shared by neighbours: scan from more places".to_owned(),
@@ -127,6 +130,8 @@ fn programs_read_every_figure() {
     assert_eq!(yaml["coverage"]["scans"].as_u64(), Some(2));
     assert_eq!(yaml["parameters"]["fx"]["value"].as_f64(), Some(1900.0));
     assert_eq!(yaml["parameters"]["k1"]["sigma"].as_f64(), Some(0.0011));
+    assert_eq!(yaml["skew_px"]["value"].as_f64(), Some(-0.31));
+    assert_eq!(yaml["skew_px"]["sigma"].as_f64(), Some(0.12));
     let pose = &yaml["poses"][1];
     let expected = report.solution.poses[1].projector_from_camera.inverse();
     assert_eq!(pose["scan"].as_u64(), Some(1));

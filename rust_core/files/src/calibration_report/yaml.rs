@@ -12,6 +12,7 @@
 //! inliers: 198200
 //! coverage: {picture: 0.96, depth_m: [0.62, 1.94], scans: 1}
 //! smooth_depth_error_m: 0.0004
+//! skew_px: {value: 0.04, sigma: 0.05}                   # what K[0][1] would be; not there if the lens was known
 //! size_px: [1280, 800]
 //! parameters:
 //!   fx: {value: 1900.2, sigma: 0.3}
@@ -52,6 +53,9 @@ pub(super) fn yaml(report: &Report) -> String {
     line("inliers", &solution.inliers.to_string());
     line("coverage", &format!("{{picture: {}, depth_m: {}, scans: {scans}}}", figure(*picture), figures(depth_m)));
     line("smooth_depth_error_m", &figure(report.smooth_depth_error_m));
+    if let Some(skew) = solution.skew {
+        line("skew_px", &format!("{{value: {}, sigma: {}}}", figure(skew.value_px), figure(skew.sigma_px)));
+    }
     let [width, height] = solution.lens.size_px;
     line("size_px", &format!("[{width}, {height}]"));
     yaml += if solution.estimates.is_empty() { "parameters: {}\n" } else { "parameters:\n" };

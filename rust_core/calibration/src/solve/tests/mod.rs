@@ -4,6 +4,7 @@ use super::synthetic::{pose, Simulation};
 use super::{solve, DistortionTerms, FocalLengths, Parameter, Refusal, Solution, SolveOptions};
 
 mod accuracy;
+mod keystone;
 mod refusals;
 mod uncertainty;
 
