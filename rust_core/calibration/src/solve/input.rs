@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{Point2, Point3, Vector3};
 
+use super::noise::quantile;
 use super::random::SplitMix64;
 use super::{FocalLengths, Parameter, Refusal, SolveOptions};
 use crate::{Lens, Sample};
@@ -17,6 +18,8 @@ const BESIDE_PX: f64 = 0.5;
 const BESIDE: f64 = 2.0;
 /// The share of samples that may lie farther outside, as gross errors.
 const OUTSIDE: f64 = 0.002;
+/// Points that are farther away, in the middle, are not given in metres: no depth camera sees so far.
+const FARTHEST_M: f64 = 40.0;
 /// Smaller deviations of pixels are not believed.
 const LEAST_SIGMA_PX: f64 = 0.01;
 /// The deviation of a depth about which nothing is known, at one metre: it grows with the square of the distance, as
@@ -69,6 +72,10 @@ impl Observations {
             }
         }
         check_size(samples, size_px)?;
+        let typical_m = quantile(&mut samples.iter().map(|sample| sample.point.z).collect::<Vec<_>>(), 0.5);
+        if typical_m > FARTHEST_M {
+            return Err(Refusal::NotMetres { typical_m });
+        }
         let mut scans: Vec<u32> = samples.iter().map(|sample| sample.scan).collect();
         scans.sort_unstable();
         scans.dedup();

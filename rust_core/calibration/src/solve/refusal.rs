@@ -39,6 +39,12 @@ pub enum Refusal {
         /// One of the pixels.
         example: [f64; 2],
     },
+    /// Distances that no depth camera measures.
+    #[error("the points are {typical_m:.0} m away, in the middle: give coordinates in metres (are they millimetres?)")]
+    NotMetres {
+        /// The median depth.
+        typical_m: f64,
+    },
     /// A given lens belongs to another picture.
     #[error(
         "the given lens is for {}x{} pixels, the projector has {}x{}: calibrate the lens for this size",

@@ -1,6 +1,6 @@
 //! The order of the steps: check, find, adjust, choose the distortion, judge.
 
-use nalgebra::{DMatrix, Point2, Point3};
+use nalgebra::{DMatrix, Point2};
 use rayon::prelude::*;
 
 use super::adjust::{self, Adjusted, Effort};
@@ -145,11 +145,14 @@ impl<'a> Solver<'a> {
 
     /// The share of each scan's points that lie off its largest plane, of those that are used.
     fn relief(&self, is_used: impl Fn(usize) -> bool) -> Vec<f64> {
-        let points = |scan: usize| -> Vec<Point3<f64>> {
-            self.observations.range(scan).filter(|i| is_used(*i)).map(|i| self.observations.all[i].point).collect()
+        let seed = self.options.seed;
+        let relief = |scan: usize| {
+            let used = self.observations.range(scan).filter(|i| is_used(*i)).map(|i| &self.observations.all[i]);
+            let (points, pixels): (Vec<_>, Vec<_>) = used.map(|used| (used.point, used.pixel)).unzip();
+            let of_points = spread::off_plane(&points, seed);
+            spread::pieces_off_plane(&points, &pixels, seed).map_or(of_points, |of_pieces| of_points.min(of_pieces))
         };
-        let scans = 0..self.observations.scans.len();
-        scans.map(|scan| spread::off_plane(&points(scan), self.options.seed)).collect()
+        (0..self.observations.scans.len()).map(relief).collect()
     }
 
     /// Refuses a single flat scan that shall determine the lens. Several planes may.

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
+use super::noise::quantile;
 use super::random::SplitMix64;
 
 /// Points within this share of their depth of a plane belong to it: more than depth cameras err.
@@ -10,6 +11,9 @@ const THICKNESS: f64 = 0.012;
 const OFF_PLANE: f64 = 0.04;
 /// Planes that are tried.
 const PLANES: usize = 200;
+/// Points of a piece of the picture, and the least number of pieces.
+const OF_PIECE: usize = 16;
+const PIECES: usize = 40;
 /// Points that planes are tried on.
 const TRIED: usize = 500;
 
@@ -32,6 +36,34 @@ pub(super) fn off_plane(points: &[Point3<f64>], seed: u64) -> f64 {
         most = most.max(few.iter().filter(|point| is_on(point, &normal, offset)).count());
     }
     1.0 - most as f64 / few.len() as f64
+}
+
+/// The share of points that lie off the plane that most lie on, depths that are wrong by chance left out: of pieces of
+/// the picture, each by the middle one of its points' distances. `None` for too few points.
+pub(super) fn pieces_off_plane(points: &[Point3<f64>], pixels: &[Point2<f64>], seed: u64) -> Option<f64> {
+    if points.len() < PIECES * OF_PIECE {
+        return None;
+    }
+    let sorted_by = |indices: &mut [usize], axis: usize| {
+        indices.sort_unstable_by(|a, b| pixels[*a][axis].total_cmp(&pixels[*b][axis]));
+    };
+    // Strips of columns, and pieces of these, each of as many points.
+    let mut indices: Vec<usize> = (0..points.len()).collect();
+    sorted_by(&mut indices, 0);
+    let pieces = points.len() / OF_PIECE;
+    let strips = (pieces as f64).sqrt() as usize;
+    let mut middles = Vec::with_capacity(pieces);
+    for strip in indices.chunks_mut(points.len().div_ceil(strips)) {
+        sorted_by(strip, 1);
+        for piece in strip.chunks_mut(OF_PIECE) {
+            // The point of the middle depth, moved to the middle of the piece along its own ray.
+            let count = piece.len() as f64;
+            let mean = piece.iter().fold(Vector3::zeros(), |sum, i| sum + points[*i].coords / points[*i].z) / count;
+            let mut depths: Vec<f64> = piece.iter().map(|i| 1.0 / points[*i].z).collect();
+            middles.push(Point3::from(mean / quantile(&mut depths, 0.5)));
+        }
+    }
+    Some(off_plane(&middles, seed))
 }
 
 /// Whether a scene with this share of points off its largest plane is flat.
