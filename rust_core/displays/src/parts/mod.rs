@@ -2,7 +2,9 @@
 
 pub(crate) mod bounds;
 pub(crate) mod cloud;
+pub(crate) mod compressed_image;
 pub(crate) mod covariance;
+pub(crate) mod encoding;
 pub(crate) mod gathering;
 pub(crate) mod history;
 pub(crate) mod pose_symbol;

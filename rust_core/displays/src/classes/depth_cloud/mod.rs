@@ -4,8 +4,6 @@
 //! cloud with the camera's last CameraInfo. The cloud is one like those of PointCloud2: it stands where its frame was
 //! at its stamp.
 
-mod compressed;
-mod encoding;
 mod pairs;
 mod projection;
 #[cfg(test)]
@@ -24,6 +22,7 @@ use crate::framework::display::{Display, TopicRequest};
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::parts::cloud::{Clouds, Decoded, NonFinite, PlacedCloud};
+use crate::parts::compressed_image::unpack_image;
 use crate::{Level, Status, StatusText, Statuses, World};
 use pairs::{Pairs, COLOR, DEPTH};
 use projection::{Occlusion, Shadows};
@@ -124,10 +123,7 @@ impl DepthCloudDisplay {
         request.as_ref().filter(|request| request.topic == topic && request.kind == message.kind())?;
         let unpacked = match message {
             AnyMessage::Image(image) => return Some(image.clone()),
-            AnyMessage::CompressedImage(packed) if topic.ends_with("/compressedDepth") => {
-                compressed::unpack_depth(packed)
-            }
-            AnyMessage::CompressedImage(packed) => compressed::unpack(packed),
+            AnyMessage::CompressedImage(packed) => unpack_image(topic, packed),
             _ => return None,
         };
         match unpacked {

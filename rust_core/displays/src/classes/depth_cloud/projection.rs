@@ -7,7 +7,7 @@ use rcs_messages::sensor_msgs::{CameraInfo, PointField};
 use rcs_messages::{pooled_bytes, Image, PointCloud2};
 use rcs_transforms::Time;
 
-use super::encoding::Pixel;
+use crate::parts::encoding::Pixel;
 use crate::parts::cloud::one_row;
 
 /// Bytes of a point: x, y, z and the colour.

@@ -21,11 +21,30 @@ const MAX_RVL_PX: usize = 1 << 25;
 /// Bytes before the data of `compressedDepth`: a number of the format, and the two parameters.
 const HEADER_LEN: usize = 12;
 
+/// Unpacks an image of either transport: `compressedDepth` by the end of its topic or by its format, else `compressed`.
+///
+/// # Errors
+/// The reason, in one line that does not name the topic.
+///
+/// ```
+/// use rcs_messages::sensor_msgs::CompressedImage;
+///
+/// let broken = CompressedImage { format: "jpeg".to_owned(), data: vec![1, 2, 3], ..CompressedImage::default() };
+/// assert_eq!(rcs_displays::unpack_image("/camera/image/compressed", &broken), Err("neither JPEG nor PNG".to_owned()));
+/// ```
+pub fn unpack_image(topic: &str, message: &CompressedImage) -> Result<Image, String> {
+    if topic.ends_with("/compressedDepth") || message.format.contains("compressedDepth") {
+        unpack_depth(message)
+    } else {
+        unpack(message)
+    }
+}
+
 /// Unpacks an image of the transport `compressed`.
 ///
 /// # Errors
 /// The reason, as a status reports it.
-pub(super) fn unpack(message: &CompressedImage) -> Result<Image, String> {
+fn unpack(message: &CompressedImage) -> Result<Image, String> {
     let (encoding, rest) = message.format.split_once(';').unwrap_or(("", ""));
     let is_color = encoding.starts_with("rgb") || encoding.starts_with("bgr");
     // Old publishers pass images of other orders than BGR to an encoder that takes them for BGR.
@@ -52,7 +71,7 @@ pub(super) fn unpack(message: &CompressedImage) -> Result<Image, String> {
 ///
 /// # Errors
 /// The reason, as a status reports it.
-pub(super) fn unpack_depth(message: &CompressedImage) -> Result<Image, String> {
+fn unpack_depth(message: &CompressedImage) -> Result<Image, String> {
     let (encoding, rest) = message.format.split_once(';').unwrap_or((&message.format, ""));
     let too_short = || format!("{} bytes are too few for a depth image", message.data.len());
     let (header, data) = message.data.split_at_checked(HEADER_LEN).ok_or_else(too_short)?;
@@ -198,6 +217,21 @@ mod tests {
         data.extend(depth_png());
         let image = unpack_depth(&message("16UC1; compressedDepth png", data)).unwrap();
         assert_eq!((image.encoding.as_str(), image.data()), ("16UC1", [0, 0, 0xe8, 3, 255, 255].as_slice()));
+    }
+
+    #[test]
+    fn the_transport_is_told_by_topic_or_format() {
+        let mut data = vec![0; HEADER_LEN];
+        data.extend(depth_png());
+        for (topic, format, data, is_image) in [
+            ("/depth/compressedDepth", "16UC1; compressedDepth", &data, true),
+            ("/depth/compressedDepth", "16UC1", &data, true),
+            ("/depth_small", "16UC1; compressedDepth png", &data, true),
+            ("/depth/compressed", "16UC1; png compressed ", &depth_png(), true),
+            ("/depth/compressed", "16UC1; png compressed ", &data, false),
+        ] {
+            assert_eq!(unpack_image(topic, &message(format, data.clone())).is_ok(), is_image, "{topic} {format}");
+        }
     }
 
     #[test]

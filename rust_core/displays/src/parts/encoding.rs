@@ -2,16 +2,16 @@
 
 /// A pixel's channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Pixel {
+pub(crate) struct Pixel {
     /// Bits of a channel.
-    pub(super) bits: u32,
+    pub(crate) bits: u32,
     /// How many channels.
-    pub(super) channels: u32,
+    pub(crate) channels: u32,
 }
 
 impl Pixel {
     /// The pixel of an encoding; `None` for one that does not exist.
-    pub(super) fn of(encoding: &str) -> Option<Self> {
+    pub(crate) fn of(encoding: &str) -> Option<Self> {
         let pixel = |bits, channels| Some(Self { bits, channels });
         match encoding {
             "mono8" => pixel(8, 1),
@@ -45,7 +45,7 @@ impl Pixel {
     }
 
     /// Bytes of a pixel.
-    pub(super) fn bytes(self) -> usize {
+    pub(crate) fn bytes(self) -> usize {
         (self.bits / 8 * self.channels) as usize
     }
 }
