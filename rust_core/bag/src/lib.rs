@@ -71,6 +71,15 @@ pub struct Connection {
     pub latching: bool,
 }
 
+/// A topic's whole name in a bag, without remapping: names without a slash are below the root.
+///
+/// ```
+/// assert_eq!([rcs_bag::full_name("tf"), rcs_bag::full_name("/tf")], ["/tf", "/tf"]);
+/// ```
+pub fn full_name(topic: &str) -> String {
+    format!("/{}", topic.trim_start_matches('/'))
+}
+
 /// A message of a bag.
 #[derive(Clone, Debug)]
 pub struct BagMessage {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use rcs_bag::{Bag, BagMessage, Connection};
+use rcs_bag::{full_name, Bag, BagMessage, Connection};
 use rcs_displays::{time_from_stamp, CameraView};
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, MessageKind};
@@ -27,11 +27,6 @@ pub(super) struct Player {
 
 /// The displays are updated with the transforms of so much time at once, as rviz is once a picture.
 const UPDATE_PERIOD: Duration = Duration::from_millis(33);
-
-/// A topic's full name in a bag or a config, without remapping: names without a slash are below the root.
-fn full_name(topic: &str) -> String {
-    format!("/{}", topic.trim_start_matches('/'))
-}
 
 fn is_transforms(connection: &Connection) -> bool {
     matches!(&*full_name(&connection.topic), "/tf" | "/tf_static")
