@@ -1,7 +1,7 @@
 //! `projector_calibrate show`: patterns and test pictures full screen on the projector, pixel for pixel.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -35,7 +35,8 @@ Keys: space, enter, right, down, page down: next; backspace, left, up, page up: 
 Exit codes: 0 ended by a key, Ctrl-C or after the last picture; 1 the window failed; 2 invalid arguments or an
 unreadable file
 
-Example: projector_calibrate show --test grid --monitor HDMI-1")]
+Examples: projector_calibrate show --test grid --monitor HDMI-1
+          projector_calibrate show --patterns patterns --seconds 1 --pause 0.5 --monitor HDMI-1")]
 pub(super) struct ShowArguments {
     /// The folder of patterns, or its patterns.yaml
     #[arg(long, value_name = "DIR|FILE", conflicts_with = "test")]
@@ -46,6 +47,10 @@ pub(super) struct ShowArguments {
     /// Show each picture so long and end after the last [default: until a key is pressed]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     seconds: Option<Duration>,
+    /// Show a checkerboard for so long before each pattern and after the last: a camera that is recorded meanwhile sees
+    /// where each begins, and `projector_calibrate scan --bag` finds them
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires_all = ["patterns", "seconds"])]
+    pause: Option<Duration>,
     /// Write the test pictures to this folder instead, as NAME.png; it must exist. Needs --size
     #[arg(short, long, value_name = "DIR", requires = "size", conflicts_with_all = ["patterns", "seconds"])]
     output: Option<PathBuf>,
@@ -82,15 +87,21 @@ impl ShowArguments {
         let Some(path) = &self.patterns else {
             return Ok(Slides::Tests(self.test_pictures()));
         };
-        let file = if path.is_dir() { path.join(PATTERNS_FILE) } else { path.clone() };
-        let PatternList { projector_size_px, patterns, warnings } =
-            read_patterns(&file).map_err(Failure::unreadable)?;
-        for warning in warnings {
-            log::warn!("{warning}");
-        }
+        let PatternList { projector_size_px, patterns, .. } = read_list(path)?;
         let patterns = patterns.into_iter().map(|(_, pattern)| pattern).collect();
-        Ok(Slides::Patterns { size_px: projector_size_px, patterns })
+        Ok(Slides::Patterns { size_px: projector_size_px, patterns, has_marks: self.pause.is_some() })
     }
+}
+
+/// Reads a list of patterns, by its folder or its file. What it warns of is logged.
+///
+/// # Errors
+/// [`Failure::Unreadable`] with the file.
+pub(super) fn read_list(path: &Path) -> Result<PatternList, Failure> {
+    let file = if path.is_dir() { path.join(PATTERNS_FILE) } else { path.to_owned() };
+    let list = read_patterns(&file).map_err(Failure::unreadable)?;
+    list.warnings.iter().for_each(|warning| log::warn!("{warning}"));
+    Ok(list)
 }
 
 /// Runs the command.
@@ -108,7 +119,8 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<(), Failure> {
     let slides = arguments.slides()?;
     let source = if arguments.patterns.is_some() { "patterns" } else { "test pictures" };
     let signals = Signals::new([SIGINT, SIGTERM]).context("cannot handle signals").map_err(Failure::Refused)?;
-    let mut start = Some((signals, arguments.seconds));
+    let times = arguments.seconds.map(|seconds| Times { seconds, pause: arguments.pause.unwrap_or_default() });
+    let mut start = Some((signals, times));
     let show = Arc::new(Mutex::new(Show { slides, current: 0, monitor: None }));
     let mut failure = None;
     let shown = window::run_interactive(arguments.monitor.window_options(source), |event, sink| {
@@ -120,9 +132,9 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<(), Failure> {
             UserEvent::Key(_) => return,
         }
         lock(&show).present(sink);
-        let started = start.take().map_or(Ok(()), |(signals, seconds)| {
+        let started = start.take().map_or(Ok(()), |(signals, times)| {
             close_on_signal(signals, sink.clone())?;
-            seconds.map_or(Ok(()), |seconds| step_by_itself(Arc::clone(&show), seconds, sink.clone()))
+            times.map_or(Ok(()), |times| step_by_itself(Arc::clone(&show), times, sink.clone()))
         });
         if let Err(error) = started {
             failure = Some(error);
@@ -147,11 +159,23 @@ pub(super) fn close_on_signal(mut signals: Signals, sink: PictureSink) -> io::Re
     thread::Builder::new().name("signals".to_owned()).spawn(waiting).map(drop)
 }
 
-/// Shows the next picture every so often, and closes the window after the last.
-fn step_by_itself(show: Arc<Mutex<Show>>, period: Duration, sink: PictureSink) -> io::Result<()> {
+/// For how long pictures are shown.
+#[derive(Debug, Clone, Copy)]
+struct Times {
+    seconds: Duration,
+    /// For how long marks are.
+    pause: Duration,
+}
+
+/// Shows the next picture after the time of each, and closes the window after the last.
+fn step_by_itself(show: Arc<Mutex<Show>>, times: Times, sink: PictureSink) -> io::Result<()> {
     let stepping = move || {
         loop {
-            thread::sleep(period);
+            let is_mark = {
+                let show = lock(&show);
+                show.slides.is_mark(show.current)
+            };
+            thread::sleep(if is_mark { times.pause } else { times.seconds });
             let mut show = lock(&show);
             if !show.advance() {
                 break;
@@ -168,16 +192,22 @@ fn step_by_itself(show: Arc<Mutex<Show>>, period: Duration, sink: PictureSink) -
 enum Slides {
     /// Drawn in the monitor's resolution.
     Tests(Vec<TestPicture>),
-    /// In the resolution of their list.
-    Patterns { size_px: [u32; 2], patterns: Vec<Pattern> },
+    /// In the resolution of their list; with marks before, between and after them.
+    Patterns { size_px: [u32; 2], patterns: Vec<Pattern>, has_marks: bool },
 }
 
 impl Slides {
     fn count(&self) -> usize {
         match self {
             Self::Tests(tests) => tests.len(),
+            Self::Patterns { patterns, has_marks: true, .. } => 2 * patterns.len() + 1,
             Self::Patterns { patterns, .. } => patterns.len(),
         }
+    }
+
+    /// Whether a picture is a mark: the first one and every other one after it.
+    fn is_mark(&self, index: usize) -> bool {
+        matches!(self, Self::Patterns { has_marks: true, .. }) && index.is_multiple_of(2)
     }
 
     /// A picture; none for a monitor without pixels.
@@ -187,8 +217,11 @@ impl Slides {
                 let (width, height) = monitor.size_px;
                 ScreenPicture::from_picture(&tests.get(index)?.draw([width, height], &monitor.name)).ok()
             }
-            Self::Patterns { size_px: [width, height], patterns } => {
-                let pattern = patterns.get(index)?;
+            Self::Patterns { size_px, .. } if self.is_mark(index) => {
+                ScreenPicture::from_picture(&TestPicture::Checkerboard.draw(*size_px, &monitor.name)).ok()
+            }
+            Self::Patterns { size_px: [width, height], patterns, has_marks } => {
+                let pattern = patterns.get(if *has_marks { index / 2 } else { index })?;
                 let level = |is_lit| if is_lit { u8::MAX } else { 0 };
                 Some(ScreenPicture::from_fn(*width, *height, |u, v| [level(pattern.is_lit(u, v)); 3]))
             }
@@ -266,8 +299,14 @@ mod tests {
         let tests = Slides::Tests(vec![TestPicture::Border]);
         assert_eq!(tests.picture(0, &monitor).unwrap().size_px(), (64, 48));
         assert!(tests.picture(1, &monitor).is_none());
-        let patterns = Slides::Patterns { size_px: [8, 6], patterns: vec![Pattern::White] };
-        assert_eq!(patterns.picture(0, &monitor), Some(ScreenPicture::from_fn(8, 6, |_, _| [255; 3])));
+        let patterns = vec![Pattern::White];
+        let slides = Slides::Patterns { size_px: [8, 6], patterns: patterns.clone(), has_marks: false };
+        assert_eq!(slides.picture(0, &monitor), Some(ScreenPicture::from_fn(8, 6, |_, _| [255; 3])));
+        let slides = Slides::Patterns { size_px: [8, 6], patterns, has_marks: true };
+        let pictures = [0, 1, 2].map(|index| slides.picture(index, &monitor).unwrap());
+        assert!(pictures[0] == pictures[2] && pictures[0].size_px() == (8, 6));
+        assert_eq!(pictures[1], ScreenPicture::from_fn(8, 6, |_, _| [255; 3]));
+        assert_eq!((slides.count(), [0, 1, 2].map(|index| slides.is_mark(index))), (3, [true, false, true]));
     }
 
     #[test]
