@@ -1,15 +1,26 @@
-//! `projector_calibrate scan` on topics: a Python node is a projector that lights a wall, and the camera that sees it.
+//! `projector_calibrate scan` on topics and of bags: a Python node is a projector that lights a wall, and the camera
+//! that sees it.
 
+use rcs_calibration::patterns::gray_code;
+use rcs_calibration::Lens;
 use rcs_files::capture::Capture;
+use rcs_files::projector::ProjectorFile;
+use rcs_messages::std_msgs::Header;
+use rcs_messages::{Image, Time};
+use rcs_test_support::BagWriter;
 use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{RosMaster, Running, PATIENCE};
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
+use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::sync::Arc;
 
 /// Shows `/projector/patterns` on a wall and sees it with a camera of 160×120 pixels. Camera pixel (x, y) is lit by
-/// projector pixel (0.7 x + 4, 0.6 y + 2); `mirrored` shows the picture mirrored.
+/// projector pixel (0.7 x + 4, 0.6 y + 2); `mirrored` shows the picture mirrored. `packed` publishes compressed images.
 const ROBOT: &str = "
+from sensor_msgs.msg import CompressedImage
+packed = False
 SIZE, CAMERA = (128, 80), (160, 120)
 mirrored, picture = False, bytes(CAMERA[0] * CAMERA[1])
 def lit_by(x, y):
@@ -24,8 +35,23 @@ def image(encoding, step, data):
     message = Image(width=CAMERA[0], height=CAMERA[1], encoding=encoding, step=step, data=data)
     message.header.frame_id, message.header.stamp = 'head_camera_optical', rospy.Time.now()
     return message
+def png(bits, data):
+    chunk = lambda name, body: struct.pack('>I', len(body)) + name + body + struct.pack('>I', zlib.crc32(name + body))
+    row = len(data) // CAMERA[1]
+    rows = b''.join(b'\\0' + data[i * row:(i + 1) * row] for i in range(CAMERA[1]))
+    head = struct.pack('>IIBBBBB', *CAMERA, bits, 0, 0, 0, 0)
+    body = chunk(b'IHDR', head) + chunk(b'IDAT', zlib.compress(rows, 1)) + chunk(b'IEND', b'')
+    return b'\\x89PNG\\r\\n\\x1a\\n' + body
+def publish_packed():
+    message = CompressedImage(format='mono8; png compressed ', data=png(8, picture))
+    publisher('/head_camera/rgb/image_raw/compressed', CompressedImage, False).publish(message)
+    depth = bytes(12) + png(16, struct.pack('>H', 1200) * len(picture))
+    message = CompressedImage(format='16UC1; compressedDepth png', data=depth)
+    publisher('/head_camera/depth_registered/image_raw/compressedDepth', CompressedImage, False).publish(message)
 def see():
     while not rospy.is_shutdown():
+        if packed:
+            publish_packed()
         rgb = bytes(level for level in picture for _ in range(3))
         publisher('/head_camera/rgb/image_raw', Image, False).publish(image('rgb8', 3 * CAMERA[0], rgb))
         depth = struct.pack('<H', 1200) * len(picture)
@@ -39,7 +65,7 @@ threading.Thread(target=see, daemon=True).start()
 /// The scan with more arguments.
 fn scan(master: &RosMaster, folder: &Path, arguments: &[&str]) -> Running {
     let mut command = master.environment(Command::new(program("projector_calibrate")));
-    command.args(["scan", "--size", "128x80", "--show-on", "/projector/patterns", "--frames", "2", "-o"]);
+    command.args(["scan", "--size", "128x80", "--show-on", "/projector/patterns", "-o"]);
     Running::start(command.arg(folder).args(arguments)).unwrap()
 }
 
@@ -50,7 +76,9 @@ fn a_scan_on_topics_is_written_and_can_be_decoded() {
     python.run(ROBOT).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let preview = folder.path().join("preview.png");
-    let mut scan = scan(&master, &folder.path().join("scan"), &["--preview", preview.to_str().unwrap()]);
+    python.run(WATCH_PREVIEW).unwrap();
+    let mut scan =
+        scan(&master, &folder.path().join("scan"), &["--frames", "2", "--preview", preview.to_str().unwrap()]);
     let status = scan.wait(3 * PATIENCE).unwrap();
     assert_eq!(status.code(), Some(0), "{:?}", scan.errors());
     let capture = Capture::read(&folder.path().join("scan")).unwrap();
@@ -59,6 +87,139 @@ fn a_scan_on_topics_is_written_and_can_be_decoded() {
     assert!(capture.depth_m.unwrap().iter().all(|depth| (depth - 1.2).abs() < 1e-4));
     assert_eq!(image::image_dimensions(&preview).unwrap(), (160, 120));
     assert!(scan.errors().iter().any(|line| line.contains("light is seen after")), "{:?}", scan.errors());
+    // Nothing is decoded before both axes had stripes; in the end, the colours are those of the file.
+    assert_eq!(python.run("first[0]").unwrap(), "0");
+    assert!(python.wait_for(PATIENCE, "shares and shares[-1] > 0.8 and max(shares[:-1]) > 0.8"));
+}
+
+/// Keeps the share of coloured pixels of each preview, and what the first one says.
+const WATCH_PREVIEW: &str = "
+shares, first = [], []
+def watch(message):
+    assert (message.width, message.height, message.encoding, message.step) == (160, 120, 'rgb8', 480)
+    assert message.header.frame_id == 'head_camera_optical'
+    colours = bytes(message.data)
+    first.append(max(colours)) if not first else None
+    shares.append(sum(1 for i in range(2, len(colours), 3) if colours[i]) / (160 * 120))
+preview = rospy.Subscriber('/projector_calibrate/preview', Image, watch)
+";
+
+#[test]
+fn compressed_topics_are_scanned() {
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run(format!("{ROBOT}\npacked = True")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let image = ["--image", "/head_camera/rgb/image_raw/compressed"];
+    let depth = ["--depth", "/head_camera/depth_registered/image_raw/compressedDepth"];
+    let mut scan = scan(&master, &folder.path().join("scan"), &[image, depth, ["--frames", "2"]].concat());
+    assert_eq!(scan.wait(3 * PATIENCE).unwrap().code(), Some(0), "{:?}", scan.errors());
+    let capture = Capture::read(&folder.path().join("scan")).unwrap();
+    assert_eq!((capture.pictures.len(), capture.image_size_px()), (2 + 2 * 14, [160, 120]));
+    assert!(capture.depth_m.unwrap().iter().all(|depth| (depth - 1.2).abs() < 1e-4));
+}
+
+/// The scan of a bag, without a master.
+fn scan_bag(folder: &Path, bag: &str, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = Command::new(program("projector_calibrate"));
+    command.current_dir(folder).env("ROS_MASTER_URI", "http://localhost:1");
+    command.args(["scan", "--bag", bag, "--size", "128x80", "-o", "scan"]).args(arguments);
+    let output = command.output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn a_scan_that_rosbag_recorded_is_scanned_again() {
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run(ROBOT).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut record = master.command("rosbag");
+    record.current_dir(&folder).args(["record", "--bz2", "-O", "recorded.bag", "/projector/patterns"]);
+    record.args(["/head_camera/rgb/image_raw", "/head_camera/rgb/camera_info"]);
+    let record = Running::start(record.arg("/head_camera/depth_registered/image_raw")).unwrap();
+    assert!(
+        python.wait_for(PATIENCE, "publisher('/head_camera/rgb/image_raw', Image, False).get_num_connections() > 0")
+    );
+    // More pictures than are needed: a busy machine records some of them late.
+    let mut live = scan(&master, &folder.path().join("live"), &["--frames", "6"]);
+    assert_eq!(live.wait(3 * PATIENCE).unwrap().code(), Some(0), "{:?}", live.errors());
+    record.signal("INT");
+    // The recorder, a process of its own, gives the file its name when it is whole.
+    assert!(wait_until(PATIENCE, || folder.path().join("recorded.bag").exists()), "{:?}", record.errors());
+
+    let shown = ["--show-on", "/projector/patterns", "--frames", "2"];
+    let (code, errors) = scan_bag(folder.path(), "recorded.bag", &shown);
+    assert_eq!(code, Some(0), "{errors}");
+    let [live, again] = ["live", "scan"].map(|name| Capture::read(&folder.path().join(name)).unwrap());
+    assert_eq!((again.camera, again.depth_m), (live.camera, live.depth_m));
+    for picture in &live.pictures {
+        assert!(again.pictures.contains(picture), "{:?}", picture.pattern);
+    }
+}
+
+/// Writes a bag in which `projector_calibrate show --seconds 1 --pause 0.5` lights the wall of [`ROBOT`], at 10 Hz.
+fn write_show(path: &Path) {
+    let (projector, [width, height]) = ([128, 80], [160_u32, 120]);
+    let mut writer = BagWriter::create(path).unwrap();
+    let info =
+        ProjectorFile::from_lens(&Lens::pinhole([width, height], [130.0; 2], [79.5, 59.5]), "camera").camera_info;
+    writer.write("/camera/camera_info", true, Time { sec: 100, nsec: 0 }, &info).unwrap();
+    let field = |pixel: u32| if (pixel % 128 / 8 + pixel / 128 / 8).is_multiple_of(2) { 255 } else { 0 };
+    let checkerboard: Vec<u8> = (0..128 * 80).map(field).collect();
+    let dark = vec![0; 128 * 80];
+    let mut slides: Vec<(Vec<u8>, u32)> = vec![(dark.clone(), 20)];
+    for pattern in gray_code(projector) {
+        slides.extend([(checkerboard.clone(), 5), (pattern.picture(projector), 10)]);
+    }
+    slides.extend([(checkerboard, 5), (dark, 20)]);
+    let mut frame = 0_u32;
+    for (shown, frames) in slides {
+        let lit_by = |x: u32, y: u32| {
+            (0.6 * f64::from(y) + 2.0).round() as u32 * 128 + (0.7 * f64::from(x) + 4.0).round() as u32
+        };
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let grey: Vec<u8> = pixels.map(|(x, y)| 30 + (u32::from(shown[lit_by(x, y) as usize]) * 3 / 5) as u8).collect();
+        let grey = Arc::new(grey);
+        for _ in 0..frames {
+            let time = Time::from_nanos(100_000_000_000 + i64::from(frame) * 100_000_000);
+            let header = Header { stamp: time, frame_id: "camera".to_owned(), ..Header::default() };
+            let image = Image::new(header.clone(), [width, height], "mono8", width, Arc::clone(&grey));
+            writer.write("/camera/image", false, time, &image).unwrap();
+            let depth = Arc::new(1200_u16.to_le_bytes().repeat((width * height) as usize));
+            let depth = Image::new(header, [width, height], "16UC1", 2 * width, depth);
+            if frame.is_multiple_of(5) {
+                writer.write("/camera/depth", false, time, &depth).unwrap();
+            }
+            frame += 1;
+        }
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn a_show_that_was_recorded_is_scanned_without_a_master() {
+    let folder = tempfile::tempdir().unwrap();
+    write_show(&folder.path().join("show.bag"));
+    let topics = ["--image", "/camera/image", "--camera-info", "/camera/camera_info", "--depth", "camera/depth"];
+    let (code, errors) = scan_bag(folder.path(), "show.bag", &topics);
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(errors.contains("30 patterns are seen from 2."), "{errors}");
+    let capture = Capture::read(&folder.path().join("scan")).unwrap();
+    assert_eq!((capture.pictures.len(), capture.camera_frame_id.as_str()), (30, "camera"));
+    assert!(capture.depth_m.unwrap().iter().all(|depth| (depth - 1.2).abs() < 1e-4));
+
+    let refused = |arguments: &[&str], expected: i32, words: &[&str]| {
+        let (code, errors) = scan_bag(folder.path(), "show.bag", &[&topics, arguments].concat());
+        assert_eq!((code, errors.lines().count()), (Some(expected), 1), "{errors}");
+        assert!(words.iter().all(|word| errors.contains(word)), "{errors}");
+    };
+    refused(&["--step", "2"], 1, &["30 pictures are seen between the checkerboards", "there are"]);
+    refused(&["--start", "20"], 1, &["between the checkerboards"]);
+    refused(&["--show-on", "/projector/patterns"], 2, &["/projector/patterns", "/camera/image"]);
+    fs::write(folder.path().join("broken.bag"), "#ROSBAG V2.0\n").unwrap();
+    let (code, errors) = scan_bag(folder.path(), "broken.bag", &topics);
+    assert_eq!((code, errors.lines().count()), (Some(2), 1), "{errors}");
 }
 
 #[test]

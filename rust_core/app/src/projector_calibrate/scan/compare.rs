@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use super::failure::ScanFailure;
+
 /// Pixels that are compared, at most.
 const MOST_PIXELS: usize = 20_000;
 /// So many differences between frames in a row must be alike for the picture to be at rest,
@@ -15,6 +17,10 @@ const NOISE_LEVELS: f64 = 0.5;
 /// A pixel has changed if it differs by so many levels, and by so many times the noise.
 const CHANGED_LEVELS: f64 = 8.0;
 const CHANGED_NOISE: f64 = 4.0;
+/// Brightness may change by this share during a scan.
+const MOST_BRIGHTNESS: f64 = 0.05;
+/// The share of lit pixels that may differ between two pictures of the same.
+pub(super) const MOST_MOVED: f64 = 0.02;
 /// The level of clipped pixels.
 pub(super) const CLIPPED: u8 = 255;
 
@@ -65,6 +71,20 @@ impl Change {
             |pixel: &&usize| (f64::from(after[**pixel]) - gain * f64::from(before[**pixel])).abs() > limit;
         let moved = at.iter().filter(has_changed).count() as f64 / at.len().max(1) as f64;
         Self { brightness: gain - 1.0, moved }
+    }
+
+    /// Whether both may belong to a scan.
+    ///
+    /// # Errors
+    /// [`ScanFailure::Unsteady`] and [`ScanFailure::Moved`].
+    pub(super) fn check(&self) -> Result<(), ScanFailure> {
+        if self.brightness.abs() > MOST_BRIGHTNESS {
+            return Err(ScanFailure::Unsteady { change: self.brightness.abs() });
+        }
+        if self.moved > MOST_MOVED {
+            return Err(ScanFailure::Moved { share: self.moved });
+        }
+        Ok(())
     }
 }
 

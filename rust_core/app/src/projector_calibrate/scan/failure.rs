@@ -1,8 +1,10 @@
 //! Why a scan yields no capture. Each is one line that says what to do.
 
+use rcs_bag::BagError;
 use rcs_calibration::{DecodeError, ScanProblem, VerificationProblem};
 
 use super::devices::CameraError;
+use super::recorded::SequenceError;
 use crate::projector_calibrate::Failure;
 
 /// Why a scan was given up.
@@ -116,6 +118,29 @@ pub(super) enum ScanFailure {
     /// The patterns cannot be decoded.
     #[error(transparent)]
     Decode(#[from] DecodeError),
+    /// It is not known which pictures of a recording show which pattern.
+    #[error(transparent)]
+    Sequence(#[from] SequenceError),
+    /// A bag cannot be read.
+    #[error(transparent)]
+    Bag(#[from] BagError),
+}
+
+/// Whether a picture or depth image of so many pixels has the size of the camera info.
+///
+/// # Errors
+/// [`ScanFailure::Size`].
+pub(super) fn check_size(
+    what: &'static str,
+    size_px: [u32; 2],
+    count: usize,
+    camera_px: [u32; 2],
+) -> Result<(), ScanFailure> {
+    if size_px == camera_px && count == camera_px[0] as usize * camera_px[1] as usize {
+        Ok(())
+    } else {
+        Err(ScanFailure::Size { what, size_px, camera_px })
+    }
 }
 
 impl From<CameraError> for ScanFailure {
@@ -134,6 +159,7 @@ impl From<ScanFailure> for Failure {
             | ScanFailure::Size { .. }
             | ScanFailure::Screen { .. }
             | ScanFailure::Decode(_)
+            | ScanFailure::Bag(_)
             | ScanFailure::NoDepth => Self::unreadable(failure),
             _ => Self::refused(failure),
         }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use rcs_calibration::patterns::Pattern;
 
-use super::compare::{is_same, mean, sample, Change, Rest, CLIPPED};
+use super::compare::{is_same, mean, sample, Change, Rest, CLIPPED, MOST_MOVED};
 use super::failure::ScanFailure;
 use super::session::Session;
 
@@ -31,14 +31,12 @@ const LEAST_LIT: f64 = 0.005;
 /// A level has settled when it is this close to the last one, as a share of the projector's light.
 const SETTLED: f64 = 0.04;
 /// Brightness that changes by more than this share of the projector's light is not steady.
-const MOST_CHANGE: f64 = 0.06;
+pub(super) const MOST_CHANGE: f64 = 0.06;
 /// Above the first share of clipped lit pixels there is a warning, above the other the scan is refused.
 const MUCH_CLIPPED: f64 = 0.02;
 const MOST_CLIPPED: f64 = 0.25;
 /// Below this contrast of white and black, levels, there is a warning.
 const LITTLE_LIGHT: f64 = 20.0;
-/// The share of lit pixels that may differ between two white pictures.
-pub(super) const MOST_MOVED: f64 = 0.02;
 
 /// How long it takes from showing a picture to seeing it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -76,6 +74,28 @@ struct Watched {
 }
 
 impl Light {
+    /// What pictures of white and black tell that were not watched live: the delay is none. `noise` is the difference
+    /// of two frames at rest, `screen` what a message calls where they were shown.
+    ///
+    /// # Errors
+    /// [`ScanFailure::NoLight`] and [`ScanFailure::Overexposed`].
+    pub(super) fn of_pictures(
+        dark: &[u8],
+        white: &[u8],
+        camera_px: [u32; 2],
+        noise: f64,
+        screen: &str,
+    ) -> Result<Self, ScanFailure> {
+        let all = sample(camera_px);
+        let lit = lit_pixels(dark, white, &all, noise);
+        if (lit.len() as f64) < LEAST_LIT * all.len() as f64 {
+            return Err(ScanFailure::NoLight { screen: screen.to_owned() });
+        }
+        let clipped = clipped_share(white, &lit)?;
+        let contrast = mean(white, &lit) - mean(dark, &lit);
+        Ok(Self { delay: Delay::default(), lit, noise, clipped, contrast })
+    }
+
     /// What is not as it should be and no reason to give up.
     pub(super) fn warnings(&self) -> Vec<String> {
         let much = self
@@ -106,9 +126,7 @@ impl Session<'_> {
         let all = sample(self.camera_px());
         let (dark, dark_noise) = self.first_black(&all)?;
         let (white, noise) = self.first_white(&all, &dark, dark_noise)?;
-        let is_lit =
-            |pixel: &usize| f64::from(white[*pixel]) - f64::from(dark[*pixel]) > LIT_LEVELS.max(LIT_NOISE * noise);
-        let lit: Vec<usize> = all.into_iter().filter(is_lit).collect();
+        let lit = lit_pixels(&dark, &white, &all, noise);
         let (low, high) = (mean(&dark, &lit), mean(&white, &lit));
         let mut watched = Vec::new();
         for pattern in [Pattern::Black, Pattern::White, Pattern::Black, Pattern::White] {
@@ -127,10 +145,7 @@ impl Session<'_> {
         if between.moved > MOST_MOVED {
             return Err(ScanFailure::Moved { share: between.moved });
         }
-        let clipped = lit.iter().filter(|pixel| whites[1][**pixel] == CLIPPED).count() as f64 / lit.len().max(1) as f64;
-        if clipped > MOST_CLIPPED {
-            return Err(ScanFailure::Overexposed { clipped });
-        }
+        let clipped = clipped_share(whites[1], &lit)?;
         Ok(Light { delay, lit, noise, clipped, contrast: high - low })
     }
 
@@ -159,9 +174,7 @@ impl Session<'_> {
         loop {
             let frame = self.frame(after)?;
             after = frame.received;
-            let limit = LIT_LEVELS.max(LIT_NOISE * noise);
-            let is_lit = |pixel: &&usize| f64::from(frame.grey[**pixel]) - f64::from(dark[**pixel]) > limit;
-            let share = at.iter().filter(is_lit).count() as f64 / at.len().max(1) as f64;
+            let share = lit_pixels(dark, &frame.grey, at, noise).len() as f64 / at.len().max(1) as f64;
             if share >= LEAST_LIT {
                 rest.push(&frame.grey, at);
                 if rest.is_reached() {
@@ -220,7 +233,12 @@ impl Session<'_> {
         let beyond = held.iter().map(|(_, level)| if is_white { level - end } else { end - level });
         let jump = tail.iter().map(|(_, level)| (level - end).abs());
         let change = beyond.chain(jump).fold(0.0, f64::max);
-        Ok(Watched { delay: Delay { seen: held[0].0, settled }, change, noise: rest.noise(), picture: average(&last) })
+        Ok(Watched {
+            delay: Delay { seen: held[0].0, settled },
+            change,
+            noise: rest.noise(),
+            picture: average(last.iter()),
+        })
     }
 
     fn no_light(&self) -> ScanFailure {
@@ -271,16 +289,34 @@ impl Session<'_> {
             if alike.len() >= wanted.max(2) {
                 let needless = alike.len() - wanted;
                 alike.drain(..needless);
-                return Ok(average(&alike));
+                return Ok(average(alike.iter()));
             }
         }
     }
 }
 
-/// The mean of frames, rounded.
-fn average(frames: &VecDeque<Vec<u8>>) -> Vec<u8> {
+/// Those of some pixels that are brighter in white than in black.
+fn lit_pixels(dark: &[u8], white: &[u8], at: &[usize], noise: f64) -> Vec<usize> {
+    let limit = LIT_LEVELS.max(LIT_NOISE * noise);
+    at.iter().copied().filter(|pixel| f64::from(white[*pixel]) - f64::from(dark[*pixel]) > limit).collect()
+}
+
+/// The share of clipped pixels among the lit ones.
+///
+/// # Errors
+/// [`ScanFailure::Overexposed`].
+fn clipped_share(white: &[u8], lit: &[usize]) -> Result<f64, ScanFailure> {
+    let clipped = lit.iter().filter(|pixel| white[**pixel] == CLIPPED).count() as f64 / lit.len().max(1) as f64;
+    if clipped > MOST_CLIPPED {
+        return Err(ScanFailure::Overexposed { clipped });
+    }
+    Ok(clipped)
+}
+
+/// The mean of frames of one size, rounded.
+pub(super) fn average<'a>(frames: impl ExactSizeIterator<Item = &'a Vec<u8>> + Clone) -> Vec<u8> {
     let count = frames.len().max(1) as u32;
-    let mut sums = vec![0_u32; frames.front().map_or(0, Vec::len)];
+    let mut sums = vec![0_u32; frames.clone().next().map_or(0, Vec::len)];
     for frame in frames {
         sums.iter_mut().zip(frame).for_each(|(sum, level)| *sum += u32::from(*level));
     }

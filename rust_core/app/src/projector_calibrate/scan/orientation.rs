@@ -7,10 +7,10 @@
 use nalgebra::{Matrix3, Vector3};
 use rcs_calibration::patterns::{Axis, Pattern, Stripes};
 
+use super::coarse_code::CoarseCode;
+
 /// Bits that are read of each axis.
 pub(super) const BITS: u32 = 4;
-/// A bit is clear where lit and dark differ by more than this share of white and black.
-const CLEAR: f64 = 0.3;
 /// Fewer clear pixels tell nothing.
 const LEAST_PIXELS: usize = 100;
 /// The share of variance that the fit must explain for its orientation to count.
@@ -55,36 +55,26 @@ pub(super) fn judge(
     if bits_x.is_empty() || bits_y.is_empty() {
         return Orientation::Right;
     }
+    // The middle of the columns or rows with the pixel's code, and half of their number.
     let place = |bits: &[(Stripes, &[u8], &[u8])], pixel: usize| {
         let contrast = f64::from(white[pixel]) - f64::from(black[pixel]);
-        let mut code = 0_u64;
+        let mut code = CoarseCode::default();
         for (_, stripes, inverse) in bits {
-            let difference = f64::from(stripes[pixel]) - f64::from(inverse[pixel]);
-            if difference.abs() < CLEAR * contrast {
-                return None;
-            }
-            // The Gray code's bit is that of the code before and after, compared.
-            code = 2 * code + ((code & 1) ^ u64::from(difference > 0.0));
+            code.push(CoarseCode::bit(stripes[pixel], inverse[pixel], contrast)?);
         }
-        let (first, _, _) = bits.first()?;
-        let width = f64::from(first.step) * 2.0_f64.powi((first.bits - bits.len() as u32) as i32);
-        Some((code as f64 + 0.5) * width - f64::from(first.offset))
+        bits.first().map(|(first, ..)| code.place_px(first))
     };
     let mut seen = Vec::new();
     let mut outside = 0;
     for pixel in lit {
         let (Some(u), Some(v)) = (place(&bits_x, *pixel), place(&bits_y, *pixel)) else { continue };
-        let far = |at: f64, axis: Axis, bits: &[(Stripes, &[u8], &[u8])]| {
-            let first = &bits[0].0;
-            let half = 0.5 * f64::from(first.step) * 2.0_f64.powi((first.bits - bits.len() as u32) as i32);
-            at - half > f64::from(projector_px[axis.index()])
-        };
-        if far(u, Axis::X, &bits_x) || far(v, Axis::Y, &bits_y) {
+        let is_outside = |(middle, half): (f64, f64), axis: Axis| middle - half > f64::from(projector_px[axis.index()]);
+        if is_outside(u, Axis::X) || is_outside(v, Axis::Y) {
             outside += 1;
             continue;
         }
         let (x, y) = (*pixel as u32 % camera_px[0], *pixel as u32 / camera_px[0]);
-        seen.push(Seen { camera: [f64::from(x), f64::from(y)], projector: [u, v] });
+        seen.push(Seen { camera: [f64::from(x), f64::from(y)], projector: [u.0, v.0] });
     }
     if seen.len() + outside < LEAST_PIXELS {
         return Orientation::Right;

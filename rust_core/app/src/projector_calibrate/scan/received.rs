@@ -1,16 +1,51 @@
-//! What the camera's messages say: grey levels of a picture, depths of a depth image or of an organised cloud.
+//! What the camera's messages say: grey levels of a picture, depths of a depth image or of an organised cloud. Images
+//! may be compressed.
 
+use std::borrow::Cow;
+
+use rcs_displays::unpack_image;
 use rcs_messages::sensor_msgs::PointField;
-use rcs_messages::{Image, PointCloud2};
+use rcs_messages::{AnyMessage, Image, PointCloud2};
+
+use super::devices::DepthFrame;
 
 /// Numbers of the type float32 in a PointField.
 const FLOAT32: u8 = 7;
+
+/// Size in pixels and grey levels of an image, compressed or not.
+///
+/// # Errors
+/// The reason, for a message that names the topic.
+pub(super) fn picture_of(topic: &str, message: &AnyMessage) -> Result<([u32; 2], Vec<u8>), String> {
+    let image = image_of(topic, message)?;
+    Ok(([image.width, image.height], grey_levels(&image)?))
+}
+
+/// A depth image of an image, compressed or not, or of an organised cloud.
+///
+/// # Errors
+/// The reason, for a message that names the topic.
+pub(super) fn depth_of(topic: &str, message: &AnyMessage) -> Result<DepthFrame, String> {
+    if let AnyMessage::PointCloud2(cloud) = message {
+        return Ok(DepthFrame { size_px: [cloud.width, cloud.height], depth_m: cloud_depths_m(cloud)? });
+    }
+    let image = image_of(topic, message)?;
+    Ok(DepthFrame { size_px: [image.width, image.height], depth_m: depths_m(&image)? })
+}
+
+fn image_of<'a>(topic: &str, message: &'a AnyMessage) -> Result<Cow<'a, Image>, String> {
+    match message {
+        AnyMessage::Image(image) => Ok(Cow::Borrowed(image)),
+        AnyMessage::CompressedImage(packed) => unpack_image(topic, packed).map(Cow::Owned),
+        other => Err(format!("{} is no image", other.kind().ros_type())),
+    }
+}
 
 /// Grey levels of an image, row by row. Of colours, the luma of ITU-R BT.601, as cv_bridge has it.
 ///
 /// # Errors
 /// The reason, for a message that names the topic.
-pub(super) fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
+fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
     // Where red, green and blue are in a pixel, and its bytes.
     let (channels, bytes) = match image.encoding.as_str() {
         "mono8" | "8UC1" => ([0, 0, 0], 1),
@@ -37,7 +72,7 @@ fn luma([red, green, blue]: [u8; 3]) -> u8 {
 ///
 /// # Errors
 /// The reason, for a message that names the topic.
-pub(super) fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
+fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
     let is_bigendian = image.is_bigendian != 0;
     let mut depths = Vec::new();
     match image.encoding.as_str() {
@@ -66,7 +101,7 @@ pub(super) fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
 ///
 /// # Errors
 /// The reason, for a message that names the topic.
-pub(super) fn cloud_depths_m(cloud: &PointCloud2) -> Result<Vec<f32>, String> {
+fn cloud_depths_m(cloud: &PointCloud2) -> Result<Vec<f32>, String> {
     if cloud.height < 2 {
         return Err(format!("the cloud is not organised: it has {} row", cloud.height));
     }
@@ -116,7 +151,10 @@ fn rows(image: &Image, bytes_of_pixel: usize) -> Result<impl Iterator<Item = &[u
 mod tests {
     use std::sync::Arc;
 
+    use rcs_files::picture_file;
+    use rcs_messages::sensor_msgs::CompressedImage;
     use rcs_messages::std_msgs::Header;
+    use rcs_scene::{Encoding, Picture};
 
     use super::*;
 
@@ -142,6 +180,33 @@ mod tests {
         let metres = [1.25_f32, f32::NAN].map(f32::to_le_bytes).concat();
         let depths = depths_m(&image("32FC1", [1, 2], 4, &metres)).unwrap();
         assert!(depths[0] == 1.25 && depths[1].is_nan());
+    }
+
+    #[test]
+    fn compressed_images_are_unpacked() {
+        let folder = tempfile::tempdir().unwrap();
+        let png = |encoding, data: &[u8]| {
+            let path = folder.path().join("picture.png");
+            let picture = Picture { width_px: 2, height_px: 1, encoding, data: data.to_vec() };
+            picture_file::write(&path, &picture).unwrap();
+            std::fs::read(path).unwrap()
+        };
+        let packed = |format: &str, data| {
+            AnyMessage::CompressedImage(Arc::new(CompressedImage {
+                format: format.to_owned(),
+                data,
+                ..Default::default()
+            }))
+        };
+        let colours = packed("rgb8; png compressed bgr8", png(Encoding::Rgb8, &[255, 0, 0, 0, 255, 0]));
+        assert_eq!(picture_of("/camera/image/compressed", &colours), Ok(([2, 1], vec![76, 150])));
+        let mut data = vec![0; 12];
+        data.extend(png(Encoding::Mono16, &[1500_u16, 0].map(u16::to_le_bytes).concat()));
+        let depth = depth_of("/depth/compressedDepth", &packed("16UC1; compressedDepth png", data)).unwrap();
+        assert_eq!((depth.size_px, depth.depth_m), ([2, 1], vec![1.5, 0.0]));
+        assert_eq!(picture_of("/c", &packed("rgb8; jpeg", vec![1, 2])), Err("neither JPEG nor PNG".to_owned()));
+        let cloud = AnyMessage::PointCloud2(Arc::default());
+        assert!(picture_of("/c", &cloud).unwrap_err().contains("sensor_msgs/PointCloud2 is no image"));
     }
 
     #[test]

@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rcs_calibration::Lens;
-use rcs_files::projector::ProjectorFile;
-use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_ros::{NodeError, NodeEvent, RosNode, TopicSubscription};
 
+use super::camera_lens::lens_of_topic;
 use super::devices::{Camera, CameraError, DepthFrame, Frame};
-use super::received::{cloud_depths_m, depths_m, grey_levels};
+use super::received::{depth_of, picture_of};
+use super::topics::{CameraTopics, DepthTopic};
 use crate::small_node::EndRequest;
 
 /// How often a wait looks whether the program is to end.
@@ -19,28 +19,6 @@ const POLL_PERIOD: Duration = Duration::from_millis(100);
 const FIRST_MESSAGE: Duration = Duration::from_secs(10);
 /// The newest message counts.
 const QUEUE_SIZE: usize = 1;
-
-/// Where depth comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum DepthTopic {
-    /// A depth image that is registered to the pictures.
-    Image(String),
-    /// An organised cloud with a point for each pixel.
-    Cloud(String),
-    /// Nowhere.
-    None,
-}
-
-/// The topics of a camera.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct CameraTopics {
-    /// Its pictures.
-    pub(super) image: String,
-    /// Its CameraInfo.
-    pub(super) camera_info: String,
-    /// Its depth.
-    pub(super) depth: DepthTopic,
-}
 
 /// A camera on topics of a node.
 pub(super) struct RosCamera<'a> {
@@ -71,9 +49,11 @@ impl<'a> RosCamera<'a> {
     /// # Errors
     /// [`ConnectError`] with the topic.
     pub(super) fn connect(node: &'a RosNode, end: &'a EndRequest, topics: &CameraTopics) -> Result<Self, ConnectError> {
-        let image = node.subscribe(&topics.image, MessageKind::Image, QUEUE_SIZE)?;
+        let started = Instant::now();
+        let kind = |topic: &str| kind_of_images(node, end, topic, started + FIRST_MESSAGE);
+        let image = node.subscribe(&topics.image, kind(&topics.image)?, QUEUE_SIZE)?;
         let depth = match &topics.depth {
-            DepthTopic::Image(topic) => Some(node.subscribe(topic, MessageKind::Image, QUEUE_SIZE)?),
+            DepthTopic::Image(topic) => Some(node.subscribe(topic, kind(topic)?, QUEUE_SIZE)?),
             DepthTopic::Cloud(topic) => Some(node.subscribe(topic, MessageKind::PointCloud2, QUEUE_SIZE)?),
             DepthTopic::None => None,
         };
@@ -84,7 +64,6 @@ impl<'a> RosCamera<'a> {
         let (frame_id, newest_frame, newest_depth) = (String::new(), None, None);
         let mut camera = Self { node, end, image, depth, lens, frame_id, newest_frame, newest_depth };
 
-        let started = Instant::now();
         let mut newest_info = None;
         loop {
             for (topic, message) in camera.receive()? {
@@ -105,7 +84,7 @@ impl<'a> RosCamera<'a> {
         }
         if let Some(info) = newest_info {
             camera.frame_id.clone_from(&info.header.frame_id);
-            camera.lens = lens_of(&info, is_rectified(camera.image.topic()))
+            camera.lens = lens_of_topic(&info, camera.image.topic())
                 .map_err(|reason| CameraError::Unusable { topic: info_topic.to_string(), reason })?;
         }
         Ok(camera)
@@ -147,11 +126,10 @@ impl Camera for RosCamera<'_> {
     fn frame(&mut self, after: Instant, timeout: Duration) -> Result<Frame, CameraError> {
         let started = Instant::now();
         loop {
-            if let Some((AnyMessage::Image(image), received)) =
-                self.newest_frame.take_if(|(_, received)| *received > after)
-            {
-                let grey = grey_levels(&image).map_err(|reason| Self::unusable(&self.image, reason))?;
-                return Ok(Frame { size_px: [image.width, image.height], grey, received });
+            if let Some((message, received)) = self.newest_frame.take_if(|(_, received)| *received > after) {
+                let picture = picture_of(self.image.topic(), &message);
+                let (size_px, grey) = picture.map_err(|reason| Self::unusable(&self.image, reason))?;
+                return Ok(Frame { size_px, grey, received });
             }
             // A frame in the future is waited for, too.
             let silent = Instant::now().saturating_duration_since(started.max(after));
@@ -168,65 +146,33 @@ impl Camera for RosCamera<'_> {
 
     fn depth(&mut self) -> Result<Option<DepthFrame>, CameraError> {
         let (Some(topic), Some(message)) = (&self.depth, self.newest_depth.take()) else { return Ok(None) };
-        let (size_px, depths) = match &message {
-            AnyMessage::Image(image) => ([image.width, image.height], depths_m(image)),
-            AnyMessage::PointCloud2(cloud) => ([cloud.width, cloud.height], cloud_depths_m(cloud)),
-            _ => return Ok(None),
-        };
-        let depth_m = depths.map_err(|reason| Self::unusable(topic, reason))?;
-        Ok(Some(DepthFrame { size_px, depth_m }))
+        depth_of(topic.topic(), &message).map(Some).map_err(|reason| Self::unusable(topic, reason))
     }
 }
 
-/// Whether a topic has rectified pictures, by the names of image_proc.
-fn is_rectified(topic: &str) -> bool {
-    topic.rsplit('/').next().is_some_and(|name| name.starts_with("image_rect"))
-}
-
-/// The lens of a CameraInfo: K and D for raw pictures, the left part of P for rectified ones.
+/// Whether images of a topic are compressed, by the type that the master has of it. A driver may start later.
 ///
 /// # Errors
-/// What is wrong with it.
-fn lens_of(info: &CameraInfo, is_rectified: bool) -> Result<Lens, String> {
-    let mut camera_info = info.clone();
-    if is_rectified {
-        let [fx, skew, cx, _, below, fy, cy, ..] = info.P;
-        camera_info.K = [fx, skew, cx, below, fy, cy, 0.0, 0.0, 1.0];
-        camera_info.D.clear();
-        camera_info.distortion_model.clear();
-    }
-    if camera_info.width == 0 || camera_info.height == 0 {
-        return Err(format!("the camera's size is {}x{} pixels", camera_info.width, camera_info.height));
-    }
-    let file = ProjectorFile { camera_info, camera_info_topic: None, frames: Vec::new(), ignored_keys: Vec::new() };
-    file.lens().map_err(|problem| problem.to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rectified_pictures_have_another_lens() {
-        let info = CameraInfo {
-            width: 640,
-            height: 480,
-            distortion_model: "plumb_bob".to_owned(),
-            D: vec![0.1, 0.0, 0.0, 0.0, 0.0],
-            K: [500.0, 0.0, 320.0, 0.0, 501.0, 240.0, 0.0, 0.0, 1.0],
-            P: [510.0, 0.0, 321.0, 0.0, 0.0, 511.0, 241.0, 0.0, 0.0, 0.0, 1.0, 0.0],
-            ..CameraInfo::default()
-        };
-        let (raw, rectified) = (lens_of(&info, false).unwrap(), lens_of(&info, true).unwrap());
-        assert_eq!((raw.focal_px.x, raw.distortion.coefficients()[0]), (500.0, 0.1));
-        assert_eq!(rectified, Lens::pinhole([640, 480], [510.0, 511.0], [321.0, 241.0]));
-        assert!(is_rectified("/camera/rgb/image_rect_color") && !is_rectified("/camera/rgb/image_raw"));
-    }
-
-    #[test]
-    fn an_uncalibrated_camera_is_an_error() {
-        let info = CameraInfo { width: 640, height: 480, ..CameraInfo::default() };
-        assert!(lens_of(&info, false).unwrap_err().contains("K"));
-        assert!(lens_of(&CameraInfo::default(), false).unwrap_err().contains("0x0"));
+/// [`CameraError`]: nobody publishes it up to the deadline, or the program is to end; and [`NodeError`] for a name that
+/// is none.
+fn kind_of_images(
+    node: &RosNode,
+    end: &EndRequest,
+    topic: &str,
+    deadline: Instant,
+) -> Result<MessageKind, ConnectError> {
+    let name = node.resolve(topic)?;
+    loop {
+        let publications = node.query_publications();
+        if let Some(publication) = publications.as_ref().and_then(|publications| publications.get(&name)) {
+            let is_packed = publication.ros_type == MessageKind::CompressedImage.ros_type();
+            return Ok(if is_packed { MessageKind::CompressedImage } else { MessageKind::Image });
+        }
+        if Instant::now() >= deadline {
+            return Err(CameraError::Silent { topic: name, waited: FIRST_MESSAGE }.into());
+        }
+        if end.wait_for(POLL_PERIOD) {
+            return Err(CameraError::Interrupted.into());
+        }
     }
 }

@@ -7,25 +7,20 @@
 
 use std::time::{Duration, Instant};
 
-use rcs_calibration::patterns::{gray_code, shifted_gray_code, Axis, Pattern};
-use rcs_calibration::{decode, Decoded, Lens, Pictures, ScanProblem};
-use rcs_files::capture::{Capture, PatternPicture};
+use rcs_calibration::patterns::{gray_code, shifted_gray_code, Pattern};
+use rcs_calibration::Lens;
+use rcs_files::capture::PatternPicture;
 
 use super::compare::Change;
 use super::depth_average::DepthAverage;
 use super::devices::{Camera, Frame, Screen};
-use super::failure::ScanFailure;
-use super::light::{Delay, Light, MOST_MOVED};
-use super::orientation::{self, Orientation};
+use super::failure::{check_size, ScanFailure};
+use super::finish::{check_orientation, Scanned, Seen};
+use super::light::{Delay, Light};
+use super::orientation;
 
 /// How long the camera may be silent.
 const SILENCE: Duration = Duration::from_secs(5);
-/// Brightness may change by this share from the first white picture to the last.
-const MOST_BRIGHTNESS: f64 = 0.05;
-/// A capture with fewer decoded pixels is worth nothing: this share of the picture.
-const LEAST_DECODED: f64 = 0.002;
-/// Below this share of decoded pixels among the lit ones there is a warning.
-const FEW_DECODED: f64 = 0.5;
 /// A stripe can be read where it and its inverse differ by so many levels and so many times the noise.
 const READABLE_LEVELS: f64 = 4.0;
 const READABLE_NOISE: f64 = 2.0;
@@ -47,21 +42,17 @@ pub(super) struct ScanOptions<'a> {
 pub(super) enum ScanEvent<'a> {
     /// The delay was measured; so many pictures follow.
     Delay(Delay, usize),
-    /// A picture was taken. The share of lit pixels that can tell the last stripes from their inverse.
-    Captured(f64),
+    /// A picture was taken, the last of these.
+    Captured {
+        /// All up to now.
+        pictures: &'a [PatternPicture],
+        /// The share of lit pixels that can tell the last stripes from their inverse.
+        readable: f64,
+    },
+    /// Something that was found out.
+    Note(&'a str),
     /// Something is not as it should be.
     Warning(&'a str),
-}
-
-/// What a scan yields.
-#[derive(Debug)]
-pub(super) struct Scanned {
-    /// To be written.
-    pub(super) capture: Capture,
-    /// What it tells.
-    pub(super) decoded: Decoded,
-    /// False if the scan was interrupted when it had seen enough.
-    pub(super) is_whole: bool,
 }
 
 /// A scan.
@@ -118,9 +109,11 @@ impl<'a> Session<'a> {
             let grey = self.capture(pattern, light, last)?;
             pictures.push(PatternPicture { pattern: *pattern, grey });
             let readable = readable_share(pictures, light);
-            (self.observe)(ScanEvent::Captured(readable));
+            (self.observe)(ScanEvent::Captured { pictures, readable });
             if pictures.len() == coarse {
-                self.check_orientation(pictures, light)?;
+                let (camera_px, screen) = (self.camera_px(), self.screen_name());
+                let mut warn = |warning: &str| (self.observe)(ScanEvent::Warning(warning));
+                check_orientation(pictures, light, camera_px, self.options.projector_px, &screen, &mut warn)?;
             }
         }
         let Some(first) = pictures.iter().find(|picture| picture.pattern == Pattern::White) else { return Ok(()) };
@@ -130,82 +123,21 @@ impl<'a> Session<'a> {
     /// Compares the first white picture with what white looks like now.
     pub(super) fn check_unchanged(&mut self, first_white: &[u8], light: &Light) -> Result<(), ScanFailure> {
         let last = self.capture(&Pattern::White, light, None)?;
-        let change = Change::between(first_white, &last, &light.lit, light.noise);
-        if change.brightness.abs() > MOST_BRIGHTNESS {
-            return Err(ScanFailure::Unsteady { change: change.brightness.abs() });
-        }
-        if change.moved > MOST_MOVED {
-            return Err(ScanFailure::Moved { share: change.moved });
-        }
-        Ok(())
-    }
-
-    fn check_orientation(&mut self, pictures: &[PatternPicture], light: &Light) -> Result<(), ScanFailure> {
-        let pictures: Vec<(Pattern, &[u8])> =
-            pictures.iter().map(|picture| (picture.pattern, picture.grey.as_slice())).collect();
-        let projector_px = self.options.projector_px;
-        match orientation::judge(&pictures, &light.lit, self.camera_px(), projector_px) {
-            Orientation::Right => Ok(()),
-            Orientation::Mirrored => Err(ScanFailure::Mirrored),
-            Orientation::OtherPicture(share) => {
-                Err(ScanFailure::OtherPicture { share, size_px: projector_px, screen: self.screen_name() })
-            }
-            Orientation::Cut(axis, [first, last]) => {
-                let lines = if axis == Axis::X { "columns" } else { "rows" };
-                let warning = format!(
-                    "the projector's {lines} {first} to {last} are not seen: is its picture cut off or covered, or the \
-                     size wrong?"
-                );
-                (self.observe)(ScanEvent::Warning(&warning));
-                Ok(())
-            }
-        }
+        Change::between(first_white, &last, &light.lit, light.noise).check()
     }
 
     /// Decodes what was seen and makes a capture of it, unless it is not worth it.
-    fn finish(self, mut pictures: Vec<PatternPicture>, light: &Light, is_whole: bool) -> Result<Scanned, ScanFailure> {
-        let lens = self.camera.lens();
-        drop_unpaired(&mut pictures);
-        let patterns: Vec<Pattern> = pictures.iter().map(|picture| picture.pattern).collect();
-        let levels = pictures.iter().map(|picture| picture.grey.as_slice()).collect();
-        let decoded =
-            decode(&Pictures { size_px: lens.size_px, patterns: &patterns, levels }, self.options.projector_px);
-        let decoded = match decoded {
-            Ok(decoded) => decoded,
-            Err(_) if !is_whole => return Err(ScanFailure::Interrupted),
-            Err(error) => return Err(error.into()),
-        };
-        for problem in decoded.quality.problems() {
-            let is_known = matches!(problem, ScanProblem::Clipped(_)) && light.is_overexposed();
-            if problem.is_fatal() {
-                return Err(ScanFailure::Problem(problem));
-            }
-            if !is_known {
-                (self.observe)(ScanEvent::Warning(&problem.to_string()));
-            }
-        }
-        let count = decoded.count();
-        if (count as f64) < LEAST_DECODED * decoded.pixels.len() as f64 {
-            return Err(if is_whole { ScanFailure::Undecoded { count } } else { ScanFailure::Interrupted });
-        }
-        let share = count as f64 / decoded.lit.max(1) as f64;
-        if share < FEW_DECODED {
-            let warning = format!("only {:.0} % of the lit pixels could be decoded", 100.0 * share);
-            (self.observe)(ScanEvent::Warning(&warning));
-        }
-        let has_depth = self.camera.has_depth();
-        if has_depth && self.depth.frames() == 0 {
-            return Err(ScanFailure::NoDepth);
-        }
-        let capture = Capture {
-            projector_size_px: self.options.projector_px,
-            camera: lens,
-            camera_frame_id: self.camera.frame_id(),
+    fn finish(self, pictures: Vec<PatternPicture>, light: &Light, is_whole: bool) -> Result<Scanned, ScanFailure> {
+        let seen = Seen {
+            projector_px: self.options.projector_px,
+            lens: self.camera.lens(),
+            frame_id: self.camera.frame_id(),
             pictures,
-            depth_m: has_depth.then(|| self.depth.depth_m()),
-            warnings: Vec::new(),
+            light,
+            depth: self.camera.has_depth().then_some(&self.depth),
+            is_whole,
         };
-        Ok(Scanned { capture, decoded, is_whole })
+        seen.finish(&mut |warning| (self.observe)(ScanEvent::Warning(warning)))
     }
 
     /// Shows a pattern; the time at which that was done.
@@ -229,16 +161,9 @@ impl<'a> Session<'a> {
         }
         let frame = self.camera.frame(after, SILENCE)?;
         let camera_px = self.camera_px();
-        let check = |what, size_px: [u32; 2], count: usize| {
-            if size_px == camera_px && count == camera_px[0] as usize * camera_px[1] as usize {
-                Ok(())
-            } else {
-                Err(ScanFailure::Size { what, size_px, camera_px })
-            }
-        };
-        check("picture", frame.size_px, frame.grey.len())?;
+        check_size("picture", frame.size_px, frame.grey.len(), camera_px)?;
         if let Some(depth) = self.camera.depth()? {
-            check("depth image", depth.size_px, depth.depth_m.len())?;
+            check_size("depth image", depth.size_px, depth.depth_m.len(), camera_px)?;
             self.depth.add(&depth);
         }
         Ok(frame)
@@ -313,15 +238,6 @@ fn is_coarse(pattern: &Pattern) -> bool {
         Pattern::GrayCode(stripes) => stripes.bit < orientation::BITS && stripes.offset == 0,
         _ => true,
     }
-}
-
-/// Removes stripes without their inverse: those after which the scan was interrupted.
-fn drop_unpaired(pictures: &mut Vec<PatternPicture>) {
-    let patterns: Vec<Pattern> = pictures.iter().map(|picture| picture.pattern).collect();
-    pictures.retain(|picture| match picture.pattern {
-        Pattern::GrayCode(stripes) => patterns.contains(&Pattern::GrayCode(stripes.inverse())),
-        _ => true,
-    });
 }
 
 /// The share of lit pixels that see the difference between the last two pictures; all if they are no pair.

@@ -59,7 +59,7 @@ impl Session<'_> {
             let last = seen.last().unwrap_or(&black);
             let grey = self.capture_shown(shown, &light, Some(last))?;
             seen.push(grey);
-            self.tell(ScanEvent::Captured(1.0));
+            self.tell(ScanEvent::Captured { pictures: &[], readable: 1.0 });
         }
         self.check_unchanged(&white, &light)?;
         let verified = plan.measure(&seen)?;

@@ -12,10 +12,12 @@ use rcs_window::{MonitorChoice, WindowOptions};
 
 use super::devices::Camera as _;
 use super::devices::Screen;
-use super::ros_camera::{CameraTopics, DepthTopic, RosCamera};
+use super::live::in_window;
+use super::ros_camera::RosCamera;
 use super::screens::TopicScreen;
 use super::session::{ScanEvent, ScanOptions, Session};
-use super::{in_window, Verification};
+use super::topics::{CameraTopics, DepthTopic};
+use super::Verification;
 use crate::projector_calibrate::{placing, Failure};
 use crate::small_node::{self, EndRequest};
 
@@ -148,7 +150,8 @@ fn show(bar: &ProgressBar, event: &ScanEvent<'_>) {
             bar.set_length(*pictures as u64);
             bar.set_position(0);
         }
-        ScanEvent::Captured(_) => bar.inc(1),
+        ScanEvent::Captured { .. } => bar.inc(1),
+        ScanEvent::Note(note) => bar.suspend(|| log::info!("{note}")),
         ScanEvent::Warning(warning) => bar.suspend(|| log::warn!("{warning}")),
     }
 }

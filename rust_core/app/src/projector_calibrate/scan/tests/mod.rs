@@ -1,18 +1,21 @@
 //! Scans of a simulated room, and what goes wrong in them.
 
+mod recording;
 mod verification;
 mod world;
 
 use std::time::Duration;
 
 use nalgebra::Matrix3;
+use rcs_calibration::Decoded;
 use rcs_files::capture::Capture;
 use rcs_scan_simulator::Conditions;
 
 use super::devices::CameraError;
 use super::failure::ScanFailure;
+use super::finish::Scanned;
 use super::light::Delay;
-use super::session::{ScanEvent, ScanOptions, Scanned, Session};
+use super::session::{ScanEvent, ScanOptions, Session};
 use crate::projector_calibrate::Failure;
 use world::{Faults, SimulatedCamera, SimulatedScreen, World, PERIOD, PROJECTOR_PX};
 
@@ -43,7 +46,8 @@ impl Outcome {
         let mut observe = |event: ScanEvent<'_>| match event {
             ScanEvent::Delay(measured, _) => delay = Some(measured),
             ScanEvent::Warning(warning) => warnings.push(warning.to_owned()),
-            ScanEvent::Captured(readable) => assert!((0.0..=1.0).contains(&readable)),
+            ScanEvent::Note(_) => {}
+            ScanEvent::Captured { readable, .. } => assert!((0.0..=1.0).contains(&readable)),
         };
         let result = Session::new(&mut screen, &mut camera, &options, &mut observe).run();
         let (shown, took) = (world.borrow().shown(), world.borrow().elapsed());
@@ -60,18 +64,21 @@ impl Outcome {
         }
     }
 
-    /// The share of decoded pixels among the lit ones, and of right ones among the decoded.
+    /// As [`shares`] of it.
     fn shares(&self) -> (f64, f64) {
-        let decoded = &self.result.as_ref().unwrap().decoded;
-        let world = self.world.borrow();
-        let (mut count, mut right) = (0, 0);
-        for (pixel, place) in decoded.pixels.iter().enumerate().filter(|(_, place)| place.is_decoded()) {
-            count += 1;
-            let is_right = |truth: [f64; 2]| (0..2).all(|axis| (truth[axis] - f64::from(place.at[axis])).abs() < 1.0);
-            right += usize::from(world.truth(pixel).is_some_and(is_right));
-        }
-        (f64::from(count) / decoded.lit as f64, right as f64 / f64::from(count))
+        shares(&self.result.as_ref().unwrap().decoded, &self.world.borrow())
     }
+}
+
+/// The share of decoded pixels among the lit ones, and of right ones among the decoded.
+fn shares(decoded: &Decoded, world: &World) -> (f64, f64) {
+    let (mut count, mut right) = (0, 0);
+    for (pixel, place) in decoded.pixels.iter().enumerate().filter(|(_, place)| place.is_decoded()) {
+        count += 1;
+        let is_right = |truth: [f64; 2]| (0..2).all(|axis| (truth[axis] - f64::from(place.at[axis])).abs() < 1.0);
+        right += usize::from(world.truth(pixel).is_some_and(is_right));
+    }
+    (f64::from(count) / decoded.lit as f64, right as f64 / f64::from(count))
 }
 
 fn is_refused(failure: ScanFailure) -> bool {

@@ -18,6 +18,20 @@ pub(super) const PROJECTOR_PX: [u32; 2] = [320, 200];
 /// Time from frame to frame.
 pub(super) const PERIOD: Duration = Duration::from_millis(33);
 
+/// What a projector shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Showing {
+    /// A pattern.
+    Pattern(Pattern),
+    /// A checkerboard.
+    Mark,
+    /// Another picture of the projector's size, by its number.
+    Picture(usize),
+}
+
+/// The side of the checkerboard's fields, pixels of the projector.
+const FIELD_PX: f64 = 20.0;
+
 /// What is wrong with the world.
 #[derive(Debug, Clone)]
 pub(super) struct Faults {
@@ -63,14 +77,6 @@ impl Default for Faults {
     }
 }
 
-/// What the projector shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Shown {
-    Pattern(Pattern),
-    /// Another picture of the projector's size, by its number.
-    Picture(usize),
-}
-
 /// Everything that the screen and the camera share.
 pub(super) struct World {
     view: View,
@@ -79,9 +85,9 @@ pub(super) struct World {
     /// Pictures that are no patterns.
     others: Vec<Vec<u8>>,
     /// What was shown from when on.
-    shown: Vec<(Instant, Shown)>,
-    /// What the camera sees of each, before and after it has moved.
-    seen: HashMap<(Shown, bool), Vec<u8>>,
+    shown: Vec<(Instant, Showing)>,
+    /// What the camera sees of each of them, before and after it has moved.
+    seen: HashMap<(Showing, bool), Vec<u8>>,
     started: Instant,
     now: Instant,
     frames: u32,
@@ -137,21 +143,43 @@ impl World {
 
     /// What the camera sees of what was shown at a time.
     fn sees(&mut self, at: Instant) -> Vec<u8> {
-        let shown = self.shown.iter().rev().find(|(from, _)| *from <= at).map(|(_, shown)| *shown);
-        let shown = shown.filter(|_| !self.faults.is_dark).unwrap_or(Shown::Pattern(Pattern::Black));
+        let shown = self.shown.iter().rev().find(|(from, _)| *from <= at).map(|(_, showing)| *showing);
+        let showing = shown.filter(|_| !self.faults.is_dark).unwrap_or(Showing::Pattern(Pattern::Black));
         let has_moved = self.faults.moves_after.is_some_and(|after| at > self.started + after);
-        let key = (shown, has_moved);
-        if let Some(seen) = self.seen.get(&key) {
+        self.sees_of(showing, has_moved)
+    }
+
+    fn sees_of(&mut self, showing: Showing, has_moved: bool) -> Vec<u8> {
+        if let Some(seen) = self.seen.get(&(showing, has_moved)) {
             return seen.clone();
         }
         let motion = has_moved.then(|| Motion { from_picture: 0, shift_px: Vector2::new(2.0, 1.0) });
-        let scan = Scan::new(&self.view, Conditions { motion, ..self.still() });
-        let seen = match shown {
-            Shown::Pattern(pattern) => scan.capture(&pattern, 0),
-            Shown::Picture(number) => scan.expose(&scan.light_of(&self.others[number]), 0),
+        let scan = || Scan::new(&self.view, Conditions { motion, ..self.still() });
+        let seen = match showing {
+            Showing::Pattern(pattern) => scan().capture(&pattern, 0),
+            Showing::Picture(number) => {
+                let scan = scan();
+                scan.expose(&scan.light_of(&self.others[number]), 0)
+            }
+            Showing::Mark => {
+                let [mut seen, white] =
+                    [Pattern::Black, Pattern::White].map(|pattern| self.sees_of(Showing::Pattern(pattern), has_moved));
+                for (pixel, level) in seen.iter_mut().enumerate() {
+                    let is_lit = |[u, v]: [f64; 2]| ((u / FIELD_PX).floor() + (v / FIELD_PX).floor()) % 2.0 == 0.0;
+                    if self.truth(pixel).is_some_and(is_lit) {
+                        *level = white[pixel];
+                    }
+                }
+                seen
+            }
         };
-        self.seen.insert(key, seen.clone());
+        self.seen.insert((showing, has_moved), seen.clone());
         seen
+    }
+
+    /// Shows something from now on.
+    pub(super) fn show(&mut self, showing: Showing) {
+        self.shown.push((self.now, showing));
     }
 
     /// The conditions without what differs from frame to frame.
@@ -197,11 +225,11 @@ impl Screen for SimulatedScreen {
     fn show(&mut self, picture: Vec<u8>) -> anyhow::Result<()> {
         let world = &mut *self.0.borrow_mut();
         let pattern = world.known.iter().find(|(_, known)| *known == picture).map(|(pattern, _)| *pattern);
-        let shown = pattern.map_or(Shown::Picture(world.others.len()), Shown::Pattern);
+        let showing = pattern.map_or(Showing::Picture(world.others.len()), Showing::Pattern);
         if pattern.is_none() {
             world.others.push(picture);
         }
-        world.shown.push((world.now, shown));
+        world.show(showing);
         Ok(())
     }
 }
