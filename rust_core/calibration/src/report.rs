@@ -42,7 +42,7 @@ const GOOD_DEPTH_RATIO: f64 = 1.3;
 /// The share of inliers of a good calibration.
 const GOOD_INLIERS: f64 = 0.8;
 /// Fewer inliers are hardly a majority.
-const AGAIN_INLIERS: f64 = 0.55;
+const AGAIN_INLIERS: f64 = 0.58;
 /// A smooth error of the depth that shows in where light lands, as a share of the depth.
 const NOTABLE_SMOOTH_ERROR: f64 = 0.0007;
 /// Scans from different places that average the smooth error of the depth.

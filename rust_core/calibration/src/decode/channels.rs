@@ -47,6 +47,24 @@ impl Channels {
         let axes = [AxisChannels::new(Axis::X, patterns)?, AxisChannels::new(Axis::Y, patterns)?];
         Ok(Self { white, black, axes })
     }
+
+    /// Checks that the codes reach over a projector of this size.
+    ///
+    /// # Errors
+    /// [`DecodeError::ShortCode`].
+    pub(super) fn check_size(&self, projector_px: [u32; 2]) -> Result<(), DecodeError> {
+        for ((axis, name), size_px) in self.axes.iter().zip(["x", "y"]).zip(projector_px) {
+            let Some(Stripes { bits, step, offset, .. }) = axis.all.first().map(|channel| channel.stripes) else {
+                continue;
+            };
+            let needed = (u64::from(size_px.saturating_sub(1)) + u64::from(offset)) / u64::from(step.max(1)) + 1;
+            let codes = 1_u64.checked_shl(bits).unwrap_or(u64::MAX);
+            if codes < needed {
+                return Err(DecodeError::ShortCode { axis: name, codes, size_px });
+            }
+        }
+        Ok(())
+    }
 }
 
 impl AxisChannels {
@@ -114,6 +132,9 @@ mod tests {
                 assert_eq!(patterns[channel.inverse], Pattern::GrayCode(channel.stripes.inverse()));
             }
         }
+        assert_eq!(channels.check_size([1280, 800]), Ok(()));
+        let short = DecodeError::ShortCode { axis: "y", codes: 1024, size_px: 1080 };
+        assert_eq!(channels.check_size([1920, 1080]), Err(short));
         let shifted = Channels::new(&shifted_gray_code([1280, 800], 4)).unwrap();
         assert_eq!(shifted.axes.each_ref().map(|axis| (axis.all.len(), axis.code_bits)), [(16, 9), (15, 8)]);
         assert!(shifted.axes[0].all[..9].iter().all(|channel| channel.stripes.offset == 0));

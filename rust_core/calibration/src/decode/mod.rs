@@ -86,6 +86,16 @@ pub enum DecodeError {
         /// The bit, 0 is the most significant.
         bit: u32,
     },
+    /// The code has fewer values than the projector has columns or rows.
+    #[error("the code along {axis} has {codes} values, too few for the {size_px} pixels of the projector: is it of another size?")]
+    ShortCode {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// How many values it has.
+        codes: u64,
+        /// How many pixels the projector has along the axis.
+        size_px: u32,
+    },
     /// No stripes, or not the most significant bit.
     #[error("no code along {0}: its most significant bit is missing")]
     NoCode(&'static str),
@@ -171,6 +181,7 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
         return Err(DecodeError::Size { index, count: pictures.levels[index].len(), expected });
     }
     let channels = Channels::new(pictures.patterns)?;
+    channels.check_size(projector_px)?;
     let response = Response::find(pictures, &channels);
     let lights = Lights { pictures, channels: &channels, response: &response };
     let noise = lights.noise();
