@@ -11,7 +11,7 @@ use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use super::Failure;
-use crate::small_node::{self, EndRequest};
+use crate::small_node::EndRequest;
 
 /// The optical frame of Fetch's head camera.
 const DEFAULT_CAMERA_FRAME: &str = "head_camera_rgb_optical_frame";
@@ -73,8 +73,8 @@ impl PlacingArguments {
 fn look_up(target: &str, source: &str) -> Result<Isometry3<f64>, Failure> {
     let refused = |error: anyhow::Error| Failure::Refused(error.context("TF"));
     let end = EndRequest::watch_signals().map_err(|error| refused(error.into()))?;
-    let node = small_node::connect("projector_calibrate", &end).map_err(|error| refused(error.into()))?;
-    let node = node.ok_or_else(interrupted)?;
+    // Who calibrates waits for an answer: without a master there is none.
+    let node = RosNode::connect_now("projector_calibrate").map_err(|error| refused(error.into()))?;
     let found = look_up_with(&node, &end, target, source);
     node.shutdown();
     found

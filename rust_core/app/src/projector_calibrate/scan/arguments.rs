@@ -12,7 +12,7 @@ use rcs_window::MonitorChoice;
 use super::super::arguments::{size, Size};
 use super::super::{show, Failure};
 use super::session::patterns;
-use super::topics::{CameraTopics, DepthTopic};
+use super::topics::{CameraTopics, DepthTopic, TopicArguments};
 
 /// The widest code, so that there are no more stripes than can be decoded.
 const MOST_STEP: i64 = 8;
@@ -60,18 +60,9 @@ pub(in super::super) struct ScanArguments {
     /// With --bag: leave out what was recorded before, seconds since its beginning
     #[arg(long, value_name = "SECONDS", requires = "bag", value_parser = seconds, default_value = "0")]
     pub(super) start: Duration,
-    /// The camera's pictures
-    #[arg(long, value_name = "TOPIC", default_value = "/head_camera/rgb/image_raw")]
-    image: String,
-    /// Its CameraInfo
-    #[arg(long, value_name = "TOPIC", default_value = "/head_camera/rgb/camera_info")]
-    camera_info: String,
-    /// Depth images that are registered to the pictures
-    #[arg(long, value_name = "TOPIC", default_value = "/head_camera/depth_registered/image_raw")]
-    depth: String,
-    /// Take depth from an organised cloud with a point for each pixel instead
-    #[arg(long, value_name = "TOPIC", conflicts_with = "depth")]
-    cloud: Option<String>,
+    /// The camera's topics.
+    #[command(flatten)]
+    camera: TopicArguments,
     /// Take no depth: what is written can be decoded, not solved
     #[arg(long, conflicts_with_all = ["depth", "cloud"])]
     no_depth: bool,
@@ -94,12 +85,12 @@ fn seconds(text: &str) -> Result<Duration, String> {
 impl ScanArguments {
     /// The camera's topics.
     pub(super) fn topics(&self) -> CameraTopics {
-        let depth = match &self.cloud {
-            _ if self.no_depth => DepthTopic::None,
-            Some(cloud) => DepthTopic::Cloud(cloud.clone()),
-            None => DepthTopic::Image(self.depth.clone()),
-        };
-        CameraTopics { image: self.image.clone(), camera_info: self.camera_info.clone(), depth }
+        let topics = self.camera.topics();
+        if self.no_depth {
+            CameraTopics { depth: DepthTopic::None, ..topics }
+        } else {
+            topics
+        }
     }
 
     /// The patterns that a recording shows, in their order.

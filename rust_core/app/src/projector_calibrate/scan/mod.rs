@@ -42,6 +42,7 @@ use progress::Progress;
 use recorded::bag_footage::BagFootage;
 use recorded::footage::Footage;
 use recorded::RecordedOptions;
+pub(super) use topics::TopicArguments;
 pub(super) use verification::Verification;
 pub(super) use verify_live::{verify_live, LiveOptions};
 

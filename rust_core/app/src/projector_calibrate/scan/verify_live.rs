@@ -16,7 +16,7 @@ use super::live::in_window;
 use super::ros_camera::RosCamera;
 use super::screens::TopicScreen;
 use super::session::{ScanEvent, ScanOptions, Session};
-use super::topics::{CameraTopics, DepthTopic};
+use super::topics::TopicArguments;
 use super::Verification;
 use crate::projector_calibrate::{placing, Failure};
 use crate::small_node::{self, EndRequest};
@@ -30,14 +30,8 @@ pub(in crate::projector_calibrate) struct LiveOptions {
     pub(in crate::projector_calibrate) monitor: MonitorChoice,
     /// A topic to show on instead.
     pub(in crate::projector_calibrate) show_on: Option<String>,
-    /// The camera's pictures.
-    pub(in crate::projector_calibrate) image: String,
-    /// Its CameraInfo.
-    pub(in crate::projector_calibrate) camera_info: String,
-    /// Its depth image.
-    pub(in crate::projector_calibrate) depth: String,
-    /// An organised cloud instead.
-    pub(in crate::projector_calibrate) cloud: Option<String>,
+    /// The camera's topics.
+    pub(in crate::projector_calibrate) camera: TopicArguments,
     /// Frames that each picture is the mean of.
     pub(in crate::projector_calibrate) frames: usize,
     /// How long spots and outlines are shown afterwards.
@@ -105,7 +99,7 @@ impl Live {
     }
 
     fn measure(&self, node: &RosNode, end: &EndRequest, screen: &mut dyn Screen) -> Result<Verification, Failure> {
-        let mut camera = RosCamera::connect(node, end, &self.options.topics()).map_err(|error| {
+        let mut camera = RosCamera::connect(node, end, &self.options.camera.topics()).map_err(|error| {
             if end.is_requested() {
                 interrupted()
             } else {
@@ -124,16 +118,6 @@ impl Live {
             Session::new(screen, &mut camera, &options, &mut |event| show(&bar, &event)).verify(&self.lens, &pose);
         bar.finish_and_clear();
         Ok(verified?)
-    }
-}
-
-impl LiveOptions {
-    fn topics(&self) -> CameraTopics {
-        let depth = match &self.cloud {
-            Some(cloud) => DepthTopic::Cloud(cloud.clone()),
-            None => DepthTopic::Image(self.depth.clone()),
-        };
-        CameraTopics { image: self.image.clone(), camera_info: self.camera_info.clone(), depth }
     }
 }
 

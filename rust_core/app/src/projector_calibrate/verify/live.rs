@@ -20,10 +20,7 @@ pub(super) fn run(arguments: &VerifyArguments, projector: &Path) -> Result<(), F
         projector: projector.to_owned(),
         monitor: arguments.monitor.clone(),
         show_on: arguments.show_on.clone(),
-        image: arguments.image.clone(),
-        camera_info: arguments.camera_info.clone(),
-        depth: arguments.depth.clone(),
-        cloud: arguments.cloud.clone(),
+        camera: arguments.camera.clone(),
         frames: usize::from(arguments.frames),
         hold: arguments.hold,
     };

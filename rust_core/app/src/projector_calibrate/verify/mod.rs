@@ -11,6 +11,7 @@ use anyhow::anyhow;
 use clap::Args;
 use rcs_window::MonitorChoice;
 
+use super::scan::TopicArguments;
 use super::Failure;
 
 /// Measures how far the light of a calibrated projector lands from where it should
@@ -44,18 +45,9 @@ pub(super) struct VerifyArguments {
     /// Publish the pictures on this topic, for a projector_window elsewhere, and open no window
     #[arg(long, value_name = "TOPIC", conflicts_with = "monitor")]
     show_on: Option<String>,
-    /// The camera's pictures
-    #[arg(long, value_name = "TOPIC", default_value = "/head_camera/rgb/image_raw")]
-    image: String,
-    /// Its CameraInfo
-    #[arg(long, value_name = "TOPIC", default_value = "/head_camera/rgb/camera_info")]
-    camera_info: String,
-    /// Depth images that are registered to the pictures
-    #[arg(long, value_name = "TOPIC", default_value = "/head_camera/depth_registered/image_raw")]
-    depth: String,
-    /// Take depth from an organised cloud with a point for each pixel instead
-    #[arg(long, value_name = "TOPIC", conflicts_with = "depth")]
-    cloud: Option<String>,
+    /// The camera's topics.
+    #[command(flatten)]
+    camera: TopicArguments,
     /// Frames that each picture is the mean of
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=100))]
     frames: u8,
