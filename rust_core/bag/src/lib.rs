@@ -296,8 +296,10 @@ impl Iterator for Messages {
     }
 }
 
+/// Nanoseconds that a stamp can hold: one of damaged bytes may have more nanoseconds than fit into its last second.
 fn nanos(time: u64) -> i64 {
-    i64::try_from(time).unwrap_or(i64::MAX)
+    const LAST: i64 = u32::MAX as i64 * 1_000_000_000 + 999_999_999;
+    i64::try_from(time).map_or(LAST, |time| time.min(LAST))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

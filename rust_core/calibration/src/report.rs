@@ -172,8 +172,8 @@ impl Report {
         solution.rms_px * ((1.0 + taken_up) / (1.0 - taken_up)).sqrt()
     }
 
-    /// A keystone correction leaves a pinhole a pinhole, but one that is skewed, or whose pixels are not square. A scaled
-    /// picture's pixels are not square, either.
+    /// A keystone correction leaves a pinhole a pinhole, but one that is skewed, or whose pixels are not square. A
+    /// scaled picture's pixels are not square, either.
     fn judge_lens(&mut self) {
         let focal_px = self.solution.lens.focal_px;
         if let Some(Skew { value_px, sigma_px }) = self.solution.skew {

@@ -6,9 +6,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes one file with `write`, replacing the content of one that is there: its permissions stay, and so does a link to
-/// it. What is no regular file, such as `/dev/stdout`, is written to as it is. The folder must exist. `io_error` wraps the
-/// system's errors.
+/// Writes one file with `write`, replacing the content of one that is there: its permissions stay, and so does a link
+/// to it. What is no regular file, such as `/dev/stdout`, is written to as it is. The folder must exist. `io_error`
+/// wraps the system's errors.
 ///
 /// # Errors
 /// Those of `write`, and the system's.

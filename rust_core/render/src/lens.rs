@@ -7,8 +7,8 @@ use rcs_scene::{Encoding, MapRun, Picture, PixelMap};
 const ROWS: usize = 16;
 
 /// Writes the picture that a lens makes of `drawn`, an [`Encoding::Rgba8`] picture of the map's source. Colours between
-/// pixels are interpolated, so that edges and lines are where they are, not at the nearest pixel; what the lens does not
-/// show has the background's colour.
+/// pixels are interpolated, so that edges and lines are where they are, not at the nearest pixel; what the lens does
+/// not show has the background's colour.
 pub(crate) fn see_through(
     map: &PixelMap,
     drawn: &Picture,

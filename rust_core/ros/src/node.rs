@@ -398,8 +398,8 @@ impl RosNode {
         text_of(self.private_param(name)?)
     }
 
-    /// Another node's parameter, if it is a string, a boolean or a whole number, as text. Waits for the master, for some
-    /// seconds at most.
+    /// Another node's parameter, if it is a string, a boolean or a whole number, as text. Waits for the master, for
+    /// some seconds at most.
     pub fn other_text_param(&self, name: &str) -> Option<String> {
         let whole_name = self.resolve(name).ok()?;
         text_of(&self.network().registrar().master().param(&whole_name).ok()??)

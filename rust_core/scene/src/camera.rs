@@ -94,8 +94,8 @@ impl Intrinsics {
         Ok(Self { width_px, height_px, fx_px: p[0], fy_px: p[5], cx_px: p[2], cy_px: p[6], tx: p[3], ty: p[7] })
     }
 
-    /// Whether rviz's CameraPub and the meaning of P agree on these intrinsics but for [half a pixel](Self::as_p_means):
-    /// square pixels (to one part in a million) and no vertical offset.
+    /// Whether rviz's CameraPub and the meaning of P agree on these intrinsics but for [half a
+    /// pixel](Self::as_p_means): square pixels (to one part in a million) and no vertical offset.
     pub fn rviz_is_exact(&self) -> bool {
         (self.fx_px - self.fy_px).abs() <= 1e-6 * self.fx_px.abs() && self.ty == 0.0
     }

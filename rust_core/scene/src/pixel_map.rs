@@ -20,8 +20,8 @@ const MARGIN_PX: f64 = 1.0;
 
 /// A picture's size, and for each of its pixels the place in a source picture whose colour it has, or that it has none.
 ///
-/// Places are pixels from the source's top left one; an integer is a pixel's centre. Between every eighth pixel of a row
-/// they are interpolated, which for a lens is off by some hundredths of a pixel at most.
+/// Places are pixels from the source's top left one; an integer is a pixel's centre. Between every eighth pixel of a
+/// row they are interpolated, which for a lens is off by some hundredths of a pixel at most.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PixelMap {
     size_px: [u32; 2],

@@ -1,7 +1,8 @@
 //! Where a picture does not fit the world when it is projected, although it is the picture that rviz draws.
 //!
-//! rviz uses one focal length and its own sign of `P[7]`, and does not bend the picture for the lens that D describes; nor
-//! does this program unless it is asked to. For a picture on a screen that hardly matters; a projection misses its objects.
+//! rviz uses one focal length and its own sign of `P[7]`, and does not bend the picture for the lens that D describes;
+//! nor does this program unless it is asked to. For a picture on a screen that hardly matters; a projection misses its
+//! objects.
 
 use nalgebra::Point2;
 use rcs_calibration::Distortion;

@@ -85,8 +85,8 @@ fn rectified_pixel(
 /// A lens, or why there is none, and the CameraInfo that it was made of.
 type KnownLens = (CameraInfo, Result<DrawnThroughLens, NoLens>);
 
-/// The lenses of the CameraInfos that were received last, by topic. A lens takes some hundredths of a second, so that it
-/// is made again only when its CameraInfo changes.
+/// The lenses of the CameraInfos that were received last, by topic. A lens takes some hundredths of a second, so that
+/// it is made again only when its CameraInfo changes.
 #[derive(Debug, Default)]
 pub(crate) struct Lenses {
     known: RefCell<HashMap<String, KnownLens>>,

@@ -33,8 +33,8 @@ pub(super) enum Things {
     Clicked(Clicks),
 }
 
-/// Shows the crosshair until it has been steered onto all things, and returns what was found, with the robot's frames if
-/// things were clicked.
+/// Shows the crosshair until it has been steered onto all things, and returns what was found, with the robot's frames
+/// if things were clicked.
 pub(super) fn steer(
     things: Things,
     lens: &Lens,

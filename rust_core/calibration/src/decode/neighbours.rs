@@ -61,7 +61,8 @@ impl Field {
         predictions
     }
 
-    /// How far a pixel is off the plane of the window around it; NaN if it is an outlier, or seen by a window beside it.
+    /// How far a pixel is off the plane of the window around it; NaN if it is an outlier, or seen by a window beside
+    /// it.
     fn left_over(&self, pixel: usize, prediction: &Prediction) -> f32 {
         let off = self.at[pixel] - prediction.at;
         let is_near = off.abs() <= OUTLIER * self.sigma[pixel].hypot(prediction.sigma);

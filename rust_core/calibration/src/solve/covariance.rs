@@ -55,8 +55,8 @@ impl Errors {
         inverse_of_positive(&(&equations.hessian * (curvature / weight)))
     }
 
-    /// The covariance of the unknowns of these equations at the solution, for errors that are correlated like this; none
-    /// if the samples do not determine them.
+    /// The covariance of the unknowns of these equations at the solution, for errors that are correlated like this;
+    /// none if the samples do not determine them.
     pub(super) fn covariance(
         &self,
         equations: &NormalEquations,

@@ -3,9 +3,9 @@
 //! The steps, each a file: `input` checks and sorts the samples; `consensus` finds a first lens and pose among gross
 //! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`, `quartic`); `adjust` makes all of
 //! it fit best in the sense of `noise` and `depth_errors`, on the equations of `normal_equations` for the unknowns of
-//! `model`; `left_out` chooses the distortion; `covariance`, by the sums of `cells` and what `correlation` sees in them,
-//! says how certain the result is, and `skew` whether it is a lens at all. `spread`, `orientation` and `moved` find the
-//! scenes and scans that are to be refused. `solver` has the order of the steps.
+//! `model`; `left_out` chooses the distortion; `covariance`, by the sums of `cells` and what `correlation` sees in
+//! them, says how certain the result is, and `skew` whether it is a lens at all. `spread`, `orientation` and `moved`
+//! find the scenes and scans that are to be refused. `solver` has the order of the steps.
 //!
 //! The result depends on the samples, the options and the seed alone: sums are formed in the same order whatever the
 //! number of threads.

@@ -203,8 +203,8 @@ impl VerificationPlan {
     }
 }
 
-/// By how much the spots around a place have missed theirs in the camera's picture, pixels: an outline's light is looked
-/// for there.
+/// By how much the spots around a place have missed theirs in the camera's picture, pixels: an outline's light is
+/// looked for there.
 fn shift_near(place: Point2<f64>, spots: &[Miss]) -> Vector2<f64> {
     let mut nearest: Vec<&Miss> = spots.iter().collect();
     nearest.sort_by(|a, b| (a.expected - place).norm().total_cmp(&(b.expected - place).norm()));

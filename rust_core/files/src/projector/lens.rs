@@ -23,8 +23,8 @@ pub struct LensProblem {
 /// The lens that K and D of a CameraInfo describe.
 ///
 /// # Errors
-/// [`LensProblem`]: focal lengths that are not positive, a skew, a last row of K that is not 0 0 1, a distortion that no
-/// lens model has.
+/// [`LensProblem`]: focal lengths that are not positive, a skew, a last row of K that is not 0 0 1, a distortion that
+/// no lens model has.
 pub fn lens_of(info: &CameraInfo) -> Result<Lens, LensProblem> {
     let CameraInfo { width, height, distortion_model, D, K, .. } = info;
     let [fx, skew, cx, below_fx, fy, cy, last_row @ ..] = *K;

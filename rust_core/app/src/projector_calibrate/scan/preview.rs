@@ -1,7 +1,7 @@
 //! What is decoded, as a picture: red grows with the projector's column, green with its row; black is not decoded.
 //!
-//! While the scan goes on, [`Reading`] reads each pixel's code bit by bit: a comparison for each pixel with every pair of
-//! stripes, after which its place is known to half as many pixels. What comes out in the end is decoded by
+//! While the scan goes on, [`Reading`] reads each pixel's code bit by bit: a comparison for each pixel with every pair
+//! of stripes, after which its place is known to half as many pixels. What comes out in the end is decoded by
 //! [`rcs_calibration::decode()`].
 
 use rcs_calibration::patterns::{Axis, Pattern, Stripes};

@@ -7,8 +7,8 @@ use rcs_messages::sensor_msgs::{CameraInfo, PointField};
 use rcs_messages::{pooled_bytes, Image, PointCloud2};
 use rcs_transforms::Time;
 
-use crate::parts::encoding::Pixel;
 use crate::parts::cloud::one_row;
+use crate::parts::encoding::Pixel;
 
 /// Bytes of a point: x, y, z and the colour.
 const POINT_LEN: usize = 16;
