@@ -20,8 +20,7 @@ pub(crate) fn see_through(
     picture.reset(width, height, encoding);
     let step = picture.step();
     let [r, g, b] = background;
-    let (source, _) = drawn.data.as_chunks::<4>();
-    let source = Source { pixels: source, width: drawn.width_px as usize };
+    let source = Source { bytes: &drawn.data, step: drawn.step() };
     let strips = picture.data.par_chunks_mut(step * ROWS).enumerate();
     strips.for_each_init(Vec::new, |pixels, (strip, rows)| {
         for (row, bytes) in rows.chunks_mut(step).enumerate() {
@@ -35,15 +34,17 @@ pub(crate) fn see_through(
     });
 }
 
-/// What was drawn.
+/// What was drawn, four bytes for each pixel, row by row.
 #[derive(Clone, Copy)]
 struct Source<'a> {
-    pixels: &'a [[u8; 4]],
-    width: usize,
+    bytes: &'a [u8],
+    /// Bytes of a row.
+    step: usize,
 }
 
 impl Source<'_> {
     /// Writes a run's pixels into their row.
+    #[inline(always)]
     fn write(&self, run: MapRun, row: &mut [[u8; 4]]) {
         let MapRun { column, len, place: [mut x, mut y], step } = run;
         let Some(pixels) = row.get_mut(column as usize..).and_then(|row| row.get_mut(..len as usize)) else { return };
@@ -56,37 +57,33 @@ impl Source<'_> {
     /// The colour at a place in 1/65536 pixels; black beside the source, where no map leads.
     #[inline(always)]
     fn color(&self, [x, y]: [i32; 2]) -> [u8; 4] {
-        let at = (y >> 16) as usize * self.width + (x >> 16) as usize;
-        let above = self.pixels.get(at..at + 2);
-        let below = self.pixels.get(at + self.width..at + self.width + 2);
-        let (Some([a, b]), Some([c, d])) = (above, below) else { return [0, 0, 0, 255] };
-        let (above, below) = (between(spread(*a), spread(*b), x), between(spread(*c), spread(*d), x));
-        joined(between(above, below, y))
+        let at = (y >> 16) as usize * self.step + (x >> 16) as usize * 4;
+        let pair =
+            |at: usize| self.bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u64::from_le_bytes(*bytes));
+        let (Some(above), Some(below)) = (pair(at), pair(at + self.step)) else { return [0, 0, 0, 255] };
+        // The first and the third channel of both pixels, and the second and the fourth.
+        let even = between(above & BYTES, below & BYTES, y);
+        let odd = between(above >> 8 & BYTES, below >> 8 & BYTES, y);
+        let (left, right) = (even & LOW | odd << 32, even >> 32 | odd & !LOW);
+        let color = between(left, right, x);
+        ((color | color >> 24) as u32).to_le_bytes()
     }
 }
 
 /// The lowest byte of each of four numbers.
 const BYTES: u64 = 0x00ff_00ff_00ff_00ff;
 
-/// A colour's channels as four numbers of 16 bits.
-#[inline(always)]
-fn spread(color: [u8; 4]) -> u64 {
-    let color = u64::from(u32::from_ne_bytes(color));
-    (color | color << 24) & BYTES
-}
+/// The lower two numbers.
+const LOW: u64 = 0xffff_ffff;
 
-/// The inverse of [`spread`].
-#[inline(always)]
-fn joined(channels: u64) -> [u8; 4] {
-    ((channels | channels >> 24) as u32).to_ne_bytes()
-}
-
-/// Between two colours by a place's fraction, to the nearest level.
+/// Between each of four numbers and another one, by a place's fraction, to the nearest level.
 #[inline(always)]
 fn between(first: u64, second: u64, place: i32) -> u64 {
     const HALF: u64 = 0x0080_0080_0080_0080;
     let share = u64::from(place as u32 >> 8 & 0xff);
-    ((first * (256 - share) + second * share + HALF) >> 8) & BYTES
+    // What the differences borrow from each other, the sum gives back: each of its numbers fits into its 16 bits.
+    let sum = (first << 8).wrapping_add(second.wrapping_sub(first).wrapping_mul(share));
+    (sum.wrapping_add(HALF) >> 8) & BYTES
 }
 
 #[cfg(test)]
