@@ -117,8 +117,26 @@ proptest! {
         let lit: Vec<_> = samples.iter().map(|sample| sample.pixel).collect();
         prop_assume!(samples.len() > 1000 && super::super::spread::outline_share(&lit, SIZE_PX) > 0.5);
         let solution = solve(&samples, &options()).unwrap();
-        prop_assert!(landing_px(&simulation, &solution) < 0.5);
+        prop_assert!(is_found(&simulation, &solution));
     }
+}
+
+/// Whether light lands within half a pixel all over the volume; or, where points in a part of it leave the rest open,
+/// every unknown is right within the deviation that the solution states.
+fn is_found(simulation: &Simulation, solution: &Solution) -> bool {
+    let errors = super::uncertainty::normalised_errors(simulation, solution);
+    landing_px(simulation, solution) < 0.5 || errors.iter().all(|error| error.abs() < 4.0)
+}
+
+/// Light lands 0.6 pixels off where there are no points, and the focal length, 0.8 ± 0.8 pixels off, says so.
+#[test]
+fn what_is_off_beside_the_points_is_in_the_deviations() {
+    let mut simulation = Simulation { gross: 0.1, step_px: 8, ..Simulation::new(232) };
+    simulation.lens = Lens::pinhole(SIZE_PX, [1894.952, 1838.104], [704.456, 638.025]);
+    let solution = solve(&simulation.samples(), &options()).unwrap();
+    let errors = super::uncertainty::normalised_errors(&simulation, &solution);
+    assert!(errors.iter().all(|error| error.abs() < 3.0), "{errors:?}");
+    assert!(landing_px(&simulation, &solution) > 0.3, "the case has become an easy one");
 }
 
 #[test]
