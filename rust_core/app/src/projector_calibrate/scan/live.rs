@@ -37,8 +37,8 @@ pub(super) fn scan(arguments: &ScanArguments) -> Result<(), Failure> {
     })
 }
 
-/// Opens the window, which needs the main thread, and scans on another one: `work`, which is told of a monitor of
-/// another size by the flag. The window closes when that is done; closing it before asks `work` to end.
+/// Opens the window, which needs the main thread, and runs `work` on another one. The flag is set if the monitor has
+/// another size. The window closes when `work` is done; closing it before asks `work` to end.
 pub(super) fn in_window<T: Send + 'static>(
     options: WindowOptions,
     size_px: [u32; 2],

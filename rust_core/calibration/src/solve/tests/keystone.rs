@@ -23,7 +23,7 @@ fn trapezoid(share: f64) -> Matrix3<f64> {
     corrected.try_inverse().unwrap()
 }
 
-/// What is said of a simulated scan whose picture was distorted like this.
+/// The verdict on a simulated scan whose picture was distorted like this, and its reasons.
 fn verdict(simulation: &Simulation, keystone: &Matrix3<f64>) -> Result<(Verdict, Vec<String>), Refusal> {
     let mut samples = simulation.samples();
     for sample in &mut samples {
