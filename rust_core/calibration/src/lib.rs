@@ -6,9 +6,11 @@
 
 #![forbid(unsafe_code)]
 
+mod crossings;
 mod curvature;
 mod decode;
 mod distortion;
+mod keystone;
 mod landed;
 mod lens;
 pub mod manual;
@@ -20,8 +22,10 @@ mod sample;
 mod solve;
 mod verification;
 
+use crossings::crossings;
 pub use decode::{decode, DecodeError, Decoded, DecodedPixel, Pictures, Quality, ScanProblem};
 pub use distortion::{Distorted, Distortion, DistortionModel, DistortionProblem};
+pub use keystone::Keystone;
 pub use landed::Landed;
 pub use lens::{Landing, Lens};
 pub use points::{points, PointsError};

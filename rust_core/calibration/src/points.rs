@@ -99,7 +99,7 @@ pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<S
             scan: 0,
             sigma_px: f64::from(variance.sqrt()),
             // Where rounding makes all depths of a window the same, they are no more certain than elsewhere.
-            sigma_m: f64::from(window.noise.max(typical_noise) * window.sigma_per_noise) * depth * depth,
+            sigma_m: window.sigma_m(typical_noise, depth),
         })
     };
     Ok(windows.iter().filter_map(sample).collect())
@@ -126,6 +126,11 @@ pub(crate) struct Window {
 }
 
 impl Window {
+    /// The standard deviation of the depth, metres. No pixel's noise counts as less than `least_noise`, 1/m.
+    pub(crate) fn sigma_m(&self, least_noise: f32, depth_m: f64) -> f64 {
+        f64::from(self.noise.max(least_noise) * self.sigma_per_noise) * depth_m * depth_m
+    }
+
     /// The window around a pixel; none where depths are missing or an edge is near.
     pub(crate) fn new(inverse: &[f32], width: usize, x: usize, y: usize) -> Option<Self> {
         let height = inverse.len() / width;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{Parameter, Sample, Skew, Solution};
+use crate::{keystone, Sample, Solution};
 
 /// Cells of the projector's picture, along u and v, that count as covered or not.
 const PICTURE_CELLS: [usize; 2] = [8, 6];
@@ -19,14 +19,8 @@ const AGAIN_HELD_OUT_PX: f64 = 3.0;
 const GOOD_HELD_OUT_RATIO: f64 = 1.25;
 /// Such a ratio means that the solution follows its own points rather than the lens.
 const AGAIN_HELD_OUT_RATIO: f64 = 2.0;
-/// Focal lengths that differ by more are not those of square pixels.
-const SQUARE_PIXELS: f64 = 0.02;
 /// Unknowns take up this share of what is measured, at most: those of a pose by six points, each with two coordinates.
 const MOST_TAKEN_UP: f64 = 0.5;
-/// A picture whose K has a larger skew, as a share of the focal length, is distorted by the projector,
-const NO_SKEW: f64 = 0.003;
-/// if this is not by chance: deviations.
-const SIGNIFICANT: f64 = 4.0;
 /// The solution of a good calibration is certain to this, pixels.
 const GOOD_PREDICTION_PX: f64 = 0.5;
 /// The same at the farthest points, metres.
@@ -172,37 +166,12 @@ impl Report {
         solution.rms_px * ((1.0 + taken_up) / (1.0 - taken_up)).sqrt()
     }
 
-    /// A keystone correction leaves a pinhole a pinhole, but one that is skewed, or whose pixels are not square. A
-    /// scaled picture's pixels are not square, either.
     fn judge_lens(&mut self) {
-        let focal_px = self.solution.lens.focal_px;
-        if let Some(Skew { value_px, sigma_px }) = self.solution.skew {
-            if value_px.abs() > (NO_SKEW * focal_px.min()).max(SIGNIFICANT * sigma_px) {
-                self.say(
-                    Verdict::Again,
-                    format!(
-                        "keystone correction seems to be on, the picture is skewed by {:.1} % (K[0][1] would be \
-                         {value_px:.1} ± {sigma_px:.1} px): turn it off in the projector's menu and scan again",
-                        100.0 * value_px.abs() / focal_px.min()
-                    ),
-                );
-            }
+        if let Some(reason) = keystone::skewed(&self.solution) {
+            self.say(Verdict::Again, reason);
         }
-        let is_solved = self
-            .solution
-            .estimates
-            .iter()
-            .any(|estimate| matches!(estimate.parameter, Parameter::Fx | Parameter::Fy) && estimate.sigma > 0.0);
-        let differ = (focal_px.x / focal_px.y - 1.0).abs();
-        if is_solved && differ > SQUARE_PIXELS {
-            self.say(
-                Verdict::Usable,
-                format!(
-                    "fx and fy differ by {:.1} %, but a projector's pixels are square: switch keystone correction and \
-                     scaling off, set the native resolution",
-                    100.0 * differ
-                ),
-            );
+        if let Some(reason) = keystone::stretched(&self.solution) {
+            self.say(Verdict::Usable, reason);
         }
     }
 

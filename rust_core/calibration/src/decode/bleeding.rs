@@ -4,16 +4,33 @@
 //! coordinate that changes linearly, this mean is off the pixel's own coordinate by the blur's variance times the
 //! coordinate's gradient times the relative gradient of the light that was seen (integrate by parts). On the shaded
 //! side of a ball all pixels are pulled the same way, so no averaging removes it.
+//!
+//! How blurred the camera is shows where light changes from one pixel to the next, at textures and edges: there the
+//! coordinates of a surface are off those beside them in proportion to the pull. The gradient of the light is known
+//! with noise, which would make the proportion too small (regression dilution); so it comes from a second, independent
+//! measurement of the light as an instrumental variable (Fuller, "Measurement error models", 1987, 1.4).
 
 use rayon::prelude::*;
 
 use super::neighbours::Field;
 
-/// The variance of a sharp camera's blur and its pixels' extent, squared camera pixels. Others are corrected in part.
-const BLUR_VARIANCE: f32 = 0.3;
+/// The variance of a camera's blur and its pixels' extent as long as nothing is known of it, squared camera pixels, and
+/// its standard deviation among cameras.
+const USUAL_VARIANCE: f32 = 0.3;
+const VARIANCE_SIGMA: f32 = 0.12;
+/// No camera has more, or less than its pixels' extent.
+const VARIANCES: [f32; 2] = [1.0 / 12.0, 1.2];
 /// Where the light changes by this share per pixel, half of the pull is undone, and less beyond: at the edges of dark
-/// things the blur would have to be known well, but pixels there are pulled against one another.
-const SHADING: f32 = 0.2;
+/// things the gradient is not what it is between two pixels, but pixels there are pulled against one another.
+const SHADING: f32 = 0.4;
+/// The shares by which light changes per pixel where the blur is measured.
+const MEASURED: [f32; 2] = [0.03, 0.3];
+/// How far away the coordinates are that a pixel is compared with, camera pixels.
+const REACH: usize = 2;
+/// What the coordinates of a surface are off a straight line besides their noise, squared projector pixels.
+const CURVATURE: f32 = 1e-3;
+/// Deviations from which on a comparison counts half.
+const OUTLIER: f32 = 3.0;
 /// Neighbouring camera pixels whose projector pixels are farther apart see different surfaces, projector pixels.
 const SURFACE_STEP_PX: f32 = 12.0;
 
@@ -34,10 +51,8 @@ impl Gradients {
             }
             for (x, relative) in row.iter_mut().enumerate().take(width.saturating_sub(1)).skip(1) {
                 let index = y * width + x;
-                let slope = |step: usize| {
-                    let slope = (amplitudes[index + step] - amplitudes[index - step]) / (2.0 * amplitudes[index]);
-                    slope / (1.0 + (slope / SHADING).powi(2))
-                };
+                let slope =
+                    |step: usize| (amplitudes[index + step] - amplitudes[index - step]) / (2.0 * amplitudes[index]);
                 if amplitudes[index] > 0.0 {
                     *relative = [slope(1), slope(width)];
                 }
@@ -46,8 +61,9 @@ impl Gradients {
         Self { width, relative }
     }
 
-    /// How far each pixel of a field was pulled, projector pixels; 0 where that is not known.
-    pub(super) fn pulls(&self, field: &Field) -> Vec<f32> {
+    /// How far each pixel of a field was pulled by a blur of this variance, projector pixels; 0 where that is not
+    /// known.
+    pub(super) fn pulls(&self, field: &Field, blur_variance: f32) -> Vec<f32> {
         let step = |index: usize, by: usize| {
             let (before, after) = (index - by, index + by);
             let is_known = field.sigma[before].is_finite() && field.sigma[after].is_finite();
@@ -59,14 +75,89 @@ impl Gradients {
             }
         };
         let pull = |index: usize| {
-            let [along_row, along_column] = self.relative[index];
+            let [along_row, along_column] = self.relative[index].map(|slope| slope / (1.0 + (slope / SHADING).powi(2)));
             // At the margin of the picture, where there are no neighbours, both are 0.
             if along_row == 0.0 && along_column == 0.0 {
                 return 0.0;
             }
-            BLUR_VARIANCE * (along_row * step(index, 1) + along_column * step(index, self.width))
+            blur_variance * (along_row * step(index, 1) + along_column * step(index, self.width))
         };
         (0..self.relative.len()).into_par_iter().map(pull).collect()
+    }
+}
+
+/// The variance of the camera's blur and its pixels' extent that the coordinates along both axes show, squared camera
+/// pixels. The gradients are of two independent measurements of the light.
+pub(super) fn blur_variance(gradients: [&Gradients; 2], fields: [&Field; 2]) -> f32 {
+    let width = gradients[0].width;
+    let height = gradients[0].relative.len() / width.max(1);
+    // All REACH pixels beside those that are compared have neighbours, too.
+    let margin = REACH + 1;
+    let row = |y: usize| {
+        let mut sums = Sums::default();
+        for field in fields {
+            for index in y * width + margin..((y + 1) * width).saturating_sub(margin) {
+                [1, width].into_iter().enumerate().for_each(|(axis, by)| sums.add(gradients, field, index, axis, by));
+            }
+        }
+        sums
+    };
+    let rows = margin..height.saturating_sub(margin);
+    rows.into_par_iter().map(row).reduce(Sums::default, Sums::and).variance()
+}
+
+/// Sums over comparisons.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    /// Of how far coordinates are off, times the instrument.
+    off: f64,
+    /// Of the pull by a variance of one, times the instrument.
+    pull: f64,
+    /// Of the squared instrument, times the variance of how far coordinates are off.
+    noise: f64,
+}
+
+impl Sums {
+    /// Compares a pixel with those beside it along an axis of the camera's picture, `by` pixels apart from one another.
+    fn add(&mut self, [gradients, instrument]: [&Gradients; 2], field: &Field, index: usize, axis: usize, by: usize) {
+        let slope = instrument.relative[index][axis].abs();
+        if !(MEASURED[0]..MEASURED[1]).contains(&slope) {
+            return;
+        }
+        let (before, after) = (index - REACH * by, index + REACH * by);
+        if !(before - by..=after + by).step_by(by).all(|index| field.sigma[index].is_finite()) {
+            return;
+        }
+        let step = (field.at[after] - field.at[before]) / (2 * REACH) as f32;
+        if step.abs() > SURFACE_STEP_PX {
+            return;
+        }
+        let relative = |of: &Gradients| {
+            let [before, at, after] = [before, index, after].map(|index| of.relative[index][axis]);
+            at - 0.5 * (before + after)
+        };
+        let (pull, instrument) = (step * relative(gradients), step * relative(instrument));
+        let off = field.at[index] - 0.5 * (field.at[before] + field.at[after]);
+        let [before, at, after] = [before, index, after].map(|index| field.sigma[index].powi(2));
+        let variance = at + 0.25 * (before + after) + CURVATURE;
+        let miss = (off - USUAL_VARIANCE * pull).powi(2) / variance;
+        let weight = 1.0 / (variance * (1.0 + miss / (OUTLIER * OUTLIER)));
+        self.off += f64::from(weight * off * instrument);
+        self.pull += f64::from(weight * pull * instrument);
+        self.noise += f64::from(weight * instrument * instrument);
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self { off: self.off + other.off, pull: self.pull + other.pull, noise: self.noise + other.noise }
+    }
+
+    /// The variance that explains best how far coordinates are off, together with what is usual.
+    fn variance(&self) -> f32 {
+        let usual = 1.0 / f64::from(VARIANCE_SIGMA).powi(2);
+        let measured = self.pull.powi(2) / self.noise.max(1e-9);
+        let variance = if self.pull > 0.0 { self.off / self.pull } else { 0.0 };
+        let variance = (variance * measured + f64::from(USUAL_VARIANCE) * usual) / (measured + usual);
+        (variance as f32).clamp(VARIANCES[0], VARIANCES[1])
     }
 }
 
@@ -87,12 +178,49 @@ mod tests {
         // Brighter to the right by 3 % per pixel, evenly lit from top to bottom.
         let amplitudes: Vec<f32> = (0..WIDTH * HEIGHT).map(|index| (0.03 * (index % WIDTH) as f32).exp()).collect();
         let gradients = Gradients::new(&amplitudes, WIDTH);
-        let pulls = gradients.pulls(&field(|x, y| 2.0 * x as f32 + 3.0 * y as f32));
+        let pulls = gradients.pulls(&field(|x, y| 2.0 * x as f32 + 3.0 * y as f32), USUAL_VARIANCE);
         let middle = 4 * WIDTH + 6;
-        assert!((pulls[middle] - 0.03 * 2.0 * BLUR_VARIANCE).abs() < 1e-3, "{}", pulls[middle]);
+        assert!((pulls[middle] - 0.03 * 2.0 * USUAL_VARIANCE).abs() < 1e-3, "{}", pulls[middle]);
         assert_eq!(pulls[0], 0.0);
         let mut field = field(|x, _| 2.0 * x as f32);
         field.sigma[middle + 1] = f32::INFINITY;
-        assert_eq!(gradients.pulls(&field)[middle], 0.0);
+        assert_eq!(gradients.pulls(&field, USUAL_VARIANCE)[middle], 0.0);
+    }
+
+    #[test]
+    fn the_blur_is_measured_where_the_light_changes() {
+        const SIDE: usize = 160;
+        // A texture that is seen with independent noise twice, and coordinates that a blur has pulled by it.
+        let mut state = 1_u32;
+        let mut noise = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32 - 0.5
+        };
+        let texture: Vec<f32> = (0..SIDE * SIDE)
+            .map(|index| ((index % SIDE) as f32 * 0.7).sin() + ((index / SIDE) as f32 * 0.5).cos())
+            .map(|wave| (0.2 * wave).exp())
+            .collect();
+        let exact = Gradients::new(&texture, SIDE);
+        let mut seen = || {
+            let noisy: Vec<f32> = texture.iter().map(|light| light * (1.0 + 0.02 * noise())).collect();
+            Gradients::new(&noisy, SIDE)
+        };
+        let (first, second) = (seen(), seen());
+        for variance in [0.12, 0.3, 0.8] {
+            let at: Vec<f32> = (0..SIDE * SIDE)
+                .map(|index| {
+                    let [along_row, along_column] = exact.relative[index];
+                    let (x, y) = ((index % SIDE) as f32, (index / SIDE) as f32);
+                    2.0 * x + y + variance * (2.0 * along_row + along_column)
+                })
+                .collect();
+            let field = Field { width: SIDE, sigma: vec![0.05; at.len()], at };
+            let found = blur_variance([&first, &second], [&field, &field]);
+            assert!((found - variance).abs() < 0.03, "{found} instead of {variance}");
+        }
+        // Where the light is even, nothing shows it.
+        let even = Gradients::new(&[1.0; SIDE * SIDE], SIDE);
+        let field = Field { width: SIDE, sigma: vec![0.05; SIDE * SIDE], at: vec![1.0; SIDE * SIDE] };
+        assert_eq!(blur_variance([&even, &even], [&field, &field]), USUAL_VARIANCE);
     }
 }

@@ -6,7 +6,7 @@ use super::channels::AxisChannels;
 use super::stripes::{self, Contrasts, LEVELS};
 
 /// Stripes at least as wide count as seen sharply.
-const COARSE_FROM_PX: f64 = 60.0;
+pub(super) const COARSE_FROM_PX: f64 = 60.0;
 /// A tile's own pixels count against so many of the whole picture.
 const PIXELS_OF_ALL: f32 = 40.0;
 

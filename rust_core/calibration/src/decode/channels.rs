@@ -9,30 +9,30 @@ pub(super) const MOST_CHANNELS: usize = 32;
 
 /// Stripes and where their pictures are.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Channel {
-    pub(super) stripes: Stripes,
+pub(crate) struct Channel {
+    pub(crate) stripes: Stripes,
     /// The picture that shows them.
-    pub(super) lit: usize,
+    pub(crate) lit: usize,
     /// The picture that shows their inverse.
-    pub(super) inverse: usize,
+    pub(crate) inverse: usize,
 }
 
 /// The pictures of a scan.
 #[derive(Debug)]
-pub(super) struct Channels {
-    pub(super) white: usize,
-    pub(super) black: usize,
+pub(crate) struct Channels {
+    pub(crate) white: usize,
+    pub(crate) black: usize,
     /// For x and y.
-    pub(super) axes: [AxisChannels; 2],
+    pub(crate) axes: [AxisChannels; 2],
 }
 
 /// The stripes of an axis.
 #[derive(Debug)]
-pub(super) struct AxisChannels {
+pub(crate) struct AxisChannels {
     /// All of them.
-    pub(super) all: Vec<Channel>,
+    pub(crate) all: Vec<Channel>,
     /// How many at the beginning of `all` are the bits of one code from the most significant on.
-    pub(super) code_bits: usize,
+    pub(crate) code_bits: usize,
 }
 
 impl Channels {
@@ -40,7 +40,7 @@ impl Channels {
     ///
     /// # Errors
     /// [`DecodeError`]: without white or black, a pattern without its inverse, or a code without its coarse bits.
-    pub(super) fn new(patterns: &[Pattern]) -> Result<Self, DecodeError> {
+    pub(crate) fn new(patterns: &[Pattern]) -> Result<Self, DecodeError> {
         let find = |wanted| patterns.iter().position(|pattern| *pattern == wanted);
         let white = find(Pattern::White).ok_or(DecodeError::Missing("the white picture"))?;
         let black = find(Pattern::Black).ok_or(DecodeError::Missing("the black picture"))?;

@@ -12,12 +12,12 @@
 
 mod bleeding;
 mod blur;
-mod channels;
+pub(crate) mod channels;
 mod margins;
 mod neighbours;
 mod quality;
 mod range;
-mod response;
+pub(crate) mod response;
 mod search;
 mod stripes;
 
@@ -27,8 +27,8 @@ use rayon::prelude::*;
 
 use crate::patterns::Pattern;
 use bleeding::Gradients;
-use blur::{Energy, Tables};
-use channels::{AxisChannels, Channels, MOST_CHANNELS};
+use blur::{Energy, Tables, COARSE_FROM_PX};
+use channels::{AxisChannels, Channel, Channels, MOST_CHANNELS};
 use margins::{without_bleeding, without_margins};
 use neighbours::{Field, Prediction};
 use range::least_place_px;
@@ -189,19 +189,21 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
     quality.beyond = [0, 1].map(|axis| lights.share_beyond(&channels.axes[axis], projector_px[axis], &noise));
     let lit = noise.iter().filter(|noise| noise.is_finite()).count();
     let amplitudes = lights.amplitudes();
-    let gradients = Gradients::new(&amplitudes, pictures.size_px[0] as usize);
-    let axes = [0, 1].map(|axis| {
-        let tables = Tables::new(&channels.axes[axis], projector_px[axis]);
-        AxisDecoder {
-            lights: &lights,
-            noise: &noise,
-            channels: &channels.axes[axis],
-            tables: &tables,
-            gradients: &gradients,
-        }
-        .decode()
+    let width = pictures.size_px[0] as usize;
+    let gradients = Gradients::new(&amplitudes, width);
+    let tables = [0, 1].map(|axis| Tables::new(&channels.axes[axis], projector_px[axis]));
+    let decoders = [0, 1].map(|axis| AxisDecoder {
+        lights: &lights,
+        noise: &noise,
+        channels: &channels.axes[axis],
+        tables: &tables[axis],
     });
-    let [along_x, along_y] = &axes;
+    let mut single = decoders.each_ref().map(AxisDecoder::decode_single);
+    let by_stripes = Gradients::new(&lights.amplitudes_of_stripes(&noise), width);
+    let blur_variance =
+        bleeding::blur_variance([&gradients, &by_stripes], single.each_ref().map(|single| &single.field));
+    single.iter_mut().for_each(|single| single.push_back(&gradients.pulls(&single.field, blur_variance)));
+    let [along_x, along_y] = [0, 1].map(|axis| decoders[axis].decode_together(&single[axis]));
     let pixels: Vec<DecodedPixel> = (0..expected)
         .map(|pixel| {
             let sigma = [along_x.sigma[pixel], along_y.sigma[pixel]];
@@ -212,7 +214,6 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
             }
         })
         .collect();
-    let width = pictures.size_px[0] as usize;
     let pixels = without_margins(&pixels, width);
     let pixels = without_bleeding(&pixels, &amplitudes, width);
     Ok(Decoded { size_px: pictures.size_px, pixels, lit, quality })
@@ -264,6 +265,28 @@ impl Lights<'_> {
             .collect()
     }
 
+    /// The same as the stripes tell it, without white and black: the median of coarse stripes against their inverses,
+    /// few of which have an edge near a pixel. 0 where the projector lights nothing.
+    fn amplitudes_of_stripes(&self, noise: &[f32]) -> Vec<f32> {
+        let is_coarse = |channel: &&Channel| channel.stripes.width_px() >= COARSE_FROM_PX;
+        let coarse: Vec<&Channel> =
+            self.channels.axes.iter().flat_map(|axis| axis.all.iter().filter(is_coarse)).collect();
+        let levels = &self.pictures.levels;
+        let amplitude = |(pixel, noise): (usize, &f32)| {
+            if !noise.is_finite() || coarse.is_empty() {
+                return 0.0;
+            }
+            let light = |picture: usize| self.response.light(levels[picture][pixel]);
+            let mut seen = [0.0; 2 * MOST_CHANNELS];
+            let seen = &mut seen[..coarse.len()];
+            for (seen, channel) in seen.iter_mut().zip(&coarse) {
+                *seen = (light(channel.lit) - light(channel.inverse)).abs();
+            }
+            *seen.select_nth_unstable_by(coarse.len() / 2, f32::total_cmp).1
+        };
+        noise.par_iter().enumerate().map(amplitude).collect()
+    }
+
     /// The differences of a lit pixel.
     #[inline]
     fn differences(&self, channels: &AxisChannels, pixel: usize) -> Differences {
@@ -284,7 +307,6 @@ struct AxisDecoder<'a> {
     noise: &'a [f32],
     channels: &'a AxisChannels,
     tables: &'a Tables<'a>,
-    gradients: &'a Gradients,
 }
 
 /// What one band of tiles yields.
@@ -294,28 +316,48 @@ struct Band {
     tiles: Vec<(usize, f32)>,
 }
 
-impl AxisDecoder<'_> {
-    fn decode(&self) -> Field {
-        let width = self.lights.pictures.size_px[0] as usize;
-        let rows_of_pixels: Vec<&[f32]> = self.noise.chunks(width * TILE).collect();
-        let all = self.energy_of((0..self.noise.len()).step_by(13));
-        let bands: Vec<Band> =
-            (0..rows_of_pixels.len()).into_par_iter().map(|band| self.band(band, width, &all)).collect();
-        let mut found: Vec<Option<Found>> = bands.iter().flat_map(|band| band.found.iter().copied()).collect();
-        let tiles: Vec<&[(usize, f32)]> = bands.iter().map(|band| band.tiles.as_slice()).collect();
-        let is_sure = |found: &Found| found.misfit < WORST_MISFIT && found.sigma < 3.0;
-        let mut field = Field {
-            width,
-            at: found.iter().map(|found| found.map_or(0.0, |found| found.at)).collect(),
-            sigma: found.iter().map(|found| found.filter(is_sure).map_or(f32::INFINITY, |found| found.sigma)).collect(),
-        };
-        let pulls = self.gradients.pulls(&field);
-        for ((at, found), pull) in field.at.iter_mut().zip(&mut found).zip(&pulls) {
+/// What the pixels of an axis tell, each for itself.
+struct Single {
+    found: Vec<Option<Found>>,
+    /// The level of blur and the share of direct light of each tile, band by band.
+    tiles: Vec<Vec<(usize, f32)>>,
+    /// The places of those that are sure.
+    field: Field,
+}
+
+impl Single {
+    /// Takes back how far each pixel was pulled, projector pixels.
+    fn push_back(&mut self, pulls: &[f32]) {
+        for ((at, found), pull) in self.field.at.iter_mut().zip(&mut self.found).zip(pulls) {
             if let Some(found) = found {
                 found.at -= pull;
                 *at = found.at;
             }
         }
+    }
+}
+
+impl AxisDecoder<'_> {
+    /// Decodes each pixel for itself.
+    fn decode_single(&self) -> Single {
+        let width = self.lights.pictures.size_px[0] as usize;
+        let all = self.energy_of((0..self.noise.len()).step_by(13));
+        let bands = self.noise.len().div_ceil(width * TILE);
+        let bands: Vec<Band> = (0..bands).into_par_iter().map(|band| self.band(band, width, &all)).collect();
+        let found: Vec<Option<Found>> = bands.iter().flat_map(|band| band.found.iter().copied()).collect();
+        let is_sure = |found: &Found| found.misfit < WORST_MISFIT && found.sigma < 3.0;
+        let field = Field {
+            width,
+            at: found.iter().map(|found| found.map_or(0.0, |found| found.at)).collect(),
+            sigma: found.iter().map(|found| found.filter(is_sure).map_or(f32::INFINITY, |found| found.sigma)).collect(),
+        };
+        Single { found, tiles: bands.into_iter().map(|band| band.tiles).collect(), field }
+    }
+
+    /// Decides on each pixel's place with what its neighbours tell.
+    fn decode_together(&self, single: &Single) -> Field {
+        let Single { found, tiles, field } = single;
+        let width = field.width;
         let predictions = field.predictions();
         let mut result = Field { width, at: vec![0.0; field.at.len()], sigma: vec![f32::INFINITY; field.at.len()] };
         result.at.par_chunks_mut(width).zip(result.sigma.par_chunks_mut(width)).enumerate().for_each(

@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1.0 / 12.0;
 
 /// What level a light makes, and how much levels vary. Linear light is 1 at level 255.
 #[derive(Debug, Clone)]
-pub(super) struct Response {
+pub(crate) struct Response {
     /// The light of each level.
     light: Vec<f32>,
     /// The exponent: light = (level / 255) ^ gamma.
@@ -31,7 +31,7 @@ pub(super) struct Response {
 
 impl Response {
     /// Finds it from pixels that are lit well.
-    pub(super) fn find(pictures: &Pictures<'_>, channels: &Channels) -> Self {
+    pub(crate) fn find(pictures: &Pictures<'_>, channels: &Channels) -> Self {
         let sample = Sample::collect(pictures, channels);
         let mut response = Self::with_gamma(1.0);
         if sample.pixels.len() >= 50 {
@@ -48,7 +48,7 @@ impl Response {
 
     /// The linear light of a level.
     #[inline]
-    pub(super) fn light(&self, level: u8) -> f32 {
+    pub(crate) fn light(&self, level: u8) -> f32 {
         self.light[usize::from(level)]
     }
 

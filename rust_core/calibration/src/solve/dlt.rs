@@ -5,12 +5,19 @@
 //! is left out. Elimination with full pivoting solves them in a fixed number of steps. P = K [R t] is then split row by
 //! row, from the last to the first.
 
-use nalgebra::{Isometry3, Matrix3, Point2, Point3, Rotation3, SMatrix, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{
+    Isometry3, Matrix3, Point2, Point3, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3,
+};
 
-use crate::Lens;
+use super::noise::quantile;
+use crate::{Lens, Sample};
 
 /// Ratios of the focal lengths that are not thrown away.
 const FOCAL_RATIO: std::ops::Range<f64> = 0.2..5.0;
+/// How often all correspondences are weighted by how far they miss.
+const ROUNDS: usize = 12;
+/// The least ratio of the second smallest and the largest eigenvalue of equations that determine a solution.
+const DETERMINED: f64 = 1e-9;
 
 /// The lens and `lens_from_points` of six correspondences that do not lie on a plane; none if they do, or if they are
 /// those of a mirror or lie behind the lens.
@@ -38,7 +45,7 @@ pub(super) fn lens_and_pose(
     let rows = SMatrix::<f64, 3, 4>::from_fn(|row, column| p[4 * row + column]);
     let left: Matrix3<f64> = rows.fixed_view::<3, 3>(0, 0) / spread;
     let last: Vector3<f64> = rows.column(3) - left * center;
-    let (k, rotation, translation) = split(left, last)?;
+    let Split { k, rotation, translation, .. } = split(left, last)?;
     let is_before = |point: &Point3<f64>| (rotation * point.coords + translation).z > 0.0;
     // A mirror's P has all points behind; a gross error may be there in any.
     if points.iter().filter(|point| is_before(point)).count() < 4 {
@@ -53,8 +60,16 @@ pub(super) fn lens_and_pose(
     Some((lens, Isometry3::from_parts(Translation3::from(translation), turn)))
 }
 
-/// P = K [R t] with positive focal lengths, K's last entry 1 and its skew dropped.
-fn split(left: Matrix3<f64>, last: Vector3<f64>) -> Option<(Matrix3<f64>, Matrix3<f64>, Vector3<f64>)> {
+/// P = K [R t] with positive focal lengths and K's last entry 1.
+struct Split {
+    /// Without its skew.
+    k: Matrix3<f64>,
+    skew: f64,
+    rotation: Matrix3<f64>,
+    translation: Vector3<f64>,
+}
+
+fn split(left: Matrix3<f64>, last: Vector3<f64>) -> Option<Split> {
     let scale = left.row(2).norm();
     let [m1, m2, m3] = [0, 1, 2].map(|row| left.row(row).transpose() / scale);
     let last = last / scale;
@@ -63,7 +78,8 @@ fn split(left: Matrix3<f64>, last: Vector3<f64>) -> Option<(Matrix3<f64>, Matrix
     let fy = second.norm();
     let r2 = second / fy;
     let first = m1 - m3 * cx;
-    let first = first - r2 * first.dot(&r2);
+    let skew = first.dot(&r2);
+    let first = first - r2 * skew;
     let fx = first.norm();
     let r1 = first / fx;
     let is_sound = [fx, fy, cx, cy].iter().all(|value| value.is_finite()) && FOCAL_RATIO.contains(&(fx / fy));
@@ -75,7 +91,57 @@ fn split(left: Matrix3<f64>, last: Vector3<f64>) -> Option<(Matrix3<f64>, Matrix
     // P is known up to its sign, and only one of them is a rotation.
     let sign = rotation.determinant().signum();
     let k = Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0);
-    Some((k, rotation * sign, t * sign))
+    Some(Split { k, skew, rotation: rotation * sign, translation: t * sign })
+}
+
+/// How skewed a lens without distortion would be that most of these correspondences agree with, as a share of the
+/// smaller focal length, and by how many pixels half of them miss at most; none if they lie on a plane. Weights are
+/// found again and again by how far each misses.
+pub(crate) fn skew_of_all(samples: &[Sample], size_px: [u32; 2]) -> Option<(f64, f64)> {
+    let center = samples.iter().map(|sample| sample.point.coords).sum::<Vector3<f64>>() / samples.len().max(1) as f64;
+    let spread = samples.iter().map(|sample| (sample.point.coords - center).norm()).sum::<f64>() / samples.len() as f64;
+    let unit_px = f64::from(size_px[0].max(size_px[1])) * 0.5;
+    let middle = Point2::new(f64::from(size_px[0]) * 0.5, f64::from(size_px[1]) * 0.5);
+    let places: Vec<_> = (samples.iter())
+        .map(|sample| (((sample.point.coords - center) / spread).push(1.0), (sample.pixel - middle) / unit_px))
+        .collect();
+    let mut weights = vec![1.0; samples.len()];
+    let mut found = None;
+    for _ in 0..ROUNDS {
+        let mut normal = SMatrix::<f64, 12, 12>::zeros();
+        for ((place, seen), weight) in places.iter().zip(&weights) {
+            for axis in 0..2 {
+                let mut row = SVector::<f64, 12>::zeros();
+                row.fixed_rows_mut::<4>(4 * axis).copy_from(place);
+                row.fixed_rows_mut::<4>(8).copy_from(&(place * -seen[axis]));
+                normal += row * row.transpose() * *weight;
+            }
+        }
+        let eigen = normal.symmetric_eigen();
+        let mut order: [usize; 12] = std::array::from_fn(|i| i);
+        order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+        // On a plane, several matrices explain everything.
+        if eigen.eigenvalues[order[1]].is_nan()
+            || eigen.eigenvalues[order[1]] < DETERMINED * eigen.eigenvalues[order[11]]
+        {
+            return None;
+        }
+        let p = eigen.eigenvectors.column(order[0]).into_owned();
+        let rows = SMatrix::<f64, 3, 4>::from_fn(|row, column| p[4 * row + column]);
+        let misses: Vec<f64> = (places.iter())
+            .map(|(place, seen)| {
+                let landed = rows * place;
+                (landed.xy() / landed.z - seen).norm() * unit_px
+            })
+            .collect();
+        let typical_px = quantile(&mut misses.clone(), 0.5).max(1e-9);
+        weights = (misses.iter().zip(&places))
+            .map(|(miss, (place, _))| (rows * place).z.powi(-2) / (1.0 + (miss / (2.0 * typical_px)).powi(2)))
+            .collect();
+        let split = split(rows.fixed_view::<3, 3>(0, 0).into_owned(), rows.column(3).into_owned())?;
+        found = Some((split.skew / split.k[(0, 0)].min(split.k[(1, 1)]), typical_px));
+    }
+    found
 }
 
 /// A vector that eleven independent equations of twelve take to zero; none if fewer are independent.

@@ -42,6 +42,7 @@ pub(crate) mod synthetic;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use dlt::skew_of_all;
 pub use refusal::Refusal;
 pub use solver::solve;
 

@@ -78,6 +78,25 @@ impl State {
         Some(Prediction { pixel: landing.pixel, by_point: landing.by_point, jacobian })
     }
 
+    /// The step of the unknowns that leads to another state, as far as they can.
+    pub(super) fn step_to(&self, other: &Self, free: &Free) -> DVector<f64> {
+        let (values, others) = (lens_values(&self.lens), lens_values(&other.lens));
+        let mut step = DVector::zeros(free.len());
+        for (column, raw) in free.lens.iter().enumerate() {
+            let known = raw.iter().filter(|parameter| **parameter < SKEW);
+            step[column] =
+                known.map(|parameter| others[*parameter] - values[*parameter]).sum::<f64>() / raw.len() as f64;
+        }
+        for (scan, (pose, other)) in self.poses.iter().zip(&other.poses).enumerate() {
+            let turn = other.rotation * pose.rotation.inverse();
+            let shift = other.translation.vector - turn * pose.translation.vector;
+            let at = free.pose_column(scan);
+            step.fixed_rows_mut::<3>(at).copy_from(&turn.scaled_axis());
+            step.fixed_rows_mut::<3>(at + 3).copy_from(&shift);
+        }
+        step
+    }
+
     /// The state after a step of the unknowns; none if it makes no sense.
     pub(super) fn stepped(&self, free: &Free, step: &DVector<f64>) -> Option<Self> {
         let mut values = lens_values(&self.lens);

@@ -1,6 +1,6 @@
 //! The order of the steps: check, find, adjust, choose the distortion, judge.
 
-use nalgebra::{DMatrix, Point2};
+use nalgebra::{DMatrix, DVector, Matrix3, Point2, Vector3};
 use rayon::prelude::*;
 
 use super::adjust::{self, Adjusted, Effort};
@@ -40,11 +40,11 @@ const LEAST_OUTLINE: f64 = 0.15;
 const MOST_FOCAL_SIGMA: f64 = 0.05;
 /// The largest deviation of a prediction, as a share of the picture's width.
 const MOST_PREDICTION_SIGMA: f64 = 0.01;
-/// What all samples share, such as the rounding of depths, is in no residual. So nothing is known better than this: the
-/// focal length, as a share of it,
-const LEAST_FOCAL_SHARE: f64 = 2e-6;
-/// and the projector's position, as a share of the points' depth.
-const LEAST_POSITION_SHARE: f64 = 2e-6;
+/// What all samples share, such as the rounding of depths or what is left of the camera's blur, is in no residual, since
+/// focal length and distance take it up. So nothing is known better than this: the focal length, as a share of it,
+const LEAST_FOCAL_SHARE: f64 = 6e-6;
+/// and the projector's position along and across its light, as shares of the points' depth.
+const LEAST_POSITION_SHARES: [f64; 3] = [2e-6, 2e-6, 6e-6];
 /// Left-out samples may miss by so many times as much as others, and by so many pixels more: by twice as many if the
 /// samples are no more than this.
 const HELD_OUT_LIMIT: (f64, f64) = (3.0, 1.0);
@@ -67,13 +67,15 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
     let first = solver.first()?;
     let per_scan = (CHOOSING / observations.scans.len()).max(OF_EACH[0]);
     let few = observations.thinned(per_scan, options.seed);
-    let Chosen { terms, free, adjusted } = solver.chosen_terms(&few, &first);
+    let Chosen { terms, free, adjusted, in_doubt } = solver.chosen_terms(&few, &first);
     let adjusted = adjust::robustly(&observations, &adjusted.state, &free, adjusted.noise, 2);
     solver.check_fit(&adjusted)?;
     let Judged { covariance, prediction_sigma_px, skew } = solver.judged(&adjusted, &free)?;
     let weights = adjusted.noise.weights(&few, &adjusted.state, LIMIT);
     let blocks = Blocks::new(&few, options.size_px);
     let held_out_rms_px = LeftOut::new(&few, &weights, &blocks, &adjusted.state, &free).rms_px();
+    // What other terms would have changed is uncertain; light lands in the same place with them.
+    let covariance = covariance + &in_doubt * in_doubt.transpose();
     let solution = solver.solution(&adjusted, &free, &covariance, terms);
     let solution = Solution { held_out_rms_px, prediction_sigma_px, skew, ..solution };
     let (factor, more_px) = HELD_OUT_LIMIT;
@@ -91,6 +93,8 @@ struct Chosen {
     terms: DistortionTerms,
     free: Free,
     adjusted: Adjusted,
+    /// By how much terms would change the unknowns that make the prediction better, but not noticeably.
+    in_doubt: DVector<f64>,
 }
 
 /// How certain a solution is.
@@ -264,11 +268,12 @@ impl<'a> Solver<'a> {
         let noise = Noise::first(first.score.near, few.all.len() / few.scans.len());
         let free = self.free(self.richest);
         let rich = adjust::robustly(few, &first.state, &free, noise, 3);
+        let in_doubt = DVector::zeros(free.len());
         if options.known_lens.is_some() {
-            return Chosen { terms: DistortionTerms::None, free, adjusted: rich };
+            return Chosen { terms: DistortionTerms::None, free, adjusted: rich, in_doubt };
         }
         if options.distortion != DistortionTerms::Auto {
-            return Chosen { terms: options.distortion, free, adjusted: rich };
+            return Chosen { terms: options.distortion, free, adjusted: rich, in_doubt };
         }
         let blocks = Blocks::new(few, options.size_px);
         let with = |terms: DistortionTerms, options: &SolveOptions| {
@@ -280,14 +285,20 @@ impl<'a> Solver<'a> {
             (terms, free, state, left_out)
         };
         let mut chosen = with(DistortionTerms::None, options);
+        let mut refused: Option<(State, LeftOut)> = None;
         for (terms, options) in candidates(options) {
             let trial = with(terms, &options);
             if trial.3.is_better_than(&chosen.3, &rich.weights, &blocks) {
-                chosen = trial;
+                (chosen, refused) = (trial, None);
+            } else if refused.as_ref().is_none_or(|(_, refused)| trial.3.rms_px() < refused.rms_px()) {
+                refused = Some((trial.2, trial.3));
             }
         }
-        let (terms, free, state, _) = chosen;
-        Chosen { terms, free, adjusted: Adjusted { state, ..rich } }
+        let (terms, free, state, left_out) = chosen;
+        let in_doubt = refused.filter(|(_, refused)| refused.rms_px() < left_out.rms_px());
+        let in_doubt =
+            in_doubt.map_or_else(|| DVector::zeros(free.len()), |(refused, _)| state.step_to(&refused, &free));
+        Chosen { terms, free, adjusted: Adjusted { state, ..rich }, in_doubt }
     }
 
     /// Refuses fits that many samples contradict.
@@ -399,17 +410,18 @@ impl<'a> Solver<'a> {
             .map(|(scan, number)| {
                 let pose = adjusted.state.poses[scan];
                 let at = free.pose_column(scan);
-                let shift = covariance.fixed_view::<3, 3>(at + 3, at + 3).into_owned();
-                let rotation = pose.rotation.to_rotation_matrix().into_inner();
-                let in_camera = rotation.transpose() * shift * rotation;
                 let range = observations.range(scan);
                 let mut depths: Vec<f64> =
                     observations.all[range].iter().map(|observation| observation.point.z).collect();
-                let least_m = LEAST_POSITION_SHARE * quantile(&mut depths, 0.5);
+                let depth_m = quantile(&mut depths, 0.5);
+                let least_m2 = Vector3::from(LEAST_POSITION_SHARES).map(|share| (share * depth_m).powi(2));
+                let shift = covariance.fixed_view::<3, 3>(at + 3, at + 3) + Matrix3::from_diagonal(&least_m2);
+                let rotation = pose.rotation.to_rotation_matrix().into_inner();
+                let in_camera = rotation.transpose() * shift * rotation;
                 ScanPose {
                     scan: *number,
                     projector_from_camera: pose,
-                    position_sigma_m: [0, 1, 2].map(|axis| in_camera[(axis, axis)].max(0.0).sqrt().hypot(least_m)),
+                    position_sigma_m: [0, 1, 2].map(|axis| in_camera[(axis, axis)].max(0.0).sqrt()),
                     orientation_sigma_rad: [0, 1, 2].map(|axis| sigma_at(at + axis)),
                     inliers: observations.range(scan).filter(|i| adjusted.weights[*i].is_used()).count(),
                 }

@@ -51,6 +51,9 @@ pub(super) enum ScanFailure {
          the monitor's settings, and take mirrors out of the way"
     )]
     Mirrored,
+    /// The projector distorts its picture; the reason.
+    #[error("{0}")]
+    Keystone(String),
     /// Stripes that the picture does not have.
     #[error(
         "{:.0} % of the lit pixels see stripes that no picture of {}x{} pixels has: is another picture, a scaled one, \

@@ -2,7 +2,7 @@
 //! bag share this.
 
 use rcs_calibration::patterns::{Axis, Pattern};
-use rcs_calibration::{decode, Decoded, Lens, Pictures, ScanProblem};
+use rcs_calibration::{decode, Decoded, Keystone, Lens, Pictures, ScanProblem};
 use rcs_files::capture::{Capture, PatternPicture};
 
 use super::depth_average::DepthAverage;
@@ -14,6 +14,9 @@ use super::orientation::{self, Orientation};
 const LEAST_DECODED: f64 = 0.002;
 /// Below this share of decoded pixels among the lit ones there is a warning.
 const FEW_DECODED: f64 = 0.5;
+
+/// The stripes whose crossings tell whether the projector distorts its picture: so many bits of each axis.
+pub(super) const KEYSTONE_BITS: u32 = 5;
 
 /// What a scan yields.
 #[derive(Debug)]
@@ -127,6 +130,30 @@ pub(super) fn check_orientation(
             Ok(())
         }
     }
+}
+
+/// Whether the projector distorts its picture, by the crossings of its coarse stripes, as far as these tell.
+///
+/// # Errors
+/// [`ScanFailure::Keystone`].
+pub(super) fn check_keystone(
+    pictures: &[PatternPicture],
+    depth: &DepthAverage,
+    camera: &Lens,
+    projector_px: [u32; 2],
+    warn: &mut dyn FnMut(&str),
+) -> Result<(), ScanFailure> {
+    let is_coarse = |picture: &&PatternPicture| orientation::is_coarse(&picture.pattern, KEYSTONE_BITS);
+    let coarse: Vec<&PatternPicture> = pictures.iter().filter(is_coarse).collect();
+    let patterns: Vec<Pattern> = coarse.iter().map(|picture| picture.pattern).collect();
+    let levels = coarse.iter().map(|picture| picture.grey.as_slice()).collect();
+    let pictures = Pictures { size_px: camera.size_px, patterns: &patterns, levels };
+    match Keystone::find(&pictures, &depth.depth_m(), camera, projector_px) {
+        Some(Keystone::Skewed(reason)) => return Err(ScanFailure::Keystone(reason)),
+        Some(Keystone::Stretched(reason)) => warn(&reason),
+        None => {}
+    }
+    Ok(())
 }
 
 /// Removes stripes without their inverse: those after which the scan was interrupted.

@@ -41,6 +41,14 @@ struct Seen {
     projector: [f64; 2],
 }
 
+/// Whether a pattern is white, black, or one of the first bits, which are looked at before the fine stripes are known.
+pub(super) fn is_coarse(pattern: &Pattern, bits: u32) -> bool {
+    match pattern {
+        Pattern::GrayCode(stripes) => stripes.bit < bits && stripes.offset == 0,
+        _ => true,
+    }
+}
+
 /// Judges the pictures of the coarse bits. `pictures` are those taken up to now, white and black among them; `lit` is a
 /// sample of the lit pixels.
 pub(super) fn judge(

@@ -2,7 +2,8 @@
 //!
 //! 1. Black and white in turn ([`super::light`]): the delay, exposure, rest.
 //! 2. The patterns, coarse stripes of both axes first. Once those were seen, it is known whether the picture is
-//!    mirrored or another one ([`super::orientation`]), and soon an interrupted scan is worth something.
+//!    mirrored or another one ([`super::orientation`]) and whether the projector distorts it
+//!    ([`rcs_calibration::Keystone`]), and soon an interrupted scan is worth something.
 //! 3. White again, compared with the first one, and decoding.
 
 use std::time::{Duration, Instant};
@@ -15,9 +16,9 @@ use super::compare::Change;
 use super::depth_average::DepthAverage;
 use super::devices::{Camera, Frame, Screen};
 use super::failure::{check_size, ScanFailure};
-use super::finish::{check_orientation, Scanned, Seen};
+use super::finish::{check_keystone, check_orientation, Scanned, Seen, KEYSTONE_BITS};
 use super::light::{Delay, Light};
-use super::orientation;
+use super::orientation::{self, is_coarse};
 
 /// How long the camera may be silent.
 const SILENCE: Duration = Duration::from_secs(5);
@@ -103,17 +104,21 @@ impl<'a> Session<'a> {
         light: &Light,
         pictures: &mut Vec<PatternPicture>,
     ) -> Result<(), ScanFailure> {
-        let coarse = patterns.iter().take_while(|pattern| is_coarse(pattern)).count();
+        let first = |bits| patterns.iter().take_while(|pattern| is_coarse(pattern, bits)).count();
+        let [for_orientation, for_keystone] = [orientation::BITS, KEYSTONE_BITS].map(first);
         for pattern in patterns {
             let last = pictures.last().map(|picture: &PatternPicture| picture.grey.as_slice());
             let grey = self.capture(pattern, light, last)?;
             pictures.push(PatternPicture { pattern: *pattern, grey });
             let readable = readable_share(pictures, light);
             (self.observe)(ScanEvent::Captured { pictures, readable });
-            if pictures.len() == coarse {
-                let (camera_px, screen) = (self.camera_px(), self.screen_name());
-                let mut warn = |warning: &str| (self.observe)(ScanEvent::Warning(warning));
-                check_orientation(pictures, light, camera_px, self.options.projector_px, &screen, &mut warn)?;
+            let (camera, projector_px, screen) = (self.camera.lens(), self.options.projector_px, self.screen_name());
+            let mut warn = |warning: &str| (self.observe)(ScanEvent::Warning(warning));
+            if pictures.len() == for_orientation {
+                check_orientation(pictures, light, camera.size_px, projector_px, &screen, &mut warn)?;
+            }
+            if pictures.len() == for_keystone && self.camera.has_depth() {
+                check_keystone(pictures, &self.depth, &camera, projector_px, &mut warn)?;
             }
         }
         let Some(first) = pictures.iter().find(|picture| picture.pattern == Pattern::White) else { return Ok(()) };
@@ -230,14 +235,6 @@ fn coarse_first(patterns: &[Pattern]) -> Vec<Pattern> {
     }
     ranked.sort_by_key(|(rank, _)| *rank);
     ranked.into_iter().map(|(_, pattern)| pattern).collect()
-}
-
-/// Whether a pattern's place among the picture's parts is looked at for the orientation.
-fn is_coarse(pattern: &Pattern) -> bool {
-    match pattern {
-        Pattern::GrayCode(stripes) => stripes.bit < orientation::BITS && stripes.offset == 0,
-        _ => true,
-    }
 }
 
 /// The share of lit pixels that see the difference between the last two pictures; all if they are no pair.

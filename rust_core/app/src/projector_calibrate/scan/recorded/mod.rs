@@ -23,7 +23,7 @@ use rcs_files::capture::PatternPicture;
 use super::compare::Change;
 use super::depth_average::DepthAverage;
 use super::failure::{check_size, ScanFailure};
-use super::finish::{check_orientation, Scanned, Seen};
+use super::finish::{check_keystone, check_orientation, Scanned, Seen};
 use super::light::{average, Light, MOST_CHANGE};
 use super::session::ScanEvent;
 use footage::Footage;
@@ -69,6 +69,9 @@ pub(super) fn scan(
     let lens = footage.lens();
     check_orientation(&pictures, &light, lens.size_px, options.projector_px, &footage.name(), &mut warn)?;
     let depth = footage.has_depth().then(|| average_depth(footage, &timeline, &sequence)).transpose()?;
+    if let Some(depth) = &depth {
+        check_keystone(&pictures, depth, &lens, options.projector_px, &mut warn)?;
+    }
     let seen = Seen {
         projector_px: options.projector_px,
         lens,

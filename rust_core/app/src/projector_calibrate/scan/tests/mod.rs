@@ -6,7 +6,7 @@ mod world;
 
 use std::time::Duration;
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Rotation3};
 use rcs_calibration::Decoded;
 use rcs_files::capture::Capture;
 use rcs_scan_simulator::Conditions;
@@ -143,6 +143,26 @@ fn a_mirrored_picture_is_refused_early() {
     assert!(outcome.shown < 30, "{}", outcome.shown);
     let failure = outcome.failure();
     assert!(matches!(failure, ScanFailure::Mirrored) && is_refused(failure));
+}
+
+/// The picture is corrected for a wall that is turned by some degrees both ways.
+fn keystone(degrees: f64) -> Matrix3<f64> {
+    let lens = Matrix3::new(340.0, 0.0, 159.5, 0.0, 340.0, 99.5, 0.0, 0.0, 1.0);
+    let turn = Rotation3::from_euler_angles(degrees.to_radians(), degrees.to_radians(), 0.0);
+    lens * turn.into_inner() * lens.try_inverse().unwrap()
+}
+
+#[test]
+fn a_keystone_correction_is_refused_early() {
+    for degrees in [-6.0, 10.0] {
+        let picture_from_panel = keystone(degrees);
+        let conditions = Conditions { picture_from_panel, ..Faults::default().conditions };
+        let outcome = Outcome::of(Faults { conditions, ..Faults::default() });
+        assert!(outcome.shown < 34, "{degrees}: {}", outcome.shown);
+        let failure = outcome.failure();
+        assert!(matches!(&failure, ScanFailure::Keystone(reason) if reason.contains("keystone")), "{failure:?}");
+        assert!(is_refused(failure));
+    }
 }
 
 #[test]

@@ -1,0 +1,60 @@
+//! A keystone correction is found by the first stripes of a scan, and none is suspected that is not there.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use rcs_calibration::patterns::{gray_code, Pattern};
+use rcs_calibration::{Keystone, Pictures};
+use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Room, Scan, SmoothError, View};
+
+const PROJECTOR_PX: [u32; 2] = [1280, 800];
+
+/// A correction for a wall that is turned by these angles about the picture's rows and columns, degrees.
+fn correction(about_rows: f64, about_columns: f64) -> Matrix3<f64> {
+    let lens = Matrix3::new(1400.0, 0.0, 639.5, 0.0, 1400.0, 399.5, 0.0, 0.0, 1.0);
+    let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), about_rows.to_radians())
+        * Rotation3::from_axis_angle(&Vector3::y_axis(), about_columns.to_radians());
+    let inverse = lens.try_inverse().unwrap_or_else(|| panic!("a lens is invertible"));
+    lens * turn.into_inner() * inverse
+}
+
+/// What the first stripes of a scan of a room tell, with a Kinect's depth and a smooth error of it.
+fn first_stripes(room: &Room, seed: u64, picture_from_panel: Matrix3<f64>) -> Option<Keystone> {
+    let rig = Rig::random(seed);
+    let view = View::new(room, &rig);
+    let is_coarse = |pattern: &Pattern| !matches!(pattern, Pattern::GrayCode(stripes) if stripes.bit >= 5);
+    let patterns: Vec<Pattern> = gray_code(PROJECTOR_PX).into_iter().filter(is_coarse).collect();
+    let conditions = Conditions { picture_from_panel, ..Conditions::random(seed) };
+    let pictures = Scan::new(&view, conditions).capture_all(&patterns);
+    let levels = pictures.iter().map(Vec::as_slice).collect();
+    let pictures = Pictures { size_px: view.size_px(), patterns: &patterns, levels };
+    let smooth_error = Some(SmoothError { rms_m: 0.001, seed });
+    let depth = DepthCamera { frames: 10, smooth_error, ..DepthCamera::kinect(seed) }.capture(&view);
+    let depth_m: Vec<f32> = depth.into_iter().map(|depth| f32::from(depth) * 1e-4).collect();
+    Keystone::find(&pictures, &depth_m, &rig.camera, PROJECTOR_PX)
+}
+
+#[test]
+fn a_picture_that_is_not_corrected_raises_no_alarm() {
+    for seed in 300..304 {
+        assert_eq!(first_stripes(&Room::cluttered(seed), seed, Matrix3::identity()), None, "room {seed}");
+    }
+}
+
+/// More than half of each kind: the example `keystone` counts over more rooms. Where few crossings are seen, the whole
+/// scan decides.
+#[test]
+fn most_corrections_are_found() {
+    const ROOMS: std::ops::Range<u64> = 300..304;
+    let count = |about_rows: f64, about_columns: f64, is_found: fn(&Keystone) -> bool| {
+        let found = |seed| first_stripes(&Room::cluttered(seed), seed, correction(about_rows, about_columns));
+        ROOMS.filter_map(found).filter(is_found).count()
+    };
+    let is_skewed = |found: &Keystone| matches!(found, Keystone::Skewed(_));
+    let skewed = [count(0.0, 8.0, is_skewed), count(5.0, -8.0, is_skewed)];
+    let stretched = count(15.0, 0.0, |_| true);
+    assert!(skewed[0] + skewed[1] > 4 && stretched > 2, "{skewed:?} and {stretched} of {ROOMS:?}");
+}
+
+#[test]
+fn a_flat_wall_tells_nothing() {
+    assert_eq!(first_stripes(&Room::wall(1.4, [0.1, -0.05]), 310, correction(0.0, 8.0)), None);
+}
