@@ -34,7 +34,11 @@ fn each_part_of_the_projection_can_be_replaced() {
     assert_eq!(nodes("projection.launch sample_scene:=false"), ["/camera_stream", "/projector", "/projector_window"]);
     assert_eq!(nodes("projection.launch sample_scene:=false projector:=none viewer:=none"), ["/camera_stream"]);
     let own_cloud = nodes("projection.launch sample_scene:=false viewer:=image_view clusters:=/my.pcd");
-    assert_eq!(own_cloud, ["/camera_stream", "/clusters", "/image_view", "/projector"]);
+    assert_eq!(own_cloud, ["/camera_stream", "/clusters", "/image_view", "/image_view_place", "/projector"]);
+    assert_eq!(
+        nodes("projection.launch sample_scene:=false viewer:=window monitor:=0"),
+        ["/camera_stream", "/projector"]
+    );
     assert_eq!(nodes("fetch.launch"), ["/camera_stream", "/projector", "/projector_window"]);
 }
 
@@ -42,7 +46,7 @@ fn each_part_of_the_projection_can_be_replaced() {
 fn an_unknown_viewer_is_refused() {
     let script = format!("{}\nroslaunch --nodes rviz_camera_stream projection.launch viewer:=mirror", from_source());
     let output = crate::bash(&script);
-    let error = "viewer:=mirror: there are projector_window, image_view and none";
+    let error = "viewer:=mirror: there are projector_window, window, image_view and none";
     assert!(printed_by(&output).contains(error), "{}", printed_by(&output));
     assert!(!printed_by(&output).contains("/camera_stream"), "{}", printed_by(&output));
 }

@@ -96,11 +96,26 @@ impl RosFixture {
     /// # Errors
     /// When it does not start.
     pub fn with(master: RosMaster, python: PythonNode, config: &str, args: &[&str]) -> io::Result<Self> {
+        Self::with_environment(master, python, config, args, &[])
+    }
+
+    /// As [`with`](Self::with), with more environment variables.
+    ///
+    /// # Errors
+    /// When it does not start.
+    pub fn with_environment(
+        master: RosMaster,
+        python: PythonNode,
+        config: &str,
+        args: &[&str],
+        environment: &[(&str, &str)],
+    ) -> io::Result<Self> {
         let folder = std::env::temp_dir().join(format!("rcs_fixture_{}", master.uri().replace(['/', ':'], "")));
         fs::create_dir_all(&folder)?;
         let file = folder.join(CONFIG);
         fs::write(&file, config)?;
         let mut command = master.environment(Command::new(program("camera_stream")));
+        command.envs(environment.iter().copied());
         let node = Running::start(command.arg("-d").arg(&file).args(["--renderer", "cpu"]).args(args))?;
         Ok(Self { node, python, master, folder })
     }

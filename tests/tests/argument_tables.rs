@@ -45,9 +45,12 @@ fn option_of(line: &str) -> Option<&str> {
 }
 
 /// Options whose defaults are compared with nothing, and why.
-const NOT_COMPARED: [(&str, &str); 2] = [
+const NOT_COMPARED: [(&str, &str); 5] = [
     ("--fixed-frame", "its default is the config's own, and the help names none"),
+    ("--set-mode", "a flag, of camera_stream"),
     ("--no-watch", "a flag; timing/settings.rs runs the node with and without it"),
+    ("--identify", "a flag with a value that may be left out"),
+    ("--set-mode", "a flag, of projector_window"),
 ];
 
 /// The default of an option of the node, which its help does not name because a parameter may give it as well.

@@ -1,8 +1,10 @@
 //! Shows a test pattern full screen, as `projector_window` shows an image topic.
 //!
-//! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png]`: pixel (u, v) of the pattern has red
+//! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png] [--stale-timeout SECONDS] [--set-mode yes]
+//! [--keys window] [--identify SECONDS] [--keep TITLE]`: pixel (u, v) of the pattern has red
 //! u % 256, green v % 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same.
-//! The same picture is shown again half a second later. Keys and the monitor are logged. Escape or q quit.
+//! The same picture is shown again half a second later. Keys and the monitor are logged, unless the window answers keys
+//! itself. Escape or q quit.
 
 use std::error::Error;
 use std::io::Write;
@@ -10,7 +12,7 @@ use std::thread;
 use std::time::Duration;
 
 use log::LevelFilter;
-use rcs_window::{self as window, MonitorChoice, ScreenPicture, UserEvent, WindowOptions};
+use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowOptions};
 
 fn pattern(width_px: u32, height_px: u32) -> ScreenPicture {
     ScreenPicture::from_fn(width_px, height_px, |u, v| {
@@ -27,17 +29,28 @@ fn main() -> Result<(), Box<dyn Error>> {
     let size = arguments.next().ok_or("usage: window_pattern WIDTHxHEIGHT")?;
     let (width, height) = size.split_once('x').ok_or("the size is WIDTHxHEIGHT")?;
     let (width, height): (u32, u32) = (width.parse()?, height.parse()?);
-    let mut options =
-        WindowOptions { source: "the test pattern".to_owned(), monitor: MonitorChoice::default(), screenshot: None };
+    let mut options = WindowOptions { source: "the test pattern".to_owned(), ..WindowOptions::default() };
+    let (mut has_own_keys, mut identify, mut keep) = (false, None, None);
     while let Some(flag) = arguments.next() {
         let value = arguments.next().ok_or("each option takes a value")?;
         match flag.as_str() {
             "--monitor" => options.monitor = value.parse()?,
             "--screenshot" => options.screenshot = Some(value.into()),
+            "--stale-timeout" => options.stale_timeout = Some(Duration::from_secs_f64(value.parse()?)),
+            "--set-mode" => options.set_mode = true,
+            "--keep" => keep = Some(value),
+            "--keys" => has_own_keys = true,
+            "--identify" => identify = Some(Duration::from_secs_f64(value.parse()?)),
             _ => return Err(format!("unknown option {flag}").into()),
         }
     }
-    window::run_interactive(options, move |event, sink| match event {
+    if let Some(duration) = identify {
+        return Ok(window::identify(duration, || false)?);
+    }
+    if let Some(title) = keep {
+        return Ok(window::keep_over(&title, &options.monitor, || false)?);
+    }
+    let handle = move |event: UserEvent<'_>, sink: &PictureSink| match event {
         UserEvent::Opened(monitor) => {
             log::info!("opened on {monitor}");
             let sink = sink.clone();
@@ -50,6 +63,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         UserEvent::MonitorChanged(monitor) => log::info!("now on {monitor}"),
         UserEvent::Key(key) => log::info!("key {key:?}"),
-    })?;
+    };
+    if has_own_keys {
+        window::run_with(&options, &PictureSink::new()?, handle)?;
+    } else {
+        window::run_interactive(&options, handle)?;
+    }
     Ok(())
 }

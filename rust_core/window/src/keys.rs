@@ -1,7 +1,7 @@
-//! The keys that a window reports, whatever the keyboard's layout: what the program does on one is its own affair.
-//! Escape and q are not among them, they end the window.
+//! The keys that a window reports, by the symbols that the keyboard's layout gives them: what the program does on one is
+//! its own affair. Escape and q are not among them, they end the window.
 
-use winit::keyboard::{Key, NamedKey};
+use xkeysym::{key, Keysym};
 
 /// A key that was pressed, or is held down and repeats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,41 +35,29 @@ pub enum WindowKey {
 }
 
 impl WindowKey {
-    /// The key as winit names it; none for others.
-    pub(crate) fn from_winit(key: &Key) -> Option<Self> {
-        Some(match key {
-            Key::Named(NamedKey::Space) => Self::Space,
-            Key::Named(NamedKey::Enter) => Self::Enter,
-            Key::Named(NamedKey::Backspace) => Self::Backspace,
-            Key::Named(NamedKey::Tab) => Self::Tab,
-            Key::Named(NamedKey::ArrowLeft) => Self::Left,
-            Key::Named(NamedKey::ArrowRight) => Self::Right,
-            Key::Named(NamedKey::ArrowUp) => Self::Up,
-            Key::Named(NamedKey::ArrowDown) => Self::Down,
-            Key::Named(NamedKey::PageUp) => Self::PageUp,
-            Key::Named(NamedKey::PageDown) => Self::PageDown,
-            Key::Named(NamedKey::Home) => Self::Home,
-            Key::Named(NamedKey::End) => Self::End,
-            Key::Character(text) => {
-                let mut characters = text.chars();
-                match (characters.next(), characters.next()) {
-                    (Some(' '), None) => Self::Space,
-                    (Some(character), None) => Self::Character(character),
-                    _ => return None,
-                }
-            }
-            _ => return None,
+    /// The key of a symbol; none for others.
+    pub(crate) fn from_keysym(keysym: Keysym) -> Option<Self> {
+        Some(match keysym.raw() {
+            key::space | key::KP_Space => Self::Space,
+            key::Return | key::KP_Enter => Self::Enter,
+            key::BackSpace => Self::Backspace,
+            key::Tab => Self::Tab,
+            key::Left | key::KP_Left => Self::Left,
+            key::Right | key::KP_Right => Self::Right,
+            key::Up | key::KP_Up => Self::Up,
+            key::Down | key::KP_Down => Self::Down,
+            key::Prior | key::KP_Prior => Self::PageUp,
+            key::Next | key::KP_Next => Self::PageDown,
+            key::Home | key::KP_Home => Self::Home,
+            key::End | key::KP_End => Self::End,
+            _ => Self::Character(keysym.key_char().filter(|character| !character.is_control())?),
         })
     }
 }
 
 /// Whether a key ends the window.
-pub(crate) fn is_quit_key(key: &Key) -> bool {
-    match key {
-        Key::Named(NamedKey::Escape) => true,
-        Key::Character(text) => text.eq_ignore_ascii_case("q"),
-        _ => false,
-    }
+pub(crate) fn is_quit_key(keysym: Keysym) -> bool {
+    matches!(keysym.raw(), key::Escape | key::q | key::Q)
 }
 
 #[cfg(test)]
@@ -78,19 +66,24 @@ mod tests {
 
     #[test]
     fn escape_and_q_quit_and_nothing_else() {
-        assert!(is_quit_key(&Key::Named(NamedKey::Escape)));
-        assert!(is_quit_key(&Key::Character("q".into())));
-        assert!(is_quit_key(&Key::Character("Q".into())));
-        assert!(!is_quit_key(&Key::Character("w".into())));
-        assert!(!is_quit_key(&Key::Named(NamedKey::Enter)));
+        for symbol in [key::Escape, key::q, key::Q] {
+            assert!(is_quit_key(Keysym::new(symbol)));
+        }
+        for symbol in [key::w, key::Return, key::space] {
+            assert!(!is_quit_key(Keysym::new(symbol)));
+        }
     }
 
     #[test]
-    fn keys_with_one_character_are_reported_and_composed_texts_are_not() {
-        assert_eq!(WindowKey::from_winit(&Key::Character("n".into())), Some(WindowKey::Character('n')));
-        assert_eq!(WindowKey::from_winit(&Key::Character(" ".into())), Some(WindowKey::Space));
-        assert_eq!(WindowKey::from_winit(&Key::Named(NamedKey::ArrowLeft)), Some(WindowKey::Left));
-        assert_eq!(WindowKey::from_winit(&Key::Character("ab".into())), None);
-        assert_eq!(WindowKey::from_winit(&Key::Named(NamedKey::F1)), None);
+    fn keys_with_a_character_and_some_others_are_reported() {
+        let named = |symbol| WindowKey::from_keysym(Keysym::new(symbol));
+        assert_eq!(named(key::n), Some(WindowKey::Character('n')));
+        assert_eq!(named(key::N), Some(WindowKey::Character('N')));
+        assert_eq!(named(key::udiaeresis), Some(WindowKey::Character('ü')));
+        assert_eq!(named(key::space), Some(WindowKey::Space));
+        assert_eq!(named(key::KP_Enter), Some(WindowKey::Enter));
+        assert_eq!(named(key::Left), Some(WindowKey::Left));
+        assert_eq!(named(key::F1), None);
+        assert_eq!(named(key::Shift_L), None);
     }
 }

@@ -10,7 +10,7 @@ use std::fmt;
 use std::str::FromStr;
 
 /// One monitor as the window system describes it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct MonitorInfo {
     /// Name of the output, such as `HDMI-1`; may be empty where the window system gives none.
     pub name: String,
@@ -55,7 +55,7 @@ impl FromStr for MonitorChoice {
 
     fn from_str(text: &str) -> Result<Self, Infallible> {
         Ok(match text.trim() {
-            "" => Self::Secondary,
+            "" | "auto" => Self::Secondary,
             given => Self::NameOrIndex(given.to_owned()),
         })
     }
@@ -123,7 +123,9 @@ mod tests {
     #[test]
     fn by_default_the_last_monitor_that_is_not_primary_is_chosen() {
         let all = [monitor("eDP-1", 0, true), monitor("HDMI-1", 1280, false), monitor("DP-2", 2560, false)];
-        assert_eq!(choice("").resolve(&all), Ok(2));
+        for text in ["", "auto"] {
+            assert_eq!(choice(text).resolve(&all), Ok(2));
+        }
         let primary_last = [monitor("HDMI-1", 0, false), monitor("eDP-1", 1280, true)];
         assert_eq!(MonitorChoice::default().resolve(&primary_last), Ok(0));
     }

@@ -26,7 +26,7 @@ use rcs_scene::{Encoding, Picture};
 /// assert_eq!(ScreenPicture::from_received(&received)?, ScreenPicture::from_fn(2, 1, |_, _| [255, 0, 0]));
 /// # Ok::<(), rcs_window::PictureError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ScreenPicture {
     width_px: u32,
     height_px: u32,
@@ -48,6 +48,20 @@ pub struct ReceivedPicture<'a> {
     pub is_bigendian: bool,
     /// The pixels.
     pub data: &'a [u8],
+}
+
+impl<'a> From<&'a Picture> for ReceivedPicture<'a> {
+    fn from(picture: &'a Picture) -> Self {
+        Self {
+            width_px: picture.width_px,
+            height_px: picture.height_px,
+            // A width that fits no u32 in bytes is that of no picture with data.
+            step_bytes: u32::try_from(picture.step()).unwrap_or(u32::MAX),
+            encoding: picture.encoding.name(),
+            is_bigendian: false,
+            data: &picture.data,
+        }
+    }
 }
 
 /// Why a received picture cannot be shown.
@@ -134,6 +148,16 @@ impl ScreenPicture {
     /// [`PictureError`] if the encoding is unknown, the picture is empty, or the data are shorter than the header
     /// claims. Data beyond the last row are ignored, as image_transport's viewers ignore them.
     pub fn from_received(received: &ReceivedPicture<'_>) -> Result<Self, PictureError> {
+        let mut picture = Self::default();
+        picture.read(received)?;
+        Ok(picture)
+    }
+
+    /// Becomes a received picture, in the memory that this one has. On an error it stays as it is.
+    ///
+    /// # Errors
+    /// As for [`Self::from_received`].
+    pub fn read(&mut self, received: &ReceivedPicture<'_>) -> Result<(), PictureError> {
         let ReceivedPicture { width_px, height_px, step_bytes, encoding, is_bigendian, data } = *received;
         let known = Encoding::from_name(encoding)
             .ok_or_else(|| PictureError::UnknownEncoding { encoding: encoding.to_owned() })?;
@@ -155,12 +179,14 @@ impl ScreenPicture {
         }
         // The data hold `needed_bytes`, so all sizes below fit memory.
         let row_bytes = width_px as usize * known.bytes_per_pixel();
-        let mut pixels = Vec::with_capacity(width_px as usize * height_px as usize);
+        (self.width_px, self.height_px) = (width_px, height_px);
+        self.pixels.clear();
+        self.pixels.reserve(width_px as usize * height_px as usize);
         let read_row = read_row(known, is_bigendian);
         for row in data.chunks(step_bytes as usize).take(height_px as usize) {
-            read_row(row.get(..row_bytes).unwrap_or(row), &mut pixels);
+            read_row(row.get(..row_bytes).unwrap_or(row), &mut self.pixels);
         }
-        Ok(Self { width_px, height_px, pixels })
+        Ok(())
     }
 
     /// A drawn picture as the screen takes it.
@@ -168,15 +194,7 @@ impl ScreenPicture {
     /// # Errors
     /// [`PictureError`] if the picture is empty, or has less data than its size needs.
     pub fn from_picture(picture: &Picture) -> Result<Self, PictureError> {
-        Self::from_received(&ReceivedPicture {
-            width_px: picture.width_px,
-            height_px: picture.height_px,
-            // A width that fits no u32 in bytes is that of no picture with data.
-            step_bytes: u32::try_from(picture.step()).unwrap_or(u32::MAX),
-            encoding: picture.encoding.name(),
-            is_bigendian: false,
-            data: &picture.data,
-        })
+        Self::from_received(&picture.into())
     }
 
     /// A picture whose pixel (u, v) is `color(u, v)`, each `[red, green, blue]`.
@@ -186,6 +204,11 @@ impl ScreenPicture {
             pixels.extend((0..width_px).map(|u| pack(color(u, v))));
         }
         Self { width_px, height_px, pixels }
+    }
+
+    /// `0x00RRGGBB`, rows from the top.
+    pub(crate) fn pixels(&self) -> &[u32] {
+        &self.pixels
     }
 
     /// Columns and rows, in pixels.

@@ -24,6 +24,7 @@ mod command_line;
 mod diagnostics;
 mod live_equals_offline;
 mod node_log;
+mod node_window;
 mod projector_calibrate;
 mod projector_scan;
 mod projector_verify;

@@ -1,6 +1,6 @@
 //! Subscribers of the picture: ROS's tools and the projector's window.
 
-use rcs_tests::programs::program;
+use rcs_tests::programs::{program, repository};
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
@@ -13,10 +13,19 @@ const WIDTH_PX: usize = 640;
 const HEIGHT_PX: usize = 360;
 
 /// A node with a picture of that size: a scene with something of every colour.
-fn fixture() -> RosFixture {
+pub(crate) fn fixture() -> RosFixture {
+    fixture_with(&[], &[])
+}
+
+/// A node with these arguments and environment variables, too.
+pub(crate) fn fixture_with(args: &[&str], environment: &[(&str, &str)]) -> RosFixture {
     let grid = "{Class: rviz/Grid, Name: grid, Enabled: true, Color: 20; 200; 90, Plane: XY}";
     let camera = CameraPub { background: "10; 20; 200", ..CameraPub::default() };
-    let fixture = RosFixture::start(&config(&[CLOUD, grid], &[camera]), &[]).unwrap();
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    let config = config(&[CLOUD, grid], &[camera]);
+    let fixture = RosFixture::with_environment(master, python, &config, args, environment).unwrap();
+    fixture.wait_for_log("drawing ").unwrap();
     fixture.python("latch('/tf_static', tf('map', 'eye', q=(0.2, 0.1, 0, 0.95 ** 0.5)))");
     fixture.python(format!("latch('/eye/camera_info', info(width={WIDTH_PX}, height={HEIGHT_PX}, f=300))"));
     fixture.python("latch('/cloud', cloud(0xff8000, points=[(x / 3 - 1, 0, 3 + x / 9) for x in range(9)]))");
@@ -62,20 +71,35 @@ pub(crate) struct Screen {
     pub(crate) display: String,
     folder: tempfile::TempDir,
     _manager: Running,
-    _server: Running,
+    server: Running,
 }
 
 impl Screen {
     /// A screen of 640×360 pixels.
     pub(crate) fn start() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let mut command = Command::new("Xvfb");
-        command.args(["-displayfd", "1", "-screen", "0", &format!("{WIDTH_PX}x{HEIGHT_PX}x24"), "-nolisten", "tcp"]);
-        let server = Running::start(command.arg("-fbdir").arg(folder.path())).unwrap();
+        let server = Self::server(folder.path(), &["-displayfd", "1"]);
         assert!(wait_until(PATIENCE, || !server.lines().is_empty()), "{:?}", server.errors());
         let display = format!(":{}", server.lines()[0].trim());
         let manager = Running::start(Command::new("openbox").env("DISPLAY", &display)).unwrap();
-        Self { display, folder, _manager: manager, _server: server }
+        Self { display, folder, _manager: manager, server }
+    }
+
+    fn server(folder: &Path, args: &[&str]) -> Running {
+        let mut command = Command::new("Xvfb");
+        command.args(args).args(["-screen", "0", &format!("{WIDTH_PX}x{HEIGHT_PX}x24"), "-nolisten", "tcp"]);
+        Running::start(command.arg("-fbdir").arg(folder)).unwrap()
+    }
+
+    /// Kills the X server.
+    pub(crate) fn kill(&mut self) {
+        self.server.signal("KILL");
+        assert!(self.server.wait(PATIENCE).is_some());
+    }
+
+    /// Starts another X server on the same display, without a window manager.
+    pub(crate) fn restart(&mut self) {
+        self.server = Self::server(self.folder.path(), &[&self.display]);
     }
 
     /// Presses a key, by its name in X11.
@@ -97,13 +121,13 @@ impl Screen {
 }
 
 /// Starts the window on a screen.
-fn window(master: &RosMaster, screen: &Screen, args: &[&str]) -> Running {
+pub(crate) fn window(master: &RosMaster, screen: &Screen, args: &[&str]) -> Running {
     let mut command = master.environment(Command::new(program("projector_window")));
     command.env("DISPLAY", &screen.display).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
     Running::start(command.args(args)).unwrap()
 }
 
-fn saved(python: &PythonNode, file: &Path) -> Vec<u8> {
+pub(crate) fn saved(python: &PythonNode, file: &Path) -> Vec<u8> {
     python.run(format!("viewer.save('{}')", file.display())).unwrap();
     fs::read(file).unwrap()
 }
@@ -152,4 +176,76 @@ fn a_window_that_fails_unregisters_its_node() {
     assert!(!nodes().contains("projector_window"), "{}", nodes());
     let info = fixture.master.output("rostopic", &["info", "/view/image"]).unwrap();
     assert!(!info.contains("projector_window"), "{info}");
+}
+
+#[test]
+fn the_projectors_window_becomes_black_when_the_node_is_killed() {
+    let screen = Screen::start();
+    let fixture = fixture();
+    let window = window(&fixture.master, &screen, &["image:=/view/image", "_stale_timeout:=1.0"]);
+    let has_light = || screen.pixels().chunks_exact(3).any(|pixel| pixel == [10, 20, 200]);
+    assert!(wait_until(PATIENCE, has_light), "{:?}", window.errors());
+    fixture.node.signal("KILL");
+    assert!(wait_until(PATIENCE, || screen.pixels().iter().all(|value| *value == 0)), "{:?}", window.errors());
+    assert!(window.count("no picture for 1 s") > 0 || window.errors().iter().any(|line| line.contains("for 1 s")));
+}
+
+#[test]
+fn the_projectors_window_reads_compressed_pictures() {
+    let screen = Screen::start();
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    let window = window(&master, &screen, &["image:=/photos", "_image_transport:=compressed"]);
+    python.run("import io; from PIL import Image as Photo; from sensor_msgs.msg import CompressedImage").unwrap();
+    python.run(format!("photo = Photo.linear_gradient('L').resize(({WIDTH_PX}, {HEIGHT_PX})).convert('RGB')")).unwrap();
+    let send = |format: &str, photo: &str| {
+        let code = format!(
+            "packed = io.BytesIO(); {photo}.save(packed, '{format}'); latch('/photos/compressed', \
+             CompressedImage(format='rgb8; {format} compressed bgr8', data=packed.getvalue()))"
+        );
+        python.run(code).unwrap();
+    };
+    let bytes = |photo: &str| {
+        let file = screen.folder.path().join("photo");
+        python.run(format!("open('{}', 'wb').write({photo}.tobytes())", file.display())).unwrap();
+        fs::read(file).unwrap()
+    };
+    send("png", "photo");
+    let gradient = bytes("photo");
+    assert!(wait_until(PATIENCE, || screen.pixels() == gradient), "{:?}", window.errors());
+    send("jpeg", "photo.transpose(Photo.FLIP_TOP_BOTTOM)");
+    let flipped = bytes("photo.transpose(Photo.FLIP_TOP_BOTTOM)");
+    let is_near = |pixels: &[u8]| pixels.iter().zip(&flipped).all(|(shown, sent)| shown.abs_diff(*sent) <= 4);
+    assert!(wait_until(PATIENCE, || is_near(&screen.pixels())), "{:?}", window.errors());
+    python.run("latch('/photos/compressed', CompressedImage(format='jpeg', data=b'no picture'))").unwrap();
+    let is_told = || window.errors().iter().any(|line| line.contains("/photos/compressed: neither JPEG nor PNG"));
+    assert!(wait_until(PATIENCE, is_told), "{:?}", window.errors());
+}
+
+#[test]
+fn image_views_window_is_kept_full_screen_over_the_monitor() {
+    const TITLE: &str = "picture of the projector";
+    let screen = Screen::start();
+    let fixture = fixture();
+    let mut command = fixture.master.environment(Command::new(repository().join("ros_pkg/nodes/image_view_anywhere")));
+    command.env("DISPLAY", &screen.display).args(["image:=/view/image", &format!("_window_name:={TITLE}")]);
+    let viewer = Running::start(&mut command).unwrap();
+    let keeper = window(&fixture.master, &screen, &["--place", TITLE, "--monitor", "0"]);
+    let wmctrl = |args: &[&str]| {
+        let output = Command::new("wmctrl").args(args).env("DISPLAY", &screen.display).output().unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    // Window, desktop, left, top, width, height, host, title.
+    let place = || {
+        let windows = wmctrl(&["-l", "-G"]);
+        let line = windows.lines().find(|line| line.ends_with(TITLE))?.to_owned();
+        Some(line.split_whitespace().skip(2).take(4).map(str::to_owned).collect::<Vec<_>>().join(" "))
+    };
+    let covers = || place().as_deref() == Some("0 0 640 360");
+    assert!(wait_until(PATIENCE, covers), "{:?} {:?} {:?}", place(), keeper.errors(), viewer.errors());
+    let has_picture = || screen.pixels().chunks_exact(3).any(|pixel| pixel == [10, 20, 200]);
+    assert!(wait_until(PATIENCE, has_picture), "{:?}", viewer.errors());
+    wmctrl(&["-r", TITLE, "-b", "remove,fullscreen"]);
+    wmctrl(&["-r", TITLE, "-e", "0,30,30,200,150"]);
+    assert!(wait_until(PATIENCE, covers), "it is put back: {:?} {:?}", place(), keeper.errors());
 }

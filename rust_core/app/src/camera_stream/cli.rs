@@ -11,6 +11,7 @@ use rcs_render::RendererChoice;
 use rcs_resources::ResourceOptions;
 
 use crate::camera_stream::camera_pose::{CameraModel, Projection};
+use crate::camera_stream::window_arguments::ScreenArgs;
 
 /// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
 ///
@@ -123,6 +124,9 @@ pub struct NodeArgs {
     /// Do not reload the config when its file changes
     #[arg(long)]
     pub no_watch: bool,
+    /// Windows of the node's own
+    #[command(flatten)]
+    pub screens: ScreenArgs,
     /// Options of rviz's window: accepted and ignored
     #[command(flatten)]
     pub window: WindowArgs,

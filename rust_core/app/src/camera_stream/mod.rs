@@ -16,6 +16,7 @@ mod status_log;
 mod status_tree;
 mod subscriptions;
 mod visibility;
+mod window_arguments;
 
 use std::process::ExitCode;
 

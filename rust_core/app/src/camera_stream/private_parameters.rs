@@ -11,6 +11,7 @@ use rcs_ros::RosNode;
 
 use crate::camera_stream::camera_pose::{CameraModel, Projection};
 use crate::camera_stream::cli::{ModelArgs, ResourceArgs, MESH_MB};
+use crate::camera_stream::window_arguments::ScreenArgs;
 
 /// What draws: `--renderer`, else `~renderer`.
 ///
@@ -58,6 +59,23 @@ pub(crate) fn resources(ros: &RosNode, given: &ResourceArgs) -> Result<ResourceO
         args.mesh_folder.extend(folders.into_iter().map(PathBuf::from));
     }
     Ok(args.options())
+}
+
+/// The node's windows: `--window`, else `~window`, one or a list; `--set-mode` or `~set_mode`.
+///
+/// # Errors
+/// When a parameter has no valid value; names the parameter.
+pub(crate) fn windows(ros: &RosNode, given: &ScreenArgs) -> Result<ScreenArgs> {
+    const WINDOW: &str = "~window";
+    let mut args = given.clone();
+    args.set_mode |= ros.bool_param("~set_mode").unwrap_or(false);
+    if args.windows.is_empty() && ros.has_param(WINDOW) {
+        // A monitor's number is no string.
+        let texts = ros.strings_param(WINDOW).or_else(|| Some(vec![ros.text_param(WINDOW)?]));
+        let texts = texts.ok_or_else(|| anyhow!("parameter {WINDOW}: it is MONITOR, or a list of CAMERA=MONITOR"))?;
+        args.windows = texts.iter().flat_map(|text| text.parse()).collect();
+    }
+    Ok(args)
 }
 
 fn choose<T: Default>(

@@ -62,7 +62,7 @@ pub(super) struct RefineArguments {
 
 /// Runs the command.
 pub(super) fn run(arguments: &RefineArguments) -> Result<(), Failure> {
-    if arguments.monitor.print_list().map_err(Failure::refused)? {
+    if arguments.monitor.tell_monitors().map_err(Failure::refused)? {
         return Ok(());
     }
     let lens = super::read_lens(&arguments.projector)?;

@@ -113,7 +113,7 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<(), Failure> {
         }
         return Ok(());
     }
-    if arguments.monitor.print_list().map_err(Failure::refused)? {
+    if arguments.monitor.tell_monitors().map_err(Failure::refused)? {
         return Ok(());
     }
     let slides = arguments.slides()?;
@@ -123,7 +123,7 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<(), Failure> {
     let mut start = Some((signals, times));
     let show = Arc::new(Mutex::new(Show { slides, current: 0, monitor: None }));
     let mut failure = None;
-    let shown = window::run_interactive(arguments.monitor.window_options(source), |event, sink| {
+    let shown = window::run_interactive(&arguments.monitor.window_options(source), |event, sink| {
         match event {
             UserEvent::Opened(monitor) | UserEvent::MonitorChanged(monitor) => {
                 lock(&show).monitor = Some(monitor.clone());

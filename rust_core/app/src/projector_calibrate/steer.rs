@@ -55,7 +55,7 @@ pub(super) fn steer(
         "arrows: one pixel; w, a, s, d: {LARGE_STEP_PX}; enter: it is on the thing; n: skip it; backspace: \
          back{finish}; escape: end"
     );
-    let shown = window::run_interactive(options, |event, sink| {
+    let shown = window::run_interactive(&options, |event, sink| {
         let outcome = match event {
             UserEvent::Opened(monitor) | UserEvent::MonitorChanged(monitor) => {
                 let (width, height) = monitor.size_px;

@@ -5,11 +5,12 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-use anyhow::Context;
+use anyhow::{anyhow, bail, Context};
 use clap::Parser;
+use rcs_displays::unpack_image;
 use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_ros::NodeEvent;
-use rcs_window::{self as window, PictureError, PictureSink, ReceivedPicture, ScreenPicture};
+use rcs_window::{self as window, PictureSink, ReceivedPicture, ScreenPicture};
 
 use crate::monitor_arguments::MonitorArguments;
 use crate::small_node::{self, EndRequest};
@@ -19,7 +20,8 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
 /// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
 ///
 /// Picture pixel (u, v) is screen pixel (u, v). A warning is printed if picture and monitor differ in size; the picture
-/// is then at the top left, on black. Encodings: rgb8, rgba8, bgr8, bgra8, mono8, mono16. Escape or q ends.
+/// is then at the top left, on black. Encodings: rgb8, rgba8, bgr8, bgra8, mono8, mono16; compressed: JPEG, PNG.
+/// Keys: Escape or q ends; space or p pauses, b is black, t shows the next test picture, each until pressed again.
 #[derive(Parser)]
 #[command(
     name = "projector_window",
@@ -27,6 +29,7 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
     version,
     after_help = "\
 Topic subscribed to: /proj_view/image (sensor_msgs/Image); image:=/topic remaps it, as for image_view
+Parameters: ~image_transport (raw or compressed: TOPIC/compressed, sensor_msgs/CompressedImage), ~stale_timeout
 Exit codes: 0 ended by Escape, q, SIGINT, SIGTERM or rosnode kill; 1 the window or the node failed; 2 invalid arguments
 
 Example: projector_window --monitor HDMI-1 image:=/proj_view/image"
@@ -35,8 +38,20 @@ struct Arguments {
     /// The image topic [default: the remapping of image:=, else /proj_view/image]
     #[arg(long)]
     topic: Option<String>,
+    /// Become black when no picture came for so long; 0: never [default: ~stale_timeout, else 0]
+    #[arg(long, value_name = "SECS", value_parser = stale_secs)]
+    stale_timeout: Option<Duration>,
+    /// Instead of showing a topic, keep the window of another program, which has this title, over the monitor
+    #[arg(long, value_name = "TITLE", conflicts_with_all = ["topic", "stale_timeout", "screenshot"])]
+    place: Option<String>,
     #[command(flatten)]
     monitor: MonitorArguments,
+}
+
+/// A time after which pictures are stale; zero for never.
+fn stale_secs(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=86400.0).contains(seconds));
+    seconds.map(Duration::from_secs_f64).ok_or_else(|| "it is a number of seconds from 0 to 86400".to_owned())
 }
 
 /// Runs the program with the process's arguments.
@@ -45,21 +60,26 @@ pub fn main() -> ExitCode {
 }
 
 fn run(arguments: Arguments) -> anyhow::Result<()> {
-    if arguments.monitor.print_list()? {
+    if arguments.monitor.tell_monitors()? {
         return Ok(());
     }
     let topic =
         arguments.topic.or_else(|| small_node::remapping_of("image")).unwrap_or_else(|| DEFAULT_TOPIC.to_owned());
-    let options = arguments.monitor.window_options(&topic);
+    let mut options = arguments.monitor.window_options(&topic);
+    options.stale_timeout = arguments.stale_timeout;
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
 
-    // The window system needs the main thread; the node runs on another one and closes the window when it ends.
+    if let Some(title) = &arguments.place {
+        return Ok(window::keep_over(title, &options.monitor, || end.is_requested())?);
+    }
+    // The node runs on a thread of its own and closes the window when it ends.
     let (outcome, node_outcome) = mpsc::channel();
+    let has_timeout = options.stale_timeout.is_some();
     let node_end = end.clone();
-    let shown = window::run(options, move |sink| {
+    let shown = window::run(&options, move |sink| {
         let closing = sink.clone();
         let following = move || {
-            let result = follow_topic(&topic, &node_end, &sink);
+            let result = follow_topic(&topic, has_timeout, &node_end, &sink);
             sink.close();
             // Nobody receives it if the window was closed first.
             let _ = outcome.send(result);
@@ -77,21 +97,30 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
 }
 
 /// Hands the topic's pictures to the window until the shutdown is requested.
-fn follow_topic(topic: &str, end: &EndRequest, sink: &PictureSink) -> anyhow::Result<()> {
+fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &PictureSink) -> anyhow::Result<()> {
     let Some(node) = small_node::connect("projector_window", end)? else {
         return Ok(());
     };
+    if !has_timeout {
+        if let Some(text) = node.text_param("~stale_timeout") {
+            let timeout = stale_secs(&text).map_err(|error| anyhow!("parameter ~stale_timeout: {error}"))?;
+            sink.set_stale_timeout(timeout);
+        }
+    }
+    let (topic, kind) = match node.text_param("~image_transport").as_deref() {
+        None | Some("raw" | "") => (topic.to_owned(), MessageKind::Image),
+        Some("compressed") => (format!("{topic}/compressed"), MessageKind::CompressedImage),
+        Some(other) => bail!("parameter ~image_transport: there are raw and compressed, not {other}"),
+    };
     // A queue of one: the window shows the latest picture.
-    let subscription = node.subscribe(topic, MessageKind::Image, 1)?;
+    let subscription = node.subscribe(&topic, kind, 1)?;
     let mut last_error = None;
     while !end.is_requested() {
         for event in node.events().wait(Duration::from_millis(100)) {
-            let NodeEvent::Message { message: AnyMessage::Image(image), .. } = event else {
-                continue;
-            };
-            match picture(&image) {
+            let NodeEvent::Message { message, .. } = event else { continue };
+            match picture(subscription.topic(), &message) {
                 Ok(picture) => {
-                    sink.show(picture);
+                    picture.into_iter().for_each(|picture| sink.show(picture));
                     last_error = None;
                 }
                 // Each kind of error is logged once, however many pictures arrive.
@@ -108,13 +137,23 @@ fn follow_topic(topic: &str, end: &EndRequest, sink: &PictureSink) -> anyhow::Re
     Ok(())
 }
 
-fn picture(image: &Image) -> Result<ScreenPicture, PictureError> {
-    ScreenPicture::from_received(&ReceivedPicture {
+/// The picture of a message; `None` for messages of other types.
+fn picture(topic: &str, message: &AnyMessage) -> Result<Option<ScreenPicture>, String> {
+    match message {
+        AnyMessage::Image(image) => read(image).map(Some),
+        AnyMessage::CompressedImage(packed) => read(&unpack_image(topic, packed)?).map(Some),
+        _ => Ok(None),
+    }
+}
+
+fn read(image: &Image) -> Result<ScreenPicture, String> {
+    let received = ReceivedPicture {
         width_px: image.width,
         height_px: image.height,
         step_bytes: image.step,
         encoding: &image.encoding,
         is_bigendian: image.is_bigendian != 0,
         data: image.data(),
-    })
+    };
+    ScreenPicture::from_received(&received).map_err(|error| error.to_string())
 }

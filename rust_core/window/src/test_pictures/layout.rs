@@ -3,6 +3,7 @@
 use rcs_scene::Picture;
 
 use super::{Anchor, Canvas, BLACK, WHITE};
+use crate::monitor::MonitorInfo;
 
 /// Lines that are not to be looked at first.
 const DIM: u8 = 110;
@@ -207,12 +208,35 @@ pub(super) fn name(size_px: [u32; 2], monitor: &str) -> Picture {
     canvas.frame([0, 0], [width, height], WHITE);
     let resolution = format!("{width} x {height}");
     let middle = [width as f64 / 2.0, height as f64 / 2.0];
-    for (text, row, share) in [(monitor, 0.36, 0.2), (&resolution, 0.58, 0.16)] {
-        let [width_at_1, _] = Canvas::text_size_px(text, 1.0);
-        let letters = (share * height as f64).min(0.85 * width as f64 / width_at_1.max(1e-3));
-        canvas.text(text, [middle[0], row * height as f64], Anchor::Middle, letters, WHITE);
-    }
+    lines(&mut canvas, &[(monitor, 0.36, 0.2), (&resolution, 0.58, 0.16)]);
     let hint = "space: next picture, backspace: previous, escape: end";
     canvas.text(hint, [middle[0], 0.8 * height as f64], Anchor::Middle, small_text_em_px(size_px), DIM);
     canvas.into_picture()
+}
+
+/// Which monitor this is: its number in the list, its name, resolution and place in the desktop.
+pub fn identification(index: usize, monitor: &MonitorInfo) -> Picture {
+    let (width, height) = monitor.size_px;
+    let mut canvas = Canvas::new([width, height], BLACK);
+    let [columns, rows] = canvas.size_px();
+    canvas.frame([0, 0], [columns, rows], WHITE);
+    let (number, resolution) = (index.to_string(), format!("{width} x {height}"));
+    let (x, y) = monitor.position_px;
+    let primary = if monitor.is_primary { ", primary" } else { "" };
+    let place = format!("at {x:+}{y:+}{primary}");
+    lines(
+        &mut canvas,
+        &[(&number, 0.24, 0.3), (&monitor.name, 0.52, 0.14), (&resolution, 0.69, 0.12), (&place, 0.84, 0.08)],
+    );
+    canvas.into_picture()
+}
+
+/// Texts in the middle, each with its place and its letters' size as shares of the picture's height.
+fn lines(canvas: &mut Canvas, texts: &[(&str, f64, f64)]) {
+    let [width, height] = canvas.size_px().map(|side| side as f64);
+    for (text, row, share) in texts {
+        let [width_at_1, _] = Canvas::text_size_px(text, 1.0);
+        let letters = (share * height).min(0.85 * width / width_at_1.max(1e-3));
+        canvas.text(text, [width / 2.0, row * height], Anchor::Middle, letters, WHITE);
+    }
 }

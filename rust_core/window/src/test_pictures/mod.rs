@@ -11,6 +11,7 @@ use std::str::FromStr;
 use rcs_scene::Picture;
 
 use canvas::{Anchor, Canvas, BLACK, WHITE};
+pub use layout::identification;
 pub use marks::{orientation_marks, OrientationMark};
 
 /// A test picture.

@@ -12,6 +12,7 @@ use rcs_scene::DisplayMask;
 
 use super::camera::{CameraConnections, CameraOutput};
 use super::reconfigurable::{ros_name, switches, unique, Switch};
+use super::windows::Windows;
 use crate::camera_stream::outputs::{self, Outputs, TopicNames, TopicOutput};
 
 /// A camera as a config asks for it, with all its names resolved.
@@ -68,6 +69,11 @@ pub(super) fn plans(ros: &RosNode, config: &Config) -> Result<Vec<CameraPlan>> {
 }
 
 impl CameraPlan {
+    /// Its display's name.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
     /// The camera before its tick boxes are applied.
     pub(super) fn view(&self) -> CameraView {
         let (name, path, settings) = (self.name.clone(), self.path.clone(), self.settings.clone());
@@ -87,6 +93,7 @@ pub(super) fn rearrange(
     mut old: Vec<CameraOutput>,
     config: &Config,
     displays: &DisplaySet,
+    windows: &Windows,
 ) -> Vec<CameraOutput> {
     let mut kept = KeptResources::of(ros, &mut old, &plans);
     // Removed cameras free the names of their parameters first, as others may use them.
@@ -95,7 +102,8 @@ pub(super) fn rearrange(
     let mut cameras = Vec::new();
     for plan in plans {
         let trigger_service = kept.trigger_service(ros, &plan);
-        let connections = CameraConnections { outputs: Outputs { topic: kept.topic(ros, &plan) }, trigger_service };
+        let outputs = Outputs { topic: kept.topic(ros, &plan), window: windows.of(&plan.name) };
+        let connections = CameraConnections { outputs, trigger_service };
         let known = take_where(&mut old, |camera| camera.id() == plan.id);
         let mut camera = known.unwrap_or_else(|| CameraOutput::new(ros, &plan, &switches));
         camera.apply(&plan, connections, &switches, config.global.frame_rate_hz, ros, displays);

@@ -1,7 +1,7 @@
 //! `camera_stream` as a ROS node.
 //!
 //! ```text
-//!   topics, /tf ──► events ──► scene thread: displays, pictures ──► outputs
+//!   topics, /tf ──► events ──► scene thread: displays, pictures ──► outputs ──► windows' threads
 //!                                  ▲    │                              ▲
 //!                        settings, │    │ what it is doing             │ the last pictures again
 //!                          config  │    ▼                              │ while a picture takes long
@@ -28,6 +28,7 @@ mod runtime_settings;
 mod scene_loop;
 mod schedule;
 mod shared;
+mod windows;
 
 use std::sync::Arc;
 

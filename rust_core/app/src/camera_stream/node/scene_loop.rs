@@ -20,6 +20,7 @@ use super::camera_plan;
 use super::costs::Costs;
 use super::latency::Update;
 use super::shared::{Reload, Shared};
+use super::windows::Windows;
 use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::private_parameters;
@@ -45,6 +46,7 @@ pub(super) struct SceneLoop {
     transforms_received: Option<Instant>,
     /// Of the picture at hand.
     costs: Costs,
+    windows: Windows,
 }
 
 impl SceneLoop {
@@ -65,7 +67,8 @@ impl SceneLoop {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
         let plans = camera_plan::plans(ros, config)?;
-        let cameras = camera_plan::rearrange(ros, plans, Vec::new(), config, stage.displays());
+        let windows = Windows::open(ros, &cli.node.screens, &plans)?;
+        let cameras = camera_plan::rearrange(ros, plans, Vec::new(), config, stage.displays(), &windows);
         ros.subscribe_transforms()?;
         let mut subscriptions = Subscriptions::default();
         subscriptions.update(ros, stage.topics());
@@ -84,6 +87,7 @@ impl SceneLoop {
             scene: None,
             transforms_received: None,
             costs: Costs::default(),
+            windows,
         })
     }
 
@@ -147,7 +151,8 @@ impl SceneLoop {
         {
             let mut cameras = shared.cameras();
             let known = std::mem::take(&mut *cameras);
-            *cameras = camera_plan::rearrange(ros, plans, known, &config, self.stage.displays());
+            self.windows.clear_those_without(&plans);
+            *cameras = camera_plan::rearrange(ros, plans, known, &config, self.stage.displays(), &self.windows);
         }
         let Reconfigured { kept, added, removed } = changed;
         let changed = format!("{}: {kept} displays kept, {added} added, {removed} removed", config.source);

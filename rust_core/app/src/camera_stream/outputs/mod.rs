@@ -1,12 +1,13 @@
 //! Where finished pictures go: one trait for all outputs, one file for each kind.
 //!
 //! A camera decides when a picture is due and what is drawn; an [`Output`] hands the finished [`Frame`] on, and reports
-//! whether anybody is watching. To add one (a window in this process, say): implement the trait in a file beside
+//! whether anybody is watching. To add one: implement the trait in a file beside
 //! these, and add it to [`Outputs`].
 
 mod picture_files;
 mod topic;
 mod video;
+mod window;
 
 use std::sync::Arc;
 
@@ -19,6 +20,7 @@ use rcs_scene::Picture;
 pub use picture_files::{PictureFile, PictureSequence, SequenceError};
 pub use topic::{retain, TopicNames, TopicOutput};
 pub use video::{VideoError, VideoFile};
+pub use window::{WindowOutput, WindowThread};
 
 /// A finished picture with the CameraInfo it was drawn with. Cheap to clone: picture and CameraInfo are shared.
 #[derive(Clone, Debug)]
@@ -77,15 +79,20 @@ pub trait Output {
 pub struct Outputs {
     /// The image topic; `None` where the config names none, or where it cannot be published.
     pub topic: Option<TopicOutput>,
+    /// The window in this process, if there is one for this camera.
+    pub window: Option<WindowOutput>,
 }
 
 impl Outputs {
     fn all(&self) -> impl Iterator<Item = &dyn Output> {
-        self.topic.iter().map(|topic| topic as &dyn Output)
+        let window = self.window.iter().map(|window| window as &dyn Output);
+        // The window first: a topic takes longer.
+        window.chain(self.topic.iter().map(|topic| topic as &dyn Output))
     }
 
     fn each(&mut self) -> impl Iterator<Item = &mut dyn Output> {
-        self.topic.iter_mut().map(|topic| topic as &mut dyn Output)
+        let window = self.window.iter_mut().map(|window| window as &mut dyn Output);
+        window.chain(self.topic.iter_mut().map(|topic| topic as &mut dyn Output))
     }
 
     /// Whether there is no output at all.

@@ -31,16 +31,17 @@ pub(super) fn scan(arguments: &ScanArguments) -> Result<(), Failure> {
         return scan_on(arguments, &end, &AtomicBool::new(false), screen);
     }
     let (Size(size_px), scanned) = (arguments.size, arguments.clone());
-    let options = WindowOptions { source: "the scan".to_owned(), monitor: arguments.monitor.clone(), screenshot: None };
-    in_window(options, size_px, &end, move |screen, end, is_void| {
+    let (source, monitor) = ("the scan".to_owned(), arguments.monitor.clone());
+    let options = WindowOptions { source, monitor, ..WindowOptions::default() };
+    in_window(&options, size_px, &end, move |screen, end, is_void| {
         scan_on(&scanned, end, is_void, |_| Ok(Box::new(screen)))
     })
 }
 
-/// Opens the window, which needs the main thread, and runs `work` on another one. The flag is set if the monitor has
+/// Opens the window and runs `work` on another thread. The flag is set if the monitor has
 /// another size. The window closes when `work` is done; closing it before asks `work` to end.
 pub(super) fn in_window<T: Send + 'static>(
-    options: WindowOptions,
+    options: &WindowOptions,
     size_px: [u32; 2],
     end: &EndRequest,
     work: impl FnOnce(WindowScreen, &EndRequest, &AtomicBool) -> Result<T, Failure> + Send + 'static,

@@ -55,9 +55,9 @@ pub(in crate::projector_calibrate) fn verify_live(
         let screen = |node: &RosNode| Ok(Box::new(TopicScreen::new(node, &topic, lens.size_px)?) as Box<dyn Screen>);
         return live.verify(&end, &AtomicBool::new(false), screen, measured);
     }
-    let window =
-        WindowOptions { source: "the verification".to_owned(), monitor: options.monitor.clone(), screenshot: None };
-    in_window(window, lens.size_px, &end, move |screen, end, is_void| {
+    let (source, monitor) = ("the verification".to_owned(), options.monitor.clone());
+    let window = WindowOptions { source, monitor, ..WindowOptions::default() };
+    in_window(&window, lens.size_px, &end, move |screen, end, is_void| {
         live.verify(end, is_void, |_| Ok(Box::new(screen)), measured)
     })
 }

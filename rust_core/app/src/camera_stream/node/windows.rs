@@ -1,0 +1,79 @@
+//! The node's windows, each of which shows one camera.
+
+use std::sync::Arc;
+
+use anyhow::{bail, Context, Result};
+use rcs_ros::RosNode;
+use rcs_window::{MonitorChoice, WindowOptions};
+
+use super::camera_plan::CameraPlan;
+use crate::camera_stream::outputs::{WindowOutput, WindowThread};
+use crate::camera_stream::private_parameters;
+use crate::camera_stream::window_arguments::ScreenArgs;
+
+/// The windows, as long as the node runs. Dropped, it closes them.
+#[derive(Default)]
+pub(super) struct Windows(Vec<Window>);
+
+struct Window {
+    camera: String,
+    output: WindowOutput,
+    _thread: WindowThread,
+}
+
+impl Windows {
+    /// Opens those of `--window` and `~window` for the cameras of a config.
+    ///
+    /// # Errors
+    /// One line that names what is wrong: no such camera, or a window for none of several.
+    pub(super) fn open(ros: &RosNode, given: &ScreenArgs, plans: &[CameraPlan]) -> Result<Self> {
+        let args = private_parameters::windows(ros, given)?;
+        let mut windows = Self::default();
+        for wanted in args.windows {
+            let Some(monitor) = wanted.monitor else { continue };
+            let camera = camera(wanted.camera.as_deref(), plans)?;
+            if windows.0.iter().any(|window| window.camera == camera) {
+                bail!("--window: camera {camera} has two windows");
+            }
+            windows.0.push(Window::open(ros, camera, monitor, args.set_mode)?);
+        }
+        Ok(windows)
+    }
+
+    /// The window of a camera.
+    pub(super) fn of(&self, camera: &str) -> Option<WindowOutput> {
+        self.0.iter().find(|window| window.camera == camera).map(|window| window.output.clone())
+    }
+
+    /// Makes the windows black whose cameras another config does not have.
+    pub(super) fn clear_those_without(&self, plans: &[CameraPlan]) {
+        for window in self.0.iter().filter(|window| !plans.iter().any(|plan| plan.name() == window.camera)) {
+            log::warn!("camera {} is not in the config any more: its window is black", window.camera);
+            window.output.clear();
+        }
+    }
+}
+
+impl Window {
+    fn open(ros: &RosNode, camera: String, monitor: MonitorChoice, set_mode: bool) -> Result<Self> {
+        let source = format!("camera {camera}");
+        let options = WindowOptions { source, monitor, set_mode, ..WindowOptions::default() };
+        let events = Arc::clone(ros.events());
+        let (output, thread) = WindowOutput::open(options, move || events.wake()).context("cannot open a window")?;
+        Ok(Self { camera, output, _thread: thread })
+    }
+}
+
+/// The camera that a window is for.
+fn camera(wanted: Option<&str>, plans: &[CameraPlan]) -> Result<String> {
+    let names = || plans.iter().map(CameraPlan::name).collect::<Vec<_>>().join(", ");
+    match (wanted, plans) {
+        (Some(wanted), plans) => match plans.iter().find(|plan| plan.name() == wanted) {
+            Some(plan) => Ok(plan.name().to_owned()),
+            None => bail!("--window: the config has no enabled camera {wanted}; there are: {}", names()),
+        },
+        (None, [plan]) => Ok(plan.name().to_owned()),
+        (None, []) => bail!("--window: the config has no enabled camera"),
+        (None, _) => bail!("--window: which camera? Give CAMERA=MONITOR; there are: {}", names()),
+    }
+}

@@ -1,0 +1,125 @@
+//! A camera's pictures in a window of this process, full screen on a monitor.
+//!
+//! The window has a thread of its own, which waits for what its window system reports. While it cannot be open (no
+//! display, no such monitor, a display server that went away), that is logged once and tried again, and nothing else of
+//! the node depends on it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use rcs_window::{run_with, PictureSink, UserEvent, WindowOptions};
+
+use super::{Frame, Output, OutputError};
+
+/// How long a window that could not be opened is left alone.
+const RETRY_AFTER: Duration = Duration::from_secs(2);
+/// How long the window has to close.
+const END_PATIENCE: Duration = Duration::from_millis(500);
+
+/// Shows a camera's pictures.
+#[derive(Clone)]
+pub struct WindowOutput {
+    sink: PictureSink,
+    viewer: Arc<Viewer>,
+}
+
+/// Who looks at the window's monitor.
+#[derive(Debug, Default)]
+struct Viewer {
+    is_there: AtomicBool,
+    is_new: AtomicBool,
+}
+
+/// A window's thread. Dropped, it closes the window.
+pub struct WindowThread {
+    sink: PictureSink,
+    thread: JoinHandle<()>,
+}
+
+impl WindowOutput {
+    /// Opens a window, on a thread of its own. `wake` is called when it is open and has no picture yet.
+    ///
+    /// # Errors
+    /// The system has no thread or descriptor left.
+    pub fn open(
+        options: WindowOptions,
+        wake: impl Fn() + Send + 'static,
+    ) -> std::io::Result<(WindowOutput, WindowThread)> {
+        let (sink, viewer) = (PictureSink::new()?, Arc::<Viewer>::default());
+        let output = Self { sink: sink.clone(), viewer: Arc::clone(&viewer) };
+        let window_sink = sink.clone();
+        let running = move || keep_open(&options, &window_sink, &viewer, &wake);
+        let thread = thread::Builder::new().name("window".to_owned()).spawn(running)?;
+        Ok((output, WindowThread { sink, thread }))
+    }
+
+    /// Shows black until the next picture: its camera is gone.
+    pub fn clear(&self) {
+        self.sink.clear();
+    }
+}
+
+/// Opens the window again whenever it had to close, until that is asked for or the user closes it.
+fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake: &dyn Fn()) {
+    let mut last_error = String::new();
+    while !sink.is_closing() {
+        let result = run_with(options, sink, |event, _| {
+            if let UserEvent::Opened(_) = event {
+                viewer.is_new.store(true, Ordering::Release);
+                viewer.is_there.store(true, Ordering::Release);
+                wake();
+            }
+        });
+        let was_open = viewer.is_there.swap(false, Ordering::AcqRel);
+        match result {
+            Ok(()) => {
+                if !sink.is_closing() {
+                    log::info!("{}: the window was closed; the topics go on", options.source);
+                }
+                return;
+            }
+            Err(error) => {
+                let error = error.to_string();
+                if was_open || error != last_error {
+                    log::error!("{}: {error}; the topics go on, and the window is tried again", options.source);
+                }
+                last_error = error;
+            }
+        }
+        let again = Instant::now() + RETRY_AFTER;
+        while !sink.is_closing() && Instant::now() < again {
+            thread::park_timeout(again.saturating_duration_since(Instant::now()));
+        }
+    }
+}
+
+impl Output for WindowOutput {
+    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+        if self.is_watched() {
+            self.sink.show_drawn(Arc::clone(&frame.picture));
+        }
+        Ok(())
+    }
+
+    fn is_watched(&self) -> bool {
+        self.viewer.is_there.load(Ordering::Acquire)
+    }
+
+    fn take_new_watcher(&mut self) -> bool {
+        self.viewer.is_new.swap(false, Ordering::AcqRel)
+    }
+}
+
+impl Drop for WindowThread {
+    fn drop(&mut self) {
+        self.sink.close();
+        self.thread.thread().unpark();
+        let asked = Instant::now();
+        // One that waits for its display server ends with the process.
+        while !self.thread.is_finished() && asked.elapsed() < END_PATIENCE {
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+}

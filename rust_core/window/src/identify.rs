@@ -1,0 +1,46 @@
+//! Which monitor is which: each shows its number, name, resolution and place for a while.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::test_pictures::identification;
+use crate::{
+    list_monitors, run_with, MonitorChoice, MonitorInfo, PictureSink, ScreenPicture, WindowError, WindowOptions,
+};
+
+/// How often the end is asked for.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// Shows on each monitor which one it is, until a key ends it there, for `duration`, or until `is_ending`.
+///
+/// # Errors
+/// The first [`WindowError`]; the other monitors are shown nevertheless.
+pub fn identify(duration: Duration, is_ending: impl Fn() -> bool) -> Result<(), WindowError> {
+    let mut shown = Vec::new();
+    for (index, monitor) in list_monitors()?.into_iter().enumerate() {
+        let sink = PictureSink::new()?;
+        let window_sink = sink.clone();
+        let showing = move || show(index, &monitor, &window_sink);
+        shown.push((sink, thread::Builder::new().name(format!("monitor {index}")).spawn(showing)?));
+    }
+    let start = Instant::now();
+    let are_open = |shown: &[(_, thread::JoinHandle<_>)]| shown.iter().any(|(_, thread)| !thread.is_finished());
+    while start.elapsed() < duration && !is_ending() && are_open(&shown) {
+        thread::sleep(PERIOD);
+    }
+    shown.iter().for_each(|(sink, _)| sink.close());
+    let ended = shown.into_iter().map(|(_, thread)| thread.join());
+    // A thread that panicked has said so.
+    ended.map(|result| result.unwrap_or(Ok(()))).fold(Ok(()), Result::and)
+}
+
+fn show(index: usize, monitor: &MonitorInfo, sink: &PictureSink) -> Result<(), WindowError> {
+    let picture = identification(index, monitor);
+    if let Ok(picture) = ScreenPicture::from_picture(&picture) {
+        sink.show(picture);
+    }
+    let name = if monitor.name.is_empty() { index.to_string() } else { monitor.name.clone() };
+    let monitor = MonitorChoice::NameOrIndex(name);
+    let options = WindowOptions { source: "the monitor's name".to_owned(), monitor, ..WindowOptions::default() };
+    run_with(&options, sink, |_, _| {})
+}

@@ -1,0 +1,121 @@
+//! The window's handle for other threads: the newest picture and the wish to close, with a descriptor that wakes the
+//! window's thread while it waits for its window system.
+
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use rcs_scene::Picture;
+use rustix::event::{eventfd, EventfdFlags};
+use rustix::io::{read, write};
+
+use crate::screen_picture::ScreenPicture;
+
+/// A picture as it was handed over.
+#[derive(Debug, Clone)]
+pub(crate) enum Handed {
+    /// Read already.
+    Read(ScreenPicture),
+    /// As it was drawn; the window's thread reads it.
+    Drawn(Arc<Picture>),
+    /// No picture: black.
+    Nothing,
+}
+
+/// The window's handle for other threads, which show pictures with it and close the window.
+#[derive(Debug, Clone)]
+pub struct PictureSink(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    newest: Mutex<Option<Handed>>,
+    is_closing: AtomicBool,
+    /// In place of the options'.
+    stale_timeout: Mutex<Option<Duration>>,
+    /// An event descriptor of the kernel's.
+    wake: OwnedFd,
+}
+
+impl PictureSink {
+    /// For a window that is opened with [`crate::run_with`]: pictures may be shown before it is open, and it may be
+    /// opened again.
+    ///
+    /// # Errors
+    /// When the process has no descriptors left.
+    pub fn new() -> std::io::Result<Self> {
+        let wake = eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
+        let (newest, stale_timeout) = (Mutex::default(), Mutex::default());
+        Ok(Self(Arc::new(Inner { newest, is_closing: AtomicBool::new(false), stale_timeout, wake })))
+    }
+
+    /// Shows a picture, in place of one that was not drawn yet.
+    pub fn show(&self, picture: ScreenPicture) {
+        self.hand_over(Handed::Read(picture));
+    }
+
+    /// Shows a picture that others hold as well; it is read on the window's thread.
+    pub fn show_drawn(&self, picture: Arc<Picture>) {
+        self.hand_over(Handed::Drawn(picture));
+    }
+
+    /// Has the window become black when no picture came for so long; zero: never. In place of the options' time.
+    pub fn set_stale_timeout(&self, timeout: Duration) {
+        *lock(&self.0.stale_timeout) = Some(timeout);
+        self.wake();
+    }
+
+    pub(crate) fn stale_timeout(&self) -> Option<Duration> {
+        *lock(&self.0.stale_timeout)
+    }
+
+    /// Shows black, until the next picture.
+    pub fn clear(&self) {
+        self.hand_over(Handed::Nothing);
+    }
+
+    /// Closes the window; [`crate::run`] returns.
+    pub fn close(&self) {
+        self.0.is_closing.store(true, Ordering::Release);
+        self.wake();
+    }
+
+    /// Whether the window was asked to close.
+    pub fn is_closing(&self) -> bool {
+        self.0.is_closing.load(Ordering::Acquire)
+    }
+
+    fn hand_over(&self, picture: Handed) {
+        let replaced = lock(&self.0.newest).replace(picture);
+        // One wake-up is enough for any number of pictures.
+        if replaced.is_none() {
+            self.wake();
+        }
+    }
+
+    fn wake(&self) {
+        // It fails only when it would overflow, and then it is readable already.
+        let _ = write(&self.0.wake, &1u64.to_ne_bytes());
+    }
+
+    /// The newest picture, once.
+    pub(crate) fn take(&self) -> Option<Handed> {
+        lock(&self.0.newest).take()
+    }
+
+    /// What becomes readable when something was asked of the window.
+    pub(crate) fn wake_fd(&self) -> BorrowedFd<'_> {
+        self.0.wake.as_fd()
+    }
+
+    /// Makes the descriptor unreadable again.
+    pub(crate) fn clear_wake(&self) {
+        let mut count = [0; 8];
+        // An error means that it was not readable.
+        let _ = read(&self.0.wake, &mut count);
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,148 @@
+//! The monitor that the window belongs to, as it changes: its mode, its place, and whether it is there at all. What it
+//! logs is the same on all window systems.
+
+use std::time::Instant;
+
+use crate::coverage::{CoverageStep, CoverageWatch};
+use crate::monitor::MonitorInfo;
+
+/// The window's monitor, from one check to the next.
+#[derive(Debug, Clone)]
+pub(crate) struct MonitorWatch {
+    monitor: MonitorInfo,
+    is_gone: bool,
+    coverage: CoverageWatch,
+}
+
+/// What a check found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Finding {
+    /// The monitor's position or size is another one.
+    pub(crate) is_changed: bool,
+    /// What to do about the window.
+    pub(crate) action: WindowAction,
+    /// The window system has had time to place the window, since just now.
+    pub(crate) has_settled: bool,
+}
+
+/// What to do about the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WindowAction {
+    /// Nothing.
+    Leave,
+    /// Put it on its monitor again.
+    CoverAgain,
+    /// Take it off the screen: its monitor is gone, and it must not shine from another one.
+    Hide,
+}
+
+impl MonitorWatch {
+    /// For a window that was just opened on this monitor.
+    pub(crate) fn new(monitor: MonitorInfo, now: Instant) -> Self {
+        Self { monitor, is_gone: false, coverage: CoverageWatch::new(now) }
+    }
+
+    /// The monitor as it was checked last.
+    pub(crate) fn monitor(&self) -> &MonitorInfo {
+        &self.monitor
+    }
+
+    /// Whether the monitor is there.
+    pub(crate) fn is_there(&self) -> bool {
+        !self.is_gone
+    }
+
+    /// When the next check is due.
+    pub(crate) fn next_check(&self) -> Instant {
+        self.coverage.next_poll()
+    }
+
+    /// Checks the window's place `((x, y), (width, height))` against the monitor of the same name among `found`.
+    /// `place` is `None` while the window is not on the screen.
+    pub(crate) fn check(&mut self, now: Instant, found: &[MonitorInfo], place: Option<Place>) -> Finding {
+        let known = found.iter().find(|info| info.name == self.monitor.name);
+        let was_gone = std::mem::replace(&mut self.is_gone, known.is_none());
+        let is_same = |info: &MonitorInfo| Place::of(info) == Place::of(&self.monitor);
+        let is_changed = known.is_some_and(|info| !is_same(info));
+        if let Some(known) = known {
+            self.monitor.clone_from(known);
+        }
+        if was_gone && !self.is_gone {
+            log::info!("monitor {} is back", self.monitor);
+        } else if is_changed {
+            log::info!("the monitor is now {}", self.monitor);
+        }
+        let is_in_place = place.is_some_and(|place| place.covers(&self.monitor));
+        let was_settling = self.coverage.is_settling(now);
+        let action = match self.coverage.poll(now, !self.is_gone, is_in_place) {
+            CoverageStep::Nothing => WindowAction::Leave,
+            CoverageStep::CoverAgain => WindowAction::CoverAgain,
+            CoverageStep::WarnMisplaced => {
+                let place = place.map_or_else(|| "not on the screen".to_owned(), |place| place.to_string());
+                log::warn!(
+                    "THE WINDOW DOES NOT COVER ITS MONITOR: it is {place}, the monitor {}; the projection does not fit",
+                    self.monitor
+                );
+                WindowAction::Leave
+            }
+            CoverageStep::WarnMonitorGone => {
+                log::warn!("monitor {} is gone; waiting for it", self.monitor);
+                WindowAction::Hide
+            }
+        };
+        let has_settled = was_settling && !self.coverage.is_settling(self.coverage.next_poll());
+        Finding { is_changed, action, has_settled }
+    }
+}
+
+/// Where something is in the desktop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// `None` where the window system does not report it.
+    pub(crate) position_px: Option<(i32, i32)>,
+    pub(crate) size_px: (u32, u32),
+}
+
+impl Place {
+    fn of(monitor: &MonitorInfo) -> Self {
+        Self { position_px: Some(monitor.position_px), size_px: monitor.size_px }
+    }
+
+    fn covers(self, monitor: &MonitorInfo) -> bool {
+        self.size_px == monitor.size_px && self.position_px.is_none_or(|position| position == monitor.position_px)
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (width, height) = self.size_px;
+        let (x, y) = self.position_px.unwrap_or_default();
+        write!(f, "{width}x{height}{x:+}{y:+}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    fn monitor(width_px: u32) -> MonitorInfo {
+        MonitorInfo { name: "HDMI-1".to_owned(), size_px: (width_px, 800), ..MonitorInfo::default() }
+    }
+
+    #[test]
+    fn a_window_whose_monitor_is_gone_is_hidden_and_put_back_on_the_monitor_as_it_returns() {
+        let start = Instant::now();
+        let later = |seconds: u64| start + Duration::from_secs(seconds);
+        let mut watch = MonitorWatch::new(monitor(1280), start);
+        let covered = Some(Place { position_px: Some((0, 0)), size_px: (1280, 800) });
+        assert_eq!(watch.check(later(3), &[monitor(1280)], covered).action, WindowAction::Leave);
+        assert_eq!(watch.check(later(5), &[], covered).action, WindowAction::Hide);
+        assert!(!watch.is_there());
+        assert_eq!(watch.check(later(7), &[], None).action, WindowAction::Leave);
+        let back = watch.check(later(9), &[monitor(1024)], None);
+        assert_eq!((back.action, back.is_changed), (WindowAction::CoverAgain, true));
+        assert_eq!(watch.monitor().size_px, (1024, 800));
+    }
+}

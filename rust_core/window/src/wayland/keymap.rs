@@ -1,0 +1,150 @@
+//! The keyboard's layout, from the text in which a compositor gives it (XKB text format, version 1, as libxkbcommon
+//! writes it): which symbols each key has, without and with shift.
+//!
+//! Only what libxkbcommon writes is read, and only the first layout. There is no binding to that library without
+//! `unsafe`, and a program linked with it would not start where it is not installed.
+
+use std::collections::HashMap;
+
+use xkeysym::{key, Keysym};
+
+/// The symbols of the keys.
+#[derive(Debug, Default)]
+pub(super) struct Keymap(HashMap<u32, [Option<Keysym>; 2]>);
+
+/// The kernel's codes are so much less than XKB's.
+const KERNEL_OFFSET: u32 = 8;
+
+impl Keymap {
+    /// Reads a keymap; keys that are not understood have no symbols.
+    pub(super) fn parse(text: &str) -> Self {
+        let mut codes = HashMap::new();
+        let mut symbols = HashMap::new();
+        // Statements end with semicolons; only those of keys matter.
+        for statement in text.split(';') {
+            if let Some((name, code)) = key_code(statement) {
+                codes.insert(name.to_owned(), code);
+            } else if let Some((name, found)) = key_symbols(statement) {
+                symbols.insert(name.to_owned(), found);
+            }
+        }
+        Self(symbols.into_iter().filter_map(|(name, found)| Some((*codes.get(&name)?, found))).collect())
+    }
+
+    /// The symbol of a key by the kernel's code.
+    pub(super) fn keysym(&self, kernel_code: u32, is_shifted: bool) -> Option<Keysym> {
+        let [plain, shifted] = self.0.get(&(kernel_code + KERNEL_OFFSET))?;
+        if is_shifted {
+            shifted.or(*plain)
+        } else {
+            *plain
+        }
+    }
+}
+
+/// `<NAME> = 24`.
+fn key_code(statement: &str) -> Option<(&str, u32)> {
+    let (name, code) = statement.split_once('=')?;
+    let name = name.trim().strip_prefix('<')?.strip_suffix('>')?;
+    Some((name, code.trim().parse().ok()?))
+}
+
+/// `key <NAME> { [ q, Q ] }`, or with `symbols[1]= [ q, Q ]` among other things.
+fn key_symbols(statement: &str) -> Option<(&str, [Option<Keysym>; 2])> {
+    let (_, rest) = statement.split_once("key <")?;
+    let (name, body) = rest.split_once('>')?;
+    let body = body.split_once("symbols[").map_or(body, |(_, symbols)| symbols.split_once(']').map_or("", |(_, s)| s));
+    let (_, list) = body.split_once('[')?;
+    let (list, _) = list.split_once(']')?;
+    let mut found = list.split(',').map(|symbol| keysym(symbol.trim()));
+    Some((name, [found.next().flatten(), found.next().flatten()]))
+}
+
+/// The symbol of a name: of the keys that a window reports, and of those with a character.
+fn keysym(name: &str) -> Option<Keysym> {
+    const NAMED: [(&str, u32); 28] = [
+        ("Escape", key::Escape),
+        ("space", key::space),
+        ("Return", key::Return),
+        ("KP_Enter", key::KP_Enter),
+        ("BackSpace", key::BackSpace),
+        ("Tab", key::Tab),
+        ("Left", key::Left),
+        ("Right", key::Right),
+        ("Up", key::Up),
+        ("Down", key::Down),
+        ("Prior", key::Prior),
+        ("Next", key::Next),
+        ("Home", key::Home),
+        ("End", key::End),
+        ("plus", key::plus),
+        ("minus", key::minus),
+        ("equal", key::equal),
+        ("comma", key::comma),
+        ("period", key::period),
+        ("slash", key::slash),
+        ("less", key::less),
+        ("greater", key::greater),
+        ("question", key::question),
+        ("bracketleft", key::bracketleft),
+        ("bracketright", key::bracketright),
+        ("underscore", key::underscore),
+        ("numbersign", key::numbersign),
+        ("asterisk", key::asterisk),
+    ];
+    let mut characters = name.chars();
+    match (characters.next(), characters.next()) {
+        (Some(character), None) => Some(Keysym::from_char(character)),
+        _ => NAMED.iter().find(|(known, _)| *known == name).map(|(_, symbol)| Keysym::new(*symbol)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KEYMAP: &str = r#"xkb_keymap {
+xkb_keycodes "(unnamed)" {
+	minimum = 8;
+	maximum = 708;
+	<ESC>                = 9;
+	<AD01>               = 24;
+	<AC01>               = 38;
+	<SPCE>               = 65;
+	indicator 1 = "Caps Lock";
+	alias <AC12>         = <BKSL>;
+};
+xkb_symbols "(unnamed)" {
+	name[Group1]="French";
+
+	key <ESC>                {	[          Escape ] };
+	key <AD01>               {	[               a,               A ] };
+	key <AC01>               {
+		type= "ALPHABETIC",
+		symbols[1]= [               q,               Q ]
+	};
+	key <SPCE>               {	[           space ] };
+	modifier_map Control { <LCTL> };
+};
+};
+"#;
+
+    #[test]
+    fn keys_have_the_symbols_of_the_layout() {
+        let keymap = Keymap::parse(KEYMAP);
+        let symbol = |code: u32, is_shifted| keymap.keysym(code - KERNEL_OFFSET, is_shifted).map(Keysym::raw);
+        assert_eq!(symbol(9, false), Some(key::Escape));
+        assert_eq!(symbol(9, true), Some(key::Escape));
+        assert_eq!((symbol(24, false), symbol(24, true)), (Some(key::a), Some(key::A)));
+        assert_eq!((symbol(38, false), symbol(38, true)), (Some(key::q), Some(key::Q)));
+        assert_eq!(symbol(65, false), Some(key::space));
+        assert_eq!(symbol(66, false), None);
+    }
+
+    #[test]
+    fn what_is_no_keymap_has_no_keys() {
+        for text in ["", "{", ";;;", "key <", "key <A> [ a ]", "<A> = ; key <A> { [ a"] {
+            assert!(Keymap::parse(text).0.is_empty(), "{text}");
+        }
+    }
+}

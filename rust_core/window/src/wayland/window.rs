@@ -1,0 +1,260 @@
+//! The open window on a Wayland compositor.
+
+use std::os::fd::BorrowedFd;
+use std::time::Instant;
+
+use rustix::event::{poll, PollFd, PollFlags};
+use rustix::io::Errno;
+use wayland_client::protocol::wl_buffer::WlBuffer;
+use wayland_client::protocol::wl_compositor::WlCompositor;
+use wayland_client::protocol::wl_shm::{Format, WlShm};
+use wayland_client::protocol::wl_surface::WlSurface;
+use wayland_protocols::wp::idle_inhibit::zv1::client::zwp_idle_inhibit_manager_v1::ZwpIdleInhibitManagerV1;
+use wayland_protocols::wp::idle_inhibit::zv1::client::zwp_idle_inhibitor_v1::ZwpIdleInhibitorV1;
+use wayland_protocols::wp::viewporter::client::wp_viewport::WpViewport;
+use wayland_protocols::wp::viewporter::client::wp_viewporter::WpViewporter;
+use wayland_protocols::xdg::shell::client::xdg_surface::XdgSurface;
+use wayland_protocols::xdg::shell::client::xdg_toplevel::XdgToplevel;
+use wayland_protocols::xdg::shell::client::xdg_wm_base::XdgWmBase;
+
+use super::state::{lost, lost_connection, Session, State};
+use crate::monitor::MonitorInfo;
+use crate::run::{SystemEvent, SystemWindow};
+use crate::shared_pixels::{SharedPixels, PIXEL_BYTES};
+use crate::watch::{MonitorWatch, Place, WindowAction};
+use crate::{timeout_until, WindowError, WindowOptions};
+
+/// A window on a compositor, over one output.
+pub(crate) struct WaylandWindow {
+    session: Session,
+    globals: Globals,
+    title: String,
+    watch: MonitorWatch,
+    /// `None` while the monitor is gone.
+    shown: Option<Shown>,
+}
+
+/// What makes windows.
+struct Globals {
+    compositor: WlCompositor,
+    memory: WlShm,
+    shell: XdgWmBase,
+    viewports: Option<WpViewporter>,
+    idle: Option<ZwpIdleInhibitManagerV1>,
+}
+
+/// The surface on the screen. What it consists of is destroyed from the top.
+struct Shown {
+    surface: WlSurface,
+    shell_surface: XdgSurface,
+    toplevel: XdgToplevel,
+    viewport: Option<WpViewport>,
+    inhibitor: Option<ZwpIdleInhibitorV1>,
+    buffers: Option<Buffers>,
+}
+
+struct Buffers {
+    pixels: SharedPixels,
+    slots: [WlBuffer; 2],
+}
+
+impl WaylandWindow {
+    /// Opens the window on the monitor that the options choose.
+    pub(crate) fn open(options: &WindowOptions) -> Result<Self, WindowError> {
+        let session = Session::open()?;
+        let mut monitors = session.state.outputs.monitors();
+        let monitor = monitors.swap_remove(options.monitor.resolve(&monitors)?);
+        log::info!("{} on monitor {monitor}", options.source);
+        if let Some([native, current]) = session.state.outputs.other_mode(&monitor.name) {
+            log::warn!(
+                "MONITOR {} RUNS {}x{}, ITS NATIVE MODE IS {}x{}: it scales each picture; set that mode in the desktop's \
+                 settings (Wayland does not let a program do it)",
+                monitor.name,
+                current.0,
+                current.1,
+                native.0,
+                native.1
+            );
+        }
+        let globals = Globals::bind(&session)?;
+        let watch = MonitorWatch::new(monitor, Instant::now());
+        let mut window = Self { session, globals, title: options.source.clone(), watch, shown: None };
+        window.show()?;
+        Ok(window)
+    }
+
+    /// Puts the window on the screen.
+    fn show(&mut self) -> Result<(), WindowError> {
+        self.hide();
+        let handle = self.session.queue.handle();
+        let globals = &self.globals;
+        let surface = globals.compositor.create_surface(&handle, ());
+        let shell_surface = globals.shell.get_xdg_surface(&surface, &handle, ());
+        let toplevel = shell_surface.get_toplevel(&handle, ());
+        toplevel.set_title(self.title.clone());
+        toplevel.set_app_id("projector_window".to_owned());
+        toplevel.set_fullscreen(self.session.state.outputs.proxy(&self.watch.monitor().name));
+        let viewport = globals.viewports.as_ref().map(|viewports| viewports.get_viewport(&surface, &handle, ()));
+        let inhibitor = globals.idle.as_ref().map(|idle| idle.create_inhibitor(&surface, &handle, ()));
+        surface.commit();
+        self.shown = Some(Shown { surface, shell_surface, toplevel, viewport, inhibitor, buffers: None });
+        self.session.queue.flush().map_err(lost_connection)
+    }
+
+    /// Takes the window off the screen.
+    fn hide(&mut self) {
+        let Some(shown) = self.shown.take() else { return };
+        shown.inhibitor.iter().for_each(ZwpIdleInhibitorV1::destroy);
+        shown.viewport.iter().for_each(WpViewport::destroy);
+        shown.toplevel.destroy();
+        shown.shell_surface.destroy();
+        shown.surface.destroy();
+        self.session.state.configured = None;
+    }
+
+    /// Takes what the compositor has told.
+    fn take_events(&mut self) -> Result<Vec<SystemEvent>, WindowError> {
+        self.session.queue.dispatch_pending(&mut self.session.state).map_err(lost)?;
+        let buffers = self.shown.as_mut().and_then(|shown| shown.buffers.as_mut());
+        let released = std::mem::take(&mut self.session.state.released);
+        if let Some(buffers) = buffers {
+            released.into_iter().for_each(|slot| buffers.pixels.end_reading(slot));
+        }
+        Ok(std::mem::take(&mut self.session.state.events))
+    }
+}
+
+impl Globals {
+    fn bind(session: &Session) -> Result<Self, WindowError> {
+        let handle = session.queue.handle();
+        let missing = |error: &dyn std::fmt::Display| WindowError::NoDisplay(format!("the compositor: {error}"));
+        Ok(Self {
+            compositor: session.globals.bind(&handle, 1..=4, ()).map_err(|error| missing(&error))?,
+            memory: session.globals.bind(&handle, 1..=1, ()).map_err(|error| missing(&error))?,
+            shell: session.globals.bind(&handle, 1..=1, ()).map_err(|error| missing(&error))?,
+            viewports: session.globals.bind(&handle, 1..=1, ()).ok(),
+            idle: session.globals.bind(&handle, 1..=1, ()).ok(),
+        })
+    }
+}
+
+impl Shown {
+    /// Memory for pictures of this size.
+    fn buffers(
+        &mut self,
+        size_px: (u32, u32),
+        memory: &WlShm,
+        handle: &wayland_client::QueueHandle<State>,
+    ) -> Result<&mut Buffers, WindowError> {
+        let known = self.buffers.take();
+        let buffers = match known {
+            Some(buffers) if buffers.pixels.size_px() == size_px => buffers,
+            other => {
+                other.iter().flat_map(|old| &old.slots).for_each(WlBuffer::destroy);
+                Buffers::new(size_px, memory, handle)?
+            }
+        };
+        Ok(self.buffers.insert(buffers))
+    }
+}
+
+impl Buffers {
+    fn new(
+        size_px: (u32, u32),
+        memory: &WlShm,
+        handle: &wayland_client::QueueHandle<State>,
+    ) -> Result<Self, WindowError> {
+        let pixels = SharedPixels::new(size_px)?;
+        let side = |value: u64| i32::try_from(value).unwrap_or(i32::MAX);
+        let (width, height) = (side(size_px.0.into()), side(size_px.1.into()));
+        let stride = side(u64::from(size_px.0) * u64::from(PIXEL_BYTES));
+        let pool = memory.create_pool(pixels.fd(), side(pixels.offset(2)), handle, ());
+        let slot = |slot: usize| {
+            pool.create_buffer(side(pixels.offset(slot)), width, height, stride, Format::Xrgb8888, handle, slot)
+        };
+        let slots = [slot(0), slot(1)];
+        pool.destroy();
+        Ok(Self { pixels, slots })
+    }
+}
+
+impl SystemWindow for WaylandWindow {
+    fn monitor(&self) -> &MonitorInfo {
+        self.watch.monitor()
+    }
+
+    fn size_px(&self) -> (u32, u32) {
+        // The compositor gives a size in the desktop's units; the surface has the output's pixels.
+        if self.shown.is_some() && self.session.state.configured.is_some() {
+            self.watch.monitor().size_px
+        } else {
+            (0, 0)
+        }
+    }
+
+    fn is_ready(&self) -> bool {
+        let buffers = self.shown.as_ref().and_then(|shown| shown.buffers.as_ref());
+        buffers.is_none_or(|buffers| buffers.pixels.free_slot().is_some())
+    }
+
+    fn present(&mut self, pixels: &[u32]) -> Result<(), WindowError> {
+        let (size, handle) = (self.size_px(), self.session.queue.handle());
+        let (Some(shown), Some(desktop_size)) = (&mut self.shown, self.session.state.configured) else { return Ok(()) };
+        let buffers = shown.buffers(size, &self.globals.memory, &handle)?;
+        let Some(slot) = buffers.pixels.free_slot() else { return Ok(()) };
+        buffers.pixels.write(slot, pixels)?;
+        buffers.pixels.begin_reading(slot);
+        let buffer = buffers.slots.get(slot).cloned();
+        if let (Some(viewport), (width, height)) = (&shown.viewport, desktop_size) {
+            if width > 0 && height > 0 {
+                viewport.set_destination(width, height);
+            }
+        }
+        shown.surface.attach(buffer.as_ref(), 0, 0);
+        shown.surface.damage(0, 0, i32::MAX, i32::MAX);
+        shown.surface.commit();
+        self.session.queue.flush().map_err(lost_connection)
+    }
+
+    fn wait(&mut self, wake: BorrowedFd<'_>, until: Instant) -> Result<Vec<SystemEvent>, WindowError> {
+        let events = self.take_events()?;
+        if !events.is_empty() {
+            return Ok(events);
+        }
+        self.session.queue.flush().map_err(lost_connection)?;
+        if let Some(guard) = self.session.queue.prepare_read() {
+            let compositor = guard.connection_fd();
+            let mut fds =
+                [PollFd::from_borrowed_fd(compositor, PollFlags::IN), PollFd::from_borrowed_fd(wake, PollFlags::IN)];
+            match poll(&mut fds, Some(&timeout_until(until))) {
+                Ok(_) | Err(Errno::INTR) => {}
+                Err(error) => return Err(WindowError::Lost(error.to_string())),
+            }
+            let is_readable = !fds[0].revents().is_empty();
+            if is_readable {
+                guard.read().map_err(lost_connection)?;
+            }
+        }
+        self.take_events()
+    }
+
+    fn next_check(&self) -> Instant {
+        self.watch.next_check()
+    }
+
+    fn check(&mut self, now: Instant) -> Result<bool, WindowError> {
+        self.session.round_trip()?;
+        let monitors = self.session.state.outputs.monitors();
+        let place = self.session.state.configured.filter(|_| self.shown.is_some());
+        // A compositor does not tell where it puts a surface, and full screen it is as large as the output.
+        let place = place.map(|_| Place { position_px: None, size_px: self.watch.monitor().size_px });
+        let found = self.watch.check(now, &monitors, place);
+        match found.action {
+            WindowAction::Leave => {}
+            WindowAction::Hide => self.hide(),
+            WindowAction::CoverAgain => self.show()?,
+        }
+        self.session.queue.flush().map_err(lost_connection)?;
+        Ok(found.is_changed)
+    }
+}

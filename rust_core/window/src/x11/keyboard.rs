@@ -1,0 +1,50 @@
+//! Key presses as symbols: the keyboard's mapping as the X server has it.
+
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{ConnectionExt as _, KeyButMask, KeyPressEvent};
+use xkeysym::{KeyCode, Keysym};
+
+use super::session::X11Session;
+
+/// The layouts' number is in these bits of a key event's state (X Keyboard Extension, section 2.2.2).
+const GROUP_SHIFT: u16 = 13;
+
+/// What the keys type.
+#[derive(Default)]
+pub(super) struct Keyboard {
+    first: u8,
+    per_key: u8,
+    keysyms: Vec<u32>,
+}
+
+impl Keyboard {
+    /// The mapping as it is now; one without keys if the server does not tell.
+    pub(super) fn read(session: &X11Session) -> Self {
+        let setup = session.connection.setup();
+        let (first, count) = (setup.min_keycode, setup.max_keycode - setup.min_keycode + 1);
+        let mapping = session.connection.get_keyboard_mapping(first, count).ok().and_then(|cookie| cookie.reply().ok());
+        mapping.map_or_else(Self::default, |mapping| Self {
+            first,
+            per_key: mapping.keysyms_per_keycode,
+            keysyms: mapping.keysyms,
+        })
+    }
+
+    /// The symbol that a key press types.
+    pub(super) fn keysym(&self, event: &KeyPressEvent) -> Option<Keysym> {
+        let state = u16::from(event.state);
+        let is_shifted = state & u16::from(KeyButMask::SHIFT) != 0;
+        let is_second_layout = (state >> GROUP_SHIFT) & 1 != 0;
+        let column = u8::from(is_shifted) + 2 * u8::from(is_second_layout);
+        // The crate's function trusts the range.
+        let index = usize::from(event.detail.checked_sub(self.first)?) * usize::from(self.per_key);
+        self.keysyms.get(index..index + usize::from(self.per_key))?;
+        xkeysym::keysym(
+            KeyCode::new(event.detail.into()),
+            column,
+            KeyCode::new(self.first.into()),
+            self.per_key,
+            &self.keysyms,
+        )
+    }
+}

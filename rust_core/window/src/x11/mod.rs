@@ -1,0 +1,18 @@
+//! The window on an X server, over a connection of its own in Rust.
+//!
+//! Not over Xlib, which ends the whole process when the server goes away: here that is an error, and a node can go on
+//! without its window and open it again. The connection needs no main thread.
+
+mod awake;
+mod keep_over;
+mod keyboard;
+mod modes;
+mod monitors;
+mod place;
+mod session;
+mod transfer;
+mod window;
+
+pub(crate) use keep_over::keep_over;
+pub(crate) use session::X11Session;
+pub(crate) use window::X11Window;

@@ -1,0 +1,183 @@
+//! Brings pixels to a window: through memory that the server shares, or else through the connection.
+
+use std::os::fd::AsFd;
+
+use x11rb::connection::{Connection, RequestConnection};
+use x11rb::protocol::shm::{self, CompletionEvent, ConnectionExt as _, Seg};
+use x11rb::protocol::xproto::{ConnectionExt as _, Gcontext, ImageFormat, ImageOrder, Window};
+
+use super::session::X11Session;
+use crate::shared_pixels::{SharedPixels, PIXEL_BYTES};
+use crate::WindowError;
+
+/// The version of MIT-SHM that takes a descriptor.
+const SHM_WITH_DESCRIPTORS: (u16, u16) = (1, 2);
+/// Bytes of a PutImage request beside its pixels.
+const PUT_IMAGE_BYTES: usize = 64;
+
+/// The way of the pixels to one window.
+pub(super) struct Transfer {
+    window: Window,
+    context: Gcontext,
+    can_share: bool,
+    shared: Option<Shared>,
+}
+
+struct Shared {
+    segment: Seg,
+    pixels: SharedPixels,
+}
+
+impl Transfer {
+    /// To a window of this session's screen.
+    ///
+    /// # Errors
+    /// The server takes no pixels of 32 bits in this machine's byte order, or the connection broke.
+    pub(super) fn new(session: &X11Session, window: Window) -> Result<Self, WindowError> {
+        let setup = session.connection.setup();
+        let depth = session.screen.root_depth;
+        let format = setup.pixmap_formats.iter().find(|format| format.depth == depth);
+        let own_order = if cfg!(target_endian = "big") { ImageOrder::MSB_FIRST } else { ImageOrder::LSB_FIRST };
+        let is_known = format.is_some_and(|format| u32::from(format.bits_per_pixel) == 8 * PIXEL_BYTES);
+        if !is_known || depth < 24 || setup.image_byte_order != own_order {
+            return Err(WindowError::NoDisplay(format!("the X server's screen has depth {depth}, 24 is needed")));
+        }
+        let context = session.connection.generate_id().map_err(|error| WindowError::Lost(error.to_string()))?;
+        session.connection.create_gc(context, window, &Default::default()).map_err(X11Session::lost)?;
+        Ok(Self { window, context, can_share: takes_descriptors(session), shared: None })
+    }
+
+    /// Whether a picture can be sent now; otherwise the server will say that it has read one.
+    pub(super) fn is_ready(&self) -> bool {
+        self.shared.as_ref().is_none_or(|shared| shared.pixels.free_slot().is_some())
+    }
+
+    /// Sends pixels of the window's size.
+    ///
+    /// # Errors
+    /// The connection broke.
+    pub(super) fn send(
+        &mut self,
+        session: &X11Session,
+        pixels: &[u32],
+        size_px: (u32, u32),
+    ) -> Result<(), WindowError> {
+        if self.can_share && self.shared.as_ref().is_none_or(|shared| shared.pixels.size_px() != size_px) {
+            self.share(session, size_px);
+        }
+        let is_sent = match &mut self.shared {
+            Some(shared) => shared.send(session, self.window, self.context, pixels)?,
+            None => false,
+        };
+        if !is_sent {
+            self.put(session, pixels, size_px)?;
+        }
+        session.connection.flush().map_err(X11Session::lost)
+    }
+
+    /// The server has read a picture.
+    pub(super) fn complete(&mut self, event: &CompletionEvent) {
+        let Some(shared) = self.shared.as_mut().filter(|shared| shared.segment == event.shmseg) else { return };
+        let slot = u64::from(event.offset).checked_div(shared.pixels.slot_bytes()).unwrap_or(0);
+        shared.pixels.end_reading(usize::try_from(slot).unwrap_or(0));
+    }
+
+    /// Shares memory for pictures of this size with the server, or gives that up for good.
+    fn share(&mut self, session: &X11Session, size_px: (u32, u32)) {
+        if let Some(old) = self.shared.take() {
+            // What fails here frees itself with the connection.
+            let _ = session.connection.shm_detach(old.segment);
+        }
+        self.shared = Shared::with(session, size_px);
+        self.can_share = self.shared.is_some();
+        if !self.can_share {
+            log::info!("the X server does not share memory; pictures go through the connection, which takes longer");
+        }
+    }
+
+    /// Sends pixels through the connection, as many rows at once as a request holds.
+    fn put(&self, session: &X11Session, pixels: &[u32], (width, height): (u32, u32)) -> Result<(), WindowError> {
+        let row_bytes = width as usize * PIXEL_BYTES as usize;
+        let most_bytes = session.connection.maximum_request_bytes().saturating_sub(PUT_IMAGE_BYTES);
+        let most_rows = (most_bytes / row_bytes.max(1)).max(1);
+        let side = |pixels: usize| u16::try_from(pixels).unwrap_or(u16::MAX);
+        for (band, rows) in pixels.chunks(most_rows * width as usize).enumerate() {
+            let first = band * most_rows;
+            let count = (rows.len() / (width as usize).max(1)).min(height as usize - first.min(height as usize));
+            session
+                .connection
+                .put_image(
+                    ImageFormat::Z_PIXMAP,
+                    self.window,
+                    self.context,
+                    side(width as usize),
+                    side(count),
+                    0,
+                    i16::try_from(first).unwrap_or(i16::MAX),
+                    0,
+                    session.screen.root_depth,
+                    bytemuck::cast_slice(rows),
+                )
+                .map_err(X11Session::lost)?;
+        }
+        Ok(())
+    }
+}
+
+impl Shared {
+    /// Memory for pictures of this size; `None` if the server does not take it.
+    fn with(session: &X11Session, size_px: (u32, u32)) -> Option<Self> {
+        let pixels = SharedPixels::new(size_px).ok()?;
+        let segment = session.connection.generate_id().ok()?;
+        let descriptor = pixels.fd().as_fd().try_clone_to_owned().ok()?;
+        session.connection.shm_attach_fd(segment, descriptor, true).ok()?.check().ok()?;
+        Some(Self { segment, pixels })
+    }
+
+    /// Sends a picture; false if the memory cannot be written.
+    fn send(
+        &mut self,
+        session: &X11Session,
+        window: Window,
+        context: Gcontext,
+        pixels: &[u32],
+    ) -> Result<bool, WindowError> {
+        let Some(slot) = self.pixels.free_slot() else { return Ok(false) };
+        let (Ok(()), Ok(offset)) = (self.pixels.write(slot, pixels), u32::try_from(self.pixels.offset(slot))) else {
+            return Ok(false);
+        };
+        let side = |pixels: u32| u16::try_from(pixels).unwrap_or(u16::MAX);
+        let (width, height) = (side(self.pixels.size_px().0), side(self.pixels.size_px().1));
+        let (depth, format) = (session.screen.root_depth, ImageFormat::Z_PIXMAP.into());
+        let put = session.connection.shm_put_image(
+            window,
+            context,
+            width,
+            height,
+            0,
+            0,
+            width,
+            height,
+            0,
+            0,
+            depth,
+            format,
+            true,
+            self.segment,
+            offset,
+        );
+        put.map_err(X11Session::lost)?;
+        self.pixels.begin_reading(slot);
+        Ok(true)
+    }
+}
+
+/// Whether the server shares memory by descriptors.
+fn takes_descriptors(session: &X11Session) -> bool {
+    let version = || {
+        session.connection.extension_information(shm::X11_EXTENSION_NAME).ok()??;
+        let version = session.connection.shm_query_version().ok()?.reply().ok()?;
+        Some((version.major_version, version.minor_version))
+    };
+    version().is_some_and(|version| version >= SHM_WITH_DESCRIPTORS)
+}

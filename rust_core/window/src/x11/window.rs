@@ -1,0 +1,198 @@
+//! The open window on an X server.
+
+use std::os::fd::BorrowedFd;
+use std::time::Instant;
+
+use rustix::event::{poll, PollFd, PollFlags};
+use rustix::io::Errno;
+use x11rb::connection::{Connection, RequestConnection};
+use x11rb::protocol::randr::{self, ConnectionExt as _, NotifyMask};
+use x11rb::protocol::xproto::Window;
+use x11rb::protocol::Event;
+use x11rb::wrapper::ConnectionExt as _;
+
+use super::awake::Awake;
+use super::keyboard::Keyboard;
+use super::session::X11Session;
+use super::transfer::Transfer;
+use crate::monitor::MonitorInfo;
+use crate::run::{SystemEvent, SystemWindow};
+use crate::watch::{MonitorWatch, WindowAction};
+use crate::{timeout_until, WindowError, WindowOptions};
+
+/// A window on an X server, over one monitor.
+pub(crate) struct X11Window {
+    session: X11Session,
+    window: Window,
+    delete: Option<u32>,
+    watch: MonitorWatch,
+    transfer: Transfer,
+    keyboard: Keyboard,
+    awake: Awake,
+    /// Whether no window manager puts it in its place.
+    placed_by_itself: bool,
+    has_keyboard: bool,
+    size_px: (u32, u32),
+    set_mode: bool,
+    /// What was warned about the monitor's mode.
+    last_warning: Option<String>,
+}
+
+impl X11Window {
+    /// Opens the window on the monitor that the options choose.
+    pub(crate) fn open(options: &WindowOptions) -> Result<Self, WindowError> {
+        let session = X11Session::open()?;
+        let mut monitors = session.monitors();
+        let mut monitor = monitors.swap_remove(options.monitor.resolve(&monitors)?);
+        let mut last_warning = None;
+        if session.put_right_mode(&monitor.name, options.set_mode, &mut last_warning) {
+            let name = monitor.name.clone();
+            monitor = session.monitors().into_iter().find(|info| info.name == name).unwrap_or(monitor);
+        }
+        log::info!("{} on monitor {monitor}", options.source);
+        let is_unknown_to_managers = monitor.is_virtual || session.output_modes(&monitor.name).is_none();
+        let placed_by_itself = is_unknown_to_managers || !session.has_fullscreen_manager();
+        let window = session.create_window(&options.source, &monitor, placed_by_itself)?;
+        let now = Instant::now();
+        if session.connection.extension_information(randr::X11_EXTENSION_NAME).ok().flatten().is_some() {
+            let changes = NotifyMask::SCREEN_CHANGE | NotifyMask::CRTC_CHANGE | NotifyMask::OUTPUT_CHANGE;
+            session.connection.randr_select_input(session.root(), changes).map_err(X11Session::lost)?;
+        }
+        session.map(window, &monitor, placed_by_itself)?;
+        Ok(Self {
+            window,
+            delete: session.atom("WM_DELETE_WINDOW"),
+            transfer: Transfer::new(&session, window)?,
+            keyboard: Keyboard::read(&session),
+            awake: Awake::start(&session, now),
+            placed_by_itself,
+            has_keyboard: !placed_by_itself,
+            size_px: monitor.size_px,
+            watch: MonitorWatch::new(monitor, now),
+            set_mode: options.set_mode,
+            last_warning,
+            session,
+        })
+    }
+
+    /// Takes one event of the server's.
+    fn translate(&mut self, event: Event) -> Option<SystemEvent> {
+        match event {
+            Event::Expose(event) if event.count == 0 => Some(SystemEvent::Expose),
+            Event::ConfigureNotify(event) if event.window == self.window => {
+                self.size_px = (event.width.into(), event.height.into());
+                Some(SystemEvent::Expose)
+            }
+            Event::ShmCompletion(event) => {
+                self.transfer.complete(&event);
+                None
+            }
+            Event::KeyPress(event) => self.keyboard.keysym(&event).map(SystemEvent::Key),
+            Event::MappingNotify(_) => {
+                self.keyboard = Keyboard::read(&self.session);
+                None
+            }
+            Event::ClientMessage(event) if Some(event.data.as_data32()[0]) == self.delete => Some(SystemEvent::Close),
+            Event::DestroyNotify(event) if event.window == self.window => Some(SystemEvent::Close),
+            Event::RandrNotify(_) | Event::RandrScreenChangeNotify(_) => Some(SystemEvent::Monitors),
+            Event::Error(error) => {
+                log::debug!("the X server refuses a request: {error:?}");
+                None
+            }
+            _ => None,
+        }
+    }
+
+    /// What the server has sent already. Returns whether it was anything.
+    fn take_events(&mut self, events: &mut Vec<SystemEvent>) -> Result<bool, WindowError> {
+        let mut is_any = false;
+        while let Some(event) = self.session.connection.poll_for_event().map_err(X11Session::lost)? {
+            is_any = true;
+            let event = self.translate(event);
+            // A change of monitors comes in several events, of which one is enough.
+            events.extend(event.filter(|event| *event != SystemEvent::Monitors || !events.contains(event)));
+        }
+        Ok(is_any)
+    }
+}
+
+impl SystemWindow for X11Window {
+    fn monitor(&self) -> &MonitorInfo {
+        self.watch.monitor()
+    }
+
+    fn size_px(&self) -> (u32, u32) {
+        if self.watch.is_there() {
+            self.size_px
+        } else {
+            (0, 0)
+        }
+    }
+
+    fn is_ready(&self) -> bool {
+        self.transfer.is_ready()
+    }
+
+    fn present(&mut self, pixels: &[u32]) -> Result<(), WindowError> {
+        self.transfer.send(&self.session, pixels, self.size_px)
+    }
+
+    fn wait(&mut self, wake: BorrowedFd<'_>, until: Instant) -> Result<Vec<SystemEvent>, WindowError> {
+        let mut events = Vec::new();
+        if !self.take_events(&mut events)? {
+            self.session.connection.flush().map_err(X11Session::lost)?;
+            let server = self.session.connection.stream();
+            let mut fds = [PollFd::new(server, PollFlags::IN), PollFd::from_borrowed_fd(wake, PollFlags::IN)];
+            match poll(&mut fds, Some(&timeout_until(until))) {
+                Ok(_) | Err(Errno::INTR) => {}
+                Err(error) => return Err(WindowError::Lost(error.to_string())),
+            }
+            self.take_events(&mut events)?;
+        }
+        Ok(events)
+    }
+
+    fn next_check(&self) -> Instant {
+        self.watch.next_check()
+    }
+
+    fn check(&mut self, now: Instant) -> Result<bool, WindowError> {
+        let monitors = self.session.monitors();
+        if monitors.is_empty() {
+            // The server is asked whether it lives; one without monitors may get some.
+            self.session.connection.sync().map_err(|error| WindowError::Lost(error.to_string()))?;
+        }
+        let place = self.session.place_of(self.window);
+        let found = self.watch.check(now, &monitors, place);
+        match found.action {
+            WindowAction::Leave => {}
+            WindowAction::Hide => {
+                self.session.withdraw(self.window)?;
+                self.has_keyboard = !self.placed_by_itself;
+            }
+            WindowAction::CoverAgain if place.is_none() => {
+                // A window manager that just starts can take a new window down again.
+                self.session.map(self.window, self.watch.monitor(), self.placed_by_itself)?;
+            }
+            WindowAction::CoverAgain => {
+                self.session.cover_again(self.window, self.watch.monitor(), self.placed_by_itself)?;
+            }
+        }
+        if self.watch.is_there() {
+            self.has_keyboard = self.has_keyboard || self.session.focus(self.window);
+            if found.has_settled && !self.has_keyboard {
+                log::warn!("the window does not get the keyboard; end with Ctrl-C instead of Escape");
+            }
+            let name = self.watch.monitor().name.clone();
+            self.session.put_right_mode(&name, self.set_mode, &mut self.last_warning);
+        }
+        self.awake.keep(&self.session, now);
+        Ok(found.is_changed)
+    }
+}
+
+impl Drop for X11Window {
+    fn drop(&mut self) {
+        self.awake.end(&self.session);
+    }
+}
