@@ -123,6 +123,16 @@ def starts(_, result):
     return paragraphs(intro, table(['program', 'until', 'median ms', 'worst ms', 'runs'], row, rows), driver_note(rows))
 
 
+def light(given, result):
+    intro = ('`./bench --only light` on {}: Flat Squares, 307,200 points at {:g} clouds/s, 1280×800, {:g} s each. Floor: {:.1f} / '
+             '{:.1f} ms.').format(machine(), given.hz, given.seconds, result['floor']['latency_ms'],
+                                  result['floor']['latency_p95_ms'])
+    row = ['{name}', '{pictures_hz:.1f}', '{missed} of {clouds}', LATENCY, '{cpu_ms:.1f}', '{server_ms:.1f}', '{peak_mb:.0f}']
+    heads = ['program', 'pictures/s', 'clouds missed', 'latency to light ms, median / p95', 'CPU ms per picture',
+             "the X server's CPU ms per picture", 'peak MB']
+    return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
+
+
 def blocks(given, results):
     """The text of each measured section; keys are the names in the markers."""
     texts = {section: globals()[section](given, result) for section, result in results.items()}

@@ -176,7 +176,11 @@ def colour_of(message):
     """The cloud's colour, shaded or not, in a picture's middle; None if the cloud is not there."""
     rows = numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.step)
     y, x = message.height // 2, message.width // 2
-    middle = rows[y - 12:y + 13, 3 * (x - 12):3 * (x + 13)].reshape(-1, 3)
+    return colour_of_pixels(rows[y - 12:y + 13, 3 * (x - 12):3 * (x + 13)].reshape(-1, 3))
+
+
+def colour_of_pixels(middle):
+    """The cloud's colour, shaded or not, in some pixels; None if the cloud is not among them."""
     bright = middle > 90
     clear = (bright != (middle < 60)).all(axis=1) & bright.any(axis=1)
     if not clear.any():
@@ -249,14 +253,24 @@ class Probe:
             rospy.Subscriber(topic, Image, self.take, topic, queue_size=1, buff_size=2 ** 26, tcp_nodelay=True)
             for topic in topics]
 
+    def watch(self, name):
+        """Waits for what `note` is told under this name, instead of pictures on topics."""
+        self.listen([])
+        self.topics = [name]
+
     def take(self, message, topic):
         now = time.monotonic()
+        if not self.is_floor:
+            self.note(colour_of(message), topic, now)
+            return
+        with self.changed:
+            colour = self.in_flight[0][0] if self.in_flight else None
+        self.note(colour, topic, now)
+
+    def note(self, colour, topic, now):
+        """A picture with this colour in its middle (None: without the cloud) arrived."""
         with self.changed:
             self.arrivals.append(now)
-            if self.is_floor:
-                colour = self.in_flight[0][0] if self.in_flight else None
-            else:
-                colour = colour_of(message)
             if colour is not None and self.shown.get(topic) != colour:
                 self.shown[topic] = colour
                 if topic == self.topics[-1]:
@@ -270,7 +284,7 @@ class Probe:
 
     def send(self, number, keep=0):
         """Publishes the cloud in this number's colour. Gives up on all but the last `keep` in flight; returns how many."""
-        colour = COLOURS[number % len(COLOURS)]
+        colour = self.newest_colour = COLOURS[number % len(COLOURS)]
         self.cloud.paint(colour)
         with self.changed:
             missed = max(0, len(self.in_flight) - keep)
@@ -290,6 +304,11 @@ class Probe:
             self.send(0)
         with self.changed:
             return self.changed.wait_for(lambda: self.arrivals, until - time.monotonic())
+
+    def wait_for_colour(self, timeout_s):
+        """Whether the last topic showed the cloud."""
+        with self.changed:
+            return self.changed.wait_for(lambda: self.shown.get(self.topics[-1]) is not None, timeout_s)
 
     def wait_for_disconnection(self):
         """Waits until nobody subscribes to the clouds."""
@@ -377,15 +396,15 @@ class Probe:
 class Program:
     """A program in its own process group, which ends with the block."""
 
-    def __init__(self, command, log, inherit=()):
+    def __init__(self, command, log, inherit=(), environment=None):
         """Its output goes to the end of the file `log`; it inherits the file descriptors in `inherit`."""
-        self.command, self.log, self.inherit = command, log, inherit
+        self.command, self.log, self.inherit, self.environment = command, log, inherit, environment
 
     def __enter__(self):
         with open(self.log, 'ab') as log:
             self.process = subprocess.Popen(
                 self.command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
-                pass_fds=self.inherit)
+                pass_fds=self.inherit, env=self.environment)
         return self.process
 
     def __exit__(self, *_):
