@@ -59,6 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 thread::sleep(Duration::from_millis(500));
                 sink.show(pattern(width, height));
                 log::info!("this was the second picture");
+                log::info!("refreshed every {:?}", sink.refresh().map(|refresh| refresh.period()));
             });
         }
         UserEvent::MonitorChanged(monitor) => log::info!("now on {monitor}"),

@@ -14,6 +14,7 @@ use xkeysym::Keysym;
 use crate::content::{Content, Face};
 use crate::keys::{is_quit_key, WindowKey};
 use crate::monitor::MonitorInfo;
+use crate::refresh::Refresh;
 use crate::screen_picture::{rgb_bytes, PictureError, ScreenPicture};
 use crate::sink::{Handed, PictureSink};
 use crate::test_pictures::TestPicture;
@@ -32,6 +33,11 @@ pub(crate) trait SystemWindow {
 
     /// Brings pixels of the window's size to the screen, `0x00RRGGBB`, rows from the top.
     fn present(&mut self, pixels: &[u32]) -> Result<(), WindowError>;
+
+    /// When its monitor is refreshed, if the window system tells.
+    fn refresh(&self) -> Option<Refresh> {
+        None
+    }
 
     /// Waits until something happens, `wake` is readable, or it is `until`. Returns what happened.
     fn wait(&mut self, wake: BorrowedFd<'_>, until: Instant) -> Result<Vec<SystemEvent>, WindowError>;
@@ -103,6 +109,7 @@ pub(crate) fn run(
         let until = shown.content.next_check().map_or(window.next_check(), |at| at.min(window.next_check()));
         let events = window.wait(sink.wake_fd(), until)?;
         sink.clear_wake();
+        sink.set_refresh(window.refresh());
         for event in events {
             match event {
                 SystemEvent::Close => return Ok(()),

@@ -10,6 +10,7 @@ use rcs_scene::Picture;
 use rustix::event::{eventfd, EventfdFlags};
 use rustix::io::{read, write};
 
+use crate::refresh::Refresh;
 use crate::screen_picture::ScreenPicture;
 
 /// A picture as it was handed over.
@@ -31,6 +32,7 @@ pub struct PictureSink(Arc<Inner>);
 struct Inner {
     newest: Mutex<Option<Handed>>,
     is_closing: AtomicBool,
+    refresh: Mutex<Option<Refresh>>,
     /// In place of the options'.
     stale_timeout: Mutex<Option<Duration>>,
     /// An event descriptor of the kernel's.
@@ -45,8 +47,8 @@ impl PictureSink {
     /// When the process has no descriptors left.
     pub fn new() -> std::io::Result<Self> {
         let wake = eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
-        let (newest, stale_timeout) = (Mutex::default(), Mutex::default());
-        Ok(Self(Arc::new(Inner { newest, is_closing: AtomicBool::new(false), stale_timeout, wake })))
+        let (newest, refresh, stale_timeout) = (Mutex::default(), Mutex::default(), Mutex::default());
+        Ok(Self(Arc::new(Inner { newest, is_closing: AtomicBool::new(false), refresh, stale_timeout, wake })))
     }
 
     /// Shows a picture, in place of one that was not drawn yet.
@@ -67,6 +69,15 @@ impl PictureSink {
 
     pub(crate) fn stale_timeout(&self) -> Option<Duration> {
         *lock(&self.0.stale_timeout)
+    }
+
+    /// When the window's monitor is refreshed; `None` where the display server does not tell.
+    pub fn refresh(&self) -> Option<Refresh> {
+        *lock(&self.0.refresh)
+    }
+
+    pub(crate) fn set_refresh(&self, refresh: Option<Refresh>) {
+        *lock(&self.0.refresh) = refresh;
     }
 
     /// Shows black, until the next picture.

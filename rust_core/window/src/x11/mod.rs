@@ -9,6 +9,7 @@ mod keyboard;
 mod modes;
 mod monitors;
 mod place;
+mod refresh;
 mod session;
 mod transfer;
 mod window;

@@ -2,6 +2,8 @@
 //!
 //! RandR lists an output's preferred modes first; the first is the native one (X RandR 1.5, RRGetOutputInfo).
 
+use std::time::Duration;
+
 use x11rb::protocol::randr::{ConnectionExt as _, Crtc, GetCrtcInfoReply, GetOutputInfoReply, ModeInfo, SetConfig};
 use x11rb::protocol::render::Transform;
 use x11rb::protocol::xproto::ConnectionExt as _;
@@ -37,6 +39,13 @@ impl OutputModes {
     /// Width and height of the native mode and of the one that runs, pixels.
     fn native_and_current_px(&self) -> [(u16, u16); 2] {
         [Self::size(&self.native), Self::size(&self.current)]
+    }
+
+    /// The time between two refreshes of the mode that runs; `None` for a screen that is not refreshed.
+    pub(super) fn refresh_period(&self) -> Option<Duration> {
+        let pixels = u32::from(self.current.htotal) * u32::from(self.current.vtotal);
+        (self.current.dot_clock > 0 && pixels > 0)
+            .then(|| Duration::from_secs_f64(f64::from(pixels) / f64::from(self.current.dot_clock)))
     }
 
     fn size(mode: &ModeInfo) -> (u16, u16) {

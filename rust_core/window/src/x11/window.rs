@@ -13,9 +13,11 @@ use x11rb::wrapper::ConnectionExt as _;
 
 use super::awake::Awake;
 use super::keyboard::Keyboard;
+use super::refresh::RefreshWatch;
 use super::session::X11Session;
 use super::transfer::Transfer;
 use crate::monitor::MonitorInfo;
+use crate::refresh::Refresh;
 use crate::run::{SystemEvent, SystemWindow};
 use crate::watch::{MonitorWatch, WindowAction};
 use crate::{timeout_until, WindowError, WindowOptions};
@@ -29,6 +31,7 @@ pub(crate) struct X11Window {
     transfer: Transfer,
     keyboard: Keyboard,
     awake: Awake,
+    refresh: RefreshWatch,
     /// Whether no window manager puts it in its place.
     placed_by_itself: bool,
     has_keyboard: bool,
@@ -50,7 +53,8 @@ impl X11Window {
             monitor = session.monitors().into_iter().find(|info| info.name == name).unwrap_or(monitor);
         }
         log::info!("{} on monitor {monitor}", options.source);
-        let is_unknown_to_managers = monitor.is_virtual || session.output_modes(&monitor.name).is_none();
+        let modes = session.output_modes(&monitor.name);
+        let is_unknown_to_managers = monitor.is_virtual || modes.is_none();
         let placed_by_itself = is_unknown_to_managers || !session.has_fullscreen_manager();
         let window = session.create_window(&options.source, &monitor, placed_by_itself)?;
         let now = Instant::now();
@@ -65,6 +69,7 @@ impl X11Window {
             transfer: Transfer::new(&session, window)?,
             keyboard: Keyboard::read(&session),
             awake: Awake::start(&session, now),
+            refresh: RefreshWatch::new(&session, window, modes.and_then(|modes| modes.refresh_period())),
             placed_by_itself,
             has_keyboard: !placed_by_itself,
             size_px: monitor.size_px,
@@ -85,6 +90,10 @@ impl X11Window {
             }
             Event::ShmCompletion(event) => {
                 self.transfer.complete(&event);
+                None
+            }
+            Event::PresentCompleteNotify(event) => {
+                self.refresh.take(&event);
                 None
             }
             Event::KeyPress(event) => self.keyboard.keysym(&event).map(SystemEvent::Key),
@@ -152,6 +161,10 @@ impl SystemWindow for X11Window {
         Ok(events)
     }
 
+    fn refresh(&self) -> Option<Refresh> {
+        self.refresh.refresh()
+    }
+
     fn next_check(&self) -> Instant {
         self.watch.next_check()
     }
@@ -187,6 +200,7 @@ impl SystemWindow for X11Window {
             self.session.put_right_mode(&name, self.set_mode, &mut self.last_warning);
         }
         self.awake.keep(&self.session, now);
+        self.refresh.ask(&self.session);
         Ok(found.is_changed)
     }
 }

@@ -130,6 +130,20 @@ fn another_mode_than_the_native_one_is_warned_about_and_set_only_on_request() {
 }
 
 #[test]
+fn the_refresh_of_a_monitor_is_known() {
+    let monitors = TwoMonitors::start(true, "800x600");
+    let mut window = monitors.screen.show(&["800x600"]);
+    let period = wait_for("the refresh", || {
+        let log = window.log_text();
+        let text = log.split("refreshed every Some(").nth(1)?.split("ms").next()?.to_owned();
+        text.parse::<f64>().ok()
+    });
+    // The mode's own rate, or the server's count where both are near each other.
+    assert!((11.0..19.0).contains(&period), "{period} ms");
+    assert!(monitors.screen.quit(&mut window, ESCAPE).success());
+}
+
+#[test]
 fn each_monitor_shows_which_one_it_is() {
     let monitors = TwoMonitors::start(true, "800x600");
     let mut window = monitors.screen.show(&["1x1", "--identify", "60"]);

@@ -45,6 +45,7 @@ fn keys_and_the_monitor_are_reported_to_the_program() {
             window.log_text().contains(name).then_some(())
         });
     }
+    wait_for("no refresh of a virtual screen", || window.log_text().contains("refreshed every None").then_some(()));
     assert!(screen.quit(&mut window, ESCAPE).success());
     let log = window.log_text();
     let first = log.lines().position(|line| line.contains("opened on screen 1280x800+0+0"));

@@ -20,6 +20,7 @@ use rcs_scene::{Camera, Picture};
 use super::camera_health::CameraHealth;
 use super::camera_plan::CameraPlan;
 use super::latency::Update;
+use super::pacing::Pacing;
 use super::reconfigurable::Switch;
 use super::runtime_settings::RuntimeSettings;
 use super::schedule::Schedule;
@@ -47,6 +48,8 @@ pub(super) struct CameraOutput {
     in_flight: Option<Drawn>,
     /// The newest change that was not drawn yet.
     waiting_change: Option<(u64, Camera)>,
+    /// When pictures for a window are begun.
+    pacing: Pacing,
     health: CameraHealth,
 }
 
@@ -104,6 +107,7 @@ impl CameraOutput {
             spare: None,
             in_flight: None,
             waiting_change: None,
+            pacing: Pacing::default(),
             health: CameraHealth::default(),
         }
     }
@@ -210,7 +214,9 @@ impl CameraOutput {
     pub(super) fn until_due(&self, now: Instant) -> Option<Duration> {
         // A camera that cannot draw is retried when a message arrives.
         let can_draw = !self.health.has_problem() && self.connections.outputs.is_watched();
-        self.schedule.until_due(now).filter(|_| can_draw)
+        // What waits for the screen's refresh is not due before.
+        let paced = self.waiting_change.is_some().then(|| self.pacing_wait(now)).flatten().unwrap_or_default();
+        self.schedule.until_due(now).filter(|_| can_draw).map(|due| due.max(paced))
     }
 
     /// The picture that is due now, if it has changed: to be given to the renderer, and to
@@ -249,7 +255,11 @@ impl CameraOutput {
             self.schedule.note_change(now);
         }
         self.waiting_change = change;
-        if !(self.has_new_watcher() || self.schedule.is_due(now, changed)) {
+        let has_new_watcher = self.has_new_watcher();
+        if !has_new_watcher && !self.schedule.is_due(now, changed) {
+            return Ok(None);
+        }
+        if changed && !has_new_watcher && self.pacing_wait(now).is_some() {
             return Ok(None);
         }
         self.schedule.begin(now, changed);
@@ -262,6 +272,11 @@ impl CameraOutput {
         }
         self.publish_last(None, ros)?;
         Ok(None)
+    }
+
+    /// How long a new picture waits for the screen's refresh; `None` if it does not.
+    fn pacing_wait(&self, now: Instant) -> Option<Duration> {
+        self.pacing.wait(self.connections.outputs.refresh(), now)
     }
 
     /// Whether somebody subscribed who is to get a picture at once.
@@ -289,6 +304,7 @@ impl CameraOutput {
     pub(super) fn record_begun(&mut self, picture: DuePicture) {
         let DuePicture { camera, info, scene_version, .. } = picture;
         self.in_flight = Some(Drawn { scene_version, camera, info });
+        self.pacing.begin(Instant::now());
     }
 
     /// Memory for the picture that the renderer is about to finish.
@@ -306,7 +322,9 @@ impl CameraOutput {
         let is_similar = |spare: &Arc<Picture>| spare.data.len() <= 4 * picture.data.len();
         self.spare = self.last.take().map(|last| last.picture).filter(is_similar);
         self.last = Some(LastPicture { picture: Arc::new(picture), of });
-        self.publish_last(Some(Instant::now()), ros)
+        let published = self.publish_last(Some(Instant::now()), ros);
+        self.pacing.finish(Instant::now());
+        published
     }
 
     /// Records a picture that took long.

@@ -22,6 +22,7 @@ mod costs;
 mod diagnostics;
 mod file_watch;
 mod latency;
+mod pacing;
 mod rate_limit;
 mod reconfigurable;
 mod runtime_settings;

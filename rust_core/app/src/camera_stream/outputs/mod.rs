@@ -16,6 +16,7 @@ use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
 use rcs_ros::image_topic::SendError;
 use rcs_scene::Picture;
+use rcs_window::Refresh;
 
 pub use picture_files::{PictureFile, PictureSequence, SequenceError};
 pub use topic::{retain, TopicNames, TopicOutput};
@@ -93,6 +94,11 @@ impl Outputs {
     fn each(&mut self) -> impl Iterator<Item = &mut dyn Output> {
         let window = self.window.iter_mut().map(|window| window as &mut dyn Output);
         window.chain(self.topic.iter_mut().map(|topic| topic as &mut dyn Output))
+    }
+
+    /// When the screen that shows the pictures is refreshed, where that is known.
+    pub fn refresh(&self) -> Option<Refresh> {
+        self.window.as_ref()?.refresh()
     }
 
     /// Whether there is no output at all.

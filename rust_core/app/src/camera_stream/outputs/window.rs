@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use rcs_window::{run_with, PictureSink, UserEvent, WindowOptions};
+use rcs_window::{run_with, PictureSink, Refresh, UserEvent, WindowOptions};
 
 use super::{Frame, Output, OutputError};
 
@@ -53,6 +53,11 @@ impl WindowOutput {
         let running = move || keep_open(&options, &window_sink, &viewer, &wake);
         let thread = thread::Builder::new().name("window".to_owned()).spawn(running)?;
         Ok((output, WindowThread { sink, thread }))
+    }
+
+    /// When the window's monitor is refreshed; `None` where the display server does not tell, or nobody can look.
+    pub fn refresh(&self) -> Option<Refresh> {
+        self.sink.refresh().filter(|_| self.is_watched())
     }
 
     /// Shows black until the next picture: its camera is gone.
