@@ -6,6 +6,7 @@ use std::fs;
 use std::process::Command;
 
 use rcs_app::camera_stream::camera_pose::{CameraModel, Projection};
+use rcs_app::camera_stream::prediction::PredictionSettings;
 use rcs_render::RendererChoice;
 use rcs_tests::programs::{program, repository};
 
@@ -58,6 +59,7 @@ fn default_in_settings(option: &str) -> Option<String> {
     match option {
         "--renderer" => Some(format!("{:?}", RendererChoice::default()).to_lowercase()),
         "--projection" => Some(format!("{:?}", Projection::default()).to_lowercase()),
+        "--predict" => Some(format!("{:?}", PredictionSettings::default().lead).to_lowercase()),
         "--undistort" => Some(CameraModel::default().undistort.to_string()),
         _ => None,
     }

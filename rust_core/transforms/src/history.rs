@@ -5,15 +5,17 @@
 //! that comes from. Frames that move hold samples in the order of their stamps, oldest first, as far back
 //! as the cache length before the newest. Between two samples translation is interpolated linearly and
 //! rotation along the shorter arc; where the parent changed between them the older sample holds until the
-//! newer. Outside the samples nothing is known, and a lone sample is known at its own instant only.
+//! newer. Outside the samples nothing is known, and a lone sample is known at its own instant only; a prediction may go
+//! beyond the newest.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
+use crate::motion::Motion;
 use crate::tree::FrameId;
-use crate::Time;
+use crate::{Prediction, Time};
 
 /// Where a frame was in its parent at one instant.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -100,6 +102,26 @@ impl History {
         }
         let ratio = time.secs_since(older.stamp) / newer.stamp.secs_since(older.stamp);
         Some((older.parent, interpolate(&older.parent_from_child, &newer.parent_from_child, ratio)))
+    }
+
+    /// The parent and the predicted `parent_from_child`: where known samples reach, as they say; beyond the newest as its
+    /// motion leads, but no further than the limit. Without a motion the newest sample holds. `None` where nothing is
+    /// known.
+    pub(crate) fn predicted(&self, prediction: &Prediction) -> Option<(FrameId, Isometry3<f64>)> {
+        let samples = match self {
+            History::Static(known) => return Some((known.parent, known.parent_from_child)),
+            History::Moving(samples) => samples,
+        };
+        let newest = samples.back()?;
+        let time = prediction.time();
+        if newest.stamp >= time {
+            return self.at(time).or(Some((newest.parent, newest.parent_from_child)));
+        }
+        let silence = prediction.now.saturating_since(newest.stamp);
+        let motion = Motion::of(samples).filter(|motion| silence <= prediction.limit + motion.period * 2);
+        let ahead = time.saturating_since(newest.stamp).min(prediction.limit);
+        let place = motion.map(|motion| motion.lead(&newest.parent_from_child, ahead.as_secs_f64()));
+        Some((newest.parent, place.unwrap_or(newest.parent_from_child)))
     }
 
     /// The newest sample; that of a static frame has stamp zero, since it does not bound any common time.

@@ -3,7 +3,7 @@
 //! Robots publish where a child frame is in its parent frame, again and again (`/tf`) or once and for
 //! all (`/tf_static`). [`TransformTree`] keeps what was published, ten seconds of it for each frame
 //! that moves, and looks up where one frame was in another at a time, interpolating between the samples and
-//! never extrapolating. [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros'
+//! never extrapolating; only who asks for a [`Prediction`] gets one. [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros'
 //! message filter does for rviz's displays.
 //!
 //! Nothing here has a clock, a thread or a connection: the caller brings transforms, messages and times.
@@ -31,6 +31,8 @@
 mod crowd;
 mod history;
 mod lookup;
+mod motion;
+mod prediction;
 mod time;
 mod transform;
 mod tree;
@@ -39,6 +41,7 @@ mod waiting;
 pub use crowd::{MOST_FRAMES, UNCROWDED};
 pub use history::interpolate;
 pub use lookup::{LookupError, LookupProblem};
+pub use prediction::Prediction;
 pub use time::Time;
 pub use transform::{InsertError, RawTransform, StampedTransform};
 pub use tree::{Inserted, TransformTree, DEFAULT_CACHE_LENGTH};

@@ -14,6 +14,7 @@ use std::fmt;
 use nalgebra::Isometry3;
 use thiserror::Error;
 
+use crate::history::History;
 use crate::transform::strip_slash;
 use crate::tree::FrameId;
 use crate::{Time, TransformTree};
@@ -108,7 +109,7 @@ fn extrapolation(frame: &str, requested: Time, known: Option<(Time, Time)>) -> S
 
 /// Why a walk failed, in a form that costs nothing where it is not reported.
 #[derive(Clone, Copy, Debug)]
-enum Failure {
+pub(crate) enum Failure {
     Loop(FrameId),
     Unconnected { target_root: FrameId, source_root: FrameId },
     Unknown { frame: FrameId, time: Time },
@@ -209,7 +210,7 @@ impl TransformTree {
         self.common_time(a_id, b_id).map_err(|failure| self.describe(failure, a, b))
     }
 
-    fn ids(&self, target: &str, source: &str) -> Result<(FrameId, FrameId), LookupError> {
+    pub(crate) fn ids(&self, target: &str, source: &str) -> Result<(FrameId, FrameId), LookupError> {
         let find = |frame: &str| {
             self.id(frame).ok_or_else(|| LookupError::Lookup {
                 target: target.to_owned(),
@@ -221,9 +222,20 @@ impl TransformTree {
     }
 
     /// `target_from_source` at `time` with the time that zero resolved to.
-    fn walk(&self, target: FrameId, source: FrameId, time: Time) -> Result<(Isometry3<f64>, Time), Failure> {
+    pub(crate) fn walk(&self, target: FrameId, source: FrameId, time: Time) -> Result<(Isometry3<f64>, Time), Failure> {
         let time = if time.is_zero() { self.common_time(target, source)? } else { time };
+        self.walk_by(target, source, time, |history| history.at(time))
+    }
 
+    /// `target_from_source` by what `place` says of each link, its parent and `parent_from_child`; `time` is returned,
+    /// and named by failures.
+    pub(crate) fn walk_by(
+        &self,
+        target: FrameId,
+        source: FrameId,
+        time: Time,
+        place: impl Fn(&History) -> Option<(FrameId, Isometry3<f64>)>,
+    ) -> Result<(Isometry3<f64>, Time), Failure> {
         let mut top = source;
         let mut top_from_source = Isometry3::identity();
         let mut links = 0;
@@ -232,7 +244,7 @@ impl TransformTree {
             if top == target {
                 break;
             }
-            let Some((parent, parent_from_child)) = history.at(time) else {
+            let Some((parent, parent_from_child)) = place(history) else {
                 broken_at = Some(top);
                 break;
             };
@@ -257,7 +269,7 @@ impl TransformTree {
                     None => Failure::Unconnected { target_root: frame, source_root: top },
                 });
             };
-            let Some((parent, parent_from_child)) = history.at(time) else {
+            let Some((parent, parent_from_child)) = place(history) else {
                 return Err(Failure::Unknown { frame, time });
             };
             frame_from_target = parent_from_child * frame_from_target;
@@ -342,7 +354,7 @@ impl TransformTree {
         Some(self.history(id)?.newest()?.stamp)
     }
 
-    fn describe(&self, failure: Failure, target: &str, source: &str) -> LookupError {
+    pub(crate) fn describe(&self, failure: Failure, target: &str, source: &str) -> LookupError {
         let (target, source) = (target.to_owned(), source.to_owned());
         match failure {
             Failure::Loop(frame) => {
@@ -366,7 +378,7 @@ impl TransformTree {
 }
 
 /// Both names without a leading slash, if neither is empty.
-fn names<'a>(target: &'a str, source: &'a str) -> Result<(&'a str, &'a str), LookupError> {
+pub(crate) fn names<'a>(target: &'a str, source: &'a str) -> Result<(&'a str, &'a str), LookupError> {
     let (target, source) = (strip_slash(target), strip_slash(source));
     if target.is_empty() || source.is_empty() {
         return Err(LookupError::InvalidArgument { target: target.to_owned(), source: source.to_owned() });

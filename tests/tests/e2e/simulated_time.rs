@@ -1,5 +1,8 @@
 //! `/use_sim_time`: the node's time is that of a played bag, also when the bag is played again.
 
+use std::process::Command;
+
+use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
@@ -49,4 +52,50 @@ fn a_bag_played_again_with_its_clock_starts_without_the_clouds_of_the_first_roun
         let jumps = || fixture.log_lines(&["jumped back", "5003", "5000"]);
         assert!(wait_until(PATIENCE, || jumps() == round - 1), "round {round}");
     }
+}
+
+#[test]
+fn a_camera_that_moves_is_drawn_where_it_will_be() {
+    let start = |args: &[&str]| {
+        let master = RosMaster::start().unwrap();
+        master.output("rosparam", &["set", "/use_sim_time", "true"]).unwrap();
+        let python = PythonNode::start(&master, &[]).unwrap();
+        let fixture = RosFixture::with(master, python, &config(&[CLOUD], &[CameraPub::default()]), args).unwrap();
+        fixture.python("from rosgraph_msgs.msg import Clock");
+        fixture.python("at = lambda secs: rospy.Time(5000) + rospy.Duration(secs)");
+        fixture.python("latch('/clock', Clock(at(0.1)))");
+        fixture.python("latch('/eye/camera_info', info())");
+        // 1 m before the camera's place at the newest transform, which it passes at 10 m/s.
+        fixture.python("latch('/cloud', cloud(0xff0000, points=((2, 0, 2),)))");
+        fixture.python("viewer = Viewer('/view/image')");
+        fixture.python("for i in range(6): send('/tf', tf('map', 'eye', xyz=(0.2 * i, 0, 0), stamp=at(0.02 * i)))");
+        fixture
+    };
+    let fixture = start(&["_predict:=0.06"]);
+    // 1 m at a distance of 2 m are 25 pixels, and the cloud is a square of that size.
+    let middle_is = |fixture: &RosFixture, middle: u32| {
+        let (outside, inside) = (middle - 14, middle - 11);
+        fixture.wait_for(format!(
+            "viewer.pixel({outside}, 24) == (0, 0, 0) and viewer.pixel({inside}, 24) == (255, 0, 0)"
+        ));
+    };
+    middle_is(&fixture, 32 + 10);
+    // The command line wins, and the limit holds.
+    middle_is(&start(&["_predict:=0.06", "--predict", "0.5", "--predict-limit", "0.08"]), 32 + 5);
+    middle_is(&start(&[]), 32 + 25);
+}
+
+#[test]
+fn a_prediction_that_cannot_be_read_is_an_error_that_names_the_parameter() {
+    let master = RosMaster::start().unwrap();
+    let file = tempfile::Builder::new().suffix(".rviz").tempfile().unwrap();
+    std::fs::write(file.path(), config(&[], &[CameraPub::default()])).unwrap();
+    let mut command = master.environment(Command::new(program("camera_stream")));
+    let output = command.arg("-d").arg(file.path()).arg("_predict:=soon").output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        errors.contains("parameter ~predict: soon is not a number of seconds from 0 to 1, or auto, or off"),
+        "{errors}"
+    );
 }

@@ -3,7 +3,7 @@
 use rcs_displays::World;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_scene::{require_finite, Camera, CameraError, Intrinsics};
-use rcs_transforms::{LookupError, Time};
+use rcs_transforms::LookupError;
 use thiserror::Error;
 
 use super::projector_lens::{is_distorted, Lenses};
@@ -75,7 +75,7 @@ pub enum CameraProblem {
     },
 }
 
-/// The camera of a CameraInfo, at the latest known pose of its frame.
+/// The camera of a CameraInfo, at the latest known pose of its frame, or the predicted one.
 ///
 /// # Errors
 /// See [`CameraProblem`].
@@ -103,7 +103,7 @@ pub(crate) fn camera(
         (None, Projection::Exact) => intrinsics.as_p_means(),
     };
     let fixed_from_optical = world
-        .fixed_from(&info.header.frame_id, Time::ZERO)
+        .fixed_from_moving(&info.header.frame_id)
         .map_err(|error| CameraProblem::NoTransform { topic: topic.to_owned(), error: Box::new(error) })?;
     let camera = Camera::new(drawn, &fixed_from_optical, near_m);
     Ok(match through_lens {

@@ -11,6 +11,7 @@ use rcs_render::RendererChoice;
 use rcs_resources::ResourceOptions;
 
 use crate::camera_stream::camera_pose::{CameraModel, Projection};
+use crate::camera_stream::prediction::PredictionArgs;
 use crate::camera_stream::window_arguments::ScreenArgs;
 
 /// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
@@ -127,6 +128,9 @@ pub struct NodeArgs {
     /// Windows of the node's own
     #[command(flatten)]
     pub screens: ScreenArgs,
+    /// Whether moving frames are predicted.
+    #[command(flatten)]
+    pub prediction: PredictionArgs,
     /// Options of rviz's window: accepted and ignored
     #[command(flatten)]
     pub window: WindowArgs,

@@ -7,6 +7,7 @@ mod new_camera;
 pub mod node;
 pub mod offline;
 pub mod outputs;
+pub mod prediction;
 mod private_parameters;
 mod projector_fit;
 mod projector_lens;

@@ -18,7 +18,7 @@ use crate::camera_stream::window_arguments::ScreenArgs;
 /// # Errors
 /// When the parameter has no valid value; names the parameter.
 pub(crate) fn renderer(ros: &RosNode, given: Option<RendererChoice>) -> Result<RendererChoice> {
-    choose(ros, given, &["~renderer"], RendererChoice::from_str)
+    Ok(choose(ros, given, &["~renderer"], RendererChoice::from_str)?.unwrap_or_default())
 }
 
 /// How CameraInfos become pictures: `--projection`, else `~projection`; `--undistort` or `~undistort`. Parameters that
@@ -37,7 +37,7 @@ pub(crate) fn camera_model(ros: &RosNode, given: &ModelArgs, other_node: Option<
         "false" | "0" => Ok(false),
         _ => Err(format!("{text} is not true or false")),
     })?;
-    Ok(CameraModel { projection, undistort })
+    Ok(CameraModel { projection: projection.unwrap_or_default(), undistort: undistort.unwrap_or_default() })
 }
 
 /// Which mesh files may be read: `--max-mesh-mb`, else `~max_mesh_mb`; the folders of `--mesh-folder` and
@@ -78,19 +78,20 @@ pub(crate) fn windows(ros: &RosNode, given: &ScreenArgs) -> Result<ScreenArgs> {
     Ok(args)
 }
 
-fn choose<T: Default>(
+/// What is given, else what the first of the parameters that is set says, if any is.
+///
+/// # Errors
+/// When that parameter has no valid value; names the parameter.
+pub(crate) fn choose<T>(
     ros: &RosNode,
     given: Option<T>,
     parameters: &[impl AsRef<str>],
     parse: impl Fn(&str) -> Result<T, String>,
-) -> Result<T> {
-    if let Some(given) = given {
+) -> Result<Option<T>> {
+    if given.is_some() {
         return Ok(given);
     }
     let text = |name: &str| if name.starts_with('~') { ros.text_param(name) } else { ros.other_text_param(name) };
     let set = parameters.iter().map(AsRef::as_ref).find_map(|name| Some((name, text(name)?)));
-    set.map_or_else(
-        || Ok(T::default()),
-        |(name, text)| parse(&text).map_err(|error| anyhow!("parameter {name}: {error}")),
-    )
+    set.map(|(name, text)| parse(&text).map_err(|error| anyhow!("parameter {name}: {error}"))).transpose()
 }

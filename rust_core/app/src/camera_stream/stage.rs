@@ -39,7 +39,7 @@ use rcs_render::View;
 use rcs_resources::MeshStore;
 use rcs_rviz_config::Config;
 use rcs_scene::{DisplayId, Scene};
-use rcs_transforms::{RawTransform, Time, TransformTree, UNCROWDED};
+use rcs_transforms::{Prediction, RawTransform, Time, TransformTree, UNCROWDED};
 
 use crate::camera_stream::camera_pose::{self, CameraModel, CameraProblem};
 use crate::camera_stream::projector_lens::{Lenses, NoLens};
@@ -59,6 +59,8 @@ pub struct Stage {
     displays: DisplaySet,
     transforms: TransformTree,
     fixed_frame: String,
+    /// The time that moving frames are led on to, if they are.
+    prediction: Option<Prediction>,
     meshes: MeshStore,
     /// That of the meshes at the last update.
     meshes_version: u64,
@@ -76,6 +78,7 @@ impl Stage {
             displays: DisplaySet::new(config),
             transforms: TransformTree::new(),
             fixed_frame: fixed_frame_of(config, fixed_frame),
+            prediction: None,
             meshes,
             meshes_version: 0,
             camera_infos: HashMap::new(),
@@ -91,7 +94,13 @@ impl Stage {
         let fixed_frame = fixed_frame_of(config, fixed_frame);
         let is_moved = fixed_frame != self.fixed_frame;
         self.fixed_frame = fixed_frame;
-        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        let world = World {
+            transforms: &self.transforms,
+            fixed_frame: &self.fixed_frame,
+            now,
+            prediction: self.prediction,
+            meshes: &self.meshes,
+        };
         let changed = self.displays.reconfigure(config, &world);
         if is_moved {
             self.displays.change_fixed_frame(&world);
@@ -127,7 +136,13 @@ impl Stage {
     }
 
     fn world(&self, now: Time) -> World<'_> {
-        World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes }
+        World {
+            transforms: &self.transforms,
+            fixed_frame: &self.fixed_frame,
+            now,
+            prediction: self.prediction,
+            meshes: &self.meshes,
+        }
     }
 
     /// Takes transforms of a publisher. One that is rejected is logged once for each child frame.
@@ -167,7 +182,13 @@ impl Stage {
         if let AnyMessage::CameraInfo(info) = message {
             self.camera_infos.insert(topic.to_owned(), info.clone());
         }
-        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        let world = World {
+            transforms: &self.transforms,
+            fixed_frame: &self.fixed_frame,
+            now,
+            prediction: self.prediction,
+            meshes: &self.meshes,
+        };
         self.displays.take_received(topic, message, received, &world);
     }
 
@@ -178,7 +199,13 @@ impl Stage {
 
     /// Takes the text of a parameter, by its name in the config; `None` while it is not set.
     pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, now: Time) {
-        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        let world = World {
+            transforms: &self.transforms,
+            fixed_frame: &self.fixed_frame,
+            now,
+            prediction: self.prediction,
+            meshes: &self.meshes,
+        };
         self.displays.take_parameter(name, text, &world);
     }
 
@@ -197,11 +224,28 @@ impl Stage {
         self.meshes.retry_failures();
     }
 
+    /// Shows moving frames, cameras included, where they will be at a time from now on; `None`: at their latest
+    /// transforms.
+    pub fn predict(&mut self, prediction: Option<Prediction>) {
+        self.prediction = prediction;
+    }
+
+    /// What moving frames are predicted for, if they are.
+    pub fn prediction(&self) -> Option<&Prediction> {
+        self.prediction.as_ref()
+    }
+
     /// Brings the displays up to date. Returns whether the scene changed.
     pub fn update(&mut self, now: Time) -> bool {
         // First: what is loaded from now on is seen by the next update.
         self.meshes_version = self.meshes.version();
-        let world = World { transforms: &self.transforms, fixed_frame: &self.fixed_frame, now, meshes: &self.meshes };
+        let world = World {
+            transforms: &self.transforms,
+            fixed_frame: &self.fixed_frame,
+            now,
+            prediction: self.prediction,
+            meshes: &self.meshes,
+        };
         self.displays.update(&world)
     }
 
@@ -225,7 +269,8 @@ impl Stage {
         self.camera_infos.get(&camera.settings.camera_info_topic)
     }
 
-    /// Where a camera is and what it sees of the scene, from its last CameraInfo and the latest transforms.
+    /// Where a camera is and what it sees of the scene, from its last CameraInfo and the latest transforms, or
+    /// what these [predict](Self::predict).
     ///
     /// # Errors
     /// See [`CameraProblem`]: no picture can be drawn then.

@@ -2,7 +2,7 @@
 //! found.
 
 use nalgebra::Isometry3;
-use rcs_transforms::{Dropped, LookupError, LookupProblem, Time, WaitingQueue};
+use rcs_transforms::{Dropped, LookupError, LookupProblem, WaitingQueue};
 
 use crate::framework::status::StatusText;
 use crate::{Level, Statuses, World};
@@ -16,7 +16,7 @@ pub(crate) fn follow(
     statuses: &mut Statuses,
 ) -> Isometry3<f64> {
     let frame = reference_frame.unwrap_or(world.fixed_frame);
-    match world.fixed_from(frame, Time::ZERO) {
+    match world.fixed_from_moving(frame) {
         Ok(place) => {
             statuses.set(Level::Ok, Statuses::TRANSFORM, "Transform OK");
             place

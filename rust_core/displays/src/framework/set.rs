@@ -81,7 +81,7 @@ pub struct Reconfigured {
 /// let text = "Visualization Manager: {Displays: [{Class: rviz/Grid, Name: floor, Enabled: true}]}";
 /// let mut displays = DisplaySet::new(&rcs_rviz_config::parse(text, "scene.rviz")?);
 /// let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
-/// let world = World { transforms: &transforms, fixed_frame: "map", now: Time::ZERO, meshes: &meshes };
+/// let world = World { transforms: &transforms, fixed_frame: "map", now: Time::ZERO, prediction: None, meshes: &meshes };
 ///
 /// // Messages go to `take`, each with the name of its topic in the config; then an update brings the scene up to date.
 /// assert!(displays.update(&world));
@@ -393,7 +393,7 @@ fn hand_over_messages(entry: &mut Entry, cache: &MessageCache, world: &World<'_>
 /// rviz's default light shines along the main window's view.
 fn light(view: &ViewConfig, world: &World<'_>) -> DirectionalLight {
     let fixed_from_target =
-        view.target_frame.as_deref().and_then(|frame| world.fixed_from(frame, Time::ZERO).ok()).unwrap_or_default();
+        view.target_frame.as_deref().and_then(|frame| world.fixed_from_moving(frame).ok()).unwrap_or_default();
     let rotation = fixed_from_target.rotation.into_inner().coords.into();
     DirectionalLight { direction: Vector3::from(view.direction_in_fixed_frame(rotation)) }
 }
@@ -440,8 +440,13 @@ mod tests {
     /// Runs a test with a set of a config's displays that has received a path, and the world that it is in.
     fn with_set(first: &str, test: impl FnOnce(DisplaySet, World<'_>)) {
         let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
-        let world =
-            World { transforms: &transforms, fixed_frame: "map", now: Time::from_secs_f64(10.0), meshes: &meshes };
+        let world = World {
+            transforms: &transforms,
+            fixed_frame: "map",
+            now: Time::from_secs_f64(10.0),
+            prediction: None,
+            meshes: &meshes,
+        };
         let mut set = DisplaySet::new(&config(first));
         set.take("/p", &path(), &world);
         set.update(&world);
@@ -543,7 +548,13 @@ mod tests {
         (path.header.frame_id, path.header.stamp.sec) = ("arm".to_owned(), 7);
         let (message, received) = (AnyMessage::Path(Arc::new(path)), Some(Instant::now()));
         let mut newly_shown = |transforms: &TransformTree, message: Option<&AnyMessage>| {
-            let world = World { transforms, fixed_frame: "map", now: Time::from_secs_f64(10.0), meshes: &meshes };
+            let world = World {
+                transforms,
+                fixed_frame: "map",
+                now: Time::from_secs_f64(10.0),
+                prediction: None,
+                meshes: &meshes,
+            };
             message.into_iter().for_each(|message| set.take_received("/p", message, received, &world));
             set.update(&world);
             (set.newly_shown().to_vec(), set.reports().next().unwrap().shown)

@@ -65,7 +65,13 @@ impl TestWorld {
 
     /// The world as displays see it.
     pub(crate) fn get(&self) -> World<'_> {
-        World { transforms: &self.tree, fixed_frame: self.fixed_frame, now: self.now, meshes: &self.meshes }
+        World {
+            transforms: &self.tree,
+            fixed_frame: self.fixed_frame,
+            now: self.now,
+            prediction: None,
+            meshes: &self.meshes,
+        }
     }
 
     /// Inserts where a frame stood at a time in the fixed frame, from which it is not turned.

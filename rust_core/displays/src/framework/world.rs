@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{stamp_nanos, PlainTransform};
 use rcs_resources::MeshStore;
-use rcs_transforms::{LookupError, Time, TransformTree};
+use rcs_transforms::{LookupError, Prediction, Time, TransformTree};
 
 /// The frames, the time and the files that displays draw with.
 ///
@@ -18,7 +18,7 @@ use rcs_transforms::{LookupError, Time, TransformTree};
 /// let camera = RawTransform { parent: "map", child: "camera", stamp: Time::ZERO, translation, rotation_xyzw };
 /// transforms.insert(&camera, true, "/static_transform_publisher").expect("a transform with finite numbers");
 /// let meshes = MeshStore::new(PackageIndex::new([]));
-/// let world = World { transforms: &transforms, fixed_frame: "map", now: Time::ZERO, meshes: &meshes };
+/// let world = World { transforms: &transforms, fixed_frame: "map", now: Time::ZERO, prediction: None, meshes: &meshes };
 ///
 /// let fixed_from_camera = world.fixed_from("camera", Time::ZERO).expect("a frame of the tree");
 /// assert_eq!(fixed_from_camera.translation.z, 1.5);
@@ -31,6 +31,8 @@ pub struct World<'a> {
     pub fixed_frame: &'a str,
     /// ROS time now.
     pub now: Time,
+    /// The time at which what follows moving frames is shown, if that is predicted.
+    pub prediction: Option<Prediction>,
     /// Meshes by their addresses.
     pub meshes: &'a MeshStore,
 }
@@ -42,6 +44,18 @@ impl World<'_> {
     /// See [`LookupError`].
     pub fn fixed_from(&self, frame: &str, time: Time) -> Result<Isometry3<f64>, LookupError> {
         self.transforms.lookup(self.fixed_frame, frame, time)
+    }
+
+    /// Where a frame that is followed is in the fixed frame: its latest known place, or a predicted one. What a message
+    /// places once and for all is placed by [`fixed_from`](Self::fixed_from).
+    ///
+    /// # Errors
+    /// See [`LookupError`].
+    pub fn fixed_from_moving(&self, frame: &str) -> Result<Isometry3<f64>, LookupError> {
+        match &self.prediction {
+            Some(prediction) => self.transforms.predict(self.fixed_frame, frame, prediction),
+            None => self.fixed_from(frame, Time::ZERO),
+        }
     }
 
     /// Where a message's frame is in the fixed frame, at the message's stamp.

@@ -16,6 +16,7 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_ros::{RosNode, TriggerReply};
 use rcs_scene::{Camera, Picture};
+use rcs_transforms::Time;
 
 use super::camera_health::CameraHealth;
 use super::camera_plan::CameraPlan;
@@ -66,6 +67,8 @@ struct Drawn {
     scene_version: u64,
     camera: Camera,
     info: Arc<CameraInfo>,
+    /// When its frames were looked up, in ROS time, if they were predicted.
+    looked_up: Option<Time>,
 }
 
 /// The picture that was finished last.
@@ -82,6 +85,7 @@ pub(super) struct DuePicture {
     pub(super) camera: Camera,
     info: Arc<CameraInfo>,
     scene_version: u64,
+    looked_up: Option<Time>,
 }
 
 /// The cameras' names, for the log.
@@ -177,6 +181,11 @@ impl CameraOutput {
         self.health.latency.forget();
     }
 
+    /// The usual time from looking up frames to publishing the picture, if it is watched and that was measured.
+    pub(super) fn way(&self) -> Option<Duration> {
+        self.connections.outputs.is_watched().then(|| self.health.latency.way()).flatten()
+    }
+
     /// Records the result of rendering and publishing. An error is logged once.
     pub(super) fn record_result(&mut self, result: Result<()>) {
         self.health.record_result(&self.view.name, result);
@@ -265,7 +274,8 @@ impl CameraOutput {
         self.schedule.begin(now, changed);
         if changed {
             self.health.warn_about_projection(&self.view, &info, model);
-            return Ok(Some(DuePicture { view: Arc::clone(&self.view), camera, info, scene_version }));
+            let looked_up = stage.prediction().map(|prediction| prediction.now);
+            return Ok(Some(DuePicture { view: Arc::clone(&self.view), camera, info, scene_version, looked_up }));
         }
         if let Some(last) = &mut self.last {
             last.of.info = info;
@@ -302,8 +312,8 @@ impl CameraOutput {
 
     /// Records that the renderer was given a picture.
     pub(super) fn record_begun(&mut self, picture: DuePicture) {
-        let DuePicture { camera, info, scene_version, .. } = picture;
-        self.in_flight = Some(Drawn { scene_version, camera, info });
+        let DuePicture { camera, info, scene_version, looked_up, .. } = picture;
+        self.in_flight = Some(Drawn { scene_version, camera, info, looked_up });
         self.pacing.begin(Instant::now());
     }
 
@@ -345,6 +355,8 @@ impl CameraOutput {
         self.connections.outputs.send(&frame)?;
         if let Some(drawn) = drawn {
             self.health.latency.measure(drawn, Instant::now(), time_from_stamp(stamp));
+            let way = last.of.looked_up.map(|looked_up| time_from_stamp(stamp).saturating_since(looked_up));
+            way.into_iter().for_each(|way| self.health.latency.record_way(way));
         }
         self.health.published += 1;
         self.schedule.clear_trigger();

@@ -151,6 +151,9 @@ impl CameraHealth {
         entry.values.push(("frames drawn", self.drawn.to_string()));
         entry.values.push(("frames published", self.published.to_string()));
         entry.values.extend(self.latency.values());
+        if let Some(prediction) = stage.prediction() {
+            entry.values.push(("frames predicted ahead ms", format!("{:.2}", prediction.lead.as_secs_f64() * 1e3)));
+        }
         entry
     }
 }

@@ -10,7 +10,7 @@
 //! picture that is new only because frames moved counts from the last transforms. One without either, such as the first
 //! for a subscriber or one in which something faded, is not measured.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rcs_displays::ShownMessage;
 use rcs_scene::{DisplayId, DisplayMask};
@@ -30,13 +30,15 @@ struct Arrival {
 }
 
 /// The figures of a camera's last new pictures.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Latency {
     /// The messages that are new since the last picture, one for each display, with their stamps.
     messages: Vec<(DisplayId, Arrival, Time)>,
     /// The last transforms since the last picture.
     transforms: Option<Arrival>,
     figures: Figures,
+    /// From looking up frames to publishing, of predicted pictures; milliseconds of ROS time.
+    way_ms: RollingWindow<PICTURES>,
 }
 
 /// In milliseconds.
@@ -47,6 +49,12 @@ struct Figures {
     drawn_to_published_ms: RollingWindow<PICTURES>,
     received_to_published_ms: RollingWindow<PICTURES>,
     age_ms: RollingWindow<PICTURES>,
+}
+
+impl Default for Latency {
+    fn default() -> Self {
+        Self { messages: Vec::new(), transforms: None, figures: Figures::default(), way_ms: RollingWindow::new() }
+    }
 }
 
 impl Default for Figures {
@@ -74,6 +82,16 @@ pub(super) struct Update<'a> {
 }
 
 impl Latency {
+    /// Records how long it took from looking up frames to publishing the picture that shows them.
+    pub(super) fn record_way(&mut self, way: Duration) {
+        self.way_ms.push(way.as_secs_f64() * 1e3);
+    }
+
+    /// The median of what [`record_way`](Self::record_way) recorded.
+    pub(super) fn way(&self) -> Option<Duration> {
+        self.way_ms.percentiles().map(|way| Duration::from_secs_f64(way.median / 1e3))
+    }
+
     /// Records what the next picture will show.
     pub(super) fn record_update(&mut self, update: &Update<'_>, visible: &DisplayMask) {
         let Update { shown, transforms_received, decoded } = *update;
@@ -130,8 +148,6 @@ impl Latency {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use super::*;
 
     /// Moments in milliseconds after a start.

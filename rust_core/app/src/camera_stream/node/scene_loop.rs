@@ -23,6 +23,7 @@ use super::shared::{Reload, Shared};
 use super::windows::Windows;
 use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::cli::Cli;
+use crate::camera_stream::prediction::PredictionSettings;
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::{renderer_view, Stage};
 use crate::camera_stream::subscriptions::Subscriptions;
@@ -38,6 +39,7 @@ pub(super) struct SceneLoop {
     renderer: Box<dyn Renderer>,
     renderer_choice: RendererChoice,
     model: CameraModel,
+    prediction: PredictionSettings,
     subscriptions: Subscriptions,
     /// The command line's, which overrides the config's.
     fixed_frame: Option<String>,
@@ -58,6 +60,7 @@ impl SceneLoop {
         let ros = &shared.ros;
         let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
         let model = private_parameters::camera_model(ros, &cli.model, None)?;
+        let prediction = PredictionSettings::read(ros, &cli.node.prediction)?;
         let renderer = rcs_render::create(renderer_choice)?;
         let resources = private_parameters::resources(ros, &cli.resources)?;
         let events = Arc::clone(ros.events());
@@ -82,6 +85,7 @@ impl SceneLoop {
             renderer,
             renderer_choice,
             model,
+            prediction,
             subscriptions,
             fixed_frame: cli.node.fixed_frame.clone(),
             scene: None,
@@ -108,12 +112,22 @@ impl SceneLoop {
             }
             has_news |= self.apply_changes();
             let now = self.now();
+            has_news |= self.predict(now);
             if has_news || self.stage.displays().next_change().is_some_and(|change| change <= now) {
                 self.update(now);
             }
             self.publish();
             self.report_statuses();
         }
+    }
+
+    /// Looks ahead of the transforms from now on, if that is set; by as much as the slowest camera needs. Returns whether
+    /// that moves frames without news.
+    fn predict(&mut self, now: Time) -> bool {
+        let way = self.shared.cameras().iter().filter_map(CameraOutput::way).max();
+        let prediction = self.prediction.prediction(now, way);
+        self.stage.predict(prediction);
+        prediction.is_some()
     }
 
     /// Applies what the control thread has taken: another config, a user's settings. Returns whether the scene may have

@@ -49,7 +49,12 @@ impl Control {
             let (mut parts, not_shown) = ControlMarker::of(marker, world.meshes)?;
             missing.extend(not_shown);
             if !marker.header.frame_id.is_empty() {
-                let fixed_from_frame = world.fixed_from(&marker.header.frame_id, time(marker, world)).ok()?;
+                let frame = &marker.header.frame_id;
+                let fixed_from_frame = match time(marker, world) {
+                    // As the frame of the whole.
+                    time if time.is_zero() => world.fixed_from_moving(frame).ok()?,
+                    time => world.fixed_from(frame, time).ok()?,
+                };
                 let fixed_from_marker = fixed_from_frame * parts.frame_from_marker;
                 parts.frame_from_marker = fixed_from_control.inv_mul(&fixed_from_marker);
             }

@@ -6,7 +6,7 @@ use rcs_messages::visualization_msgs::InteractiveMarker;
 use rcs_messages::PlainTransform;
 use rcs_rviz_config::InteractiveMarkersSettings;
 use rcs_scene::{DisplayId, Drawable};
-use rcs_transforms::{LookupError, Time};
+use rcs_transforms::LookupError;
 
 use super::complete::complete_control;
 use super::control::Control;
@@ -130,7 +130,7 @@ impl Shown {
         let place = if self.frame == world.fixed_frame {
             Isometry3::identity()
         } else {
-            world.fixed_from(&self.frame, Time::ZERO)?
+            world.fixed_from_moving(&self.frame)?
         };
         self.fixed_from_reference = Some(place);
         Ok(before != self.fixed_from_reference)

@@ -128,9 +128,8 @@ impl MapDisplay {
 
     /// Where a map's corner is; the fixed frame's origin while its frame is not known.
     fn place(&self, map: &Map, world: &World<'_>) -> Result<Isometry3<f64>, StatusText> {
-        let at = |time| world.fixed_from(&map.frame, time);
-        let at_stamp = self.settings.use_timestamp.then(|| at(map.stamp).ok()).flatten();
-        let fixed_from_frame = at_stamp.map_or_else(|| at(Time::ZERO), Ok);
+        let at_stamp = self.settings.use_timestamp.then(|| world.fixed_from(&map.frame, map.stamp).ok()).flatten();
+        let fixed_from_frame = at_stamp.map_or_else(|| world.fixed_from_moving(&map.frame), Ok);
         fixed_from_frame.map(|fixed_from_frame| fixed_from_frame * map.frame_from_map).map_err(|_| {
             StatusText::about_frame(format!("No transform from [{}] to [{}]", map.frame, world.fixed_frame))
         })

@@ -54,8 +54,8 @@ struct Shown {
     kind: Kind,
     parts: Parts,
     frame: Arc<str>,
-    /// Zero for a marker that follows its frame.
-    stamp: Time,
+    /// `None` for a marker that follows its frame.
+    stamp: Option<Time>,
     frame_locked: bool,
     frame_from_marker: Isometry3<f64>,
     /// `None` while it cannot be placed.
@@ -76,7 +76,8 @@ pub(super) struct Places<'w> {
 /// Where a frame is at a time.
 struct Place {
     frame: Arc<str>,
-    stamp: Time,
+    /// `None` where a frame is followed.
+    stamp: Option<Time>,
     fixed_from_frame: Result<Isometry3<f64>, LookupError>,
 }
 
@@ -85,11 +86,14 @@ impl<'w> Places<'w> {
         Self { world, last: None }
     }
 
-    fn fixed_from(&mut self, frame: &Arc<str>, stamp: Time) -> Result<Isometry3<f64>, LookupError> {
+    fn fixed_from(&mut self, frame: &Arc<str>, stamp: Option<Time>) -> Result<Isometry3<f64>, LookupError> {
         if let Some(last) = self.last.as_ref().filter(|last| last.stamp == stamp && last.frame == *frame) {
             return last.fixed_from_frame.clone();
         }
-        let fixed_from_frame = self.world.fixed_from(frame, stamp);
+        let fixed_from_frame = match stamp {
+            Some(stamp) => self.world.fixed_from(frame, stamp),
+            None => self.world.fixed_from_moving(frame),
+        };
         self.last = Some(Place { frame: frame.clone(), stamp, fixed_from_frame: fixed_from_frame.clone() });
         fixed_from_frame
     }
@@ -194,7 +198,7 @@ impl MarkerStore {
             kind,
             parts: Parts::of(parts),
             frame: self.frame(&marker.header.frame_id),
-            stamp: if marker.frame_locked { Time::ZERO } else { stamp(&marker.header) },
+            stamp: (!marker.frame_locked).then(|| stamp(&marker.header)),
             frame_locked: marker.frame_locked,
             frame_from_marker,
             fixed_from_marker: None,

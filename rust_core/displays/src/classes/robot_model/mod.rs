@@ -53,7 +53,7 @@ impl ShownLink {
 
     /// Moves it to where its frame is now. Returns whether that, or whether the frame is known, changed.
     fn follow(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
-        let place = world.fixed_from(&self.frame, Time::ZERO).ok();
+        let place = world.fixed_from_moving(&self.frame).ok();
         let was_placed = self.is_placed.replace(place.is_some());
         if was_placed != self.is_placed {
             match place {

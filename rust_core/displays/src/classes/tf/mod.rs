@@ -111,7 +111,7 @@ impl TfDisplay {
         let interval = self.interval();
         let Some(last) = &mut self.last_update else { return true };
         let has_new_frames = world.transforms.frames().count() > self.frames.len();
-        let is_outdated = last.generation != world.transforms.generation();
+        let is_outdated = last.generation != world.transforms.generation() || world.prediction.is_some();
         let is_free = world.now <= last.at || world.now >= last.at.saturating_add(interval);
         last.is_outdated = is_outdated;
         has_new_frames || is_free && (is_outdated || last.next_fade.is_some_and(|fade| fade <= world.now))
@@ -140,10 +140,10 @@ impl TfDisplay {
 
 /// Where a frame and the arrow to its parent are now; `None` where it cannot be placed.
 fn place(name: &str, world: &World<'_>) -> Option<Place> {
-    let fixed_from_frame = world.fixed_from(name, Time::ZERO).ok()?;
+    let fixed_from_frame = world.fixed_from_moving(name).ok()?;
     let to_parent_m = world.transforms.parent_of(name, Time::ZERO).and_then(|parent| {
         // rviz takes the origin for the place of a parent that cannot be found.
-        let parent = world.fixed_from(parent, Time::ZERO).map_or_else(|_| Vector3::zeros(), |p| p.translation.vector);
+        let parent = world.fixed_from_moving(parent).map_or_else(|_| Vector3::zeros(), |p| p.translation.vector);
         let to_parent = parent - fixed_from_frame.translation.vector;
         (to_parent.norm() > SHORTEST_ARROW_M).then_some(to_parent)
     });
