@@ -28,6 +28,7 @@ mod node_window;
 mod projector_calibrate;
 mod projector_scan;
 mod projector_verify;
+mod recorded;
 mod render;
 mod simulated_time;
 mod transforms;

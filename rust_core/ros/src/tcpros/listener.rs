@@ -128,7 +128,8 @@ fn serve(mut stream: TcpStream, served: &Served, node_name: &str) -> io::Result<
         return refuse(&mut stream, &wanted, &reason);
     }
     publication.description().answer(node_name).write(&mut stream, HANDSHAKE_TIMEOUT)?;
-    // A picture is whole when its last bytes are there: these must not wait for more.
+    // A picture is whole when its last bytes are there: these must not wait for more, also where the subscriber does
+    // not ask for it with tcp_nodelay=1.
     stream.set_nodelay(true)?;
     publication.serve(stream, wanted.get("callerid").unwrap_or_default())
 }

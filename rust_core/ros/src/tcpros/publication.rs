@@ -440,6 +440,20 @@ mod tests {
     }
 
     #[test]
+    fn the_end_of_a_message_never_waits_for_more() {
+        let bench = Bench::start(false);
+        // Without `tcp_nodelay=1` in the request, and with it.
+        let _plain = bench.subscribe("/plain");
+        let mut stream = TcpStream::connect(("127.0.0.1", bench.listener.port())).unwrap();
+        let fields = [("callerid", "/quick"), ("topic", "/view/image"), ("md5sum", "*"), ("tcp_nodelay", "1")];
+        Header::new(fields).write(&mut stream, Duration::from_secs(1)).unwrap();
+        assert_eq!(bench.changes.recv_timeout(Duration::from_secs(5)).unwrap().1, "/quick");
+        let subscribers = bench.publication.subscribers();
+        assert_eq!(subscribers.len(), 2);
+        assert!(subscribers.iter().all(|subscriber| subscriber.stream.nodelay().unwrap()));
+    }
+
+    #[test]
     fn one_that_does_not_read_holds_up_nobody_and_then_gets_the_newest() {
         const LEN: usize = 3_000_000;
         let bench = Bench::start(false);

@@ -368,12 +368,17 @@ mod tests {
         }
 
         fn accept(&self) -> TcpStream {
+            self.accept_request().0
+        }
+
+        /// A connection, with what the subscriber requested.
+        fn accept_request(&self) -> (TcpStream, Header) {
             let (mut stream, _) = self.listener.accept().unwrap();
-            Header::read(&mut stream, Instant::now() + Duration::from_secs(5)).unwrap();
+            let request = Header::read(&mut stream, Instant::now() + Duration::from_secs(5)).unwrap();
             Header::new([("callerid", "/talker"), ("md5sum", "abc"), ("type", "a/B"), ("latching", "1")])
                 .write(&mut stream, Duration::from_secs(1))
                 .unwrap();
-            stream
+            (stream, request)
         }
     }
 
@@ -422,6 +427,15 @@ mod tests {
             assert_eq!((bytes, &*source.name, source.is_latching), (vec![value; 3], "/talker", true));
         }
         assert_eq!(subscription.links()[0].received_messages.load(Ordering::Relaxed), 4);
+    }
+
+    #[test]
+    fn messages_are_requested_without_nagles_delay() {
+        let (publisher, (subscription, _messages)) = (Publisher::start(), subscribe());
+        subscription.set_publishers(&[publisher.uri()]);
+        let (_, request) = publisher.accept_request();
+        assert!(request.is_on("tcp_nodelay"), "{request:?}");
+        assert_eq!((request.get("topic"), request.get("callerid")), (Some("/a"), Some("/listener")));
     }
 
     #[test]
