@@ -101,6 +101,18 @@ def cameras(given, result):
     return paragraphs(intro, table(heads, row, rows), slow_note(rows, '5 clouds/s'), driver_note(rows))
 
 
+def compressed(given, result):
+    nothing = float('nan')
+    rows = [dict({'packed_hz': nothing, 'later_ms': nothing, 'kilobytes': nothing}, **row) for row in result['rows']]
+    intro = '`./bench --only compressed` on {}: Flat Squares, 307,200 points at {:g} clouds/s, 1280×800, {:g} s each.'.format(
+        machine(), given.hz, given.seconds)
+    heads = ['program', 'compressed', 'raw pictures/s', 'raw latency ms, median / p95', 'CPU ms per picture',
+             'compressed pictures/s', 'later by ms', 'kB each']
+    row = ['{name}', '{compressed}', '{pictures_hz:.1f}', LATENCY, '{cpu_ms:.1f}', '{packed_hz:.1f}', '{later_ms:.1f}',
+           '{kilobytes:.0f}']
+    return paragraphs(intro, table(heads, row, rows), slow_note(rows, '{:g} clouds/s'.format(given.hz)), driver_note(rows))
+
+
 def idle(given, result):
     intro = '`./bench --only idle` on {}: Flat Squares, 307,200 points, 1280×800, {:g} s each.'.format(
         machine(), given.seconds)

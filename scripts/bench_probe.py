@@ -26,7 +26,9 @@ import rosgraph.network
 import rospy
 import tf2_ros
 from geometry_msgs.msg import TransformStamped
-from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
+from dynamic_reconfigure.msg import Config, IntParameter, StrParameter
+from dynamic_reconfigure.srv import Reconfigure
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, PointCloud2, PointField
 
 SIZE_PX = (1280, 800)
 COLOURS = [0xff0000, 0x00ff00, 0x0000ff, 0xffff00, 0xff00ff, 0x00ffff]
@@ -189,6 +191,33 @@ def colour_of_pixels(middle):
     return 0xff0000 * int(red) + 0xff00 * int(green) + 0xff * int(blue)
 
 
+class Compressed:
+    """Subscribes to the compressed pictures of a topic, and tells how much later than the probe's raw ones they arrive."""
+
+    def __init__(self, probe, topic, settings):
+        topic += '/compressed'
+        values = Config(ints=[IntParameter(name, value) for name, value in settings.items() if isinstance(value, int)],
+                        strs=[StrParameter(name, value) for name, value in settings.items() if isinstance(value, str)])
+        rospy.ServiceProxy(topic + '/set_parameters', Reconfigure)(values)
+        self.arrivals, self.bytes = {}, 0
+        self.raw = probe.stamps = {}
+        self.subscriber = rospy.Subscriber(topic, CompressedImage, self.take, queue_size=1, buff_size=2 ** 24, tcp_nodelay=True)
+
+    def take(self, message):
+        self.arrivals[message.header.stamp.to_nsec()] = time.monotonic()
+        self.bytes += len(message.data)
+
+    def figures(self):
+        self.subscriber.unregister()
+        later_ms = sorted(1000 * (when - self.raw[stamp]) for stamp, when in self.arrivals.items() if stamp in self.raw)
+        times = sorted(self.arrivals.values())
+        return {
+            'packed_hz': (len(times) - 1) / (times[-1] - times[0]) if times[1:] else float('nan'),
+            'later_ms': statistics.median(later_ms) if later_ms else float('nan'),
+            'kilobytes': self.bytes / 1000.0 / max(1, len(times)),
+        }
+
+
 class Usage:
     """CPU time and memory of a process."""
 
@@ -228,6 +257,8 @@ class Probe:
         self.use(NEWEST, None, SIZE_PX)
         self.changed = threading.Condition()
         self.subscribers = []
+        # When the raw picture of a stamp arrived, if anybody wants to know.
+        self.stamps = None
         # The floor's pictures are empty: any picture counts as the answer to the oldest cloud.
         self.is_floor = False
         self.forget()
@@ -260,6 +291,9 @@ class Probe:
 
     def take(self, message, topic):
         now = time.monotonic()
+        if self.stamps is not None:
+            with self.changed:
+                self.stamps[message.header.stamp.to_nsec()] = now
         if not self.is_floor:
             self.note(colour_of(message), topic, now)
             return

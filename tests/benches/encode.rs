@@ -1,5 +1,7 @@
 //! From drawn pixels to the wire: `encode/ENCODING/SIZE` writes a picture's rows in an encoding, from one row of pixels
-//! as the renderer does from its cache; `encode/message/SIZE` makes the bytes of an rgb8 Image message, one copy.
+//! as the renderer does from its cache; `encode/message/SIZE` makes the bytes of an rgb8 Image message, one copy;
+//! `encode/jpeg 80/SIZE` and `encode/png 1/SIZE` compress a picture that is black but for a pattern of colours in its
+//! middle quarter.
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot encode measures nothing")]
 
 mod common;
@@ -7,6 +9,7 @@ mod common;
 use std::sync::Arc;
 
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
+use rcs_files::picture_file::Coding;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{Image, RosMsg};
 use rcs_scene::{Encoding, Picture};
@@ -32,6 +35,19 @@ fn encode(c: &mut Criterion) {
             });
         }
         picture.reset(width_px, height_px, Encoding::Rgb8);
+        let (left, right) = (width_px as usize / 4 * 3, width_px as usize * 9 / 4);
+        let step = picture.step();
+        for (y, row) in picture.data.chunks_exact_mut(step).enumerate().skip(height_px as usize / 4) {
+            if y < height_px as usize * 3 / 4 {
+                row[left..right].iter_mut().enumerate().for_each(|(x, value)| *value = ((x / 12) ^ (y / 4)) as u8);
+            }
+        }
+        group.throughput(Throughput::Bytes(picture.data.len() as u64));
+        for (name, coding) in [("jpeg 80", Coding::Jpeg { quality: 80 }), ("png 1", Coding::Png { level: 1 })] {
+            group.bench_function(BenchmarkId::new(name, &size), |b| {
+                b.iter(|| rcs_files::picture_file::encode(&picture, coding).unwrap());
+            });
+        }
         group.throughput(Throughput::Bytes(picture.data.len() as u64));
         let (encoding, step) = (picture.encoding.name(), picture.step() as u32);
         let image = Image::new(Header::default(), [width_px, height_px], encoding, step, Arc::new(picture.data));

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use image::codecs::jpeg::JpegEncoder;
-use image::codecs::png::PngEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::error::{ParameterError, ParameterErrorKind};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 use rcs_scene::{Encoding, Picture};
 
@@ -111,13 +112,7 @@ pub fn write(path: &Path, picture: &Picture) -> Result<(), PictureFileError> {
             got_bytes: data.len(),
         });
     }
-    let (color_type, bytes) = match (format, encoding) {
-        // The high byte of each value.
-        (PictureFormat::Jpeg, Encoding::Mono16) => {
-            (ExtendedColorType::L8, data.iter().skip(1).step_by(2).copied().collect())
-        }
-        _ => png_pixels(*encoding, data),
-    };
+    let (color_type, bytes) = pixels_for(format, *encoding, data);
     let failed = |error| match error {
         ImageError::IoError(source) => PictureFileError::Write { path: path.to_owned(), source },
         source => PictureFileError::Encode { path: path.to_owned(), source },
@@ -136,6 +131,67 @@ pub fn write(path: &Path, picture: &Picture) -> Result<(), PictureFileError> {
         },
         |source| PictureFileError::Write { path: path.to_owned(), source },
     )
+}
+
+/// How a picture is encoded for a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coding {
+    /// Lossy, with a quality from 1 to 100; colours and greys of 8 bits.
+    Jpeg {
+        /// From 1 to 100.
+        quality: u8,
+    },
+    /// Lossless.
+    Png {
+        /// How hard zlib tries, from 1 to 9.
+        level: u8,
+    },
+}
+
+/// A picture's file, as [`write`] would write it, in memory.
+///
+/// # Errors
+/// The encoder's, for pixels that are not as many as width and height need among others.
+pub fn encode(picture: &Picture, coding: Coding) -> Result<Vec<u8>, ImageError> {
+    let Picture { width_px, height_px, encoding, data } = picture;
+    let (width_px, height_px) = (*width_px, *height_px);
+    let mut file = Vec::new();
+    match coding {
+        Coding::Jpeg { quality } => {
+            let (color_type, bytes) = pixels_for(PictureFormat::Jpeg, *encoding, data);
+            check_length(&bytes, width_px, height_px, color_type)?;
+            let encoder = JpegEncoder::new_with_quality(&mut file, quality.clamp(1, 100));
+            encoder.write_image(&bytes, width_px, height_px, color_type)?;
+        }
+        Coding::Png { level } => {
+            let (color_type, bytes) = pixels_for(PictureFormat::Png, *encoding, data);
+            check_length(&bytes, width_px, height_px, color_type)?;
+            let compression = CompressionType::Level(level.clamp(1, 9));
+            let encoder = PngEncoder::new_with_quality(&mut file, compression, FilterType::Adaptive);
+            encoder.write_image(&bytes, width_px, height_px, color_type)?;
+        }
+    }
+    Ok(file)
+}
+
+/// The encoders panic where there are not as many bytes as the size needs.
+fn check_length(bytes: &[u8], width_px: u32, height_px: u32, color: ExtendedColorType) -> Result<(), ImageError> {
+    let needed = u64::from(width_px) * u64::from(height_px) * u64::from(color.bits_per_pixel() / 8);
+    match bytes.len() as u64 == needed && needed > 0 {
+        true => Ok(()),
+        false => Err(ImageError::Parameter(ParameterError::from_kind(ParameterErrorKind::DimensionMismatch))),
+    }
+}
+
+/// What a format calls the pixels, and their bytes in its order.
+fn pixels_for(format: PictureFormat, encoding: Encoding, data: &[u8]) -> (ExtendedColorType, Cow<'_, [u8]>) {
+    match (format, encoding) {
+        // The high byte of each value.
+        (PictureFormat::Jpeg, Encoding::Mono16) => {
+            (ExtendedColorType::L8, data.iter().skip(1).step_by(2).copied().collect())
+        }
+        _ => png_pixels(encoding, data),
+    }
 }
 
 /// What PNG calls the pixels, and their bytes in its order; 16-bit grey in the machine's byte order, as the encoder
@@ -187,6 +243,23 @@ mod tests {
             };
             assert_eq!(read, expected, "{encoding:?}");
         }
+    }
+
+    #[test]
+    fn a_picture_for_a_message_reads_as_it_was() {
+        let colors = picture(Encoding::Bgr8, 8, &[30, 20, 10].repeat(8));
+        for coding in [Coding::Png { level: 1 }, Coding::Png { level: 9 }, Coding::Jpeg { quality: 90 }] {
+            let read = image::load_from_memory(&encode(&colors, coding).unwrap()).unwrap().into_rgb8();
+            let pixel = read.get_pixel(4, 0).0;
+            assert!(pixel.iter().zip([10, 20, 30]).all(|(a, b)| a.abs_diff(b) < 4), "{coding:?} {pixel:?}");
+        }
+        let small = encode(&colors, Coding::Jpeg { quality: 1 }).unwrap();
+        assert!(small.len() < encode(&colors, Coding::Jpeg { quality: 100 }).unwrap().len());
+        let grey = picture(Encoding::Mono16, 2, &[1, 2, 3, 4]);
+        let read = image::load_from_memory(&encode(&grey, Coding::Png { level: 5 }).unwrap()).unwrap();
+        assert_eq!(read.into_luma16().into_raw(), [0x0201, 0x0403]);
+        assert!(encode(&picture(Encoding::Rgb8, 8, &[0; 5]), Coding::Png { level: 1 }).is_err());
+        assert!(encode(&picture(Encoding::Rgb8, 0, &[]), Coding::Jpeg { quality: 80 }).is_err());
     }
 
     #[test]

@@ -25,5 +25,5 @@ pub use error::{MeshFault, ResourceError};
 pub use files::ResourceOptions;
 pub use loaded::{LoadedMesh, MeshMaterial, MeshPart};
 pub use packages::PackageIndex;
-pub use store::{MeshStore, Retry};
+pub use store::{yield_to_others, MeshStore, Retry};
 pub use texture::warning_texture;

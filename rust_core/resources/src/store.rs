@@ -393,10 +393,10 @@ impl Shared {
     }
 }
 
-/// Lets other threads of this process go first where processors are scarce.
-fn yield_to_others() {
+/// Lets other threads go first where processors are scarce, from now on until this thread ends.
+pub fn yield_to_others() {
     if let Err(error) = rustix::process::setpriority_process(Some(rustix::thread::gettid()), NICENESS) {
-        log::debug!("the priority of a thread that loads meshes: {error}");
+        log::debug!("the priority of a thread in the background: {error}");
     }
 }
 

@@ -3,11 +3,13 @@
 //!
 //! The CameraInfo goes out on the sibling topic `camera_info`: the image topic's name with another last part. Both have
 //! the same stamp, sequence number and frame. A picture's pixels are shared by all subscribers and never copied.
+//!
+//! Below the image topic is `compressed`, for whoever has encoded pictures ([`CompressedPublisher`]).
 
 use crate::publisher::Publisher;
 use crate::tcpros::{Change, Observer};
 use crate::{NodeError, RosNode};
-use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_messages::sensor_msgs::{CameraInfo, CompressedImage};
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{Image, SharedBytes, Time};
 use rcs_scene::Picture;
@@ -46,7 +48,38 @@ pub enum SendError {
 pub struct ImagePublisher {
     image: Publisher<Image>,
     info: Publisher<CameraInfo>,
+    compressed: Arc<CompressedPublisher>,
     next_seq: u32,
+}
+
+/// Publishes a camera's encoded pictures, on any thread.
+pub struct CompressedPublisher(Publisher<CompressedImage>);
+
+impl CompressedPublisher {
+    /// The topic's whole name.
+    pub fn topic(&self) -> &str {
+        self.0.topic()
+    }
+
+    /// Whether another node subscribes.
+    pub fn is_watched(&self) -> bool {
+        !self.0.subscriber_names().is_empty()
+    }
+
+    /// Sends an encoded picture. Never waits, and copies no data.
+    ///
+    /// # Errors
+    /// [`SendError`].
+    pub fn publish(&self, header: Header, format: &str, data: Vec<u8>) -> Result<(), SendError> {
+        let too_long = |error| SendError::TooLong { topic: self.topic().to_owned(), error };
+        let len = u32::try_from(data.len()).map_err(|_| too_long(std::io::ErrorKind::InvalidInput.into()))?;
+        let empty = CompressedImage { header, format: format.to_owned(), data: Vec::new() };
+        let mut beginning = rcs_messages::encode(&empty);
+        // The last field is the length of the data.
+        beginning.truncate(beginning.len() - 4);
+        beginning.extend_from_slice(&len.to_le_bytes());
+        self.0.send_parts(&beginning, Arc::new(data)).map_err(too_long)
+    }
 }
 
 /// The topic of the CameraInfo that belongs to an image topic.
@@ -60,7 +93,7 @@ pub fn camera_info_topic(image_topic: &str) -> String {
 impl RosNode {
     /// Publishes pictures on `topic` and their CameraInfo on its sibling.
     ///
-    /// `on_change` is called with the name of every node that subscribes to either or leaves, on the thread of its
+    /// `on_change` is called with the name of every node that subscribes to one of its topics or leaves, on the thread of its
     /// connection.
     ///
     /// # Errors
@@ -81,7 +114,10 @@ impl RosNode {
         let (topic, info_topic) = (self.resolve(topic)?, self.resolve(&camera_info_topic(topic))?);
         let image = Publisher::new(self.network(), &topic, QUEUE_SIZE, false, &observer);
         let info = Publisher::new(self.network(), &info_topic, QUEUE_SIZE, false, &observer);
-        Ok(ImagePublisher { image, info, next_seq: 0 })
+        // Below the name after remapping, as image_transport has it.
+        let compressed_topic = self.resolve(&format!("{topic}/compressed"))?;
+        let compressed = Publisher::new(self.network(), &compressed_topic, QUEUE_SIZE, false, &observer);
+        Ok(ImagePublisher { image, info, compressed: Arc::new(CompressedPublisher(compressed)), next_seq: 0 })
     }
 }
 
@@ -96,26 +132,34 @@ impl ImagePublisher {
         self.info.topic()
     }
 
-    /// How many nodes subscribe to the image or to the CameraInfo, this node itself not counted.
+    /// The topic of encoded pictures.
+    pub fn compressed(&self) -> &Arc<CompressedPublisher> {
+        &self.compressed
+    }
+
+    /// How many nodes subscribe to the image, to encoded ones or to the CameraInfo, this node itself not counted.
     pub fn subscriber_count(&self) -> usize {
-        let names: BTreeSet<String> = self.image.subscriber_names();
-        names.union(&self.info.subscriber_names()).count()
+        let mut names: BTreeSet<String> = self.image.subscriber_names();
+        names.extend(self.info.subscriber_names());
+        names.extend(self.compressed.0.subscriber_names());
+        names.len()
     }
 
     /// Sends a picture and the CameraInfo it was drawn with, both with `stamp` and the CameraInfo's frame. Never waits
-    /// and copies no pixels.
+    /// and copies no pixels. Returns the picture's header.
     ///
     /// # Errors
     /// [`SendError`].
-    pub fn publish(&mut self, picture: &Arc<Picture>, info: &CameraInfo, stamp: Time) -> Result<(), SendError> {
+    pub fn publish(&mut self, picture: &Arc<Picture>, info: &CameraInfo, stamp: Time) -> Result<Header, SendError> {
         let header = Header { seq: self.next_seq, stamp, frame_id: info.header.frame_id.clone() };
         self.next_seq = self.next_seq.wrapping_add(1);
         let too_long = |topic: &str, error| SendError::TooLong { topic: topic.to_owned(), error };
         let beginning = self.beginning(picture, header.clone())?;
         let pixels: SharedBytes = Arc::<Picture>::clone(picture);
         self.image.send_parts(&beginning, pixels).map_err(|error| too_long(self.topic(), error))?;
-        let info = CameraInfo { header, ..info.clone() };
-        self.info.send(&info).map_err(|error| too_long(self.info_topic(), error))
+        let info = CameraInfo { header: header.clone(), ..info.clone() };
+        self.info.send(&info).map_err(|error| too_long(self.info_topic(), error))?;
+        Ok(header)
     }
 
     /// What comes before the pixels of a picture's message.

@@ -527,7 +527,7 @@ fn with_wake_slack<T>(start: impl FnOnce() -> T) -> T {
 }
 
 /// A parameter's value as text, if it is a string, a boolean or a number.
-fn text_of(value: &Value) -> Option<String> {
+pub(crate) fn text_of(value: &Value) -> Option<String> {
     match value {
         Value::Bool(value) => Some(value.to_string()),
         Value::Int(value) => Some(value.to_string()),

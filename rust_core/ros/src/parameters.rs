@@ -5,7 +5,7 @@
 //! parameter that is not a string counts as an empty one, as in rviz.
 
 use crate::graph::Master;
-use crate::node::Shared;
+use crate::node::{text_of, Shared};
 use crate::xmlrpc::CallError;
 use crate::{lock, NodeEvent, RosNode};
 use std::sync::{Arc, Weak};
@@ -31,6 +31,29 @@ impl RosNode {
         }
         let shared = Arc::downgrade(&self.shared);
         let spawned = std::thread::Builder::new().name("ros-parameters".to_owned()).spawn(move || poll(&shared));
+        if let Err(error) = spawned {
+            log::error!("parameters cannot be fetched: {error}");
+        }
+    }
+}
+
+impl RosNode {
+    /// Asks for parameters by their whole names, and hands their values over as text, in the same order, once the master
+    /// has answered; `None` for one that is not set, or is neither a string, a boolean nor a number. A master that is
+    /// silent is asked again.
+    pub fn fetch_texts(&self, names: Vec<String>, done: impl FnOnce(Vec<Option<String>>) + Send + 'static) {
+        let network = Arc::downgrade(self.network());
+        let fetching = move || loop {
+            let Some(network) = network.upgrade().filter(|network| !network.is_ended()) else { return };
+            let master = network.registrar().master();
+            let values: Result<Vec<_>, CallError> = names.iter().map(|name| master.param(name)).collect();
+            if let Ok(values) = values {
+                return done(values.iter().map(|value| text_of(value.as_ref()?)).collect());
+            }
+            drop(network);
+            std::thread::sleep(POLL_PERIOD);
+        };
+        let spawned = std::thread::Builder::new().name("ros-fetch".to_owned()).spawn(fetching);
         if let Err(error) = spawned {
             log::error!("parameters cannot be fetched: {error}");
         }

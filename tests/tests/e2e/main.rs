@@ -21,6 +21,7 @@ mod camera_info;
 mod check;
 mod check_live;
 mod command_line;
+mod compressed;
 mod diagnostics;
 mod live_equals_offline;
 mod node_log;

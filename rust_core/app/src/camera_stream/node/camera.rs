@@ -193,11 +193,19 @@ impl CameraOutput {
 
     /// Whether its parameters are served under this name.
     pub(super) fn has_parameters(&self, server: &str) -> bool {
-        self.settings.serves(server)
+        self.settings.serves(server) || self.topic_of(server).is_some()
     }
 
-    /// Takes a user's values for the next picture. Returns the values that apply from then on.
-    pub(super) fn reconfigure(&mut self, request: &Values, ros: &RosNode) -> Values {
+    /// Its topic, if the server of this name has the settings of that.
+    fn topic_of(&self, server: &str) -> Option<&TopicOutput> {
+        self.connections.outputs.topic.as_ref().filter(|topic| topic.has_parameters(server))
+    }
+
+    /// Takes a user's values of a server for the next picture. Returns the values that apply from then on.
+    pub(super) fn reconfigure(&mut self, server: &str, request: &Values, ros: &RosNode) -> Values {
+        if let Some(topic) = self.connections.outputs.topic.as_mut().filter(|topic| topic.has_parameters(server)) {
+            return topic.reconfigure(ros, request);
+        }
         self.has_new_settings = true;
         self.settings.set(ros, request)
     }
@@ -239,6 +247,7 @@ impl CameraOutput {
         model: CameraModel,
         ros: &RosNode,
     ) -> Result<Option<DuePicture>> {
+        self.connections.outputs.topic.iter_mut().for_each(|topic| topic.attend(ros));
         if !self.connections.outputs.is_watched() {
             self.schedule.clear_trigger();
             self.health.latency.forget();

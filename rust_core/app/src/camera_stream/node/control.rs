@@ -143,7 +143,7 @@ impl Control {
             ServiceCall::Reconfigure { server, request, reply } => {
                 // Without an answer, the caller gets an error.
                 if let Some(camera) = self.shared.cameras().iter_mut().find(|camera| camera.has_parameters(&server)) {
-                    reply.answer(camera.reconfigure(&request, &self.shared.ros));
+                    reply.answer(camera.reconfigure(&server, &request, &self.shared.ros));
                 }
             }
         }

@@ -4,6 +4,8 @@
 //! whether anybody is watching. To add one: implement the trait in a file beside
 //! these, and add it to [`Outputs`].
 
+mod compressed;
+mod compressed_settings;
 mod picture_files;
 mod topic;
 mod video;

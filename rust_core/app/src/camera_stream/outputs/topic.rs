@@ -1,11 +1,13 @@
-//! A camera's pictures on an image topic, with the CameraInfo beside it.
+//! A camera's pictures on an image topic, with the CameraInfo beside it and compressed pictures below it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
+use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_ros::image_topic::ImagePublisher;
 use rcs_ros::{Change, NodeError, RosNode};
 
+use super::compressed::CompressedOutput;
 use super::{Frame, Output, OutputError};
 
 /// The whole names of the image's and the CameraInfo's topic.
@@ -14,6 +16,7 @@ pub type TopicNames = [String; 2];
 /// Publishes a camera's pictures.
 pub struct TopicOutput {
     publisher: ImagePublisher,
+    compressed: CompressedOutput,
     /// Somebody subscribed and has not received a picture yet.
     new_subscriber: Arc<AtomicBool>,
 }
@@ -32,7 +35,9 @@ impl TopicOutput {
                 events.wake();
             }
         };
-        Ok(Self { publisher: ros.image_publisher(topic, on_change)?, new_subscriber })
+        let publisher = ros.image_publisher(topic, on_change)?;
+        let compressed = CompressedOutput::start(ros, publisher.compressed());
+        Ok(Self { publisher, compressed, new_subscriber })
     }
 
     /// The image topic's whole name.
@@ -45,7 +50,22 @@ impl TopicOutput {
         [self.publisher.topic(), self.publisher.info_topic()].map(str::to_owned)
     }
 
-    /// How many other nodes subscribe to either topic.
+    /// Takes over what has come from the parameter server.
+    pub fn attend(&mut self, ros: &RosNode) {
+        self.compressed.attend(ros);
+    }
+
+    /// Whether dynamic_reconfigure's server of this name has its settings.
+    pub fn has_parameters(&self, server: &str) -> bool {
+        self.compressed.serves(server)
+    }
+
+    /// Takes a user's settings of the compressed pictures. Returns those that apply from now on.
+    pub fn reconfigure(&mut self, ros: &RosNode, request: &Values) -> Values {
+        self.compressed.reconfigure(ros, request)
+    }
+
+    /// How many other nodes subscribe to any of the topics.
     pub fn subscriber_count(&self) -> usize {
         self.publisher.subscriber_count()
     }
@@ -53,7 +73,9 @@ impl TopicOutput {
 
 impl Output for TopicOutput {
     fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
-        Ok(self.publisher.publish(&frame.picture, &frame.info, frame.stamp)?)
+        let header = self.publisher.publish(&frame.picture, &frame.info, frame.stamp)?;
+        self.compressed.offer(&frame.picture, header);
+        Ok(())
     }
 
     fn is_watched(&self) -> bool {
