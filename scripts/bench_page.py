@@ -116,8 +116,9 @@ def compressed(given, result):
 def idle(given, result):
     intro = '`./bench --only idle` on {}: Flat Squares, 307,200 points, 1280×800, {:g} s each.'.format(
         machine(), given.seconds)
-    row = ['{name}', '{still_percent:.2f}', '{moving_percent:.1f}', '{repeated_hz:.1f}', '{repeated_ms:.1f}']
-    heads = ['program', 'no subscriber, no clouds: % of a core', 'no subscriber, {:g} clouds/s: % of a core'.format(given.hz),
+    row = ['{name}', '{still_percent:.2f}', '{moving_percent:.1f}', '{stream_percent:.2f}', '{repeated_hz:.1f}', '{repeated_ms:.1f}']
+    heads = ['program', 'no subscriber, no clouds: % of a core', 'no subscriber, {:g} latched clouds/s: % of a core'.format(given.hz),
+             'no subscriber, {:g} clouds/s of a stream: % of a core'.format(given.hz),
              'subscriber, no clouds: pictures/s', 'CPU ms per picture']
     return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
 

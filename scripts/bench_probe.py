@@ -37,6 +37,8 @@ POINT_BYTES = 16
 NEWEST = '/bench/cloud'
 # Publishing waits until the last subscriber has taken the cloud.
 ONE_BY_ONE = '/bench/large_cloud'
+# As NEWEST, but not latched: a stream that the camera need not receive while nobody watches.
+STREAM = '/bench/stream'
 INFO = '/bench/info'
 
 
@@ -253,6 +255,7 @@ class Probe:
             self.clouds = {
                 NEWEST: rospy.Publisher(NEWEST, PointCloud2, queue_size=1, latch=True),
                 ONE_BY_ONE: rospy.Publisher(ONE_BY_ONE, PointCloud2, queue_size=None),
+                STREAM: rospy.Publisher(STREAM, PointCloud2, queue_size=1),
             }
         self.use(NEWEST, None, SIZE_PX)
         self.changed = threading.Condition()

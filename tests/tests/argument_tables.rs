@@ -46,8 +46,9 @@ fn option_of(line: &str) -> Option<&str> {
 }
 
 /// Options whose defaults are compared with nothing, and why.
-const NOT_COMPARED: [(&str, &str); 5] = [
+const NOT_COMPARED: [(&str, &str); 6] = [
     ("--fixed-frame", "its default is the config's own, and the help names none"),
+    ("--no-lazy", "a flag; e2e/lazy_streams.rs runs the node with and without it"),
     ("--set-mode", "a flag, of camera_stream"),
     ("--no-watch", "a flag; timing/settings.rs runs the node with and without it"),
     ("--identify", "a flag with a value that may be left out"),

@@ -172,6 +172,21 @@ impl TopicSubscription {
         &self.topic.name
     }
 
+    /// Whether a publisher that it is connected with latches its messages.
+    pub fn is_latched(&self) -> bool {
+        !lock(&self.topic.receiver.state).latched.is_empty()
+    }
+
+    /// Has the topic not received until it is called with `false`, and drops its queued messages. The master still
+    /// names the node as a subscriber. A topic that has other listeners is always received.
+    pub fn set_paused(&self, is_paused: bool) {
+        let is_shared = lock(&self.topic.receiver.state).listeners.len() > 1;
+        self.topic.subscription.set_paused(is_paused && !is_shared);
+        if let Some(sender) = self.sender.as_ref().filter(|_| is_paused) {
+            sender.drop_queued();
+        }
+    }
+
     /// How many of its messages the event queue holds from now on (0: any number).
     pub fn set_queue_size(&self, queue_size: usize) {
         if let Some(sender) = &self.sender {

@@ -23,6 +23,7 @@ mod check_live;
 mod command_line;
 mod compressed;
 mod diagnostics;
+mod lazy_streams;
 mod live_equals_offline;
 mod node_log;
 mod node_window;

@@ -125,6 +125,9 @@ pub struct NodeArgs {
     /// Do not reload the config when its file changes
     #[arg(long)]
     pub no_watch: bool,
+    /// Receive clouds, scans and images all the time, also while nobody subscribes to a picture
+    #[arg(long)]
+    pub no_lazy: bool,
     /// Windows of the node's own
     #[command(flatten)]
     pub screens: ScreenArgs,

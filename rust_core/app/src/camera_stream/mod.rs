@@ -3,6 +3,7 @@
 pub mod camera_pose;
 pub mod check;
 pub mod cli;
+mod lazy_streams;
 mod new_camera;
 pub mod node;
 pub mod offline;

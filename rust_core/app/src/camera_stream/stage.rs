@@ -192,6 +192,16 @@ impl Stage {
         self.displays.take_received(topic, message, received, &world);
     }
 
+    /// Whether each message of a topic, by its name in the config, replaces all that earlier ones made.
+    pub(crate) fn is_replaced_by_newest(&self, topic: &str, kind: MessageKind) -> bool {
+        self.displays.is_replaced_by_newest(topic, kind)
+    }
+
+    /// Shows nothing of such a topic until its next message.
+    pub(crate) fn forget_topic(&mut self, topic: &str, kind: MessageKind) {
+        self.displays.forget_topic(topic, kind);
+    }
+
     /// The names of the ROS parameters that the displays read, as the config has them.
     pub fn parameters(&self) -> Vec<String> {
         self.displays.parameters()

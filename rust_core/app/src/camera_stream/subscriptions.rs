@@ -2,22 +2,22 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use rcs_displays::TopicRequest;
 use rcs_messages::MessageKind;
 use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
 use rcs_transforms::Time;
 
+use crate::camera_stream::lazy_streams::{Key, LazyStreams};
 use crate::camera_stream::stage::Stage;
-
-/// A topic by its whole name and type.
-type Key = (Arc<str>, MessageKind);
 
 /// What is subscribed to, and the names that the config has for it.
 #[derive(Default)]
 pub(crate) struct Subscriptions {
     subscribed: HashMap<Key, TopicSubscription>,
     names: HashMap<Key, Vec<String>>,
+    lazy: LazyStreams,
 }
 
 impl Subscriptions {
@@ -42,6 +42,7 @@ impl Subscriptions {
         }
         // First, as the same topic may be requested with another type.
         self.subscribed.retain(|key, _| queue_sizes.contains_key(key));
+        self.lazy.retain(|key| queue_sizes.contains_key(key));
         for (key, given_name) in wanted {
             let queue_size = queue_sizes.get(&key).copied().unwrap_or(1);
             if let Some(subscription) = self.subscribed.get(&key) {
@@ -56,6 +57,45 @@ impl Subscriptions {
         }
     }
 
+    /// Stops receiving streams that nobody watches, and receives them again as soon as somebody does; see
+    /// [`LazyStreams`]. Returns whether the scene changed: what a stream sent before it was paused is old.
+    pub(crate) fn attend(&mut self, is_watched: bool, stage: &mut Stage) -> bool {
+        let Self { subscribed, names, lazy } = self;
+        let may_pause = |key: &Key| {
+            let is_replaced = |name: &String| stage.is_replaced_by_newest(name, key.1);
+            subscribed.get(key).is_some_and(|subscription| !subscription.is_latched())
+                && names.get(key).is_some_and(|names| names.iter().all(is_replaced))
+        };
+        let orders = lazy.attend(is_watched, Instant::now(), may_pause);
+        for (keys, is_paused) in [(&orders.pause, true), (&orders.resume, false)] {
+            for (key, subscription) in keys.iter().filter_map(|key| Some((key, subscribed.get(key)?))) {
+                log::debug!(
+                    "{}: {}",
+                    key.0,
+                    if is_paused { "not received while nobody watches" } else { "received again" }
+                );
+                subscription.set_paused(is_paused);
+            }
+        }
+        for (key, name) in
+            orders.pause.iter().flat_map(|key| names.get(key).into_iter().flatten().map(move |n| (key, n)))
+        {
+            stage.forget_topic(name, key.1);
+        }
+        !orders.pause.is_empty()
+    }
+
+    /// How long pictures wait at most for streams that are received again; `None` if they need not wait.
+    pub(crate) fn awaited(&mut self, now: Instant) -> Option<Duration> {
+        self.lazy.waits(now)
+    }
+
+    /// Whether a topic, by its name in the config, is not received because nobody watches.
+    pub(crate) fn is_paused(&self, topic: &str) -> bool {
+        let is_it = |(_, names): &(&Key, &Vec<String>)| names.iter().any(|name| name == topic);
+        self.names.iter().filter(is_it).any(|((whole, _), _)| self.lazy.is_paused(whole))
+    }
+
     /// The config's names of a topic.
     fn names(&self, topic: &Arc<str>, kind: MessageKind) -> &[String] {
         self.names.get(&(Arc::clone(topic), kind)).map(Vec::as_slice).unwrap_or_default()
@@ -63,9 +103,10 @@ impl Subscriptions {
 
     /// Applies an event to the stage, if it is one that changes the scene: a message, transforms, a parameter, a
     /// publisher that left, time that jumped back. `now` is ROS time.
-    pub(crate) fn apply(&self, event: NodeEvent, stage: &mut Stage, now: Time) {
+    pub(crate) fn apply(&mut self, event: NodeEvent, stage: &mut Stage, now: Time) {
         match event {
             NodeEvent::Message { topic, message, received, .. } => {
+                self.lazy.note_message(&(Arc::clone(&topic), message.kind()), received);
                 for name in self.names(&topic, message.kind()) {
                     stage.take_received(name, &message, Some(received), now);
                 }

@@ -50,6 +50,15 @@ pub(crate) trait Display: Send {
     /// A publisher of one of its topics is gone.
     fn publisher_left(&mut self, _topic: &str) {}
 
+    /// Whether each message of its topics replaces all that earlier ones made, so that it misses nothing that it would
+    /// still show while it receives none.
+    fn is_replaced_by_newest(&self) -> bool {
+        false
+    }
+
+    /// Shows nothing until the next message: those that it has are old.
+    fn forget_shown(&mut self) {}
+
     /// The ROS parameters that it reads, by their names in the config.
     fn parameters(&self) -> Vec<String> {
         Vec::new()

@@ -109,6 +109,11 @@ impl MessageCache {
         kept.into_iter().filter_map(alive).collect()
     }
 
+    /// Forgets the messages of a topic.
+    pub(crate) fn forget(&mut self, topic: &str, kind: MessageKind) {
+        self.topics.remove(&(topic.to_owned(), kind));
+    }
+
     /// Keeps the text of a parameter; `None` while nobody has set it.
     pub(crate) fn keep_parameter(&mut self, name: &str, text: Option<&Arc<str>>) {
         self.parameters.insert(name.to_owned(), text.cloned());

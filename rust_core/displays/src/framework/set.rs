@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use nalgebra::Vector3;
-use rcs_messages::AnyMessage;
+use rcs_messages::{AnyMessage, MessageKind};
 use rcs_rviz_config::{
     CameraPubSettings, Config, DisplayConfig, DisplaySettings, PlacedDisplay, ViewConfig, Visibility,
 };
@@ -265,6 +265,31 @@ impl DisplaySet {
             if entry.display.topics().iter().any(|request| request.topic == topic) {
                 entry.display.publisher_left(topic);
             }
+        }
+    }
+
+    /// Whether each message of a topic (by the name in the config) replaces all that earlier ones made in every display
+    /// that takes it, and is large enough that it is worth while not to receive it.
+    pub fn is_replaced_by_newest(&self, topic: &str, kind: MessageKind) -> bool {
+        use MessageKind::{CompressedImage, Image, LaserScan, PointCloud, PointCloud2};
+        let is_stream = matches!(kind, PointCloud2 | PointCloud | LaserScan | Image | CompressedImage);
+        is_stream && self.entries_of(topic, kind).all(|entry| entry.display.is_replaced_by_newest())
+    }
+
+    fn entries_of<'a>(&'a self, topic: &'a str, kind: MessageKind) -> impl Iterator<Item = &'a Entry> {
+        let wants = move |request: &TopicRequest| request.topic == topic && request.kind == kind;
+        self.entries.iter().filter(move |entry| entry.display.topics().iter().any(wants))
+    }
+
+    /// Has the displays of such a topic show nothing until its next message: what it sent is old.
+    pub fn forget_topic(&mut self, topic: &str, kind: MessageKind) {
+        let of_topic: Vec<DisplayId> = self.entries_of(topic, kind).map(|entry| entry.id).collect();
+        self.message_cache.forget(topic, kind);
+        self.version += 1;
+        for entry in self.entries.iter_mut().filter(|entry| of_topic.contains(&entry.id)) {
+            entry.display.forget_shown();
+            entry.arrivals.clear();
+            entry.changed_at = self.version;
         }
     }
 

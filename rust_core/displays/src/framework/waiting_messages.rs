@@ -77,6 +77,11 @@ impl<M> WaitingMessages<M> {
         statuses.set(Level::Ok, "Dropped", text);
     }
 
+    /// Forgets what waits, and counts on.
+    pub(crate) fn drop_waiting(&mut self) {
+        self.queue.clear();
+    }
+
     /// Forgets what waits.
     pub(crate) fn clear(&mut self) {
         self.queue.clear();

@@ -76,7 +76,18 @@ pub(crate) trait Handler: Send + Sync {
 pub(crate) struct Subscription {
     wanted: Arc<Wanted>,
     handler: Arc<dyn Handler>,
-    links: Mutex<BTreeMap<String, Arc<Link>>>,
+    links: Mutex<Links>,
+}
+
+/// The publishers of a topic.
+#[derive(Default)]
+struct Links {
+    /// By the addresses of their nodes.
+    by_uri: BTreeMap<String, Arc<Link>>,
+    /// Those that the master names.
+    named: Vec<String>,
+    /// There is to be no connection with any of them.
+    is_paused: bool,
 }
 
 /// The connection with one publisher, or the attempts to have one.
@@ -150,23 +161,37 @@ impl Subscription {
 
     /// The connections there are or should be.
     pub(crate) fn links(&self) -> Vec<Arc<Link>> {
-        lock(&self.links).values().cloned().collect()
+        lock(&self.links).by_uri.values().cloned().collect()
     }
 
     /// Connects with the publishers that the master names, and ends the connections with all others.
     pub(crate) fn set_publishers(&self, uris: &[String]) {
         let mut links = lock(&self.links);
-        links.retain(|uri, link| {
-            let stays = uris.contains(uri);
+        links.named = uris.to_vec();
+        self.connect(&mut links);
+    }
+
+    /// Ends all connections and makes no others until it is called with `false`; the master is not told.
+    pub(crate) fn set_paused(&self, is_paused: bool) {
+        let mut links = lock(&self.links);
+        links.is_paused = is_paused;
+        self.connect(&mut links);
+    }
+
+    /// Starts and ends links, so that there is one for each publisher that there should be.
+    fn connect(&self, Links { by_uri, named, is_paused }: &mut Links) {
+        let wanted = if *is_paused { &[] } else { named.as_slice() };
+        by_uri.retain(|uri, link| {
+            let stays = wanted.contains(uri);
             if !stays {
                 link.end();
             }
             stays
         });
-        for uri in uris {
-            if !links.contains_key(uri) {
+        for uri in wanted {
+            if !by_uri.contains_key(uri) {
                 if let Some(link) = self.start(uri) {
-                    links.insert(uri.clone(), link);
+                    by_uri.insert(uri.clone(), link);
                 }
             }
         }
@@ -465,6 +490,21 @@ mod tests {
         let mut stream = publisher.accept();
         send(&mut stream, b"");
         assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"");
+    }
+
+    #[test]
+    fn a_paused_subscription_has_no_connection_and_a_resumed_one_has_those_that_are_due() {
+        let (first, second, (subscription, messages)) = (Publisher::start(), Publisher::start(), subscribe());
+        subscription.set_publishers(&[first.uri()]);
+        let mut stream = first.accept();
+        subscription.set_paused(true);
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        assert_eq!(stream.read(&mut [0]).unwrap(), 0);
+        subscription.set_publishers(&[second.uri()]);
+        assert!(subscription.links().is_empty());
+        subscription.set_paused(false);
+        send(&mut second.accept(), b"new");
+        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"new");
     }
 
     #[test]

@@ -166,6 +166,16 @@ impl CameraOutput {
         &self.view
     }
 
+    /// Whether somebody watches its pictures.
+    pub(super) fn is_watched(&self) -> bool {
+        self.connections.outputs.is_watched()
+    }
+
+    /// Forgets the last picture: what it shows is old.
+    pub(super) fn discard_last(&mut self) {
+        self.last = None;
+    }
+
     /// Its statuses.
     pub(super) fn status_entry(&self, stage: &Stage, model: CameraModel) -> StatusEntry<'static> {
         self.health.status_entry(stage, &self.view, model, &self.connections)

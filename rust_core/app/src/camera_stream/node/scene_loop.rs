@@ -40,6 +40,8 @@ pub(super) struct SceneLoop {
     renderer_choice: RendererChoice,
     model: CameraModel,
     prediction: PredictionSettings,
+    /// Streams that nobody watches are not received.
+    is_lazy: bool,
     subscriptions: Subscriptions,
     /// The command line's, which overrides the config's.
     fixed_frame: Option<String>,
@@ -86,6 +88,7 @@ impl SceneLoop {
             renderer_choice,
             model,
             prediction,
+            is_lazy: !cli.node.no_lazy && ros.bool_param("~lazy").unwrap_or(true),
             subscriptions,
             fixed_frame: cli.node.fixed_frame.clone(),
             scene: None,
@@ -111,14 +114,29 @@ impl SceneLoop {
                 self.handle(event);
             }
             has_news |= self.apply_changes();
+            has_news |= self.attend_streams();
             let now = self.now();
             has_news |= self.predict(now);
             if has_news || self.stage.displays().next_change().is_some_and(|change| change <= now) {
                 self.update(now);
             }
-            self.publish();
+            // The first picture after a pause is to show what is, not what was.
+            if self.subscriptions.awaited(Instant::now()).is_none() {
+                self.publish();
+            }
             self.report_statuses();
         }
+    }
+
+    /// Pauses streams that nobody watches, and resumes them. Returns whether the scene changed.
+    fn attend_streams(&mut self) -> bool {
+        let is_watched = !self.is_lazy || self.shared.cameras().iter().any(CameraOutput::is_watched);
+        let has_changed = self.subscriptions.attend(is_watched, &mut self.stage);
+        if has_changed {
+            self.scene = None;
+            self.shared.cameras().iter_mut().for_each(CameraOutput::discard_last);
+        }
+        has_changed
     }
 
     /// Looks ahead of the transforms from now on, if that is set; by as much as the slowest camera needs. Returns whether
@@ -188,9 +206,11 @@ impl SceneLoop {
     }
 
     /// How long until something is due by itself: a camera's next picture, or a change of the scene.
-    fn sleep(&self) -> Duration {
+    fn sleep(&mut self) -> Duration {
         let now = Instant::now();
-        let cameras = self.shared.cameras().iter().filter_map(|camera| camera.until_due(now)).min();
+        let awaited = self.subscriptions.awaited(now);
+        let due = self.shared.cameras().iter().filter_map(|camera| camera.until_due(now)).min();
+        let cameras = awaited.or(due);
         let change = self.stage.displays().next_change().map(|change| change.saturating_since(self.now()));
         let diagnostics = self.shared.diagnostics().until_due(now);
         cameras.into_iter().chain(change).fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
@@ -205,6 +225,9 @@ impl SceneLoop {
         shared.activity.begin(Step::Statuses);
         let (stage, model) = (&self.stage, self.model);
         let mut entries = stage.status_entries(self.now());
+        for entry in entries.iter_mut().filter(|entry| self.subscriptions.is_paused(&entry.topic)) {
+            entry.values.push(("received", "not while nobody watches".to_owned()));
+        }
         let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
         if is_published {
             // This may take long, so the cameras are not locked meanwhile.

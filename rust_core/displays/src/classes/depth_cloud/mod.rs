@@ -229,6 +229,18 @@ impl Display for DepthCloudDisplay {
         self.waiting.stamps().any(|waiting| waiting == stamp) || self.pairs.images().chain(is_ready).any(is_one)
     }
 
+    /// With compensation, points that are hidden now are remembered from earlier images.
+    fn is_replaced_by_newest(&self) -> bool {
+        self.clouds.keeps_one() && !self.settings.occlusion_compensation
+    }
+
+    fn forget_shown(&mut self) {
+        self.waiting.clear();
+        self.pairs.clear();
+        self.ready.clear();
+        self.clouds.clear();
+    }
+
     fn update(&mut self, world: &World<'_>) -> bool {
         self.take_placeable(world);
         let mut ready = std::mem::take(&mut self.ready);

@@ -68,6 +68,15 @@ impl<S: CloudSource> Display for CloudDisplay<S> {
         self.incoming.is_waiting(stamp)
     }
 
+    fn is_replaced_by_newest(&self) -> bool {
+        self.clouds.keeps_one()
+    }
+
+    fn forget_shown(&mut self) {
+        self.incoming.drop_waiting();
+        self.clouds.clear();
+    }
+
     fn update(&mut self, world: &World<'_>) -> bool {
         let mut ready = self.incoming.take_ready(world, &mut self.statuses);
         let keeps_one = self.clouds.keeps_one();

@@ -1,0 +1,73 @@
+//! Streams that nobody watches are not received, and what a viewer then sees first is what is there now.
+
+use std::time::{Duration, Instant};
+
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+
+/// As [`CLOUD`], on another topic, and what accumulates on a third.
+const LATCHED: &str = "{Class: rviz/PointCloud2, Name: latched, Enabled: true, Topic: /latched, Style: Points}";
+const ACCUMULATED: &str =
+    "{Class: rviz/PointCloud2, Name: accumulated, Enabled: true, Topic: /accumulated, Style: Points, Decay Time: 5}";
+const PATH: &str = "{Class: rviz/Path, Name: path, Enabled: true, Topic: /path}";
+
+/// Python that counts the connections of a topic's publisher.
+const CONNECTIONS: &str = "
+from nav_msgs.msg import Path
+def connections(*topics): return [publishers[topic].get_num_connections() for topic in topics]
+color = 0xff0000
+far = ((0, 0, -50),)
+";
+
+fn fixture(args: &[&str]) -> RosFixture {
+    let fixture =
+        RosFixture::start(&config(&[CLOUD, LATCHED, ACCUMULATED, PATH], &[CameraPub::default()]), args).unwrap();
+    fixture.python(CONNECTIONS);
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python("stream = PublishRepeatedly(30, lambda i: cloud(color), '/cloud')");
+    fixture.wait_for("connections('/cloud') == [1]");
+    fixture
+}
+
+#[test]
+fn an_unwatched_stream_is_not_received_and_comes_back_with_what_is_new() {
+    let fixture = fixture(&[]);
+    // What is latched, accumulates, is no large stream, or is rare stays connected.
+    fixture.python("publisher('/latched', PointCloud2, True)");
+    fixture.python("more = [PublishRepeatedly(20, lambda i: cloud(0xffffff, points=far), '/latched')]");
+    fixture.python("more.append(PublishRepeatedly(20, lambda i: cloud(0xffffff, points=far), '/accumulated'))");
+    fixture.python("more.append(PublishRepeatedly(20, lambda i: Path(), '/path'))");
+    fixture.wait_for("connections('/latched', '/accumulated', '/path') == [1, 1, 1]");
+    fixture.wait_for("connections('/cloud') == [0]");
+    std::thread::sleep(Duration::from_secs(1));
+    assert_eq!(fixture.python("connections('/cloud', '/latched', '/accumulated', '/path')"), "[0, 1, 1, 1]");
+
+    // Twice, as it is paused again.
+    for color in ["0x00ff00", "0x0000ff"] {
+        fixture.python(format!("color = {color}"));
+        fixture.python("viewer = Viewer('/view/image')");
+        fixture.wait_for("len(viewer.images) > 20 and connections('/cloud') == [1]");
+        let seen = fixture.python("viewer.colors");
+        let expected = fixture.python("[(color >> 16, color >> 8 & 255, color & 255)]");
+        assert_eq!(seen, expected, "neither the old cloud nor none");
+        fixture.python("for s in viewer.subscribers: s.unregister()");
+        fixture.wait_for("connections('/cloud') == [0]");
+    }
+
+    // One that ended meanwhile is not shown, and pictures do not wait for it for long.
+    fixture.python("stream.stop(); publishers.pop('/cloud').unregister()");
+    let begin = Instant::now();
+    fixture.python("viewer = Viewer('/view/image')");
+    fixture.wait_for("len(viewer.images) > 0");
+    assert!(begin.elapsed() < Duration::from_secs(20), "{:?}", begin.elapsed());
+    assert_eq!(fixture.python("viewer.colors"), "[(0, 0, 0)]");
+}
+
+#[test]
+fn all_streams_are_received_where_that_is_asked_for() {
+    for args in [&["_lazy:=false"][..], &["--no-lazy"]] {
+        let fixture = fixture(args);
+        std::thread::sleep(Duration::from_secs(4));
+        assert_eq!(fixture.python("connections('/cloud')"), "[1]", "{args:?}");
+    }
+}
