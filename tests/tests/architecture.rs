@@ -6,10 +6,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
-const LAYERS: [(&str, &[&str]); 13] = [
+const LAYERS: [(&str, &[&str]); 14] = [
     ("calibration", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image", "serde"]),
     ("scene", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("transforms", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
+    ("robot", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("messages", &["rosbag", "wgpu", "winit"]),
     ("rviz_config", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
     ("resources", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit"]),
@@ -24,7 +25,8 @@ const LAYERS: [(&str, &[&str]); 13] = [
 
 /// Lower crates that a crate must not use all the same: the renderers know no messages, the displays no renderers, and
 /// so on. What is allowed across: an image encoding or a picture of `scene`, which settings, topics and windows share.
-const APART: [(&str, &[&str]); 8] = [
+const APART: [(&str, &[&str]); 9] = [
+    ("robot", &["scene", "transforms"]),
     ("rviz_config", &["transforms", "messages"]),
     ("resources", &["transforms", "messages", "rviz_config"]),
     ("displays", &["bag", "files", "render", "ros", "window"]),

@@ -20,8 +20,8 @@ use crate::framework::display::{Display, TopicRequest};
 use crate::parts::cloud::rainbow;
 use crate::parts::robot_description::{link_frame, RobotDescription, StatusTexts};
 use crate::parts::solids::{arrow, arrow_pose, drawable, ArrowSize};
-use crate::parts::urdf::JointKind;
 use crate::{Level, StatusText, Statuses, World};
+use rcs_robot::JointKind;
 
 const STATUS_TEXTS: StatusTexts =
     StatusTexts { good: "Robot model parsed Ok", bad: "Unable to parse robot model description!" };

@@ -14,4 +14,3 @@ pub(crate) mod shapes;
 pub(crate) mod single_value;
 pub(crate) mod solids;
 pub(crate) mod trail;
-pub(crate) mod urdf;

@@ -5,8 +5,8 @@
 
 use std::sync::Arc;
 
-use crate::parts::urdf::{self, Robot};
 use crate::{Level, Statuses};
+use rcs_robot::Robot;
 
 /// The name of the description's status.
 pub(crate) const STATUS: &str = "URDF";
@@ -61,7 +61,7 @@ impl RobotDescription {
             statuses.set(Level::Error, STATUS, "URDF is empty");
             return None;
         }
-        match urdf::parse(text) {
+        match Robot::parse(text) {
             Ok(robot) => {
                 for fault in &robot.left_out {
                     log::warn!("parameter {name}: {fault}");

@@ -14,8 +14,8 @@ use nalgebra::{Isometry3, Matrix4};
 use rcs_resources::{warning_texture, LoadedMesh, MeshStore, Retry};
 use rcs_scene::{Lighting, Material, Mesh, Rgba, Texture};
 
-use crate::parts::urdf::{Link, Robot, UrdfMaterial, UrdfShape};
 use crate::Shape;
+use rcs_robot::{Link, Robot, UrdfMaterial, UrdfShape};
 
 /// Something with one material.
 #[derive(Clone, Debug)]

@@ -21,8 +21,8 @@ use crate::framework::display::Display;
 use crate::parts::robot_description::{link_frame, RobotDescription, StatusTexts, STATUS};
 use crate::parts::solids::{axes, axes_materials, drawable};
 use crate::parts::trail::Trail;
-use crate::parts::urdf::Robot;
 use crate::{Level, StatusText, Statuses, World};
+use rcs_robot::Robot;
 
 use build::{Builder, LinkPieces, Piece};
 

@@ -23,97 +23,149 @@ use xml::Element;
 
 /// A robot.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Robot {
+pub struct Robot {
     /// By their names.
-    pub(crate) links: BTreeMap<String, Link>,
+    pub links: BTreeMap<String, Link>,
     /// By their names.
-    pub(crate) joints: BTreeMap<String, Joint>,
+    pub joints: BTreeMap<String, Joint>,
     /// What was left out because it could not be read.
-    pub(crate) left_out: Vec<UrdfError>,
+    pub left_out: Vec<UrdfError>,
 }
 
 /// A link.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Link {
+pub struct Link {
     /// Its shapes for display.
-    pub(crate) visuals: Vec<Visual>,
+    pub visuals: Vec<Visual>,
     /// Whether all of the link's visuals could be read. If not, urdfdom knows no first one, by whose material rviz
     /// otherwise colours the collision shapes.
-    pub(crate) has_first_visual: bool,
+    pub has_first_visual: bool,
     /// Its shapes for collision checks.
-    pub(crate) collisions: Vec<Collision>,
+    pub collisions: Vec<Collision>,
 }
 
 /// A shape of a link for display.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Visual {
-    pub(crate) link_from_shape: Isometry3<f64>,
-    pub(crate) shape: UrdfShape,
+pub struct Visual {
+    /// Where the shape is in its link.
+    pub link_from_shape: Isometry3<f64>,
+    /// What it is.
+    pub shape: UrdfShape,
     /// The name of its material; empty without.
-    pub(crate) material_name: String,
+    pub material_name: String,
     /// Its material, where there is one of that name.
-    pub(crate) material: Option<Arc<UrdfMaterial>>,
+    pub material: Option<Arc<UrdfMaterial>>,
 }
 
 /// A shape of a link for collision checks.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Collision {
-    pub(crate) link_from_shape: Isometry3<f64>,
-    pub(crate) shape: UrdfShape,
+pub struct Collision {
+    /// Where the shape is in its link.
+    pub link_from_shape: Isometry3<f64>,
+    /// What it is.
+    pub shape: UrdfShape,
 }
 
 /// A shape in its own frame, lengths in metres.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum UrdfShape {
-    Sphere { radius_m: f64 },
-    Box { size_m: [f64; 3] },
-    Cylinder { radius_m: f64, length_m: f64 },
-    Mesh { url: String, scale: [f64; 3] },
+pub enum UrdfShape {
+    /// A ball.
+    Sphere {
+        /// Its radius.
+        radius_m: f64,
+    },
+    /// A box.
+    Box {
+        /// Its edges along x, y and z.
+        size_m: [f64; 3],
+    },
+    /// A cylinder along z.
+    Cylinder {
+        /// Its radius.
+        radius_m: f64,
+        /// Its length along z.
+        length_m: f64,
+    },
+    /// A mesh of a file.
+    Mesh {
+        /// The file's address.
+        url: String,
+        /// Factors along x, y and z.
+        scale: [f64; 3],
+    },
 }
 
 /// A colour or a texture.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct UrdfMaterial {
-    pub(crate) name: String,
+pub struct UrdfMaterial {
+    /// Its name.
+    pub name: String,
     /// 0 to 1.
-    pub(crate) rgba: [f32; 4],
+    pub rgba: [f32; 4],
     /// The address of an image; empty without. rviz ignores the colour where there is one.
-    pub(crate) texture: String,
+    pub texture: String,
 }
 
 /// How a joint moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum JointKind {
+pub enum JointKind {
+    /// Turns about its axis, within limits.
     Revolute,
+    /// Turns about its axis without limits.
     Continuous,
+    /// Slides along its axis.
     Prismatic,
+    /// Moves freely.
     Floating,
+    /// Moves in a plane.
     Planar,
+    /// Does not move.
     Fixed,
+}
+
+/// How far and how fast a joint may move, in radians or metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointLimits {
+    /// The least position; the larger one of the limit and the safety controller's.
+    pub lower: f64,
+    /// The greatest position; the smaller one of the limit and the safety controller's.
+    pub upper: f64,
+    /// The greatest speed, per second.
+    pub velocity: f64,
 }
 
 /// A joint.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Joint {
-    pub(crate) kind: JointKind,
-    pub(crate) parent_link: String,
-    pub(crate) child_link: String,
+pub struct Joint {
+    /// How it moves.
+    pub kind: JointKind,
+    /// The link that it hangs on.
+    pub parent_link: String,
+    /// The link that it moves.
+    pub child_link: String,
+    /// Where the child link is in the parent link while the joint is at zero.
+    pub parent_from_child_at_zero: Isometry3<f64>,
     /// In the child's frame, not normalised.
-    pub(crate) axis: Vector3<f64>,
+    pub axis: Vector3<f64>,
     /// The largest effort, in newton or newton metres; `None` for joints without limits.
-    pub(crate) max_effort: Option<f64>,
+    pub max_effort: Option<f64>,
+    /// Its limits, where it has some; those of a continuous joint bound its speed only.
+    pub limits: Option<JointLimits>,
+    /// The joint whose movement it follows, if it follows one.
+    pub mimics: Option<String>,
     line: usize,
 }
 
 /// Why a description, or a part of it, cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("line {line}: {element}: {reason}")]
-pub(crate) struct UrdfError {
+pub struct UrdfError {
     /// From 1.
-    pub(crate) line: usize,
+    pub line: usize,
     /// Such as `link "base"`.
-    pub(crate) element: String,
-    pub(crate) reason: String,
+    pub element: String,
+    /// What is wrong with it.
+    pub reason: String,
 }
 
 impl UrdfError {
@@ -126,11 +178,17 @@ impl UrdfError {
     }
 }
 
-/// The robot of a description.
-///
-/// # Errors
-/// What urdfdom refuses.
-pub(crate) fn parse(text: &str) -> Result<Robot, UrdfError> {
+impl Robot {
+    /// The robot of a description.
+    ///
+    /// # Errors
+    /// What urdfdom refuses.
+    pub fn parse(text: &str) -> Result<Self, UrdfError> {
+        parse(text)
+    }
+}
+
+fn parse(text: &str) -> Result<Robot, UrdfError> {
     let document = xml::parse(text)?;
     let root = document.iter().find(|element| element.name == "robot");
     let root = root.ok_or_else(|| UrdfError::new(1, "robot", "there is no element of that name"))?;

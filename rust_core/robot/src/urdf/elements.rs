@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::attribute_values::{number, numbers, vector};
 use super::xml::Element;
-use super::{Collision, Joint, JointKind, Link, UrdfError, UrdfMaterial, UrdfShape, Visual};
+use super::{Collision, Joint, JointKind, JointLimits, Link, UrdfError, UrdfMaterial, UrdfShape, Visual};
 
 /// What could be read, and the fault that kept the rest from being read.
 pub(super) struct Partial<T> {
@@ -172,7 +172,7 @@ pub(super) fn joint(element: &Element) -> Read<(String, Joint)> {
 }
 
 fn read_joint(element: &Element) -> Read<Joint> {
-    origin(element)?;
+    let Origin(parent_from_child_at_zero) = origin(element)?;
     let link = |name| element.child(name).and_then(|child| child.attribute("link")).unwrap_or_default().to_owned();
     let text = needed(element, "type")?;
     let kind = match text {
@@ -189,18 +189,32 @@ fn read_joint(element: &Element) -> Read<Joint> {
         (_, None) => Vector3::x(),
         (_, Some(axis)) => optional_vector(axis, "xyz")?.unwrap_or_default().into(),
     };
-    let max_effort = match (element.child("limit"), kind) {
+    let (max_effort, limits) = match (element.child("limit"), kind) {
         (Some(limit), _) => {
-            optional_number(limit, "lower")?;
-            optional_number(limit, "upper")?;
-            needed_number(limit, "velocity")?;
-            Some(needed_number(limit, "effort")?)
+            let number = |name| optional_number(limit, name).map(Option::unwrap_or_default);
+            let (lower, upper) = (number("lower")?, number("upper")?);
+            let velocity = needed_number(limit, "velocity")?;
+            let limits = softened(JointLimits { lower, upper, velocity }, element);
+            (Some(needed_number(limit, "effort")?), Some(limits))
         }
         (None, JointKind::Revolute | JointKind::Prismatic) => return Err(UrdfError::at(element, "it has no limits")),
-        (None, _) => None,
+        (None, _) => (None, None),
     };
     check_joint_extras(element)?;
-    Ok(Joint { kind, parent_link: link("parent"), child_link: link("child"), axis, max_effort, line: element.line })
+    let mimics = element.child("mimic").and_then(|mimic| mimic.attribute("joint")).map(str::to_owned);
+    let (parent_link, child_link, line) = (link("parent"), link("child"), element.line);
+    Ok(Joint { kind, parent_link, child_link, parent_from_child_at_zero, axis, max_effort, limits, mimics, line })
+}
+
+/// Limits within those of the safety controller, where it has any.
+fn softened(limits: JointLimits, joint: &Element) -> JointLimits {
+    let soft = |name| number(joint.child("safety_controller")?.attribute(name)?);
+    match (soft("soft_lower_limit"), soft("soft_upper_limit")) {
+        (Some(lower), Some(upper)) if lower < upper => {
+            JointLimits { lower: limits.lower.max(lower), upper: limits.upper.min(upper), ..limits }
+        }
+        _ => limits,
+    }
 }
 
 /// The parts of a joint that nothing is drawn of, but without which urdfdom refuses it.

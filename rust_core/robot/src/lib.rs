@@ -1,0 +1,16 @@
+//! A robot's description (URDF), and what follows from it: chains of joints, and aiming a beam with two of them.
+//!
+//! No ROS, no files, no drawing: text and numbers in, numbers out. Lengths are metres, angles radians. Transforms are
+//! named `target_from_source`; a joint turns right-handed about its axis.
+
+#![forbid(unsafe_code)]
+
+mod aim;
+mod chain;
+mod pan_tilt;
+mod urdf;
+
+pub use aim::{Aim, Beam};
+pub use chain::ChainError;
+pub use pan_tilt::{Hinge, PanTilt, Travel};
+pub use urdf::{Collision, Joint, JointKind, JointLimits, Link, Robot, UrdfError, UrdfMaterial, UrdfShape, Visual};
