@@ -1,5 +1,6 @@
-//! The programs `projector`, `projector_window` and `publish_cloud` as a user runs them, as far as no ROS master and no
-//! display is needed: help, exit codes, errors that name the file, and an orderly shutdown while waiting for a master.
+//! The programs `projector`, `projector_window`, `publish_cloud` and the samples as a user runs them, as far as no ROS
+//! master and no display is needed: help, exit codes, errors that name the file, and an orderly shutdown while waiting
+//! for a master.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -11,6 +12,9 @@ use std::time::{Duration, Instant};
 const PROJECTOR: &str = env!("CARGO_BIN_EXE_projector");
 const WINDOW: &str = env!("CARGO_BIN_EXE_projector_window");
 const CLOUD: &str = env!("CARGO_BIN_EXE_publish_cloud");
+const PATH_MARKERS: &str = env!("CARGO_BIN_EXE_nav_path_markers");
+const TURRET: &str = env!("CARGO_BIN_EXE_turret_aim");
+const SIGHT: &str = env!("CARGO_BIN_EXE_line_of_sight");
 
 const PROJECTOR_FILE: &str = "header: {frame_id: proj}\nwidth: 64\nheight: 48\nK: [50, 0, 32, 0, 50, 24, 0, 0, 1]\n";
 const CLOUD_FILE: &str = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n";
@@ -45,7 +49,14 @@ fn file(name: &str, content: &str) -> (tempfile::TempDir, String) {
 
 #[test]
 fn help_names_topics_and_exit_codes() {
-    for (path, topic) in [(PROJECTOR, "/tf_static"), (WINDOW, "/proj_view/image"), (CLOUD, "cloud:=")] {
+    for (path, topic) in [
+        (PROJECTOR, "/tf_static"),
+        (WINDOW, "/proj_view/image"),
+        (CLOUD, "cloud:="),
+        (PATH_MARKERS, "nav_msgs/Path"),
+        (TURRET, "/joint_states"),
+        (SIGHT, "/collision_object"),
+    ] {
         let output = program(path).arg("--help").output().unwrap();
         assert_eq!(output.status.code(), Some(0));
         let help = String::from_utf8(output.stdout).unwrap();
@@ -56,7 +67,7 @@ fn help_names_topics_and_exit_codes() {
 #[test]
 fn help_and_version_name_the_program() {
     let camera_stream = env!("CARGO_BIN_EXE_camera_stream");
-    for path in [camera_stream, PROJECTOR, WINDOW, CLOUD] {
+    for path in [camera_stream, PROJECTOR, WINDOW, CLOUD, PATH_MARKERS, TURRET, SIGHT] {
         let name = path.rsplit('/').next().unwrap();
         let text = |option| String::from_utf8(program(path).arg(option).output().unwrap().stdout).unwrap();
         assert_eq!(text("--version"), format!("rviz_camera_stream {}\n", env!("CARGO_PKG_VERSION")));
@@ -66,11 +77,16 @@ fn help_and_version_name_the_program() {
 
 #[test]
 fn wrong_arguments_exit_with_2() {
-    let cases: [(&str, &[&str]); 4] = [
+    let cases: [(&str, &[&str]); 9] = [
         (PROJECTOR, &["a.yaml", "--file", "b.yaml"]),
         (WINDOW, &["--no-such-option"]),
         (CLOUD, &[]),
         (CLOUD, &["a.pcd", "--rate", "-1"]),
+        (PATH_MARKERS, &["--color", "reddish"]),
+        (TURRET, &["--target-frame", "cup", "--target-pose", "/cup"]),
+        (TURRET, &["--target-frame", "cup", "--pan-joint", "pan"]),
+        (TURRET, &["--target-frame", "cup", "--pixel", "1"]),
+        (SIGHT, &["--target-frame", "cup", "--radius", "0"]),
     ];
     for (path, arguments) in cases {
         let output = program(path).args(arguments).output().unwrap();
@@ -124,6 +140,9 @@ fn signals_end_a_node_that_waits_for_a_master_with_0() {
     let (_other, cloud) = file("cloud.pcd", CLOUD_FILE);
     ends_in_order(program(PROJECTOR).args(["--file", &projector, "__name:=other"]), "-INT");
     ends_in_order(program(CLOUD).args([&cloud, "cloud:=/objects"]), "-TERM");
+    ends_in_order(&mut program(PATH_MARKERS), "-INT");
+    ends_in_order(program(TURRET).args(["--target-frame", "cup"]), "-TERM");
+    ends_in_order(program(SIGHT).args(["--target-frame", "cup"]), "-TERM");
 }
 
 #[test]

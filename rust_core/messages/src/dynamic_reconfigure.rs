@@ -2,7 +2,7 @@
 //!
 //! They are types of our own, so that the programs can be built where that package is not installed.
 
-use crate::fields::fields_in_order;
+use crate::fields::{fields_in_order, with_parts};
 use rosrust::{Message, RosMsg, ServicePair};
 use std::io;
 
@@ -123,24 +123,18 @@ const CONFIG_FIELDS: &str =
 
 /// The definitions that others are made of, by name.
 const PARTS: [(&str, &str); 8] = [
-    ("Group", "string name\nstring type\nParamDescription[] parameters\nint32 parent\nint32 id\n"),
-    ("ParamDescription", "string name\nstring type\nuint32 level\nstring description\nstring edit_method\n"),
-    ("Config", CONFIG_FIELDS),
-    ("BoolParameter", "string name\nbool value\n"),
-    ("IntParameter", "string name\nint32 value\n"),
-    ("StrParameter", "string name\nstring value\n"),
-    ("DoubleParameter", "string name\nfloat64 value\n"),
-    ("GroupState", "string name\nbool state\nint32 id\nint32 parent\n"),
+    ("dynamic_reconfigure/Group", "string name\nstring type\nParamDescription[] parameters\nint32 parent\nint32 id\n"),
+    (
+        "dynamic_reconfigure/ParamDescription",
+        "string name\nstring type\nuint32 level\nstring description\nstring edit_method\n",
+    ),
+    ("dynamic_reconfigure/Config", CONFIG_FIELDS),
+    ("dynamic_reconfigure/BoolParameter", "string name\nbool value\n"),
+    ("dynamic_reconfigure/IntParameter", "string name\nint32 value\n"),
+    ("dynamic_reconfigure/StrParameter", "string name\nstring value\n"),
+    ("dynamic_reconfigure/DoubleParameter", "string name\nfloat64 value\n"),
+    ("dynamic_reconfigure/GroupState", "string name\nbool state\nint32 id\nint32 parent\n"),
 ];
-
-/// A definition followed by those that it is made of, as ROS writes them one after another.
-fn with_parts(definition: &str, parts: &[(&str, &str)]) -> String {
-    let mut text = definition.to_owned();
-    for (name, part) in parts {
-        text += &format!("\n{}\nMSG: dynamic_reconfigure/{name}\n{part}", "=".repeat(80));
-    }
-    text
-}
 
 impl Message for Config {
     fn msg_definition() -> String {

@@ -4,7 +4,10 @@
 //! Such a message is read from the connection itself, whose end is unknown: a string or an array grows with the bytes
 //! received, never by the count that announces them, and a message longer than [`MAX_BYTES`] is an error.
 
+use crate::geometry_msgs::{Point, Pose, Quaternion};
+use crate::std_msgs::Header;
 use crate::wire::{write_count, write_string, write_u32};
+use rosrust::{Duration, Time};
 use std::io::{self, Read};
 
 /// No node has settings or loggers that take more than a small part of this.
@@ -29,6 +32,26 @@ impl Field for bool {
 
     fn get(from: &mut dyn Read) -> io::Result<Self> {
         Ok(bytes::<1>(from)? != [0])
+    }
+}
+
+impl Field for u8 {
+    fn put(&self, out: &mut Vec<u8>) {
+        out.push(*self);
+    }
+
+    fn get(from: &mut dyn Read) -> io::Result<Self> {
+        bytes::<1>(from).map(Self::from_le_bytes)
+    }
+}
+
+impl Field for i8 {
+    fn put(&self, out: &mut Vec<u8>) {
+        out.extend_from_slice(&self.to_le_bytes());
+    }
+
+    fn get(from: &mut dyn Read) -> io::Result<Self> {
+        bytes(from).map(Self::from_le_bytes)
     }
 }
 
@@ -78,6 +101,20 @@ impl Field for String {
     }
 }
 
+impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
+    fn put(&self, out: &mut Vec<u8>) {
+        self.iter().for_each(|element| element.put(out));
+    }
+
+    fn get(from: &mut dyn Read) -> io::Result<Self> {
+        let mut elements = [T::default(); N];
+        for element in &mut elements {
+            *element = T::get(from)?;
+        }
+        Ok(elements)
+    }
+}
+
 impl<T: Field> Field for Vec<T> {
     fn put(&self, out: &mut Vec<u8>) {
         write_count(self.len(), out);
@@ -91,6 +128,39 @@ impl<T: Field> Field for Vec<T> {
         }
         Ok(elements)
     }
+}
+
+/// Fields of types of other packages, one after the other.
+macro_rules! field_of_fields {
+    ($($type:ty { $($field:ident),* })*) => {
+        $(impl Field for $type {
+            fn put(&self, out: &mut Vec<u8>) {
+                $(self.$field.put(out);)*
+            }
+
+            fn get(from: &mut dyn Read) -> io::Result<Self> {
+                Ok(Self { $($field: Field::get(from)?,)* })
+            }
+        })*
+    };
+}
+
+field_of_fields! {
+    Time { sec, nsec }
+    Duration { sec, nsec }
+    Header { seq, stamp, frame_id }
+    Point { x, y, z }
+    Quaternion { x, y, z, w }
+    Pose { position, orientation }
+}
+
+/// A definition followed by those that it is made of, each with its full name, as ROS writes them one after another.
+pub(crate) fn with_parts(definition: &str, parts: &[(&str, &str)]) -> String {
+    let mut text = definition.to_owned();
+    for (name, part) in parts {
+        text += &format!("\n{}\nMSG: {name}\n{part}", "=".repeat(80));
+    }
+    text
 }
 
 /// Structs whose fields are serialised in the order in which they are declared here.

@@ -18,6 +18,7 @@
 mod any;
 mod buffer_pool;
 mod bytes;
+mod cloud_points;
 mod convert;
 mod fields;
 mod image;
@@ -28,13 +29,16 @@ mod serialized;
 mod wire;
 
 pub mod dynamic_reconfigure;
+pub mod moveit_msgs;
 pub mod nav_msgs;
 pub mod roscpp;
 pub mod sensor_msgs;
+pub mod trajectory_msgs;
 
 pub use any::{header, AnyMessage, MessageKind, MessageVisitor, TypedMessage};
 pub use buffer_pool::BufferPool;
 pub use bytes::{pooled_bytes, SharedBytes};
+pub use cloud_points::NoPositions;
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
 pub use image::Image;
 pub use occupancy_grid::OccupancyGrid;

@@ -26,6 +26,7 @@
 //! | `publisher` | publishing a topic |
 //! | [`image_topic`] | a camera's picture with its CameraInfo |
 //! | `latched_publisher` | [`LatchedPublisher`]: a topic whose last message late subscribers get |
+//! | `topic_publisher` | [`TopicPublisher`]: a topic that is not latched |
 //! | [`diagnostics_topic`] | `/diagnostics` |
 //! | `rosout` | the log on `/rosout`, and the services that change its level |
 //! | `reconfigure` | [`ReconfigureServer`]: dynamic_reconfigure |
@@ -67,6 +68,7 @@ mod startup;
 mod tcpros;
 mod timed_read;
 mod topic;
+mod topic_publisher;
 mod waiting;
 mod xmlrpc;
 
@@ -80,6 +82,7 @@ pub use rosout::{log_line, LogLine, Loggers};
 pub use startup::{init, restart};
 pub use tcpros::Change;
 pub use topic::TopicSubscription;
+pub use topic_publisher::TopicPublisher;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -393,12 +393,13 @@ impl RosNode {
         })
     }
 
-    /// A private parameter (`~name`) that was a string, a boolean or a number when the node started, as text.
+    /// A private parameter (`~name`) that was a string, a boolean, a number, or a list of these when the node started,
+    /// as text; commas stand between the elements of a list.
     pub fn text_param(&self, name: &str) -> Option<String> {
         text_of(self.private_param(name)?)
     }
 
-    /// Another node's parameter, if it is a string, a boolean or a number, as text. Waits for the master, for
+    /// Another node's parameter as text, as [`Self::text_param`] has it. Waits for the master, for
     /// some seconds at most.
     pub fn other_text_param(&self, name: &str) -> Option<String> {
         let whole_name = self.resolve(name).ok()?;
@@ -526,12 +527,16 @@ fn with_wake_slack<T>(start: impl FnOnce() -> T) -> T {
     started
 }
 
-/// A parameter's value as text, if it is a string, a boolean or a number.
+/// A parameter's value as text, if it is a string, a boolean, a number, or a list of these.
 pub(crate) fn text_of(value: &Value) -> Option<String> {
     match value {
         Value::Bool(value) => Some(value.to_string()),
         Value::Int(value) => Some(value.to_string()),
         Value::Double(value) => Some(value.to_string()),
+        Value::Array(values) => {
+            let texts: Option<Vec<String>> = values.iter().map(text_of).collect();
+            texts.map(|texts| texts.join(","))
+        }
         value => value.as_str().map(str::to_owned),
     }
 }

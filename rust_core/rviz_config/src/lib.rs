@@ -98,3 +98,15 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
 pub fn parse(text: &str, source_name: &str) -> Result<Config, ConfigError> {
     config::read(text, source_name)
 }
+
+/// The colour of a text as rviz writes and reads it, red, green and blue: `r; g; b` with each from 0 to 255, `#rrggbb`,
+/// or a name of SVG's. None for anything else.
+///
+/// ```
+/// assert_eq!(rcs_rviz_config::color("0; 120; 255"), Some([0, 120, 255]));
+/// assert_eq!(rcs_rviz_config::color("steelblue"), rcs_rviz_config::color("#4682b4"));
+/// assert_eq!(rcs_rviz_config::color("0; 0; 300"), None);
+/// ```
+pub fn color(text: &str) -> Option<[u8; 3]> {
+    qt_value::to_color(text).filter(|(_, is_in_range)| *is_in_range).map(|(rgb, _)| rgb)
+}

@@ -32,6 +32,7 @@ mod projector_scan;
 mod projector_verify;
 mod recorded;
 mod render;
+mod samples;
 mod simulated_time;
 mod transforms;
 mod viewers;

@@ -11,7 +11,7 @@ pub mod outputs;
 pub mod prediction;
 mod private_parameters;
 mod projector_fit;
-mod projector_lens;
+pub(crate) mod projector_lens;
 mod rolling_window;
 pub mod stage;
 mod status_log;

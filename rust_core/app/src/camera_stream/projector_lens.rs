@@ -55,8 +55,11 @@ fn drawn_through_lens(info: &CameraInfo, p: &Intrinsics) -> Result<DrawnThroughL
     Ok(DrawnThroughLens { intrinsics: Intrinsics { width_px, height_px, cx_px, cy_px, ..p }, map: Arc::new(map) })
 }
 
-/// R; the identity where it is not set.
-fn rectification(info: &CameraInfo) -> Result<Matrix3<f64>, NoLens> {
+/// R, which turns what the lens sees into what P projects; the identity where it is not set.
+///
+/// # Errors
+/// [`NoLens::NoRotation`].
+pub(crate) fn rectification(info: &CameraInfo) -> Result<Matrix3<f64>, NoLens> {
     const TOLERANCE: f64 = 1e-3;
     if info.R.iter().all(|number| *number == 0.0) {
         return Ok(Matrix3::identity());

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use rcs_files::projector::{ProjectorFile, StaticFrame};
-use rcs_messages::geometry_msgs::TransformStamped;
 use rcs_ros::{NodeEvent, RosNode};
-use rcs_transforms::{RawTransform, Time, TransformTree};
+use rcs_transforms::{Time, TransformTree};
 
 use super::Failure;
+use crate::frames::insert_transforms;
 use crate::small_node::EndRequest;
 
 /// The optical frame of Fetch's head camera.
@@ -111,9 +111,7 @@ impl Frames {
     /// Takes transforms from a node's events.
     pub(super) fn take(&mut self, event: &NodeEvent) {
         if let NodeEvent::Transforms { message, is_static, authority, .. } = event {
-            for stamped in &message.transforms {
-                insert(&mut self.0, stamped, *is_static, authority);
-            }
+            insert_transforms(&mut self.0, message, *is_static, authority);
         }
     }
 
@@ -127,20 +125,6 @@ impl Frames {
         }
         // Time zero: the newest time for which all transforms on the way are known.
         Ok(self.0.lookup(target, source, Time::ZERO)?)
-    }
-}
-
-fn insert(tree: &mut TransformTree, stamped: &TransformStamped, is_static: bool, authority: &str) {
-    let (translation, rotation) = (&stamped.transform.translation, &stamped.transform.rotation);
-    let transform = RawTransform {
-        parent: &stamped.header.frame_id,
-        child: &stamped.child_frame_id,
-        stamp: Time::from_secs_f64(f64::from(stamped.header.stamp.sec) + f64::from(stamped.header.stamp.nsec) * 1e-9),
-        translation: [translation.x, translation.y, translation.z],
-        rotation_xyzw: [rotation.x, rotation.y, rotation.z, rotation.w],
-    };
-    if let Err(error) = tree.insert(&transform, is_static, authority) {
-        log::warn!("{error}");
     }
 }
 

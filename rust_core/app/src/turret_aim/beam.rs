@@ -1,0 +1,115 @@
+//! The light of one pixel, by the projector's CameraInfo.
+//!
+//! A projector without distortion shows what P projects. With distortion, its picture is bent for the lens
+//! (`camera_stream --undistort`), so that its pixels light what K and D say, and R turns that into P's frame.
+
+use std::str::FromStr;
+
+use nalgebra::{Point2, Point3, Unit, Vector3};
+use rcs_files::projector::lens_of;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_robot::Beam;
+
+use crate::camera_stream::projector_lens::{is_distorted, rectification};
+
+/// A pixel of the picture; an integer is a pixel's centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum AimPixel {
+    /// The middle of the picture.
+    Center,
+    /// u to the right and v down.
+    At([f64; 2]),
+}
+
+impl FromStr for AimPixel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "center" {
+            return Ok(Self::Center);
+        }
+        let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some([u, v]) if u.is_finite() && v.is_finite() => Ok(Self::At([*u, *v])),
+            _ => Err("neither 'center' nor two numbers U,V".to_owned()),
+        }
+    }
+}
+
+/// The light of a pixel in the frame of the CameraInfo.
+///
+/// # Errors
+/// Why the CameraInfo is not that of a lens.
+pub(super) fn beam(info: &CameraInfo, pixel: AimPixel) -> Result<Beam, String> {
+    let [u, v] = match pixel {
+        AimPixel::Center => [info.width, info.height].map(|size| (f64::from(size) - 1.0) / 2.0),
+        AimPixel::At(pixel) => pixel,
+    };
+    if is_distorted(info) {
+        let lens = lens_of(info).map_err(|problem| problem.to_string())?;
+        let ray = lens.ray(Point2::new(u, v)).ok_or_else(|| format!("no light goes through pixel {u}, {v}"))?;
+        let rectified_from_raw = rectification(info).map_err(|problem| problem.to_string())?;
+        return Ok(Beam { origin: Point3::origin(), direction: Unit::new_normalize(rectified_from_raw * ray) });
+    }
+    let [fx, _, cx, tx, _, fy, cy, ty, ..] = info.P;
+    if !(fx.is_finite() && fy.is_finite() && fx != 0.0 && fy != 0.0) {
+        return Err("its P has no focal lengths".to_owned());
+    }
+    let direction = Vector3::new((u - cx) / fx, (v - cy) / fy, 1.0);
+    if !(tx + ty + direction.norm()).is_finite() {
+        return Err("its P is not finite".to_owned());
+    }
+    // P takes (x, y, z) to ((fx x + cx z + tx) / z, …): the light of all pixels meets where x is -tx / fx.
+    Ok(Beam { origin: Point3::new(-tx / fx, -ty / fy, 0.0), direction: Unit::new_normalize(direction) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn info() -> CameraInfo {
+        let (mut info, f) = (CameraInfo { width: 1280, height: 800, ..CameraInfo::default() }, 1900.0);
+        info.K = [f, 0.0, 639.5, 0.0, f, 750.0, 0.0, 0.0, 1.0];
+        info.R = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        info.P = [f, 0.0, 639.5, 0.0, 0.0, f, 750.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        info
+    }
+
+    #[test]
+    fn the_middle_of_a_picture_with_lens_shift_is_above_the_axis() {
+        let light = beam(&info(), AimPixel::Center).unwrap();
+        let expected = Vector3::new(0.0, (399.5 - 750.0) / 1900.0, 1.0).normalize();
+        assert!((light.direction.into_inner() - expected).norm() < 1e-12 && light.origin == Point3::origin());
+    }
+
+    #[test]
+    fn a_given_pixel_is_projected_back_by_p() {
+        let mut info = info();
+        (info.P[3], info.P[7]) = (-190.0, 38.0);
+        let light = beam(&info, "100, 200".parse::<AimPixel>().unwrap()).unwrap();
+        let point = light.origin + light.direction.into_inner() * 2.5;
+        let pixel = [
+            (info.P[0] * point.x + info.P[2] * point.z + info.P[3]) / point.z,
+            (info.P[5] * point.y + info.P[6] * point.z + info.P[7]) / point.z,
+        ];
+        assert!((pixel[0] - 100.0).abs() < 1e-9 && (pixel[1] - 200.0).abs() < 1e-9, "{pixel:?}");
+    }
+
+    #[test]
+    fn distortion_bends_the_light_as_the_lens_does() {
+        let mut info = info();
+        (info.distortion_model, info.D) = ("plumb_bob".to_owned(), vec![-0.2, 0.05, 0.001, 0.0, 0.0]);
+        let light = beam(&info, AimPixel::At([50.0, 60.0])).unwrap();
+        let landed = lens_of(&info).unwrap().project(&Point3::from(light.direction.into_inner() * 3.0)).unwrap();
+        assert!((landed - Point2::new(50.0, 60.0)).norm() < 1e-6, "{landed}");
+    }
+
+    #[test]
+    fn what_is_no_pixel_or_no_lens_is_refused() {
+        assert_eq!("center".parse::<AimPixel>(), Ok(AimPixel::Center));
+        for text in ["", "1", "1,2,3", "1,x", "nan,1"] {
+            assert!(text.parse::<AimPixel>().is_err(), "{text}");
+        }
+        assert!(beam(&CameraInfo::default(), AimPixel::Center).unwrap_err().contains("focal lengths"));
+    }
+}

@@ -1,0 +1,92 @@
+//! `nav_path_markers`: plans become arrows, the next plan replaces them in one message, none are left at the end.
+
+use super::Sample;
+
+/// Publishes plans and keeps the messages with markers, each as ids that are shown and ids that are deleted.
+const VIEWER: &str = "
+from nav_msgs.msg import Path
+from geometry_msgs.msg import PoseStamped
+from visualization_msgs.msg import Marker, MarkerArray
+from diagnostic_msgs.msg import DiagnosticArray
+def plan(*places, frame='map'):
+    path = Path()
+    path.header.frame_id = frame
+    for x, y in places:
+        pose = PoseStamped()
+        pose.header.frame_id = frame
+        pose.pose.position.x, pose.pose.position.y, pose.pose.orientation.w = x, y, 1
+        path.poses.append(pose)
+    return path
+arrays, states = [], []
+def see(array):
+    ids = lambda action: [marker.id for marker in array.markers if marker.action == action]
+    arrays.append((ids(Marker.ADD), ids(Marker.DELETE), array.markers))
+viewer = rospy.Subscriber('/arrows', MarkerArray, see)
+monitor = rospy.Subscriber('/diagnostics', DiagnosticArray, lambda array: states.extend(array.status))
+def tip(marker):
+    import math
+    yaw = 2 * math.atan2(marker.pose.orientation.z, marker.pose.orientation.w)
+    at = marker.pose.position
+    return round(at.x + math.cos(yaw) * marker.scale.x, 6), round(at.y + math.sin(yaw) * marker.scale.x, 6)
+";
+
+#[test]
+fn a_plan_is_arrows_up_to_its_goal_and_the_next_plan_replaces_them_in_one_message() {
+    let args = ["/move_base/NavfnROS/plan:=/plan", "--markers-topic", "/arrows", "_spacing:=0.5", "_length:=0.3"];
+    let mut sample = Sample::start("nav_path_markers", VIEWER, &[&args[..], &["_color:=255; 0; 0"]].concat());
+    sample.python("latch('/plan', plan((0, 0), (1, 0), (1, 2)))");
+    sample.wait_for("len(arrays) == 1");
+    assert_eq!(sample.python("arrays[0][:2]"), "([0, 1, 2, 3, 4, 5], [])");
+    assert_eq!(sample.python("tip(arrays[0][2][-1])"), "(1.0, 2.0)", "the goal");
+    assert_eq!(sample.python("tip(arrays[0][2][0])"), "(0.5, 0.0)");
+    let first =
+        sample.python("[(m.ns, m.type, m.header.frame_id, m.frame_locked, m.color.r) for m in arrays[0][2][:1]]");
+    assert_eq!(first, "[('nav_path', 0, 'map', True, 1.0)]");
+
+    sample.python("latch('/plan', plan((0, 0), (1, 0)))");
+    sample.wait_for("len(arrays) == 2");
+    assert_eq!(sample.python("arrays[1][:2]"), "([0, 1], [2, 3, 4, 5])", "all of it in one message");
+    sample.wait_for("any(s.name == 'nav_path_markers: path' and s.message == 'the plan is shown' for s in states)");
+
+    // Who comes late gets the last plan.
+    assert_eq!(sample.late("/arrows", "[marker.action for marker in m.markers]"), "[0, 0, 2, 2, 2, 2]");
+
+    sample.end();
+    sample.wait_for("len(arrays) == 3");
+    assert_eq!(sample.python("arrays[2][:2]"), "([], [0, 1, 2, 3, 4, 5])");
+}
+
+#[test]
+fn plans_that_cannot_be_shown_take_the_arrows_away_and_are_reported() {
+    let mut sample =
+        Sample::start("nav_path_markers", VIEWER, &["--path-topic", "/plan", "--markers-topic", "/arrows"]);
+    let cases = [
+        ("plan((0, 0), (float('nan'), 0))", "not finite"),
+        ("plan((0, 0), (1, 0), frame='')", "no frame_id"),
+        ("plan()", "the plan is empty"),
+    ];
+    for (plan, reason) in cases {
+        sample.python("arrays.clear(); states.clear()");
+        sample.python("latch('/plan', plan((0, 0), (1, 0)))");
+        sample.wait_for("len(arrays) == 1 and arrays[0][0] == [0, 1]");
+        sample.python(&format!("latch('/plan', {plan})"));
+        sample.wait_for("len(arrays) == 2 and arrays[1][:2] == ([], [0, 1])");
+        sample.wait_for(&format!("any({reason:?} in state.message for state in states)"));
+    }
+    assert_eq!(
+        sample.master.output("rosnode", &["ping", "-c", "1", "/nav_path_markers"]).unwrap().matches("reply").count(),
+        1
+    );
+    sample.end();
+    assert_eq!(sample.python("len(arrays)"), "2", "there was nothing left to delete");
+}
+
+#[test]
+fn a_wrong_parameter_is_one_line_that_names_it() {
+    let mut sample = Sample::start("nav_path_markers", "pass", &["_spacing:=0"]);
+    let status = sample.node.wait(rcs_tests::ros::PATIENCE).unwrap();
+    assert_eq!(status.code(), Some(1));
+    let errors = sample.node.errors();
+    let expected = "nav_path_markers: parameter ~spacing: invalid value '0' for '--spacing <M>': not from 0.01 to 100";
+    assert_eq!(errors, [expected]);
+}
