@@ -11,7 +11,16 @@ use rcs_tests::programs::repository;
 use crate::files::pixels;
 use crate::{bash, printed_by, succeed, target};
 
-const PROGRAMS: [&str; 5] = ["camera_stream", "projector", "projector_calibrate", "projector_window", "publish_cloud"];
+pub(crate) const PROGRAMS: [&str; 8] = [
+    "camera_stream",
+    "line_of_sight",
+    "nav_path_markers",
+    "projector",
+    "projector_calibrate",
+    "projector_window",
+    "publish_cloud",
+    "turret_aim",
+];
 
 /// A catkin workspace with the repository in it.
 fn workspace() -> tempfile::TempDir {
@@ -36,7 +45,10 @@ fn is_found_after(setup: &Path) {
          done
          roslaunch --args=/rviz rviz_camera_stream demo.launch
          roslaunch --args=/image_view rviz_camera_stream projection.launch viewer:=image_view
-         roslaunch --args=/camera_stream rviz_camera_stream fetch.launch",
+         roslaunch --args=/camera_stream rviz_camera_stream fetch.launch
+         for node in /simulated_turret /paper_scene /nav_path_markers /turret_aim /line_of_sight; do
+           roslaunch --args=$node rviz_camera_stream paper.launch
+         done",
         setup.display()
     ));
     assert!(printed.contains(&format!("camera_stream {version}")), "{printed}");
@@ -95,8 +107,8 @@ fn plain_cmake_installs_programs_launch_files_and_configs() {
     }
     let share = prefix.join("share/rviz_camera_stream");
     let mut installed = 0;
-    for folder in ["launch", "rviz", "config", "config/demo"] {
-        for entry in fs::read_dir(repository().join(folder)).unwrap() {
+    for folder in ["launch", "rviz", "config", "config/demo", "urdf"] {
+        for entry in fs::read_dir(repository().join("ros_pkg").join(folder)).unwrap() {
             let name = entry.unwrap().file_name();
             assert!(share.join(folder).join(&name).exists(), "{folder}/{} is not installed", name.to_string_lossy());
             installed += 1;

@@ -67,6 +67,18 @@ fn image_view_shows_the_scene_though_not_pixel_for_pixel() {
     }
 }
 
+#[test]
+fn the_papers_turret_lights_the_object_to_grasp() {
+    let folder = tempfile::tempdir().unwrap();
+    let (shown, printed) = show(folder.path(), "--paper");
+    let (width, height, pixels) = pixels(&shown);
+    assert_eq!((width, height), (2560, 800), "{printed}");
+    // Green in the spectator's half, and in the middle of the projector's.
+    let is_green = |u: usize, v: usize| pixels[(v * 2560 + u) * 3..][..3] == [115, 210, 22];
+    assert!((0..800).any(|v| (0..1280).any(|u| is_green(u, v))), "{printed}");
+    assert!((380..420).any(|v| (1820..2020).any(|u| is_green(u, v))), "{printed}");
+}
+
 /// Interrupts the demo once it has printed `when`.
 fn interrupt(when: &str, signal: &str, status: i32) {
     // A process group of its own, as a terminal gives it, with Ctrl-C in effect.
@@ -107,6 +119,7 @@ fn unusable_arguments_are_reported() {
         ("--seconds soon", "--seconds soon: must be a number"),
         ("--output", "--output needs a value"),
         ("--fast", "unknown option '--fast'"),
+        ("--paper --offline", "--paper excludes --offline and --calibrate"),
     ] {
         let (status, line) = failure(&format!("./demo {arguments}"));
         assert_eq!(status, Some(2), "{arguments}");

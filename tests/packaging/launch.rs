@@ -1,6 +1,7 @@
 //! The launch files: which nodes they start, and that these publish pictures.
 
 use rcs_tests::programs::repository;
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 
 use crate::{bash_command, printed_by, succeed, target};
@@ -43,6 +44,27 @@ fn each_part_of_the_projection_can_be_replaced() {
 }
 
 #[test]
+fn the_papers_samples_are_started_by_their_arguments() {
+    let shown = ["/camera_stream", "/projector"];
+    let aimed = ["/line_of_sight", "/turret_aim"];
+    let sorted = |parts: &[&[&'static str]]| {
+        let mut all = parts.concat();
+        all.sort_unstable();
+        all
+    };
+    let fetch = nodes("fetch.launch viewer:=none turret:=true path_arrows:=true line_of_sight:=true");
+    assert_eq!(fetch, sorted(&[&shown, &aimed, &["/nav_path_markers"]]));
+    let simulated = ["/observer", "/paper_scene", "/simulated_turret"];
+    assert_eq!(nodes("paper.launch viewer:=none"), sorted(&[&shown, &aimed, &simulated, &["/nav_path_markers"]]));
+    assert_eq!(nodes("arm.launch viewer:=none"), sorted(&[&shown, &aimed, &simulated]));
+    assert_eq!(nodes("arm.launch viewer:=none simulate:=false"), sorted(&[&shown, &aimed]));
+    let two = ["/camera_stream", "/left_projector", "/right_projector"];
+    assert_eq!(nodes("two_projectors.launch sample_scene:=false"), two);
+    let windows = nodes("two_projectors.launch sample_scene:=false left_monitor:=0 right_monitor:=HDMI-2");
+    assert_eq!(windows, sorted(&[&two, &["/left_window", "/right_window"]]));
+}
+
+#[test]
 fn an_unknown_viewer_is_refused() {
     let script = format!("{}\nroslaunch --nodes rviz_camera_stream projection.launch viewer:=mirror", from_source());
     let output = crate::bash(&script);
@@ -67,7 +89,9 @@ fn arguments(launch: &str) -> Vec<(String, bool)> {
 
 #[test]
 fn no_argument_is_required_or_internal() {
-    for launch in ["demo.launch", "projection.launch", "fetch.launch"] {
+    for launch in
+        ["demo.launch", "projection.launch", "fetch.launch", "arm.launch", "two_projectors.launch", "paper.launch"]
+    {
         let arguments = arguments(launch);
         assert!(arguments.len() > 2, "{launch}: {arguments:?}");
         assert!(arguments.iter().all(|(_, is_required)| !is_required), "{launch}: {arguments:?}");
@@ -113,7 +137,8 @@ fn monitor_and_fixed_frame_are_options_only_if_they_are_given() {
 
 #[test]
 fn the_nodes_that_are_scripts_have_help() {
-    for script in ["image_view_anywhere", "image_view_overlay", "rviz_if_installed"] {
+    for script in ["image_view_anywhere", "image_view_overlay", "paper_scene", "rviz_if_installed", "simulated_turret"]
+    {
         for option in ["--help", "-h"] {
             let printed = succeed(&format!("ros_pkg/nodes/{script} {option}"));
             assert!(printed.contains("Exit status"), "{script}: {printed}");
@@ -192,4 +217,50 @@ fn projection_publishes_on_the_topics_of_its_arguments() {
     );
     let picture = picture(&master, "/wall/image", &launched);
     assert!(picture.contains("height: 800\nwidth: 1280"), "{picture}");
+}
+
+#[test]
+fn both_projectors_have_a_picture() {
+    let master = RosMaster::start().unwrap();
+    let launched = Launched::start(&master, "two_projectors.launch renderer:=cpu");
+    for side in ["left", "right"] {
+        let picture = picture(&master, &format!("/{side}/image"), &launched);
+        assert!(picture.contains(&format!("frame_id: \"{side}_proj_view\"")), "{picture}");
+    }
+}
+
+/// Waits until the turret reports that its light is less than a degree from the object to grasp.
+const LIT: &str = "
+from diagnostic_msgs.msg import DiagnosticArray
+lit, objects, arrows = [], [], []
+def see(array):
+    for status in array.status:
+        values = {value.key: value.value for value in status.values}
+        miss = values.get('light misses the target by, degrees', '-')
+        if status.message == 'aiming at the target' and miss != '-' and float(miss) < 1:
+            lit.append(round(float(values['first joint'].split()[-1]), 1))
+seeing = rospy.Subscriber('/diagnostics', DiagnosticArray, see)
+beam = rospy.Subscriber('/collision_object', rospy.AnyMsg, objects.append)
+drawn = rospy.Subscriber('/path_arrows', rospy.AnyMsg, arrows.append)
+view = Viewer('/proj_view/image')
+";
+
+#[test]
+fn the_whole_paper_runs_in_simulation() {
+    for command in ["float64", "trajectory"] {
+        let master = RosMaster::start().unwrap();
+        let python = PythonNode::start(&master, &[]).unwrap();
+        python.run(LIT).unwrap();
+        let arguments = format!("paper.launch viewer:=none renderer:=cpu seconds:=3 command:={command}");
+        let launched = Launched::start(&master, &arguments);
+        // The light follows from one object to the next, the way is shown, and the beam is an obstacle.
+        let holds = python.wait_for(PATIENCE, "len(set(lit)) > 1 and arrows and len(objects) > 2");
+        let seen = python.run("set(lit), len(arrows), len(objects)");
+        assert!(holds, "{seen:?} {:?} {:?}", launched.roslaunch.lines(), launched.roslaunch.errors());
+        // The object to grasp is green, and in the middle of the picture.
+        let green = "view.last is not None and any(p[1] > 1.3 * max(p[0], p[2], 1) for p in (view.pixel(u, v) \
+                     for u in range(560, 720, 4) for v in range(320, 480, 4)))";
+        assert!(python.wait_for(PATIENCE, green));
+        picture(&master, "/observer/image", &launched);
+    }
 }

@@ -1,5 +1,5 @@
-//! The tables of arguments give the defaults that the programs have: those of the README, and those of
-//! docs/calibration.md, which have every argument of `projector_calibrate`.
+//! The tables of arguments give the defaults that the programs have: those of the README, those of docs/calibration.md,
+//! which have every argument of `projector_calibrate`, and those of docs/samples.md.
 #![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
 
 use std::fs;
@@ -127,6 +127,28 @@ fn expected_default(help: &str, argument: &str) -> String {
     }
     let is_flag = help.lines().any(|line| line.trim_end().ends_with(argument) && option_of(line) == Some(argument));
     default_in_help(help, argument).unwrap_or_else(|| if is_flag { "off" } else { "none" }.to_owned())
+}
+
+#[test]
+fn every_argument_of_the_samples_is_in_a_table_with_its_default() {
+    let page = fs::read_to_string(repository().join("docs/samples.md")).unwrap();
+    for node in ["nav_path_markers", "turret_aim", "line_of_sight"] {
+        let help = String::from_utf8(Command::new(program(node)).arg("--help").output().unwrap().stdout).unwrap();
+        let mut found = Vec::new();
+        let rows = rows(&page, &format!("### `{node}`"));
+        for row in &rows {
+            let [names, _, written, ..] = &**row else { panic!("{node}: {row:?}") };
+            let name = *values(names).last().unwrap();
+            let default = expected_default(&help, name);
+            let default: Vec<&str> = default.split_whitespace().collect();
+            assert_eq!(written.replace('`', ""), default.join(" "), "{node} {name}, in docs/samples.md");
+            found.push(name);
+        }
+        let mut expected: Vec<&str> = options_of(&help).filter(|option| *option != "--version").collect();
+        expected.sort_unstable();
+        found.sort_unstable();
+        assert_eq!(found, expected, "{node}: the table of docs/samples.md and --help have different arguments");
+    }
 }
 
 #[test]
