@@ -8,6 +8,9 @@ use rcs_messages::{quaternion_xyzw, translation_xyz};
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
+/// The longest wait, after which a node looks whether it is to end.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
+
 /// Puts the transforms of a message into a tree. What the tree refuses is logged.
 pub(crate) fn insert_transforms(tree: &mut TransformTree, message: &TFMessage, is_static: bool, authority: &str) {
     for stamped in &message.transforms {
@@ -24,15 +27,15 @@ pub(crate) fn insert_transforms(tree: &mut TransformTree, message: &TFMessage, i
     }
 }
 
-/// Takes all events of the node that came within `timeout`: transforms go into the tree, which forgets what moved when
-/// a simulation's time goes back; all others are handed on.
+/// Takes all events of the node that came within `timeout`, or within a tenth of a second if that is less: transforms
+/// go into the tree, which forgets what moved when a simulation's time goes back; all others are handed on.
 pub(crate) fn take_events(
     node: &RosNode,
     timeout: Duration,
     tree: &mut TransformTree,
     mut take_other: impl FnMut(NodeEvent),
 ) {
-    for event in node.events().wait(timeout) {
+    for event in node.events().wait(timeout.min(LONGEST_WAIT)) {
         match event {
             NodeEvent::Transforms { message, is_static, authority, .. } => {
                 insert_transforms(tree, &message, is_static, &authority);

@@ -65,6 +65,13 @@ fn the_cylinder_is_removed_when_the_node_ends() {
 }
 
 #[test]
+fn a_node_that_looks_every_ten_seconds_ends_at_once_all_the_same() {
+    let mut sample = Sample::start("line_of_sight", &planner(), &["--target-frame", "cup", "--rate", "0.1"]);
+    sample.wait_for("last() == 1");
+    sample.end();
+}
+
+#[test]
 fn both_definitions_of_a_collision_object_are_known() {
     for (moveit, md5sum) in
         [("noetic", "dbba710596087da521c07564160dfccb"), ("melodic", "568a161b26dc46c54a5a07621ce82cf3")]

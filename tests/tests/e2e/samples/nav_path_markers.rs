@@ -1,5 +1,11 @@
 //! `nav_path_markers`: plans become arrows, the next plan replaces them in one message, none are left at the end.
 
+use std::process::Command;
+
+use rcs_tests::programs::program;
+use rcs_tests::ros::Running;
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
+
 use super::Sample;
 
 /// Publishes plans and keeps the messages with markers, each as ids that are shown and ids that are deleted.
@@ -54,6 +60,46 @@ fn a_plan_is_arrows_up_to_its_goal_and_the_next_plan_replaces_them_in_one_messag
     sample.end();
     sample.wait_for("len(arrays) == 3");
     assert_eq!(sample.python("arrays[2][:2]"), "([], [0, 1, 2, 3, 4, 5])");
+}
+
+/// Publishes a plan left or right of the middle in turn, and notes of each picture whether it shows the one and the
+/// other.
+const TURNS: &str = "
+from nav_msgs.msg import Path
+from geometry_msgs.msg import PoseStamped
+from sensor_msgs.msg import Image
+def plan(*places):
+    path = Path()
+    path.header.frame_id = 'map'
+    for x in places:
+        pose = PoseStamped()
+        pose.pose.position.x, pose.pose.orientation.w = x, 1
+        path.poses.append(pose)
+    return path
+shown = []
+def note(image):
+    lit = lambda u: any(image.data[24 * image.step + 3 * u:][:3])
+    shown.append((lit(14), lit(42)))
+noting = rospy.Subscriber('/view/image', Image, note, queue_size=100)
+";
+
+#[test]
+fn no_picture_shows_two_plans_or_none() {
+    let markers = "{Class: rviz/MarkerArray, Name: arrows, Enabled: true, Marker Topic: /arrows, Queue Size: 100}";
+    let fixture = RosFixture::start(&config(&[markers], &[CameraPub::default()]), &[]).unwrap();
+    let mut node = fixture.master.environment(Command::new(program("nav_path_markers")));
+    let arguments = ["--path-topic", "/plan", "--markers-topic", "/arrows", "--length", "0.4", "--spacing", "0.4"];
+    let _node = Running::start(node.args(arguments).args(["--width", "0.3"])).unwrap();
+    // From above: rviz's light does.
+    fixture.python("latch('/tf_static', tf('map', 'eye', xyz=(0, 0, 2), q=(1, 0, 0, 0)))");
+    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python(TURNS);
+    fixture.python("latch('/plan', plan(-1.0, -0.2))");
+    fixture.wait_for("shown and shown[-1] == (True, False)");
+    fixture.python("shown.clear()");
+    fixture.python("turns = PublishRepeatedly(20, lambda i: plan(*((0.2, 1.0) if i % 2 else (-1.0, -0.2))), '/plan')");
+    fixture.wait_for("min(shown.count((True, False)), shown.count((False, True))) > 5");
+    assert_eq!(fixture.python("set(shown) - {(True, False), (False, True)}"), "set()");
 }
 
 #[test]
