@@ -6,7 +6,8 @@ use std::fs;
 use std::process::Command;
 
 use rcs_app::camera_stream::camera_pose::{CameraModel, Projection};
-use rcs_render::RendererChoice;
+use rcs_app::camera_stream::light_arguments::StaleArgs;
+use rcs_render::{Orientation, RendererChoice};
 use rcs_tests::programs::{program, repository};
 
 /// The rows of a node's table of arguments in the README, cell by cell.
@@ -56,6 +57,8 @@ fn default_in_settings(option: &str) -> Option<String> {
         "--renderer" => Some(format!("{:?}", RendererChoice::default()).to_lowercase()),
         "--projection" => Some(format!("{:?}", Projection::default()).to_lowercase()),
         "--undistort" => Some(CameraModel::default().undistort.to_string()),
+        "--stale-note" => Some(StaleArgs::default().stale_note.to_string()),
+        "--orientation" => Some(Orientation::default().to_string()),
         _ => None,
     }
 }

@@ -79,7 +79,7 @@ pub use reconfigure::ReconfigureServer;
 pub use rosout::{log_line, LogLine, Loggers};
 pub use startup::{init, restart};
 pub use tcpros::Change;
-pub use topic::TopicSubscription;
+pub use topic::{Publishing, TopicSubscription};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -393,12 +393,12 @@ impl RosNode {
         })
     }
 
-    /// A private parameter (`~name`) that was a string, a boolean or a whole number when the node started, as text.
+    /// A private parameter (`~name`) that was a string, a boolean or a number when the node started, as text.
     pub fn text_param(&self, name: &str) -> Option<String> {
         text_of(self.private_param(name)?)
     }
 
-    /// Another node's parameter, if it is a string, a boolean or a whole number, as text. Waits for the master, for
+    /// Another node's parameter, if it is a string, a boolean or a number, as text. Waits for the master, for
     /// some seconds at most.
     pub fn other_text_param(&self, name: &str) -> Option<String> {
         let whole_name = self.resolve(name).ok()?;
@@ -526,11 +526,12 @@ fn with_wake_slack<T>(start: impl FnOnce() -> T) -> T {
     started
 }
 
-/// A parameter's value as text, if it is a string, a boolean or a whole number.
+/// A parameter's value as text, if it is a string, a boolean or a number.
 fn text_of(value: &Value) -> Option<String> {
     match value {
         Value::Bool(value) => Some(value.to_string()),
         Value::Int(value) => Some(value.to_string()),
+        Value::Double(value) => Some(value.to_string()),
         value => value.as_str().map(str::to_owned),
     }
 }

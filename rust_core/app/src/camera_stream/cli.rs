@@ -7,10 +7,11 @@ use std::time::Duration;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use rcs_files::picture_file::PictureFormat;
-use rcs_render::RendererChoice;
+use rcs_render::{Orientation, RendererChoice};
 use rcs_resources::ResourceOptions;
 
 use crate::camera_stream::camera_pose::{CameraModel, Projection};
+use crate::camera_stream::light_arguments::{EyeSafetyArgs, MountingArgs, StaleArgs};
 
 /// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
 ///
@@ -123,6 +124,15 @@ pub struct NodeArgs {
     /// Do not reload the config when its file changes
     #[arg(long)]
     pub no_watch: bool,
+    /// When data are too old to be shown.
+    #[command(flatten)]
+    pub stale: StaleArgs,
+    /// Where there must be no light.
+    #[command(flatten)]
+    pub eye_safety: EyeSafetyArgs,
+    /// How projectors are mounted.
+    #[command(flatten)]
+    pub mounting: MountingArgs,
     /// Options of rviz's window: accepted and ignored
     #[command(flatten)]
     pub window: WindowArgs,
@@ -240,6 +250,10 @@ pub struct RenderArgs {
     /// The CameraPub display to render; required if the config has several
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
+    /// Turn the pictures clockwise by 0, 90, 180 or 270 degrees, or mirror them before: mirrored, mirrored-90,
+    /// mirrored-180, mirrored-270 [default: 0]
+    #[arg(long, value_name = "ORIENTATION")]
+    pub orientation: Option<Orientation>,
     /// A parameter that displays read (robot_description, say), from a file
     #[arg(long, value_name = "NAME=FILE")]
     pub param: Vec<String>,

@@ -31,6 +31,8 @@ pub(super) struct CameraHealth {
     is_problem_logged: bool,
     /// Whether a problem was logged since the camera was last there: this one, or another before it.
     has_logged_problem: bool,
+    /// Why the picture is black at present, though there is a camera.
+    black: Option<String>,
     /// Why the last picture failed.
     last_error: Option<String>,
     has_warned_about_projection: bool,
@@ -103,6 +105,18 @@ impl CameraHealth {
         if self.problem.take().is_some() && std::mem::take(&mut self.has_logged_problem) {
             log::info!("camera {camera}: ok");
         }
+    }
+
+    /// Records why the picture is black, if it is because of what is too old, and logs when that begins and ends.
+    pub(super) fn record_black(&mut self, camera: &str, why: Option<&str>) {
+        if self.black.as_deref() == why {
+            return;
+        }
+        match why {
+            Some(why) => log::warn!("camera {camera}: the picture is black: {why}"),
+            None => log::info!("camera {camera}: the picture is shown again"),
+        }
+        self.black = why.map(str::to_owned);
     }
 
     /// Warns once if rviz's projection is not the one that the CameraInfo asks for.

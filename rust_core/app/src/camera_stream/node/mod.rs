@@ -21,7 +21,10 @@ mod control;
 mod costs;
 mod diagnostics;
 mod file_watch;
+mod freshness;
+mod last_steps;
 mod latency;
+mod oriented_frames;
 mod rate_limit;
 mod reconfigurable;
 mod runtime_settings;
@@ -38,6 +41,7 @@ use crate::camera_stream::cli::Cli;
 use crate::camera_stream::{log_findings, NODE_NAME};
 use crate::small_node::{self, EndRequest};
 use control::Control;
+pub use freshness::limits::{Limit, StaleTimeout};
 use scene_loop::SceneLoop;
 use shared::Shared;
 
