@@ -4,6 +4,7 @@
 //! it as [`MARGIN_PX`] pixels, so that no part of a pixel that touches the silhouette is lit. Behind a lens with
 //! distortion, a pixel's direction is that of its place in what was drawn ([`PixelMap`]).
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
@@ -26,7 +27,8 @@ pub struct Sphere {
 /// The directions of what a camera must not light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeepOut {
-    cones: Vec<Cone>,
+    /// Each with the columns of what is drawn that it may lie in.
+    cones: Vec<(Cone, Range<usize>)>,
     intrinsics: Intrinsics,
     lens: Option<Arc<PixelMap>>,
 }
@@ -60,12 +62,24 @@ impl Cone {
     /// Whether the direction (x, y, 1) is in it.
     #[inline(always)]
     fn has(&self, x: f64, y: f64) -> bool {
-        self.axis.x * x + self.axis.y * y + self.axis.z >= self.cos * (x * x + y * y + 1.0).sqrt()
+        let along = self.axis.x * x + self.axis.y * y + self.axis.z;
+        // Squares, for a root costs more than all the rest.
+        let (far, bound) = (along * along, self.cos * self.cos * (x * x + y * y + 1.0));
+        if self.cos > 0.0 {
+            along > 0.0 && far >= bound
+        } else {
+            along >= 0.0 || far <= bound
+        }
     }
 
     /// Whether no direction (·, y, 1) can be in it: the plane of those lies beside the cone.
     fn is_beside_row(&self, y: f64) -> bool {
         self.cos > 0.0 && (self.axis.y - y * self.axis.z).abs() > self.sin * (1.0 + y * y).sqrt()
+    }
+
+    /// The same for the directions (x, ·, 1).
+    fn is_beside_column(&self, x: f64) -> bool {
+        self.cos > 0.0 && (self.axis.x - x * self.axis.z).abs() > self.sin * (1.0 + x * x).sqrt()
     }
 
     /// Whether all directions within this angle of (x, y, 1) are outside of it.
@@ -87,7 +101,14 @@ impl KeepOut {
             // The view frame's y points up and its z backwards.
             Cone::new(&Vector3::new(view.x, -view.y, -view.z), sphere.radius_m, margin)
         };
-        let cones: Vec<Cone> = spheres.iter().map(cone).collect();
+        let columns = |cone: &Cone| {
+            let x = |column: u32| (f64::from(column) + 0.5 - intrinsics.cx_px) / intrinsics.fx_px;
+            let mut beside = (0..intrinsics.width_px).map(|column| cone.is_beside_column(x(column)));
+            let begin = beside.position(|is_beside| !is_beside);
+            let end = beside.rposition(|is_beside| !is_beside);
+            begin.map_or(0..0, |begin| begin..begin + end.map_or(1, |end| end + 2))
+        };
+        let cones: Vec<_> = spheres.iter().map(cone).map(|cone| (cone, columns(&cone))).collect();
         (!cones.is_empty()).then_some(Self { cones, intrinsics, lens })
     }
 
@@ -111,11 +132,11 @@ impl KeepOut {
 
     fn write_straight(&self, row: usize, factors: &mut [u16]) {
         let y = self.y(row as f64 + 0.5);
-        for cone in self.cones.iter().filter(|cone| !cone.is_beside_row(y)) {
-            for (column, factor) in factors.iter_mut().enumerate() {
-                if cone.has(self.x(column as f64 + 0.5), y) {
-                    *factor = 0;
-                }
+        for (cone, columns) in self.cones.iter().filter(|(cone, _)| !cone.is_beside_row(y)) {
+            let begin = columns.start;
+            for (column, factor) in factors.get_mut(columns.clone()).unwrap_or_default().iter_mut().enumerate() {
+                let is_dark = cone.has(self.x((begin + column) as f64 + 0.5), y);
+                *factor = if is_dark { 0 } else { *factor };
             }
         }
     }
@@ -130,7 +151,7 @@ impl KeepOut {
         let (x, y) = (self.x(place[0]), self.y(place[1]));
         let end = run.column as usize + run.len as usize;
         let Some(factors) = factors.get_mut(run.column as usize..end) else { return };
-        for cone in self.cones.iter().filter(|cone| !cone.is_far_from(x, y, reach)) {
+        for (cone, _) in self.cones.iter().filter(|(cone, _)| !cone.is_far_from(x, y, reach)) {
             for (index, factor) in factors.iter_mut().enumerate() {
                 let at = index as f64;
                 if cone.has(self.x(place[0] + at * step[0]), self.y(place[1] + at * step[1])) {

@@ -24,7 +24,7 @@ use super::last_steps::{CameraStep, LastSteps};
 use super::latency::Update;
 use super::oriented_frames::OrientedFrames;
 use super::shared::{Reload, Shared};
-use crate::camera_stream::camera_pose::CameraModel;
+use crate::camera_stream::camera_pose::{CameraModel, Projection};
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::{renderer_view, Stage};
@@ -302,7 +302,9 @@ impl SceneLoop {
             let cameras = self.shared.cameras().len();
             return self.steps.resize(cameras, CameraStep::default());
         }
-        let (stage, model) = (&self.stage, self.model);
+        let stage = &self.stage;
+        // Where the projector's light goes, however the picture is drawn.
+        let model = CameraModel { projection: Projection::Exact, undistort: true };
         let views: Vec<_> = self.shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
         let needs_camera = self.last_steps.protects_eyes();
         let cameras: Vec<_> =

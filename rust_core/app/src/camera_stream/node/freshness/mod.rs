@@ -101,7 +101,7 @@ impl Freshness {
     /// Nothing is known yet. `None` where nothing is ever too old.
     pub(super) fn new(limits: Limits) -> Option<Self> {
         let (held_until, frames) = (HashMap::new(), HashMap::new());
-        (!limits.is_off()).then(|| Self { limits, held_until, frames, transforms_received: None })
+        (!limits.is_off()).then_some(Self { limits, held_until, frames, transforms_received: None })
     }
 
     /// Records that transforms of moving frames were received.

@@ -53,7 +53,7 @@ impl Bench {
                 stage
             },
         };
-        bench.take("/info", AnyMessage::CameraInfo(Arc::new(info)));
+        bench.take("/info", &AnyMessage::CameraInfo(Arc::new(info)));
         bench
     }
 
@@ -61,9 +61,9 @@ impl Bench {
         Now { ros: Time::from_secs_f64(self.secs), steady: self.start + Duration::from_secs_f64(self.secs - 100.0) }
     }
 
-    fn take(&mut self, topic: &str, message: AnyMessage) {
+    fn take(&mut self, topic: &str, message: &AnyMessage) {
         let now = self.now();
-        self.stage.take_received(topic, &message, Some(now.steady), now.ros);
+        self.stage.take_received(topic, message, Some(now.steady), now.ros);
         self.stage.update(now.ros);
     }
 
@@ -74,7 +74,7 @@ impl Bench {
         path.header.stamp.sec = stamp_secs;
         path.poses.resize_with(2, geometry_msgs::PoseStamped::default);
         path.poses[1].pose.position.x = 1.0;
-        self.take(topic, AnyMessage::Path(Arc::new(path)));
+        self.take(topic, &AnyMessage::Path(Arc::new(path)));
     }
 
     /// Places the arm.
@@ -190,7 +190,7 @@ fn a_cameras_frame_and_camera_info_age_and_static_frames_do_not() {
         header: rcs_messages::std_msgs::Header { frame_id: "arm".to_owned(), ..Default::default() },
         ..CameraInfo::default()
     };
-    bench.take("/info", AnyMessage::CameraInfo(Arc::new(info.clone())));
+    bench.take("/info", &AnyMessage::CameraInfo(Arc::new(info.clone())));
     bench.place(100, 1.0, false);
     assert_eq!(bench.shown(0.9), NOTHING_HIDDEN);
     let old = Some("arm: no transform of the last 1 s".to_owned());
@@ -202,7 +202,7 @@ fn a_cameras_frame_and_camera_info_age_and_static_frames_do_not() {
     assert_eq!(bench.shown(0.0), NOTHING_HIDDEN);
     assert_eq!(bench.shown(1.1), (Vec::new(), old));
     let mut bench = Bench::new();
-    bench.take("/info", AnyMessage::CameraInfo(Arc::new(info)));
+    bench.take("/info", &AnyMessage::CameraInfo(Arc::new(info)));
     bench.place(1, 1.0, true);
     assert_eq!(bench.shown(1000.0), NOTHING_HIDDEN);
     bench.latched.clear();
