@@ -58,6 +58,7 @@ fn default_in_settings(option: &str) -> Option<String> {
         "--projection" => Some(format!("{:?}", Projection::default()).to_lowercase()),
         "--undistort" => Some(CameraModel::default().undistort.to_string()),
         "--stale-note" => Some(StaleArgs::default().stale_note.to_string()),
+        "--depth-encoding" => Some("32FC1".to_owned()),
         "--orientation" => Some(Orientation::default().to_string()),
         _ => None,
     }

@@ -58,6 +58,7 @@ mod node;
 mod node_api;
 mod param_writer;
 mod parameters;
+mod plain_image_topic;
 mod publisher;
 mod reconfigure;
 mod registrar;
@@ -75,6 +76,7 @@ pub use events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall, Trigger
 pub use graph::{Publication, Publications};
 pub use latched_publisher::LatchedPublisher;
 pub use node::{is_asked_to_end, node_time, plain_args, NodeError, NodeTime, RosNode};
+pub use plain_image_topic::PlainImagePublisher;
 pub use reconfigure::ReconfigureServer;
 pub use rosout::{log_line, LogLine, Loggers};
 pub use startup::{init, restart};

@@ -21,6 +21,7 @@ mod camera_info;
 mod check;
 mod check_live;
 mod command_line;
+mod depth;
 mod diagnostics;
 mod eye_safety;
 mod live_equals_offline;

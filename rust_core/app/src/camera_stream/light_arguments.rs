@@ -5,6 +5,7 @@ use std::str::FromStr;
 use clap::Args;
 use rcs_render::Orientation;
 
+use crate::camera_stream::depth_image::DepthEncoding;
 use crate::camera_stream::node::StaleTimeout;
 
 /// A value for one camera, `CAMERA=VALUE`, or for all, `VALUE`.
@@ -70,6 +71,14 @@ pub struct EyeSafetyArgs {
     /// Whether all is black while a mask or the place of a keep-out frame is missing or too old [default: true]
     #[arg(long, value_name = "true|false")]
     pub mask_required: Option<bool>,
+}
+
+/// The depths beside the pictures.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct DepthArgs {
+    /// How depths are written: as metres (32FC1) or as millimetres (16UC1) [default: 32FC1]
+    #[arg(long, value_enum, value_name = "32FC1|16UC1")]
+    pub depth_encoding: Option<DepthEncoding>,
 }
 
 /// How a projector is mounted.

@@ -4,6 +4,7 @@ mod black_picture;
 pub mod camera_pose;
 pub mod check;
 pub mod cli;
+pub mod depth_image;
 pub mod light_arguments;
 mod new_camera;
 pub mod node;

@@ -57,7 +57,7 @@ pub(crate) fn oriented(info: &CameraInfo, orientation: Orientation) -> CameraInf
         *to = *from;
     }
     turn_distortion(&mut turned.D, &info.distortion_model, orientation);
-    if orientation.degrees() % 180 != 0 {
+    if !orientation.degrees().is_multiple_of(180) {
         (turned.binning_x, turned.binning_y) = (info.binning_y, info.binning_x);
     }
     turned.roi = turned_region(info, orientation);

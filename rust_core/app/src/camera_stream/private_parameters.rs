@@ -9,8 +9,9 @@ use rcs_render::RendererChoice;
 use rcs_resources::ResourceOptions;
 use rcs_ros::RosNode;
 
-use crate::camera_stream::camera_pose::{CameraModel, Projection};
+use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::cli::{ModelArgs, ResourceArgs, MESH_MB};
+use crate::camera_stream::depth_image::DepthEncoding;
 
 /// What draws: `--renderer`, else `~renderer`.
 ///
@@ -30,7 +31,7 @@ pub(crate) fn camera_model(ros: &RosNode, given: &ModelArgs, other_node: Option<
         let of_other = other_node.map(|node| format!("{node}/{name}"));
         std::iter::once(format!("~{name}")).chain(of_other).collect::<Vec<_>>()
     };
-    let projection = choose(ros, given.projection, &names("projection"), |text| Projection::from_str(text, true))?;
+    let projection = choose(ros, given.projection, &names("projection"), |text| ValueEnum::from_str(text, true))?;
     let undistort = choose(ros, given.undistort.then_some(true), &names("undistort"), yes_or_no)?;
     Ok(CameraModel { projection, undistort })
 }
@@ -62,6 +63,14 @@ pub(crate) fn resources(ros: &RosNode, given: &ResourceArgs) -> Result<ResourceO
 /// When the parameter is neither true nor false; names the parameter.
 pub(crate) fn flag(ros: &RosNode, given: bool, parameter: &str) -> Result<bool> {
     choose(ros, given.then_some(true), &[parameter], yes_or_no)
+}
+
+/// How depths are written: `--depth-encoding`, else `~depth_encoding`.
+///
+/// # Errors
+/// When the parameter has no valid value; names the parameter.
+pub(crate) fn depth_encoding(ros: &RosNode, given: Option<DepthEncoding>) -> Result<DepthEncoding> {
+    choose(ros, given, &["~depth_encoding"], |text| text.parse())
 }
 
 /// A parameter's list of strings; empty where it is not set.

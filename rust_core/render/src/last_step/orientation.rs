@@ -64,7 +64,7 @@ impl Orientation {
 
     /// The size of a picture of this size when it is turned.
     pub fn size_px(self, [width, height]: [u32; 2]) -> [u32; 2] {
-        if self.quarters % 2 == 0 {
+        if self.quarters.is_multiple_of(2) {
             [width, height]
         } else {
             [height, width]
@@ -75,23 +75,30 @@ impl Orientation {
     pub fn turn(self, from: &Picture, to: &mut Picture) {
         let [width, height] = self.size_px([from.width_px, from.height_px]);
         to.reset(width, height, from.encoding);
-        match from.encoding.bytes_per_pixel() {
-            1 => self.turn_cells::<1>(from, to),
-            2 => self.turn_cells::<2>(from, to),
-            3 => self.turn_cells::<3>(from, to),
-            _ => self.turn_cells::<4>(from, to),
+        let size_px = [from.width_px, from.height_px];
+        self.turn_cells(size_px, from.encoding.bytes_per_pixel(), &from.data, &mut to.data);
+    }
+
+    /// The same for a picture of this size with 1 to 4 bytes for each pixel, row by row.
+    pub fn turn_cells(self, size_px: [u32; 2], cell_bytes: usize, from: &[u8], to: &mut Vec<u8>) {
+        to.resize(from.len(), 0);
+        match cell_bytes {
+            1 => self.turn_cells_of::<1>(size_px, from, to),
+            2 => self.turn_cells_of::<2>(size_px, from, to),
+            3 => self.turn_cells_of::<3>(size_px, from, to),
+            _ => self.turn_cells_of::<4>(size_px, from, to),
         }
     }
 
-    fn turn_cells<const N: usize>(self, from: &Picture, to: &mut Picture) {
-        let (width, height) = (from.width_px as usize, from.height_px as usize);
-        let (source, _) = from.data.as_chunks::<N>();
-        let (target, _) = to.data.as_chunks_mut::<N>();
+    fn turn_cells_of<const N: usize>(self, size_px: [u32; 2], from: &[u8], to: &mut [u8]) {
+        let [width, height] = size_px.map(|side| side as usize);
+        let (source, _) = from.as_chunks::<N>();
+        let (target, _) = to.as_chunks_mut::<N>();
         if source.is_empty() {
             return;
         }
         let is_upside_down = self.quarters == 2;
-        if self.quarters % 2 == 0 {
+        if self.quarters.is_multiple_of(2) {
             // Turned by half, a row is read backwards; mirrored, too; both, forwards.
             let is_backwards = is_upside_down != self.is_mirrored;
             target.par_chunks_mut(width).enumerate().for_each(|(row, to)| {

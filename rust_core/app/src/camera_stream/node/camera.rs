@@ -19,11 +19,12 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_render::LastStep;
 use rcs_ros::{RosNode, TriggerReply};
-use rcs_scene::{Camera, DisplayId, DisplayMask, Picture, MAX_SIDE_PX};
+use rcs_scene::{Camera, DepthPicture, DisplayMask, Picture, MAX_SIDE_PX};
 
 use super::camera_health::CameraHealth;
 use super::camera_plan::CameraPlan;
-use super::freshness::{Assessment, Shown};
+use super::content::{size_px, Content, Drawn, Light, Note};
+use super::freshness::Shown;
 use super::last_steps::CameraStep;
 use super::latency::Update;
 use super::reconfigurable::Switch;
@@ -31,6 +32,7 @@ use super::runtime_settings::RuntimeSettings;
 use super::schedule::Schedule;
 use crate::camera_stream::black_picture::black_picture;
 use crate::camera_stream::camera_pose::CameraModel;
+use crate::camera_stream::depth_image::{DepthEncoding, DepthImage};
 use crate::camera_stream::oriented_info::TurnedInfo;
 use crate::camera_stream::outputs::{Frame, Output, Outputs, TopicOutput};
 use crate::camera_stream::stage::Stage;
@@ -53,6 +55,8 @@ pub(super) struct CameraOutput {
     /// The picture before the last one, whose memory is drawn into again unless an output still holds it.
     spare: Option<Arc<Picture>>,
     in_flight: Option<Drawn>,
+    depth_in_flight: Option<Arc<DepthImage>>,
+    depth_encoding: DepthEncoding,
     /// The newest change that was not drawn yet.
     waiting_change: Option<(Content, Arc<LastStep>)>,
     /// Whether a picture that is black because of its age says why.
@@ -69,46 +73,11 @@ pub(super) struct CameraConnections {
     pub(super) trigger_service: Option<Arc<str>>,
 }
 
-/// What a picture shows.
-#[derive(Clone, PartialEq)]
-enum Content {
-    /// The scene in this state, without the displays that are too old.
-    Scene { version: u64, camera: Box<Camera>, hidden: Vec<DisplayId> },
-    /// Nothing. The size is that before the picture is turned.
-    Black { size_px: [u32; 2], why: String, note: Note },
-}
-
-/// Whether a black picture says why it is black.
-#[derive(Clone, Copy, PartialEq)]
-enum Note {
-    Shown,
-    NotShown,
-}
-
-/// What pictures of this moment may show, and what is done to them when they are drawn.
-#[derive(Clone, Copy)]
-pub(super) struct Light<'a> {
-    /// What is too old, where that matters.
-    pub(super) assessment: Option<&'a Assessment>,
-    /// The camera's last step.
-    pub(super) step: &'a CameraStep,
-    /// Whether there are masks or keep-out frames.
-    pub(super) protects_eyes: bool,
-}
-
-/// A picture's content, what is done to it, and its CameraInfo.
-#[derive(Clone)]
-struct Drawn {
-    content: Content,
-    step: Arc<LastStep>,
-    info: Arc<CameraInfo>,
-    /// Until when it is true if nothing new arrives.
-    until: Option<Instant>,
-}
-
 /// The picture that was finished last.
 struct LastPicture {
     picture: Arc<Picture>,
+    /// Where depths were wanted.
+    depth: Option<Arc<DepthImage>>,
     of: Drawn,
 }
 
@@ -121,34 +90,6 @@ pub(super) struct DuePicture {
     /// Where it is.
     pub(super) camera: Camera,
     drawn: Drawn,
-}
-
-impl Content {
-    /// Whether one of the two shows something that the other must not.
-    fn differs_in_age(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Scene { hidden: own, .. }, Self::Scene { hidden, .. }) => own != hidden,
-            (Self::Black { .. }, Self::Black { .. }) => false,
-            _ => true,
-        }
-    }
-}
-
-impl Drawn {
-    /// Whether a picture of the other one looks the same.
-    fn shows_the_same(&self, other: &Self) -> bool {
-        self.content == other.content && self.step == other.step
-    }
-
-    /// Whether it is not true any more.
-    fn is_over(&self, now: Instant) -> bool {
-        self.until.is_some_and(|until| until < now)
-    }
-}
-
-/// The size of a camera's pictures.
-fn size_px(camera: &Camera) -> [u32; 2] {
-    camera.lens().map_or([camera.width_px(), camera.height_px()], |lens| lens.size_px())
 }
 
 /// The cameras' names, for the log.
@@ -173,11 +114,18 @@ impl CameraOutput {
             last: None,
             spare: None,
             in_flight: None,
+            depth_in_flight: None,
+            depth_encoding: DepthEncoding::default(),
             waiting_change: None,
             note: Note::NotShown,
             turned_info: TurnedInfo::default(),
             health: CameraHealth::default(),
         }
+    }
+
+    /// Writes depths like this from now on.
+    pub(super) fn set_depth_encoding(&mut self, encoding: DepthEncoding) {
+        self.depth_encoding = encoding;
     }
 
     /// Takes over the settings and connections that a config gives it.
@@ -362,7 +310,9 @@ impl CameraOutput {
     /// The picture if it is due and differs from the last one. That one is published again if only that is due.
     fn due(&mut self, drawn: Drawn, ros: &RosNode) -> Result<Option<Drawn>> {
         let last = self.last.as_ref().map(|last| &last.of);
-        let changed = last.is_none_or(|last| !last.shows_the_same(&drawn));
+        let lacks_depth =
+            self.connections.outputs.wants_depth() && self.last.as_ref().is_some_and(|last| last.depth.is_none());
+        let changed = lacks_depth || last.is_none_or(|last| !last.shows_the_same(&drawn));
         // What has become false, or true again, does not wait for the frame rate; nor does light that is forbidden now,
         // unless pictures follow changes anyway.
         let is_urgent = last.is_some_and(|last| {
@@ -428,10 +378,17 @@ impl CameraOutput {
             black => black,
         };
         let Content::Black { size_px, why, note } = &content else { return Ok(()) };
+        let size_px = *size_px;
         let note = (*note == Note::Shown).then_some(why.as_str());
-        let mut picture = black_picture(*size_px, self.view.settings.image_encoding, note);
+        let mut picture = black_picture(size_px, self.view.settings.image_encoding, note);
         of.step.apply(&mut picture, &mut Picture::default());
-        self.last = Some(LastPicture { picture: Arc::new(picture), of: Drawn { content, until: None, ..of } });
+        let depth = self.connections.outputs.wants_depth().then(|| {
+            let mut nowhere = DepthPicture::default();
+            nowhere.reset(size_px[0], size_px[1]);
+            Arc::new(DepthImage::new(&nowhere, self.depth_encoding, of.step.orientation))
+        });
+        let of = Drawn { content, until: None, ..of };
+        self.last = Some(LastPicture { picture: Arc::new(picture), depth, of });
         self.publish_last(None, ros)
     }
 
@@ -460,8 +417,16 @@ impl CameraOutput {
     }
 
     /// Records that the renderer was given a picture.
-    pub(super) fn record_begun(&mut self, picture: DuePicture) {
+    pub(super) fn record_begun(&mut self, picture: DuePicture, depth: Option<&DepthPicture>) {
+        let orientation = picture.drawn.step.orientation;
+        self.health.depths_drawn += u64::from(depth.is_some());
+        self.depth_in_flight = depth.map(|depth| Arc::new(DepthImage::new(depth, self.depth_encoding, orientation)));
         self.in_flight = Some(picture.drawn);
+    }
+
+    /// Whether the depths of the next picture are wanted.
+    pub(super) fn wants_depth(&self) -> bool {
+        self.connections.outputs.wants_depth()
     }
 
     /// Memory for the picture that the renderer is about to finish.
@@ -486,7 +451,7 @@ impl CameraOutput {
         if of.is_over(Instant::now()) {
             return self.publish_black(of, ros);
         }
-        self.last = Some(LastPicture { picture: Arc::new(picture), of });
+        self.last = Some(LastPicture { picture: Arc::new(picture), depth: self.depth_in_flight.take(), of });
         self.publish_last(Some(Instant::now()), ros)
     }
 
@@ -505,7 +470,7 @@ impl CameraOutput {
         let Some(last) = self.last.as_ref().filter(|_| !self.connections.outputs.is_empty()) else { return Ok(()) };
         let stamp = ros.now();
         let info = self.turned_info.of(&last.of.info, last.of.step.orientation);
-        let frame = Frame { picture: Arc::clone(&last.picture), info, stamp };
+        let frame = Frame { picture: Arc::clone(&last.picture), info, depth: last.depth.clone(), stamp };
         self.connections.outputs.send(&frame)?;
         if let Some(drawn) = drawn {
             self.health.latency.measure(drawn, Instant::now(), time_from_stamp(stamp));

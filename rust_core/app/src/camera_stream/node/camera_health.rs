@@ -41,6 +41,8 @@ pub(super) struct CameraHealth {
     slow_picture_logged: Option<Instant>,
     /// Pictures drawn.
     pub(super) drawn: u64,
+    /// Pictures whose depths were drawn, too.
+    pub(super) depths_drawn: u64,
     /// Pictures published, unchanged ones included.
     pub(super) published: u64,
     pub(super) latency: Latency,
@@ -163,6 +165,7 @@ impl CameraHealth {
             entry.values.push(("subscribers", topic.subscriber_count().to_string()));
         }
         entry.values.push(("frames drawn", self.drawn.to_string()));
+        entry.values.push(("depths drawn", self.depths_drawn.to_string()));
         entry.values.push(("frames published", self.published.to_string()));
         entry.values.extend(self.latency.values());
         entry

@@ -11,12 +11,13 @@ use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice, View};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::NodeEvent;
 use rcs_rviz_config::Config;
-use rcs_scene::{Picture, Scene};
+use rcs_scene::{DepthPicture, Picture, Scene};
 use rcs_transforms::Time;
 
 use super::activity::Step;
-use super::camera::{self, CameraOutput, Light};
+use super::camera::{self, CameraOutput};
 use super::camera_plan;
+use super::content::Light;
 use super::costs::Costs;
 use super::freshness::limits::Limits;
 use super::freshness::{Assessment, Freshness, Now};
@@ -26,6 +27,7 @@ use super::oriented_frames::OrientedFrames;
 use super::shared::{Reload, Shared};
 use crate::camera_stream::camera_pose::{CameraModel, Projection};
 use crate::camera_stream::cli::Cli;
+use crate::camera_stream::depth_image::DepthEncoding;
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::{renderer_view, Stage};
 use crate::camera_stream::subscriptions::Subscriptions;
@@ -49,6 +51,9 @@ pub(super) struct SceneLoop {
     /// Those of the cameras, when pictures were last looked for.
     steps: Vec<CameraStep>,
     oriented_frames: OrientedFrames,
+    depth_encoding: DepthEncoding,
+    /// How far away is what the picture at hand shows.
+    depth: DepthPicture,
     /// Memory to turn pictures with.
     turned: Picture,
     subscriptions: Subscriptions,
@@ -100,6 +105,8 @@ impl SceneLoop {
             last_steps,
             steps: Vec::new(),
             oriented_frames: OrientedFrames::default(),
+            depth_encoding: private_parameters::depth_encoding(ros, cli.node.depth.depth_encoding)?,
+            depth: DepthPicture::default(),
             turned: Picture::default(),
             subscriptions,
             fixed_frame: cli.node.fixed_frame.clone(),
@@ -332,9 +339,14 @@ impl SceneLoop {
         shared.activity.begin(Step::Picture(due.view.name.clone()));
         let scene = self.scene();
         let view = View { visible: &due.visible, ..renderer_view(&due.view, &scene, &due.camera) };
-        self.renderer.submit(&view)?;
+        let wants_depth = shared.cameras().get(index).is_some_and(CameraOutput::wants_depth);
+        match wants_depth {
+            true => self.renderer.submit_with_depth(&view, &mut self.depth)?,
+            false => self.renderer.submit(&view)?,
+        }
         if let Some(camera) = shared.cameras().get_mut(index) {
-            camera.record_begun(due);
+            camera.set_depth_encoding(self.depth_encoding);
+            camera.record_begun(due, wants_depth.then_some(&self.depth));
         }
         Ok(true)
     }

@@ -107,7 +107,7 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
         renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
         job.last_step.apply(Arc::make_mut(&mut picture), &mut turned);
         let info = stage.camera_info(&view).cloned().unwrap_or_default();
-        output.send(&Frame { picture: Arc::clone(&picture), info, stamp: ros_time(moment) })?;
+        output.send(&Frame { picture: Arc::clone(&picture), info, depth: None, stamp: ros_time(moment) })?;
         progress.inc(1);
     }
     output.finish()?;

@@ -16,6 +16,8 @@ use rcs_messages::Time;
 use rcs_ros::image_topic::SendError;
 use rcs_scene::Picture;
 
+use crate::camera_stream::depth_image::DepthImage;
+
 pub use picture_files::{PictureFile, PictureSequence, SequenceError};
 pub use topic::{retain, TopicNames, TopicOutput};
 pub use video::{VideoError, VideoFile};
@@ -27,6 +29,8 @@ pub struct Frame {
     pub picture: Arc<Picture>,
     /// The CameraInfo that the camera was made of.
     pub info: Arc<CameraInfo>,
+    /// How far away is what the picture shows, where that was drawn.
+    pub depth: Option<Arc<DepthImage>>,
     /// When the picture is handed on, in ROS time.
     pub stamp: Time,
 }
@@ -86,6 +90,11 @@ impl Outputs {
 
     fn each(&mut self) -> impl Iterator<Item = &mut dyn Output> {
         self.topic.iter_mut().map(|topic| topic as &mut dyn Output)
+    }
+
+    /// Whether anybody watches how far away things are.
+    pub fn wants_depth(&self) -> bool {
+        self.topic.as_ref().is_some_and(TopicOutput::wants_depth)
     }
 
     /// Whether there is no output at all.

@@ -1,10 +1,11 @@
-//! A camera's pictures on an image topic, with the CameraInfo beside it.
+//! A camera's pictures on an image topic, with the CameraInfo beside it, and the depths on the topic `depth` beside both.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
-use rcs_ros::image_topic::ImagePublisher;
-use rcs_ros::{Change, NodeError, RosNode};
+use rcs_messages::std_msgs::Header;
+use rcs_ros::image_topic::{sibling_topic, ImagePublisher, SendError};
+use rcs_ros::{Change, NodeError, PlainImagePublisher, RosNode};
 
 use super::{Frame, Output, OutputError};
 
@@ -14,6 +15,7 @@ pub type TopicNames = [String; 2];
 /// Publishes a camera's pictures.
 pub struct TopicOutput {
     publisher: ImagePublisher,
+    depth: PlainImagePublisher,
     /// Somebody subscribed and has not received a picture yet.
     new_subscriber: Arc<AtomicBool>,
 }
@@ -25,14 +27,18 @@ impl TopicOutput {
     /// [`NodeError::Name`].
     pub fn advertise(ros: &RosNode, topic: &str) -> Result<Self, NodeError> {
         let new_subscriber = Arc::new(AtomicBool::new(false));
-        let (flag, events) = (Arc::clone(&new_subscriber), Arc::clone(ros.events()));
-        let on_change = move |change: Change, _: &str| {
-            if change == Change::Joined {
-                flag.store(true, Ordering::Release);
-                events.wake();
+        let on_change = || {
+            let (flag, events) = (Arc::clone(&new_subscriber), Arc::clone(ros.events()));
+            move |change: Change, _: &str| {
+                if change == Change::Joined {
+                    flag.store(true, Ordering::Release);
+                    events.wake();
+                }
             }
         };
-        Ok(Self { publisher: ros.image_publisher(topic, on_change)?, new_subscriber })
+        let publisher = ros.image_publisher(topic, on_change())?;
+        let depth = ros.plain_image_publisher(&sibling_topic(topic, "depth"), on_change())?;
+        Ok(Self { publisher, depth, new_subscriber })
     }
 
     /// The image topic's whole name.
@@ -45,7 +51,12 @@ impl TopicOutput {
         [self.publisher.topic(), self.publisher.info_topic()].map(str::to_owned)
     }
 
-    /// How many other nodes subscribe to either topic.
+    /// Whether another node subscribes to the depths.
+    pub fn wants_depth(&self) -> bool {
+        self.depth.is_watched()
+    }
+
+    /// How many other nodes subscribe to image or CameraInfo.
     pub fn subscriber_count(&self) -> usize {
         self.publisher.subscriber_count()
     }
@@ -53,11 +64,17 @@ impl TopicOutput {
 
 impl Output for TopicOutput {
     fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
-        Ok(self.publisher.publish(&frame.picture, &frame.info, frame.stamp)?)
+        self.publisher.publish(&frame.picture, &frame.info, frame.stamp)?;
+        if let Some(depth) = frame.depth.as_ref().filter(|_| self.wants_depth()) {
+            let header = Header { seq: 0, stamp: frame.stamp, frame_id: frame.info.header.frame_id.clone() };
+            let too_long = |error| SendError::TooLong { topic: self.depth.topic().to_owned(), error };
+            self.depth.publish(&depth.message(header)).map_err(too_long)?;
+        }
+        Ok(())
     }
 
     fn is_watched(&self) -> bool {
-        self.subscriber_count() > 0
+        self.subscriber_count() > 0 || self.wants_depth()
     }
 
     fn take_new_watcher(&mut self) -> bool {
