@@ -11,7 +11,8 @@ use rcs_tests::programs::repository;
 use crate::files::pixels;
 use crate::{bash, printed_by, succeed, target};
 
-const PROGRAMS: [&str; 5] = ["camera_stream", "projector", "projector_calibrate", "projector_window", "publish_cloud"];
+const PROGRAMS: [&str; 6] =
+    ["camera_stream", "projector", "projector_blend", "projector_calibrate", "projector_window", "publish_cloud"];
 
 /// A catkin workspace with the repository in it.
 fn workspace() -> tempfile::TempDir {

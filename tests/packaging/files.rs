@@ -21,7 +21,9 @@ fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
 fn the_programs_have_the_packages_version() {
     let package = fs::read_to_string(repository().join("ros_pkg/package.xml")).unwrap();
     let version = package.split("<version>").nth(1).unwrap().split("</version>").next().unwrap();
-    for name in ["camera_stream", "projector", "projector_calibrate", "projector_window", "publish_cloud"] {
+    for name in
+        ["camera_stream", "projector", "projector_blend", "projector_calibrate", "projector_window", "publish_cloud"]
+    {
         let printed = printed_by(&Command::new(program(name)).arg("--version").output().unwrap());
         assert_eq!(printed.trim(), format!("rviz_camera_stream {version}"), "{name}");
     }
@@ -116,6 +118,7 @@ fn the_readme_names_every_option_that_it_explains() {
     for (node, section) in [
         ("camera_stream", "### `camera_stream"),
         ("projector", "### `projector FILE"),
+        ("projector_blend", "### `projector_blend"),
         ("projector_window", "### `projector_window`"),
         ("publish_cloud", "### `publish_cloud"),
     ] {

@@ -6,7 +6,7 @@ use std::fs;
 use std::process::Command;
 
 use rcs_app::camera_stream::camera_pose::{CameraModel, Projection};
-use rcs_app::camera_stream::light_arguments::StaleArgs;
+use rcs_app::camera_stream::light_arguments::{Gamma, StaleArgs};
 use rcs_render::{Orientation, RendererChoice};
 use rcs_tests::programs::{program, repository};
 
@@ -57,6 +57,7 @@ fn default_in_settings(option: &str) -> Option<String> {
         "--renderer" => Some(format!("{:?}", RendererChoice::default()).to_lowercase()),
         "--projection" => Some(format!("{:?}", Projection::default()).to_lowercase()),
         "--undistort" => Some(CameraModel::default().undistort.to_string()),
+        "--blend-gamma" => Some(Gamma::default().0.to_string()),
         "--stale-note" => Some(StaleArgs::default().stale_note.to_string()),
         "--depth-encoding" => Some("32FC1".to_owned()),
         "--orientation" => Some(Orientation::default().to_string()),
@@ -71,6 +72,7 @@ fn defaults_are_those_of_the_programs() {
     for (node, section) in [
         ("camera_stream", "### `camera_stream"),
         ("projector", "### `projector FILE"),
+        ("projector_blend", "### `projector_blend"),
         ("projector_window", "### `projector_window`"),
         ("publish_cloud", "### `publish_cloud"),
     ] {

@@ -5,6 +5,7 @@ pub mod camera_stream;
 pub mod logging;
 pub mod monitor_arguments;
 pub mod projector;
+pub mod projector_blend;
 pub mod projector_calibrate;
 pub mod projector_window;
 pub mod publish_cloud;

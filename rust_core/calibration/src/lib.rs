@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+mod blend;
 mod curvature;
 mod decode;
 mod distortion;
@@ -20,6 +21,7 @@ mod sample;
 mod solve;
 mod verification;
 
+pub use blend::{blend_weights, BlendProblem, BlendWeights, PlacedProjector};
 pub use decode::{decode, DecodeError, Decoded, DecodedPixel, Pictures, Quality, ScanProblem};
 pub use distortion::{Distorted, Distortion, DistortionModel, DistortionProblem};
 pub use landed::Landed;

@@ -11,7 +11,7 @@ use rcs_render::{Orientation, RendererChoice};
 use rcs_resources::ResourceOptions;
 
 use crate::camera_stream::camera_pose::{CameraModel, Projection};
-use crate::camera_stream::light_arguments::{DepthArgs, EyeSafetyArgs, MountingArgs, StaleArgs};
+use crate::camera_stream::light_arguments::{BlendArgs, DepthArgs, EyeSafetyArgs, MountingArgs, StaleArgs};
 
 /// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
 ///
@@ -133,6 +133,9 @@ pub struct NodeArgs {
     /// How projectors are mounted.
     #[command(flatten)]
     pub mounting: MountingArgs,
+    /// The share of each projector where several light one surface.
+    #[command(flatten)]
+    pub blend: BlendArgs,
     /// The depths beside the pictures.
     #[command(flatten)]
     pub depth: DepthArgs,

@@ -1,5 +1,6 @@
 //! Arguments of the node that decide where and when there may be light.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
@@ -71,6 +72,37 @@ pub struct EyeSafetyArgs {
     /// Whether all is black while a mask or the place of a keep-out frame is missing or too old [default: true]
     #[arg(long, value_name = "true|false")]
     pub mask_required: Option<bool>,
+}
+
+/// The share of each projector where several light one surface.
+#[derive(Args, Clone, Debug, Default)]
+pub struct BlendArgs {
+    /// The projector's share of the light, as projector_blend writes it, or a grey picture: white is all of it; with
+    /// CAMERA= for one camera
+    #[arg(long, value_name = "[CAMERA=]FILE.png")]
+    pub blend: Vec<ForCamera<PathBuf>>,
+    /// The gamma of the projectors: light is the level to its power [default: 2.2]
+    #[arg(long, value_name = "GAMMA")]
+    pub blend_gamma: Option<Gamma>,
+}
+
+/// How a projector's light follows the level of a picture: as its power.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gamma(pub f32);
+
+impl Default for Gamma {
+    fn default() -> Self {
+        Self(2.2)
+    }
+}
+
+impl FromStr for Gamma {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let gamma = text.parse::<f32>().ok().filter(|gamma| (0.5..=5.0).contains(gamma));
+        gamma.map(Self).ok_or_else(|| format!("{text} is not a gamma from 0.5 to 5"))
+    }
 }
 
 /// The depths beside the pictures.

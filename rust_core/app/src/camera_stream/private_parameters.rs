@@ -12,6 +12,7 @@ use rcs_ros::RosNode;
 use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::cli::{ModelArgs, ResourceArgs, MESH_MB};
 use crate::camera_stream::depth_image::DepthEncoding;
+use crate::camera_stream::light_arguments::Gamma;
 
 /// What draws: `--renderer`, else `~renderer`.
 ///
@@ -63,6 +64,14 @@ pub(crate) fn resources(ros: &RosNode, given: &ResourceArgs) -> Result<ResourceO
 /// When the parameter is neither true nor false; names the parameter.
 pub(crate) fn flag(ros: &RosNode, given: bool, parameter: &str) -> Result<bool> {
     choose(ros, given.then_some(true), &[parameter], yes_or_no)
+}
+
+/// The gamma of the projectors: `--blend-gamma`, else `~blend_gamma`.
+///
+/// # Errors
+/// When the parameter has no valid value; names the parameter.
+pub(crate) fn blend_gamma(ros: &RosNode, given: Option<Gamma>) -> Result<Gamma> {
+    choose(ros, given, &["~blend_gamma"], |text| text.parse())
 }
 
 /// How depths are written: `--depth-encoding`, else `~depth_encoding`.

@@ -5,21 +5,23 @@
 //! `~mask_required` is false: then the last mask and the last place hold.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::{anyhow, Result};
+use anyhow::{anyhow, Context, Result};
 use rcs_displays::{time_from_stamp, ShownMessage};
+use rcs_files::blend_file::BlendFile;
 use rcs_messages::{AnyMessage, Image, MessageKind};
-use rcs_render::{KeepOut, LastStep, LightMask, Orientation, Sphere};
+use rcs_render::{Blend, KeepOut, LastStep, LightMask, Orientation, Sphere};
 use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
 use rcs_scene::Camera;
 
 use super::freshness::limits::Limits;
 use super::freshness::{Freshness, Now, State};
 use crate::camera_stream::cli::NodeArgs;
-use crate::camera_stream::light_arguments::{of_camera, ForCamera, KeepOutFrame};
-use crate::camera_stream::private_parameters::{switch, texts};
+use crate::camera_stream::light_arguments::{of_camera, ForCamera, Gamma, KeepOutFrame};
+use crate::camera_stream::private_parameters::{blend_gamma, switch, texts};
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::subscriptions::Source;
 
@@ -29,6 +31,7 @@ const EYE_SAFETY_LIMIT: Duration = Duration::from_secs(1);
 /// The last steps of all cameras.
 pub(super) struct LastSteps {
     orientations: Vec<ForCamera<Orientation>>,
+    blends: Vec<ForCamera<Arc<Blend>>>,
     mask_topics: Vec<ForCamera<String>>,
     /// By the topic's whole name.
     masks: BTreeMap<String, Mask>,
@@ -81,7 +84,10 @@ impl LastSteps {
             masks.insert(topic.clone(), Mask { subscription, last, received, problem, state });
         }
         let limits = Limits::read(ros, &args.stale)?.or_after(EYE_SAFETY_LIMIT);
+        let gamma = blend_gamma(ros, args.blend.blend_gamma)?;
+        let files = values(ros, &args.blend.blend, "~blend")?;
         Ok(Self {
+            blends: files.into_iter().map(|file| read_blend(file, gamma)).collect::<Result<_>>()?,
             orientations: values(ros, &args.mounting.orientation, "~orientation")?,
             mask_topics,
             masks,
@@ -103,7 +109,7 @@ impl LastSteps {
 
     /// Whether pictures stay as they are drawn, all of them and always.
     pub(super) fn is_nothing(&self) -> bool {
-        self.orientations.is_empty() && !self.protects_eyes()
+        self.orientations.is_empty() && self.blends.is_empty() && !self.protects_eyes()
     }
 
     /// Takes what is new in an event.
@@ -168,7 +174,7 @@ impl LastSteps {
             mask: mask.and_then(|mask| mask.last.clone()),
             keep_out: camera.and_then(|camera| KeepOut::new(camera, spheres)),
             orientation: self.orientation(name),
-            ..LastStep::default()
+            blend: of_camera(&self.blends, name).cloned(),
         };
         let (dark, until) = match state {
             State::Stale(why) if self.is_required => (Some(why), None),
@@ -192,6 +198,16 @@ impl LastSteps {
         }
         (spheres, state)
     }
+}
+
+/// Reads a camera's weights.
+fn read_blend(
+    ForCamera { camera, value: path }: ForCamera<PathBuf>,
+    Gamma(gamma): Gamma,
+) -> Result<ForCamera<Arc<Blend>>> {
+    let BlendFile { size_px, weights, lifts } = BlendFile::read(&path)?;
+    let blend = Blend::new(size_px, &weights, &lifts, gamma).with_context(|| path.display().to_string())?;
+    Ok(ForCamera { camera, value: Arc::new(blend) })
 }
 
 /// The mask that an image is.
