@@ -81,3 +81,17 @@ fn depths_are_drawn_only_while_somebody_subscribes() {
     fixture.wait_for(format!("{frames} > frames_before + 20"));
     assert_eq!(fixture.python(format!("{depths} - before")), "0");
 }
+
+#[test]
+fn pictures_on_a_topic_of_that_name_are_not_mixed_with_depths() {
+    let camera = CameraPub { image: "/view/depth", ..CameraPub::default() };
+    let fixture = RosFixture::start(&config(&[CLOUD], &[camera]), &[]).unwrap();
+    fixture.wait_for_log("depths are not published: the pictures themselves are on /view/depth").unwrap();
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python("latch('/cloud', cloud(0xff0000))");
+    fixture.python(LISTEN);
+    fixture.python("listen()");
+    fixture.wait_for("len(depths) > 5");
+    assert_eq!(fixture.python("{message.encoding for message in depths}"), "{'rgb8'}");
+}

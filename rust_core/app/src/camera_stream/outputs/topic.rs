@@ -15,7 +15,8 @@ pub type TopicNames = [String; 2];
 /// Publishes a camera's pictures.
 pub struct TopicOutput {
     publisher: ImagePublisher,
-    depth: PlainImagePublisher,
+    /// None where the pictures' own topic has that name.
+    depth: Option<PlainImagePublisher>,
     /// Somebody subscribed and has not received a picture yet.
     new_subscriber: Arc<AtomicBool>,
 }
@@ -38,7 +39,11 @@ impl TopicOutput {
         };
         let publisher = ros.image_publisher(topic, on_change())?;
         let depth = ros.plain_image_publisher(&sibling_topic(topic, "depth"), on_change())?;
-        Ok(Self { publisher, depth, new_subscriber })
+        let is_free = depth.topic() != publisher.topic();
+        if !is_free {
+            log::warn!("depths are not published: the pictures themselves are on {}", publisher.topic());
+        }
+        Ok(Self { publisher, depth: is_free.then_some(depth), new_subscriber })
     }
 
     /// The image topic's whole name.
@@ -53,7 +58,7 @@ impl TopicOutput {
 
     /// Whether another node subscribes to the depths.
     pub fn wants_depth(&self) -> bool {
-        self.depth.is_watched()
+        self.depth.as_ref().is_some_and(PlainImagePublisher::is_watched)
     }
 
     /// How many other nodes subscribe to image or CameraInfo.
@@ -65,10 +70,11 @@ impl TopicOutput {
 impl Output for TopicOutput {
     fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
         self.publisher.publish(&frame.picture, &frame.info, frame.stamp)?;
-        if let Some(depth) = frame.depth.as_ref().filter(|_| self.wants_depth()) {
+        let publisher = self.depth.as_ref().filter(|publisher| publisher.is_watched());
+        if let (Some(depth), Some(publisher)) = (&frame.depth, publisher) {
             let header = Header { seq: 0, stamp: frame.stamp, frame_id: frame.info.header.frame_id.clone() };
-            let too_long = |error| SendError::TooLong { topic: self.depth.topic().to_owned(), error };
-            self.depth.publish(&depth.message(header)).map_err(too_long)?;
+            let too_long = |error| SendError::TooLong { topic: publisher.topic().to_owned(), error };
+            publisher.publish(&depth.message(header)).map_err(too_long)?;
         }
         Ok(())
     }
