@@ -81,3 +81,18 @@ fn no_light_falls_around_a_keep_out_frame_wherever_it_goes_and_none_at_all_while
     fixture.wait_for(ALL_BLACK);
     fixture.wait_for_log("the picture is black: head: no transform of the last 1 s").unwrap();
 }
+
+#[test]
+fn a_frame_that_is_not_required_stays_dark_where_it_was_last_in_the_light_of_the_cameras_p() {
+    let fixture = fixture(&["--keep-out", "head=0.2", "--mask-required", "false"]);
+    // Light is flatter than rviz's picture, whose pixels are square.
+    fixture.python("latch('/eye/camera_info', info(P=[50, 0, 32, 0, 0, 25, 24, 0, 0, 0, 1, 0]))");
+    fixture.wait_for(format!("viewer.last and {ALL_RED}"));
+    fixture.python("send('/tf', tf('map', 'head', (0.3, 0, 1), stamp=rospy.Time.now()))");
+    let dark = "viewer.pixel(47, 24) == viewer.pixel(38, 24) == viewer.pixel(47, 20) == (0, 0, 0)";
+    let lit = "viewer.pixel(34, 24) == viewer.pixel(47, 16) == viewer.pixel(47, 32) == (255, 0, 0)";
+    fixture.wait_for(format!("viewer.last and {dark} and {lit}"));
+    std::thread::sleep(std::time::Duration::from_millis(1200));
+    fixture.python("viewer.forget()");
+    fixture.wait_for(format!("len(viewer.images) > 2 and {dark} and {lit}"));
+}

@@ -1,7 +1,10 @@
 //! `~stale_timeout`: when a process of the chain dies, the picture turns black by itself, and comes back at once.
 
+use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
+use rcs_tests::ros::Running;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
+use std::process::Command;
 use std::time::Duration;
 
 /// A second cloud, beside the first one.
@@ -107,4 +110,54 @@ fn a_camera_that_is_only_triggered_turns_black_too_and_a_picture_without_a_note_
     fixture.wait_for("trigger('/camera_trigger')[0] and viewer.middle() == (255, 0, 0)");
     drop(node);
     fixture.wait_for("viewer.last and max(viewer.last.data) == 0");
+}
+
+#[test]
+fn the_picture_turns_black_when_projector_or_publish_cloud_is_killed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let projector = file(
+        "projector.yaml",
+        "{frame_id: eye, width: 64, height: 48, K: [50, 0, 32, 0, 50, 24, 0, 0, 1], camera_info_topic: /eye/camera_info, \
+         frames: [{parent: map, child: eye}]}",
+    );
+    let header = "FIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH 1\nHEIGHT 1\nDATA ascii\n";
+    let cloud = file("cloud.pcd", &format!("{header}0 0 2 16711680\n"));
+    let fixture = fixture(&[]);
+    let start = |args: &[&str]| {
+        Running::start(fixture.master.environment(Command::new(program(args[0]))).args(&args[1..])).unwrap()
+    };
+    let projector: &[&str] = &["projector", &projector];
+    let cloud: &[&str] = &["publish_cloud", &cloud, "--rate", "0", "--topic", "/cloud"];
+    let mut running = [start(projector), start(cloud)];
+    fixture.wait_for(RED);
+    let whats = [(projector, "CameraInfo: no data on /eye/camera_info"), (cloud, "cloud: no data on /cloud")];
+    for (place, (program, because)) in running.iter_mut().zip(whats) {
+        // What is latched does not age while its publisher lives.
+        fixture.python("viewer.forget()");
+        std::thread::sleep(Duration::from_millis(1000));
+        assert_eq!(fixture.python("viewer.colors"), "[(255, 0, 0)]");
+        place.signal("KILL");
+        fixture.wait_for(BLACK);
+        fixture.wait_for_log(&format!("the picture is black: {because} of the last 0.5 s")).unwrap();
+        *place = start(program);
+        fixture.wait_for(RED);
+    }
+}
+
+#[test]
+fn without_a_limit_old_data_stay_for_ever_as_in_rviz() {
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    fixture.python("viewer = Viewer('/view/image')");
+    let node = other_node(&fixture, &[CLOUDS, FRAMES, INFO].join("\n"));
+    fixture.wait_for(RED);
+    drop(node);
+    std::thread::sleep(Duration::from_millis(1500));
+    fixture.python("viewer.forget()");
+    fixture.wait_for(format!("len(viewer.images) > 10 and {RED}"));
+    assert_eq!(fixture.python("viewer.colors"), "[(255, 0, 0)]");
 }

@@ -1,5 +1,8 @@
 //! `~orientation`: the picture is turned, and the published CameraInfo leads a point to where it is in that picture.
 
+use std::process::Command;
+
+use rcs_tests::programs::{case, program};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
 /// Where the CameraInfo that the viewer received last says that a point of the frame `eye` is, by its P and its frame.
@@ -55,4 +58,22 @@ fn a_consumer_of_the_published_camera_info_finds_what_the_published_picture_show
             fixture.python("projected((0.42, -0.66, 2)), middle_of_light()")
         );
     }
+}
+
+#[test]
+fn render_turns_its_pictures_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = case("pc2_flat_squares_rgb8");
+    let drawn = |orientation: &str| {
+        let png = folder.path().join(format!("{orientation}.png"));
+        let mut command = Command::new(program("camera_stream"));
+        command.args(["render", "--renderer", "cpu", "--orientation", orientation, "-d"]).arg(case.join("scene.rviz"));
+        let output = command.arg("--bag").arg(case.join("scene.bag")).arg("-o").arg(&png).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        image::open(&png).unwrap().to_rgb8()
+    };
+    let plain = drawn("0");
+    assert!(drawn("270") == image::imageops::rotate270(&plain));
+    let mirrored = image::imageops::flip_horizontal(&plain);
+    assert!(mirrored != plain && drawn("mirrored-90") == image::imageops::rotate90(&mirrored));
 }
