@@ -84,6 +84,10 @@ pub struct BlendArgs {
     /// The gamma of the projectors: light is the level to its power [default: 2.2]
     #[arg(long, value_name = "GAMMA")]
     pub blend_gamma: Option<Gamma>,
+    /// A grey picture over the projector's picture, dark or transparent where it must not light its surface; with
+    /// CAMERA= for one camera
+    #[arg(long, value_name = "[CAMERA=]FILE.png")]
+    pub mask: Vec<ForCamera<PathBuf>>,
 }
 
 /// How a projector's light follows the level of a picture: as its power.

@@ -1,7 +1,7 @@
 //! The last step of a picture: everything that is done to it after it was drawn and seen through the lens.
 //!
 //! ```text
-//! drawn picture ─► blend weights, black lift ─► light mask, keep-out ─► orientation ─► outputs
+//! drawn picture ─► blend weights, black lift ─► light masks, keep-out ─► orientation ─► outputs
 //! ```
 //!
 //! It works on the finished bytes, whatever renderer drew them and in every encoding. What forbids light comes after
@@ -43,7 +43,9 @@ pub use self::orientation::Orientation;
 pub struct LastStep {
     /// The share that this projector has of the light where several overlap.
     pub blend: Option<Arc<Blend>>,
-    /// Where there may be light.
+    /// Where the projector may light its surface at all.
+    pub painted_mask: Option<Arc<LightMask>>,
+    /// Where there may be light at present.
     pub mask: Option<Arc<LightMask>>,
     /// Where there must be none because of something in space.
     pub keep_out: Option<KeepOut>,
@@ -70,7 +72,9 @@ impl LastStep {
     fn dim(&self, picture: &mut Picture) {
         let size_px = [picture.width_px, picture.height_px];
         let (width, step, encoding) = (picture.width_px as usize, picture.step(), picture.encoding);
-        if step == 0 || (self.blend.is_none() && self.mask.is_none() && self.keep_out.is_none()) {
+        let masks: Vec<&LightMask> = [&self.painted_mask, &self.mask].into_iter().flatten().map(Arc::as_ref).collect();
+        let forbids_light = !masks.is_empty() || self.keep_out.is_some();
+        if step == 0 || (self.blend.is_none() && !forbids_light) {
             return;
         }
         let rows = picture.data.par_chunks_mut(step).enumerate();
@@ -80,13 +84,11 @@ impl LastStep {
                 if let Some(blend) = &self.blend {
                     blend.apply(size_px, row, encoding, factors, bytes);
                 }
-                if self.mask.is_none() && self.keep_out.is_none() {
+                if !forbids_light {
                     return;
                 }
                 factors.fill(ONE);
-                if let Some(mask) = &self.mask {
-                    mask.write(size_px, row, factors);
-                }
+                masks.iter().for_each(|mask| mask.write(size_px, row, factors));
                 if let Some(keep_out) = &self.keep_out {
                     keep_out.write(row, factors);
                 }

@@ -32,6 +32,8 @@ const EYE_SAFETY_LIMIT: Duration = Duration::from_secs(1);
 pub(super) struct LastSteps {
     orientations: Vec<ForCamera<Orientation>>,
     blends: Vec<ForCamera<Arc<Blend>>>,
+    /// Those of files.
+    painted_masks: Vec<ForCamera<Arc<LightMask>>>,
     mask_topics: Vec<ForCamera<String>>,
     /// By the topic's whole name.
     masks: BTreeMap<String, Mask>,
@@ -86,8 +88,10 @@ impl LastSteps {
         let limits = Limits::read(ros, &args.stale)?.or_after(EYE_SAFETY_LIMIT);
         let gamma = blend_gamma(ros, args.blend.blend_gamma)?;
         let files = values(ros, &args.blend.blend, "~blend")?;
+        let painted = values(ros, &args.blend.mask, "~mask")?;
         Ok(Self {
             blends: files.into_iter().map(|file| read_blend(file, gamma)).collect::<Result<_>>()?,
+            painted_masks: painted.into_iter().map(read_mask).collect::<Result<_>>()?,
             orientations: values(ros, &args.mounting.orientation, "~orientation")?,
             mask_topics,
             masks,
@@ -109,7 +113,7 @@ impl LastSteps {
 
     /// Whether pictures stay as they are drawn, all of them and always.
     pub(super) fn is_nothing(&self) -> bool {
-        self.orientations.is_empty() && self.blends.is_empty() && !self.protects_eyes()
+        self.orientations.is_empty() && self.blends.is_empty() && self.painted_masks.is_empty() && !self.protects_eyes()
     }
 
     /// Takes what is new in an event.
@@ -175,6 +179,7 @@ impl LastSteps {
             keep_out: camera.and_then(|camera| KeepOut::new(camera, spheres)),
             orientation: self.orientation(name),
             blend: of_camera(&self.blends, name).cloned(),
+            painted_mask: of_camera(&self.painted_masks, name).cloned(),
         };
         let (dark, until) = match state {
             State::Stale(why) if self.is_required => (Some(why), None),
@@ -210,6 +215,18 @@ fn read_blend(
     Ok(ForCamera { camera, value: Arc::new(blend) })
 }
 
+/// Reads a camera's mask. What is transparent is dark.
+fn read_mask(ForCamera { camera, value: path }: ForCamera<PathBuf>) -> Result<ForCamera<Arc<LightMask>>> {
+    let BlendFile { size_px, weights, lifts } = BlendFile::read(&path)?;
+    let level = |(light, transparency): (u16, u16)| {
+        let opaque = u32::from(light) * u32::from(u16::MAX - transparency) / u32::from(u16::MAX);
+        (opaque >> 8) as u8
+    };
+    let mask = LightMask::new(size_px, weights.into_iter().zip(lifts).map(level).collect());
+    let mask = mask.with_context(|| format!("{}: it has no pixels", path.display()))?;
+    Ok(ForCamera { camera, value: Arc::new(mask) })
+}
+
 /// The mask that an image is.
 ///
 /// # Errors
@@ -241,5 +258,15 @@ mod tests {
         assert_eq!(image("rgb8", [1, 1], 3, &[0; 3]), Err("its encoding is rgb8, not mono8".to_owned()));
         assert_eq!(image("mono8", [2, 2], 2, &[1, 2, 3]), Err("3 bytes for 2x2 pixels, 2 a row".to_owned()));
         assert!(image("8UC1", [0, 2], 2, &[]).is_err());
+    }
+
+    #[test]
+    fn a_painted_mask_is_dark_where_it_is_black_or_transparent() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mask.png");
+        let (light, transparency) = ([1.0, 0.0, 1.0, 128.0 / 255.0], [0.0, 0.0, 1.0, 0.0]);
+        BlendFile::new([4, 1], &light, &transparency).write(&path).unwrap();
+        let read = read_mask(ForCamera { camera: None, value: path }).unwrap();
+        assert_eq!(*read.value, LightMask::new([4, 1], vec![255, 0, 0, 128]).unwrap());
     }
 }
