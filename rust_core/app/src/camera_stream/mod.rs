@@ -6,6 +6,7 @@ pub mod check;
 pub mod cli;
 pub mod depth_image;
 pub mod light_arguments;
+pub mod mask_image;
 mod new_camera;
 pub mod node;
 pub mod offline;

@@ -1,7 +1,7 @@
 //! `projector_blend`: the shares that several projectors have of the light on one surface, as files for
 //! `camera_stream --blend`.
 
-mod points;
+pub mod points;
 mod surface;
 
 use std::collections::BTreeSet;

@@ -8,7 +8,7 @@ use rcs_messages::PointCloud2;
 ///
 /// # Errors
 /// Which field is missing, or that the data are too short.
-pub(super) fn points(cloud: &PointCloud2) -> Result<Vec<Point3<f64>>, String> {
+pub fn points(cloud: &PointCloud2) -> Result<Vec<Point3<f64>>, String> {
     let offsets = ["x", "y", "z"].map(|name| {
         let is_it = |field: &&PointField| field.name == name && field.datatype == PointField::FLOAT32;
         cloud.fields.iter().find(is_it).map(|field| field.offset as usize)

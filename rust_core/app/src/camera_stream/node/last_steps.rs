@@ -12,7 +12,7 @@ use std::time::Duration;
 use anyhow::{anyhow, Context, Result};
 use rcs_displays::{time_from_stamp, ShownMessage};
 use rcs_files::blend_file::BlendFile;
-use rcs_messages::{AnyMessage, Image, MessageKind};
+use rcs_messages::{AnyMessage, MessageKind};
 use rcs_render::{Blend, KeepOut, LastStep, LightMask, Orientation, Sphere};
 use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
 use rcs_scene::Camera;
@@ -21,6 +21,7 @@ use super::freshness::limits::Limits;
 use super::freshness::{Freshness, Now, State};
 use crate::camera_stream::cli::NodeArgs;
 use crate::camera_stream::light_arguments::{of_camera, ForCamera, Gamma, KeepOutFrame};
+use crate::camera_stream::mask_image::{light_mask, painted_mask};
 use crate::camera_stream::private_parameters::{blend_gamma, switch, texts};
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::subscriptions::Source;
@@ -89,6 +90,9 @@ impl LastSteps {
         let gamma = blend_gamma(ros, args.blend.blend_gamma)?;
         let files = values(ros, &args.blend.blend, "~blend")?;
         let painted = values(ros, &args.blend.mask, "~mask")?;
+        let read_mask = |ForCamera { camera, value: path }: ForCamera<PathBuf>| -> Result<_> {
+            Ok(ForCamera { camera, value: Arc::new(painted_mask(&path)?) })
+        };
         Ok(Self {
             blends: files.into_iter().map(|file| read_blend(file, gamma)).collect::<Result<_>>()?,
             painted_masks: painted.into_iter().map(read_mask).collect::<Result<_>>()?,
@@ -213,60 +217,4 @@ fn read_blend(
     let BlendFile { size_px, weights, lifts } = BlendFile::read(&path)?;
     let blend = Blend::new(size_px, &weights, &lifts, gamma).with_context(|| path.display().to_string())?;
     Ok(ForCamera { camera, value: Arc::new(blend) })
-}
-
-/// Reads a camera's mask. What is transparent is dark.
-fn read_mask(ForCamera { camera, value: path }: ForCamera<PathBuf>) -> Result<ForCamera<Arc<LightMask>>> {
-    let BlendFile { size_px, weights, lifts } = BlendFile::read(&path)?;
-    let level = |(light, transparency): (u16, u16)| {
-        let opaque = u32::from(light) * u32::from(u16::MAX - transparency) / u32::from(u16::MAX);
-        (opaque >> 8) as u8
-    };
-    let mask = LightMask::new(size_px, weights.into_iter().zip(lifts).map(level).collect());
-    let mask = mask.with_context(|| format!("{}: it has no pixels", path.display()))?;
-    Ok(ForCamera { camera, value: Arc::new(mask) })
-}
-
-/// The mask that an image is.
-///
-/// # Errors
-/// Why it is none.
-fn light_mask(image: &Image) -> Result<LightMask, String> {
-    if !matches!(image.encoding.as_str(), "mono8" | "8UC1") {
-        return Err(format!("its encoding is {}, not mono8", image.encoding));
-    }
-    let size_px = [image.width, image.height];
-    let (width, step) = (image.width as usize, image.step as usize);
-    let rows = (0..image.height as usize).map(|row| image.data().get(row.checked_mul(step)?..)?.get(..width));
-    let levels = rows.collect::<Option<Vec<_>>>().map(|rows| rows.concat());
-    let mask = levels.and_then(|levels| LightMask::new(size_px, levels));
-    mask.ok_or_else(|| format!("{} bytes for {}x{} pixels, {step} a row", image.data().len(), size_px[0], size_px[1]))
-}
-
-#[cfg(test)]
-mod tests {
-    use rcs_messages::std_msgs::Header;
-
-    use super::*;
-
-    #[test]
-    fn a_mask_is_a_mono8_image_with_rows_of_any_length() {
-        let image = |encoding: &str, size_px, step, bytes: &[u8]| {
-            light_mask(&Image::new(Header::default(), size_px, encoding, step, Arc::new(bytes.to_vec())))
-        };
-        assert_eq!(image("mono8", [2, 2], 3, &[1, 2, 0, 3, 4]), Ok(LightMask::new([2, 2], vec![1, 2, 3, 4]).unwrap()));
-        assert_eq!(image("rgb8", [1, 1], 3, &[0; 3]), Err("its encoding is rgb8, not mono8".to_owned()));
-        assert_eq!(image("mono8", [2, 2], 2, &[1, 2, 3]), Err("3 bytes for 2x2 pixels, 2 a row".to_owned()));
-        assert!(image("8UC1", [0, 2], 2, &[]).is_err());
-    }
-
-    #[test]
-    fn a_painted_mask_is_dark_where_it_is_black_or_transparent() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("mask.png");
-        let (light, transparency) = ([1.0, 0.0, 1.0, 128.0 / 255.0], [0.0, 0.0, 1.0, 0.0]);
-        BlendFile::new([4, 1], &light, &transparency).write(&path).unwrap();
-        let read = read_mask(ForCamera { camera: None, value: path }).unwrap();
-        assert_eq!(*read.value, LightMask::new([4, 1], vec![255, 0, 0, 128]).unwrap());
-    }
 }
