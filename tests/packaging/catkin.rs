@@ -11,11 +11,12 @@ use rcs_tests::programs::repository;
 use crate::files::pixels;
 use crate::{bash, printed_by, succeed, target};
 
-pub(crate) const PROGRAMS: [&str; 8] = [
+pub(crate) const PROGRAMS: [&str; 9] = [
     "camera_stream",
     "line_of_sight",
     "nav_path_markers",
     "projector",
+    "projector_blend",
     "projector_calibrate",
     "projector_window",
     "publish_cloud",

@@ -125,6 +125,7 @@ fn the_readme_names_every_option_that_it_explains() {
     for (node, section) in [
         ("camera_stream", "### `camera_stream"),
         ("projector", "### `projector FILE"),
+        ("projector_blend", "### `projector_blend"),
         ("projector_window", "### `projector_window`"),
         ("publish_cloud", "### `publish_cloud"),
     ] {

@@ -136,6 +136,20 @@ fn monitor_and_fixed_frame_are_options_only_if_they_are_given() {
 }
 
 #[test]
+fn what_is_older_than_a_second_is_not_shown_unless_the_launch_file_is_told_otherwise() {
+    for launch in ["projection.launch", "fetch.launch"] {
+        let line = command_line("/camera_stream", launch);
+        assert!(line.contains(" --stale-timeout 1 ") && line.contains(" --stale-note"), "{line}");
+        assert!(line.contains(" --stale-timeout /move_base/NavfnROS/plan=held "), "{line}");
+        let off = command_line("/camera_stream", &format!("{launch} stale_timeout:=0 stale_timeouts:=none"));
+        assert_eq!(off.matches("--stale-timeout").count(), 1, "{off}");
+        assert!(off.contains(" --stale-timeout 0 "), "{off}");
+        let turned = command_line("/camera_stream", &format!("{launch} orientation:=mirrored-180"));
+        assert!(turned.contains(" --orientation mirrored-180 "), "{turned}");
+    }
+}
+
+#[test]
 fn the_nodes_that_are_scripts_have_help() {
     for script in ["image_view_anywhere", "image_view_overlay", "paper_scene", "rviz_if_installed", "simulated_turret"]
     {

@@ -6,8 +6,9 @@ use std::fs;
 use std::process::Command;
 
 use rcs_app::camera_stream::camera_pose::{CameraModel, Projection};
+use rcs_app::camera_stream::light_arguments::{Gamma, StaleArgs};
 use rcs_app::camera_stream::prediction::PredictionSettings;
-use rcs_render::RendererChoice;
+use rcs_render::{Orientation, RendererChoice};
 use rcs_tests::programs::{program, repository};
 
 /// The rows of a node's table of arguments in the README, cell by cell.
@@ -62,6 +63,10 @@ fn default_in_settings(option: &str) -> Option<String> {
         "--projection" => Some(format!("{:?}", Projection::default()).to_lowercase()),
         "--predict" => Some(format!("{:?}", PredictionSettings::default().lead).to_lowercase()),
         "--undistort" => Some(CameraModel::default().undistort.to_string()),
+        "--blend-gamma" => Some(Gamma::default().0.to_string()),
+        "--stale-note" => Some(StaleArgs::default().stale_note.to_string()),
+        "--depth-encoding" => Some("32FC1".to_owned()),
+        "--orientation" => Some(Orientation::default().to_string()),
         _ => None,
     }
 }
@@ -73,6 +78,7 @@ fn defaults_are_those_of_the_programs() {
     for (node, section) in [
         ("camera_stream", "### `camera_stream"),
         ("projector", "### `projector FILE"),
+        ("projector_blend", "### `projector_blend"),
         ("projector_window", "### `projector_window`"),
         ("publish_cloud", "### `publish_cloud"),
     ] {

@@ -11,6 +11,7 @@ mod node_options;
 mod node_status;
 mod poses;
 pub mod projector;
+pub mod projector_blend;
 pub mod projector_calibrate;
 pub mod projector_window;
 pub mod publish_cloud;

@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+mod blend;
 mod crossings;
 mod curvature;
 mod decode;
@@ -22,6 +23,7 @@ mod sample;
 mod solve;
 mod verification;
 
+pub use blend::{blend_weights, BlendProblem, BlendWeights, PlacedProjector};
 use crossings::crossings;
 pub use decode::{decode, DecodeError, Decoded, DecodedPixel, Pictures, Quality, ScanProblem};
 pub use distortion::{Distorted, Distortion, DistortionModel, DistortionProblem};

@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod atomic_file;
+pub mod blend_file;
 pub mod calibration_report;
 pub mod canvas;
 pub mod capture;

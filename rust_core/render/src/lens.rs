@@ -1,7 +1,7 @@
 //! Through a lens: the picture of a [`PixelMap`], taken from what was drawn without one.
 
 use rayon::prelude::*;
-use rcs_scene::{Encoding, MapRun, Picture, PixelMap};
+use rcs_scene::{DepthPicture, Encoding, MapRun, Picture, PixelMap};
 
 /// Rows that a thread takes at once.
 const ROWS: usize = 16;
@@ -30,6 +30,24 @@ pub(crate) fn see_through(
                 source.write(run, pixels);
             }
             encoding.write_row(pixels, bytes);
+        }
+    });
+}
+
+/// Writes the depths that a lens makes of `drawn`: each pixel has that of the nearest one, for a depth between two is
+/// nowhere.
+pub(crate) fn see_depth_through(map: &PixelMap, drawn: &DepthPicture, depth: &mut DepthPicture) {
+    let [width, height] = map.size_px();
+    depth.reset(width, height);
+    let rows = depth.depths_m.par_chunks_mut((width as usize).max(1)).enumerate();
+    rows.for_each(|(row, pixels)| {
+        for MapRun { column, len, place, step } in map.runs(row as u32) {
+            let Some(pixels) = pixels.get_mut(column as usize..(column + len) as usize) else { continue };
+            for (index, pixel) in (0..).zip(pixels) {
+                let nearest = [0, 1].map(|axis| (place[axis] + index * step[axis] + (1 << 15)) >> 16);
+                let at = nearest[1] as usize * drawn.width_px as usize + nearest[0] as usize;
+                *pixel = drawn.depths_m.get(at).copied().unwrap_or(f32::NAN);
+            }
         }
     });
 }
@@ -114,6 +132,27 @@ mod tests {
         for (at, pixel) in picture.data.as_chunks::<3>().0.iter().enumerate() {
             let (x, y) = ((at % 20) as i32 - left, (at / 20) as i32 - top);
             assert_eq!(*pixel, [(4 * x + 1) as u8, (10 * y + 5) as u8, 200]);
+        }
+    }
+
+    #[test]
+    fn depths_are_those_of_the_nearest_pixel_and_never_between_two() {
+        let map = PixelMap::new([20, 10], |[u, v]| (u < 15.0).then_some([u + 0.4, v + 0.6])).unwrap();
+        let [width, height] = map.source_size_px();
+        let mut drawn = DepthPicture::default();
+        drawn.reset(width, height);
+        for (at, depth) in (0..).zip(&mut drawn.depths_m) {
+            *depth = if (at % width + at / width) % 2 == 0 { 1.0 } else { 9.0 };
+        }
+        let mut seen = DepthPicture::default();
+        see_depth_through(&map, &drawn, &mut seen);
+        let [left, top] = map.source_origin_px();
+        for (at, depth) in seen.depths_m.iter().enumerate() {
+            let (x, y) = ((at % 20) as i32 - left, (at / 20) as i32 + 1 - top);
+            match at % 20 {
+                0..15 => assert_eq!(*depth, if (x + y) % 2 == 0 { 1.0 } else { 9.0 }, "{at}"),
+                _ => assert!(depth.is_nan()),
+            }
         }
     }
 

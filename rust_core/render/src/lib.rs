@@ -50,12 +50,14 @@
 mod bounds;
 mod cpu;
 mod gpu;
+mod last_step;
 mod lens;
 mod renderer;
 mod shading;
 
 pub use cpu::{CpuRenderer, Culling};
 pub use gpu::{GpuRenderer, GpuStats};
+pub use last_step::{Blend, BlendError, KeepOut, LastStep, LightMask, Orientation, Sphere};
 pub use renderer::{create, RenderError, Renderer, RendererChoice, View};
 
 /// Names the threads that draw `draw-0`, `draw-1`, …, for `top -H` and debuggers. To be called before anything is

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 use std::time::Duration;
 
-use rcs_scene::{Camera, DisplayId, DisplayMask, Encoding, Picture, Scene};
+use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Encoding, Picture, Scene};
 use thiserror::Error;
 
 use crate::{CpuRenderer, GpuRenderer};
@@ -100,6 +100,13 @@ pub trait Renderer: Send {
     /// See [`RenderError`]. A picture that is too large leaves the others in flight; with [`RenderError::Gpu`] they are
     /// dropped, too.
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError>;
+
+    /// As [`Renderer::submit`], and writes how far away is what the picture will show: along the optical axis, of what
+    /// hides things behind it. What is translucent does not. Depths are drawn on the CPU, whatever draws the picture.
+    ///
+    /// # Errors
+    /// See [`Renderer::submit`].
+    fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError>;
 
     /// Waits for the picture that is in flight longest and writes it to `picture`, which takes its view's size and
     /// encoding; its memory is used again. `false`, and `picture` as it was, when none is in flight.

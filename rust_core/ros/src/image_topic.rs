@@ -84,9 +84,14 @@ impl CompressedPublisher {
 
 /// The topic of the CameraInfo that belongs to an image topic.
 pub fn camera_info_topic(image_topic: &str) -> String {
+    sibling_topic(image_topic, "camera_info")
+}
+
+/// The topic of this name beside an image topic.
+pub fn sibling_topic(image_topic: &str, name: &str) -> String {
     match image_topic.trim_end_matches('/').rsplit_once('/') {
-        Some((parent, _)) => format!("{parent}/camera_info"),
-        None => "camera_info".to_owned(),
+        Some((parent, _)) => format!("{parent}/{name}"),
+        None => name.to_owned(),
     }
 }
 

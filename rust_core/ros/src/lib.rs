@@ -59,6 +59,7 @@ mod node;
 mod node_api;
 mod param_writer;
 mod parameters;
+mod plain_image_topic;
 mod publisher;
 mod reconfigure;
 mod registrar;
@@ -77,11 +78,12 @@ pub use events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall, Trigger
 pub use graph::{Publication, Publications};
 pub use latched_publisher::LatchedPublisher;
 pub use node::{is_asked_to_end, node_time, plain_args, NodeError, NodeTime, RosNode};
+pub use plain_image_topic::PlainImagePublisher;
 pub use reconfigure::ReconfigureServer;
 pub use rosout::{log_line, LogLine, Loggers};
 pub use startup::{init, restart};
 pub use tcpros::Change;
-pub use topic::TopicSubscription;
+pub use topic::{Publishing, TopicSubscription};
 pub use topic_publisher::TopicPublisher;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -49,6 +49,8 @@ struct State {
     next_listener: u64,
     /// The last message of each connection with a latching publisher, and its name; none before it has sent one.
     latched: HashMap<u64, (Arc<str>, Option<AnyMessage>)>,
+    /// How many publishers are connected.
+    connections: usize,
     warned: Option<Instant>,
     /// Messages that were dropped since then.
     unlogged: u64,
@@ -120,13 +122,17 @@ impl Drop for Topic {
 
 impl Handler for Receiver {
     fn connected(&self, source: &Source) {
+        let mut state = lock(&self.state);
+        state.connections += 1;
         if source.is_latching {
-            lock(&self.state).latched.insert(source.connection, (Arc::clone(&source.name), None));
+            state.latched.insert(source.connection, (Arc::clone(&source.name), None));
         }
     }
 
     fn disconnected(&self, source: &Source) {
-        lock(&self.state).latched.remove(&source.connection);
+        let mut state = lock(&self.state);
+        state.connections = state.connections.saturating_sub(1);
+        state.latched.remove(&source.connection);
     }
 
     fn message(&self, bytes: Vec<u8>, source: &Source) {
@@ -152,6 +158,15 @@ impl Handler for Receiver {
             Err(_) => state.unlogged += 1,
         }
     }
+}
+
+/// Who is connected to a subscribed topic at present.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Publishing {
+    /// A publisher is connected.
+    pub is_connected: bool,
+    /// A publisher that latches is connected, and has sent a message.
+    pub is_latched: bool,
 }
 
 /// Keeps a topic subscribed until it is dropped.
@@ -185,6 +200,13 @@ impl TopicSubscription {
         if let Some(sender) = self.sender.as_ref().filter(|_| is_paused) {
             sender.drop_queued();
         }
+    }
+
+    /// Who is connected to it at present: one that was killed is not, whatever the master lists.
+    pub fn publishing(&self) -> Publishing {
+        let state = lock(&self.topic.receiver.state);
+        let is_latched = state.latched.values().any(|(_, message)| message.is_some());
+        Publishing { is_connected: state.connections > 0, is_latched }
     }
 
     /// How many of its messages the event queue holds from now on (0: any number).

@@ -13,6 +13,7 @@
 mod camera;
 mod cells;
 mod color;
+mod depth_picture;
 mod draw_order;
 mod facing;
 mod font;
@@ -31,6 +32,7 @@ mod text;
 pub use camera::{require_finite, Camera, CameraError, Intrinsics, FAR_CLIP_M, MAX_SIDE_PX};
 pub use cells::{CellSheet, CellTile, Cells, TILE_SIDE, UNSET_CELL};
 pub use color::Rgba;
+pub use depth_picture::DepthPicture;
 pub use draw_order::{DrawOrder, Ordered};
 pub use facing::{Facing, FacingPart};
 pub use font::{glyph_atlas, GlyphAtlas, GlyphBox, GLYPH_COUNT};

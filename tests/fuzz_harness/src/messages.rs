@@ -1,5 +1,8 @@
-//! Messages of every type, and the requests of services; images also as the projector's window shows them.
+//! Messages of every type, and the requests of services; images also as the projector's window shows them and as masks
+//! of its light, clouds also as surfaces that projectors light.
 
+use rcs_app::camera_stream::mask_image::light_mask;
+use rcs_app::projector_blend::points::points;
 use rcs_messages::{dynamic_reconfigure, roscpp, std_srvs, AnyMessage, Image, MessageKind, RosMsg, ServicePair};
 use rcs_window::{ReceivedPicture, ScreenPicture};
 
@@ -33,8 +36,19 @@ fn message(kind: MessageKind, bytes: &[u8]) {
     let Ok(message) = kind.decode(bytes) else { return };
     assert_eq!(message.kind(), kind);
     let _ = rcs_messages::header(&message);
-    if let AnyMessage::Image(image) = &message {
-        on_screen(image);
+    match &message {
+        AnyMessage::Image(image) => {
+            on_screen(image);
+            if light_mask(image).is_ok() {
+                assert!(image.data().len() >= image.width as usize * image.height as usize);
+            }
+        }
+        AnyMessage::PointCloud2(cloud) => {
+            if let Ok(points) = points(cloud) {
+                assert!(4 * points.len() <= cloud.data().len());
+            }
+        }
+        _ => {}
     }
     let encoded = message.encode();
     // What is not UTF-8 in a string is replaced by a longer character, and a bool has one way to be true.

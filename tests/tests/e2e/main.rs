@@ -17,16 +17,21 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod blend;
 mod camera_info;
 mod check;
 mod check_live;
 mod command_line;
 mod compressed;
+mod depth;
 mod diagnostics;
+mod eye_safety;
 mod lazy_streams;
 mod live_equals_offline;
+mod never_false;
 mod node_log;
 mod node_window;
+mod orientation;
 mod projector_calibrate;
 mod projector_scan;
 mod projector_verify;

@@ -7,10 +7,11 @@ use std::time::Duration;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use rcs_files::picture_file::PictureFormat;
-use rcs_render::RendererChoice;
+use rcs_render::{Orientation, RendererChoice};
 use rcs_resources::ResourceOptions;
 
 use crate::camera_stream::camera_pose::{CameraModel, Projection};
+use crate::camera_stream::light_arguments::{BlendArgs, DepthArgs, EyeSafetyArgs, MountingArgs, StaleArgs};
 use crate::camera_stream::prediction::PredictionArgs;
 use crate::camera_stream::window_arguments::ScreenArgs;
 
@@ -134,6 +135,21 @@ pub struct NodeArgs {
     /// Whether moving frames are predicted.
     #[command(flatten)]
     pub prediction: PredictionArgs,
+    /// When data are too old to be shown.
+    #[command(flatten)]
+    pub stale: StaleArgs,
+    /// Where there must be no light.
+    #[command(flatten)]
+    pub eye_safety: EyeSafetyArgs,
+    /// How projectors are mounted.
+    #[command(flatten)]
+    pub mounting: MountingArgs,
+    /// The share of each projector where several light one surface.
+    #[command(flatten)]
+    pub blend: BlendArgs,
+    /// The depths beside the pictures.
+    #[command(flatten)]
+    pub depth: DepthArgs,
     /// Options of rviz's window: accepted and ignored
     #[command(flatten)]
     pub window: WindowArgs,
@@ -251,6 +267,10 @@ pub struct RenderArgs {
     /// The CameraPub display to render; required if the config has several
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
+    /// Turn the pictures clockwise by 0, 90, 180 or 270 degrees, or mirror them before: mirrored, mirrored-90,
+    /// mirrored-180, mirrored-270 [default: 0]
+    #[arg(long, value_name = "ORIENTATION")]
+    pub orientation: Option<Orientation>,
     /// A parameter that displays read (robot_description, say), from a file
     #[arg(long, value_name = "NAME=FILE")]
     pub param: Vec<String>,

@@ -1,12 +1,17 @@
 //! `camera_stream`: the virtual cameras of a `.rviz` config, as a ROS node or over a bag.
 
+mod black_picture;
 pub mod camera_pose;
 pub mod check;
 pub mod cli;
+pub mod depth_image;
 mod lazy_streams;
+pub mod light_arguments;
+pub mod mask_image;
 mod new_camera;
 pub mod node;
 pub mod offline;
+mod oriented_info;
 pub mod outputs;
 pub mod prediction;
 mod private_parameters;
@@ -24,6 +29,7 @@ use std::process::ExitCode;
 
 use anyhow::{anyhow, Result};
 use clap::Parser;
+use rcs_render::LastStep;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::restart;
 use rcs_rviz_config::{Config, Finding};
@@ -153,6 +159,7 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
         section: Section { at_secs: args.at, start_secs: args.start, end_secs: args.end },
         target: &target,
         model: cli.model.chosen(),
+        last_step: LastStep { orientation: args.orientation.unwrap_or_default(), ..LastStep::default() },
     };
     let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
     offline::render(&mut stage, &job, renderer.as_mut())

@@ -11,6 +11,8 @@ use rcs_ros::RosNode;
 
 use crate::camera_stream::camera_pose::{CameraModel, Projection};
 use crate::camera_stream::cli::{ModelArgs, ResourceArgs, MESH_MB};
+use crate::camera_stream::depth_image::DepthEncoding;
+use crate::camera_stream::light_arguments::Gamma;
 use crate::camera_stream::window_arguments::ScreenArgs;
 
 /// What draws: `--renderer`, else `~renderer`.
@@ -32,11 +34,7 @@ pub(crate) fn camera_model(ros: &RosNode, given: &ModelArgs, other_node: Option<
         std::iter::once(format!("~{name}")).chain(of_other).collect::<Vec<_>>()
     };
     let projection = choose(ros, given.projection, &names("projection"), |text| Projection::from_str(text, true))?;
-    let undistort = choose(ros, given.undistort.then_some(true), &names("undistort"), |text| match text {
-        "true" | "1" => Ok(true),
-        "false" | "0" => Ok(false),
-        _ => Err(format!("{text} is not true or false")),
-    })?;
+    let undistort = choose(ros, given.undistort.then_some(true), &names("undistort"), yes_or_no)?;
     Ok(CameraModel { projection: projection.unwrap_or_default(), undistort: undistort.unwrap_or_default() })
 }
 
@@ -59,6 +57,68 @@ pub(crate) fn resources(ros: &RosNode, given: &ResourceArgs) -> Result<ResourceO
         args.mesh_folder.extend(folders.into_iter().map(PathBuf::from));
     }
     Ok(args.options())
+}
+
+/// A switch that is on by an option or by its parameter.
+///
+/// # Errors
+/// When the parameter is neither true nor false; names the parameter.
+pub(crate) fn flag(ros: &RosNode, given: bool, parameter: &str) -> Result<bool> {
+    Ok(switch(ros, given.then_some(true), parameter)?.unwrap_or_default())
+}
+
+/// The gamma of the projectors: `--blend-gamma`, else `~blend_gamma`.
+///
+/// # Errors
+/// When the parameter has no valid value; names the parameter.
+pub(crate) fn blend_gamma(ros: &RosNode, given: Option<Gamma>) -> Result<Gamma> {
+    Ok(choose(ros, given, &["~blend_gamma"], str::parse)?.unwrap_or_default())
+}
+
+/// How depths are written: `--depth-encoding`, else `~depth_encoding`.
+///
+/// # Errors
+/// When the parameter has no valid value; names the parameter.
+pub(crate) fn depth_encoding(ros: &RosNode, given: Option<DepthEncoding>) -> Result<DepthEncoding> {
+    Ok(choose(ros, given, &["~depth_encoding"], str::parse)?.unwrap_or_default())
+}
+
+/// A parameter's list of strings; empty where it is not set.
+///
+/// # Errors
+/// When the parameter is something else; names the parameter.
+pub(crate) fn strings(ros: &RosNode, parameter: &str) -> Result<Vec<String>> {
+    if !ros.has_param(parameter) {
+        return Ok(Vec::new());
+    }
+    ros.strings_param(parameter).ok_or_else(|| anyhow!("parameter {parameter}: it is a list of strings"))
+}
+
+/// A parameter's list of strings, or its single value as text; empty where it is not set.
+///
+/// # Errors
+/// When the parameter is something else; names the parameter.
+pub(crate) fn texts(ros: &RosNode, parameter: &str) -> Result<Vec<String>> {
+    match ros.text_param(parameter) {
+        Some(text) => Ok(vec![text]),
+        None => strings(ros, parameter),
+    }
+}
+
+/// A switch by an option, else by its parameter; none where neither is given.
+///
+/// # Errors
+/// When the parameter is neither true nor false; names the parameter.
+pub(crate) fn switch(ros: &RosNode, given: Option<bool>, parameter: &str) -> Result<Option<bool>> {
+    choose(ros, given, &[parameter], yes_or_no)
+}
+
+fn yes_or_no(text: &str) -> Result<bool, String> {
+    match text {
+        "true" | "1" => Ok(true),
+        "false" | "0" => Ok(false),
+        _ => Err(format!("{text} is not true or false")),
+    }
 }
 
 /// The node's windows: `--window`, else `~window`, one or a list; `--set-mode` or `~set_mode`.

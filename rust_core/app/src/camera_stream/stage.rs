@@ -31,7 +31,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rcs_displays::{time_from_stamp, CameraView, DisplaySet, Reconfigured, TopicRequest, World};
+use nalgebra::Point3;
+use rcs_displays::{time_from_stamp, CameraView, DisplaySet, Reconfigured, ShownMessage, TopicRequest, World};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{quaternion_xyzw, translation_xyz, AnyMessage, MessageKind};
@@ -64,7 +65,8 @@ pub struct Stage {
     meshes: MeshStore,
     /// That of the meshes at the last update.
     meshes_version: u64,
-    camera_infos: HashMap<String, Arc<CameraInfo>>,
+    /// By topic, with the moment when they were received, if that was given.
+    camera_infos: HashMap<String, (Arc<CameraInfo>, Option<Instant>)>,
     lenses: Lenses,
     warned: std::collections::HashSet<String>,
     /// It was logged that there are too many frames.
@@ -180,7 +182,7 @@ impl Stage {
     /// [`DisplaySet::newly_shown`] passes on.
     pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, now: Time) {
         if let AnyMessage::CameraInfo(info) = message {
-            self.camera_infos.insert(topic.to_owned(), info.clone());
+            self.camera_infos.insert(topic.to_owned(), (info.clone(), received));
         }
         let world = World {
             transforms: &self.transforms,
@@ -276,7 +278,21 @@ impl Stage {
 
     /// The last CameraInfo of a camera.
     pub fn camera_info(&self, camera: &CameraView) -> Option<&Arc<CameraInfo>> {
-        self.camera_infos.get(&camera.settings.camera_info_topic)
+        self.camera_infos.get(&camera.settings.camera_info_topic).map(|(info, _)| info)
+    }
+
+    /// The last CameraInfo of a topic, by its name in the config, and what is known of its age.
+    pub(crate) fn received_camera_info(&self, topic: &str) -> Option<(&Arc<CameraInfo>, ShownMessage)> {
+        let (info, received) = self.camera_infos.get(topic)?;
+        Some((info, ShownMessage { stamp: time_from_stamp(info.header.stamp), received: *received }))
+    }
+
+    /// Until when a frame's place in the fixed frame is known; zero where nothing between them moves. None for the
+    /// fixed frame itself, and for a frame whose place is not known at all.
+    pub(crate) fn known_until(&self, frame: &str) -> Option<Time> {
+        let is_fixed = frame.trim_start_matches('/') == self.fixed_frame;
+        let found = (!is_fixed).then(|| self.transforms.lookup_stamped(&self.fixed_frame, frame, Time::ZERO));
+        found?.ok().map(|(_, stamp)| stamp)
     }
 
     /// Where a camera is and what it sees of the scene, from its last CameraInfo and the latest transforms, or
@@ -298,6 +314,12 @@ impl Stage {
     /// Why the lens of a camera's last CameraInfo was not allowed for, if that was tried.
     pub(crate) fn no_lens(&self, camera: &CameraView) -> Option<NoLens> {
         self.lenses.problem(&camera.settings.camera_info_topic)
+    }
+
+    /// Where the origin of a frame is in the fixed frame now, as far as that is known.
+    pub(crate) fn place_of(&self, frame: &str) -> Option<Point3<f64>> {
+        let place = self.world(Time::ZERO).fixed_from(frame, Time::ZERO).ok()?;
+        Some(Point3::from(place.translation.vector))
     }
 
     /// Drops frames and messages: the time jumped back. CameraInfos are kept, as latched topics are not sent again.

@@ -6,11 +6,20 @@ use std::time::{Duration, Instant};
 
 use rcs_displays::TopicRequest;
 use rcs_messages::MessageKind;
-use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
+use rcs_ros::{NodeEvent, Publishing, RosNode, TopicSubscription};
 use rcs_transforms::Time;
 
 use crate::camera_stream::lazy_streams::{Key, LazyStreams};
 use crate::camera_stream::stage::Stage;
+
+/// Where the data of a subscribed topic come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Source {
+    /// The topic's whole name.
+    pub(crate) topic: String,
+    /// Who is connected.
+    pub(crate) publishing: Publishing,
+}
 
 /// What is subscribed to, and the names that the config has for it.
 #[derive(Default)]
@@ -99,6 +108,14 @@ impl Subscriptions {
     /// The config's names of a topic.
     fn names(&self, topic: &Arc<str>, kind: MessageKind) -> &[String] {
         self.names.get(&(Arc::clone(topic), kind)).map(Vec::as_slice).unwrap_or_default()
+    }
+
+    /// Who publishes a topic of this type at present, by its name in the config; none where it is not subscribed to.
+    pub(crate) fn source(&self, name: &str, kind: MessageKind) -> Option<Source> {
+        let has_name = |key: &&Key| key.1 == kind && self.names(&key.0, kind).iter().any(|known| known == name);
+        let key = self.names.keys().find(has_name)?;
+        let publishing = self.subscribed.get(key)?.publishing();
+        Some(Source { topic: key.0.to_string(), publishing })
     }
 
     /// Applies an event to the stage, if it is one that changes the scene: a message, transforms, a parameter, a

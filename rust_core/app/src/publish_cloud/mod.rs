@@ -86,7 +86,8 @@ fn period(rate_hz: f64) -> Duration {
     Duration::try_from_secs_f64(rate_hz.recip()).unwrap_or(Duration::MAX)
 }
 
-fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
+/// A file's cloud as a message, in a frame.
+pub(crate) fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
     let fields = cloud.fields.into_iter().map(|field| PointField {
         name: field.name,
         offset: field.offset_bytes,

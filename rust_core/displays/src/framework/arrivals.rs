@@ -31,6 +31,7 @@ pub(crate) struct Arrivals {
     /// Those that were taken since the last update, and those that wait for their frames; oldest first.
     on_the_way: VecDeque<ShownMessage>,
     shown: Option<ShownMessage>,
+    current: Option<ShownMessage>,
 }
 
 impl Arrivals {
@@ -45,8 +46,14 @@ impl Arrivals {
         self.on_the_way.push_back(ShownMessage { stamp: header(message).map_or(Time::ZERO, stamp), received });
     }
 
-    /// Records an update. Returns the newest message that is shown since then, if one is.
-    pub(crate) fn settle(&mut self, changed: bool, is_waiting: impl Fn(Time) -> bool) -> Option<ShownMessage> {
+    /// Records an update. Returns the newest message that is shown since then, if one is. `is_accepted`: what does not
+    /// wait any more was not refused or dropped.
+    pub(crate) fn settle(
+        &mut self,
+        changed: bool,
+        is_accepted: impl FnOnce() -> bool,
+        is_waiting: impl Fn(Time) -> bool,
+    ) -> Option<ShownMessage> {
         let mut newest = None;
         self.on_the_way.retain(|message| {
             let stays = is_waiting(message.stamp);
@@ -55,9 +62,20 @@ impl Arrivals {
             }
             stays
         });
-        let newest = newest.filter(|_| changed)?;
+        let newest = newest?;
+        if changed || is_accepted() {
+            self.current = Some(newest);
+        }
+        if !changed {
+            return None;
+        }
         self.shown = Some(newest);
         Some(newest)
+    }
+
+    /// The newest message that what is shown stands for: also one that changed nothing, as it says the same again.
+    pub(crate) fn current(&self) -> Option<ShownMessage> {
+        self.current
     }
 
     /// The newest message that is shown.
@@ -88,7 +106,7 @@ mod tests {
     /// The stamp of what is newly shown after an update, while stamps from `waiting_secs` on wait.
     fn settle(arrivals: &mut Arrivals, changed: bool, waiting_secs: u32) -> Option<u32> {
         let waits = |stamp: Time| stamp >= Time::from_secs_nanos(waiting_secs, 0);
-        arrivals.settle(changed, waits).map(|shown| shown.stamp.as_secs_nanos().0)
+        arrivals.settle(changed, || false, waits).map(|shown| shown.stamp.as_secs_nanos().0)
     }
 
     #[test]
@@ -110,6 +128,20 @@ mod tests {
         assert_eq!(settle(&mut arrivals, false, 9), None);
         assert_eq!(settle(&mut arrivals, true, 9), None, "a later change is not its own");
         assert_eq!(arrivals.shown(), None);
+    }
+
+    #[test]
+    fn what_is_shown_stands_for_a_message_that_says_the_same_but_not_for_one_that_was_refused() {
+        let mut arrivals = Arrivals::default();
+        let mut settled = |secs: u32, changed: bool, is_accepted: bool| {
+            note(&mut arrivals, secs);
+            arrivals.settle(changed, || is_accepted, |_| false);
+            arrivals.current().map(|current| current.stamp.as_secs_nanos().0)
+        };
+        assert_eq!(settled(1, false, false), None);
+        assert_eq!(settled(2, true, false), Some(2));
+        assert_eq!(settled(3, false, true), Some(3));
+        assert_eq!(settled(4, false, false), Some(3));
     }
 
     #[test]

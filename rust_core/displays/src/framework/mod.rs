@@ -1,5 +1,6 @@
 //! What all displays share: their set, the contract of one, the world around them, and what they report.
 
+pub(crate) mod ages;
 pub(crate) mod arrivals;
 pub(crate) mod display;
 pub(crate) mod frame;

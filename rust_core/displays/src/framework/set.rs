@@ -13,12 +13,13 @@ use rcs_scene::{Camera, DirectionalLight, DisplayId, DisplayMask, Scene};
 use rcs_transforms::Time;
 
 use crate::classes::create;
+use crate::framework::ages::DisplayAge;
 use crate::framework::arrivals::{Arrivals, ShownMessage};
 use crate::framework::display::Display;
 use crate::framework::in_view::InView;
 use crate::framework::message_cache::MessageCache;
 use crate::framework::report::DisplayReport;
-use crate::{TopicRequest, World};
+use crate::{Level, TopicRequest, World};
 
 /// A camera of a config: an enabled CameraPub display.
 #[derive(Clone, Debug)]
@@ -306,7 +307,8 @@ impl DisplaySet {
             let begun = Instant::now();
             let has_changed = entry.display.update(world);
             entry.cost += begun.elapsed();
-            let shown = entry.arrivals.settle(has_changed, |stamp| entry.display.is_waiting(stamp));
+            let is_accepted = || entry.display.statuses().level() < Level::Error;
+            let shown = entry.arrivals.settle(has_changed, is_accepted, |stamp| entry.display.is_waiting(stamp));
             self.newly_shown.extend(shown.map(|shown| (entry.id, shown)));
             if has_changed {
                 self.version += 1;
@@ -384,6 +386,18 @@ impl DisplaySet {
         }
     }
 
+    /// What the age of each display is measured by.
+    pub fn ages(&self) -> impl Iterator<Item = DisplayAge<'_>> {
+        self.entries.iter().map(|entry| DisplayAge {
+            id: entry.id,
+            path: &entry.listed.path,
+            topics: entry.display.topics(),
+            current: entry.arrivals.current(),
+            follows: entry.display.follows(),
+            is_empty: entry.display.drawables().is_empty(),
+        })
+    }
+
     /// The statuses of each display, those of classes that are not drawn included.
     pub fn reports(&self) -> impl Iterator<Item = DisplayReport<'_>> {
         self.entries.iter().map(|entry| {
@@ -431,8 +445,6 @@ mod tests {
     use rcs_messages::{MessageKind, PointCloud2};
     use rcs_resources::{MeshStore, PackageIndex};
     use rcs_transforms::{RawTransform, TransformTree};
-
-    use crate::Level;
 
     /// Drawables of each display that a camera with these tick boxes shows, in the scene's order.
     fn shown(set: &DisplaySet, mask: &DisplayMask) -> Vec<DisplayId> {

@@ -224,6 +224,12 @@ impl Band<'_> {
         let width = self.width as usize;
         self.color.chunks_exact(self.stride).map(move |row| bytemuck::cast_slice(&row[..width]))
     }
+
+    /// The depths of each row.
+    pub(super) fn depth_rows(&self) -> impl Iterator<Item = &[f32]> + '_ {
+        let width = self.width as usize;
+        self.depth.chunks_exact(self.stride).map(move |row| &row[..width])
+    }
 }
 
 /// [`LANES`] pixels side by side.

@@ -21,6 +21,7 @@ mod band;
 mod bins;
 mod clip;
 mod costs;
+mod depths;
 mod fill;
 mod frame_plan;
 mod instances;
@@ -42,11 +43,12 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use fearless_simd::Level;
-use rcs_scene::{DisplayId, Encoding, Picture, MAX_SIDE_PX};
+use rcs_scene::{DepthPicture, DisplayId, Encoding, Picture, MAX_SIDE_PX};
 
 use self::band::{pack, Band, BandBuffers};
 use self::bins::Bins;
 use self::costs::WorkerCosts;
+use self::depths::Depths;
 use self::frame_plan::{FramePlan, FramePlanMemory, Job, Textures};
 use self::instances::{InstanceScratch, Instances, Shapes};
 use self::points::PointScratch;
@@ -76,6 +78,7 @@ pub struct CpuRenderer {
     unused_picture: Picture,
     /// What is drawn of a picture that a lens bends.
     before_lens: Picture,
+    depth_before_lens: DepthPicture,
     /// Whose the jobs of the last picture were.
     job_displays: Vec<DisplayId>,
 }
@@ -154,13 +157,11 @@ impl Renderer for CpuRenderer {
 
     /// Draws at once: all cores are busy with one picture.
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
-        let mut picture = std::mem::take(&mut self.unused_picture);
-        let drawn = self.draw(view, &mut picture);
-        match drawn {
-            Ok(()) => self.finished.push_back(picture),
-            Err(_) => self.unused_picture = picture,
-        }
-        drawn
+        self.submit_both(view, None)
+    }
+
+    fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
+        self.submit_both(view, Some(depth))
     }
 
     fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
@@ -172,30 +173,64 @@ impl Renderer for CpuRenderer {
 
     fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
         self.finished.clear();
-        self.draw(view, picture)
+        self.draw(view, picture, None)
     }
 }
 
 impl CpuRenderer {
-    fn draw(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
-        let Some(map) = view.camera.lens() else { return self.draw_straight(view, picture) };
-        let mut drawn = std::mem::take(&mut self.before_lens);
-        let result = self.draw_straight(&View { encoding: Encoding::Rgba8, ..*view }, &mut drawn);
+    /// Draws how far away is what a picture of the view would show, and drops the picture.
+    pub(crate) fn draw_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
+        let mut picture = std::mem::take(&mut self.unused_picture);
+        let drawn = self.draw(view, &mut picture, Some(depth));
+        self.unused_picture = picture;
+        drawn
+    }
+
+    fn submit_both(&mut self, view: &View<'_>, depth: Option<&mut DepthPicture>) -> Result<(), RenderError> {
+        let mut picture = std::mem::take(&mut self.unused_picture);
+        let drawn = self.draw(view, &mut picture, depth);
+        match drawn {
+            Ok(()) => self.finished.push_back(picture),
+            Err(_) => self.unused_picture = picture,
+        }
+        drawn
+    }
+
+    fn draw(
+        &mut self,
+        view: &View<'_>,
+        picture: &mut Picture,
+        depth: Option<&mut DepthPicture>,
+    ) -> Result<(), RenderError> {
+        let Some(map) = view.camera.lens() else { return self.draw_straight(view, picture, depth) };
+        let (mut drawn, mut drawn_depth) =
+            (std::mem::take(&mut self.before_lens), std::mem::take(&mut self.depth_before_lens));
+        let straight = View { encoding: Encoding::Rgba8, ..*view };
+        let result = self.draw_straight(&straight, &mut drawn, depth.is_some().then_some(&mut drawn_depth));
         if result.is_ok() {
             lens::see_through(map, &drawn, view.background, view.encoding, picture);
+            if let Some(depth) = depth {
+                lens::see_depth_through(map, &drawn_depth, depth);
+            }
         }
-        self.before_lens = drawn;
+        (self.before_lens, self.depth_before_lens) = (drawn, drawn_depth);
         result
     }
 
     /// Draws what a camera sees without its lens.
-    fn draw_straight(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
+    fn draw_straight(
+        &mut self,
+        view: &View<'_>,
+        picture: &mut Picture,
+        depth: Option<&mut DepthPicture>,
+    ) -> Result<(), RenderError> {
         let (width_px, height_px) = (view.camera.width_px(), view.camera.height_px());
         if width_px.max(height_px) > MAX_SIDE_PX {
             let renderer = self.describe();
             return Err(RenderError::TooLarge { width_px, height_px, limit_px: MAX_SIDE_PX, renderer });
         }
         picture.reset(width_px, height_px, view.encoding);
+        let depths = Depths::new(view.camera, depth);
         if picture.data.is_empty() {
             return Ok(());
         }
@@ -236,8 +271,10 @@ impl CpuRenderer {
         let background = pack([r, g, b, 255]);
         let step = picture.step();
         let outcomes = &self.outcomes;
-        let bands = picture.data.chunks_mut(step * screen.band_rows()).enumerate();
-        in_parallel(&mut self.workers, bands, |worker, (index, rows)| {
+        let to_metres = depths.to_metres();
+        let depths = depths.into_bands(width_px as usize * screen.band_rows());
+        let bands = picture.data.chunks_mut(step * screen.band_rows()).zip(depths).enumerate();
+        in_parallel(&mut self.workers, bands, |worker, (index, (rows, depths))| {
             let Worker { band, scratch, instances, ranked, costs, .. } = worker;
             let mut band = band.begin(&screen, index, background);
             ranked.begin();
@@ -263,6 +300,9 @@ impl CpuRenderer {
             }
             for (pixels, row) in band.pixel_rows().zip(rows.chunks_mut(step)) {
                 view.encoding.write_row(pixels, row);
+            }
+            if let Some(depths) = depths {
+                to_metres.write(band.depth_rows(), width_px as usize, depths);
             }
         });
         std::mem::swap(&mut self.job_displays, &mut plan.job_displays);

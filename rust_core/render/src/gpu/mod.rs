@@ -46,7 +46,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use nalgebra::Matrix4;
-use rcs_scene::{Camera, DrawOrder, Encoding, Geometry, Ordered, Picture, PixelMap};
+use rcs_scene::{Camera, DepthPicture, DrawOrder, Encoding, Geometry, Ordered, Picture, PixelMap};
 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
@@ -59,7 +59,7 @@ use self::text::{TextDraw, TextPipelines};
 use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
 use crate::shading::to_light;
-use crate::{lens, RenderError, Renderer, View};
+use crate::{lens, CpuRenderer, RenderError, Renderer, View};
 
 /// Draws with wgpu.
 #[derive(Debug)]
@@ -67,6 +67,8 @@ pub struct GpuRenderer {
     hardware_only: bool,
     name: String,
     gpu: Option<Gpu>,
+    /// Draws depths, which WebGL 2 cannot read back. Made when it is needed.
+    depths: Option<Box<CpuRenderer>>,
 }
 
 /// All that lives on one device.
@@ -134,7 +136,7 @@ impl GpuRenderer {
     /// [`RenderError::NoAdapter`], or [`RenderError::Gpu`] when the only adapter does not work.
     pub fn new(hardware_only: bool) -> Result<Self, RenderError> {
         let gpu = Gpu::open(hardware_only)?;
-        Ok(Self { hardware_only, name: gpu.device.name().to_owned(), gpu: Some(gpu) })
+        Ok(Self { hardware_only, name: gpu.device.name().to_owned(), gpu: Some(gpu), depths: None })
     }
 
     /// Counts and times since the device was opened; zeros while it is lost and not open again.
@@ -168,6 +170,12 @@ impl Renderer for GpuRenderer {
         };
         gpu.device.name().clone_into(&mut self.name);
         self.on(gpu, |gpu| gpu.submit(view))
+    }
+
+    fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
+        self.submit(view)?;
+        // The GPU draws meanwhile.
+        self.depths.get_or_insert_with(|| Box::new(CpuRenderer::new())).draw_depth(view, depth)
     }
 
     fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {

@@ -3,6 +3,9 @@
 //! Its parts: [`Schedule`] decides when a picture is due, [`RuntimeSettings`] holds the settings, [`Outputs`] receive
 //! the pictures, [`CameraHealth`] records problems and figures.
 //!
+//! A picture that has become false, because what it shows is too old, is followed by a black one at once, whatever the
+//! frame rate; see [`super::freshness`].
+//!
 //! A camera belongs to both of the node's threads, see [`super::shared`]: the scene's thread draws its pictures, and
 //! the control thread answers calls and repeats the last picture while another is drawn for long. None of its methods
 //! takes long; the drawing itself is done between [`CameraOutput::begin_if_due`] and [`CameraOutput::finish`].
@@ -14,18 +17,24 @@ use anyhow::Result;
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_render::LastStep;
 use rcs_ros::{RosNode, TriggerReply};
-use rcs_scene::{Camera, Picture};
-use rcs_transforms::Time;
+use rcs_scene::{Camera, DepthPicture, DisplayMask, Picture, MAX_SIDE_PX};
 
 use super::camera_health::CameraHealth;
 use super::camera_plan::CameraPlan;
+use super::content::{size_px, Content, Drawn, Light, Note};
+use super::freshness::Shown;
+use super::last_steps::CameraStep;
 use super::latency::Update;
 use super::pacing::Pacing;
 use super::reconfigurable::Switch;
 use super::runtime_settings::RuntimeSettings;
 use super::schedule::Schedule;
+use crate::camera_stream::black_picture::black_picture;
 use crate::camera_stream::camera_pose::CameraModel;
+use crate::camera_stream::depth_image::{DepthEncoding, DepthImage};
+use crate::camera_stream::oriented_info::TurnedInfo;
 use crate::camera_stream::outputs::{Frame, Output, Outputs, TopicOutput};
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::StatusEntry;
@@ -47,10 +56,15 @@ pub(super) struct CameraOutput {
     /// The picture before the last one, whose memory is drawn into again unless an output still holds it.
     spare: Option<Arc<Picture>>,
     in_flight: Option<Drawn>,
+    depth_in_flight: Option<Arc<DepthImage>>,
+    depth_encoding: DepthEncoding,
     /// The newest change that was not drawn yet.
-    waiting_change: Option<(u64, Camera)>,
+    waiting_change: Option<(Content, Arc<LastStep>)>,
     /// When pictures for a window are begun.
     pacing: Pacing,
+    /// Whether a picture that is black because of its age says why.
+    note: Note,
+    turned_info: TurnedInfo,
     health: CameraHealth,
 }
 
@@ -62,18 +76,11 @@ pub(super) struct CameraConnections {
     pub(super) trigger_service: Option<Arc<str>>,
 }
 
-/// What a picture shows: the state of the scene and the camera.
-struct Drawn {
-    scene_version: u64,
-    camera: Camera,
-    info: Arc<CameraInfo>,
-    /// When its frames were looked up, in ROS time, if they were predicted.
-    looked_up: Option<Time>,
-}
-
 /// The picture that was finished last.
 struct LastPicture {
     picture: Arc<Picture>,
+    /// Where depths were wanted.
+    depth: Option<Arc<DepthImage>>,
     of: Drawn,
 }
 
@@ -81,11 +88,11 @@ struct LastPicture {
 pub(super) struct DuePicture {
     /// The camera's settings.
     pub(super) view: Arc<CameraView>,
+    /// The displays that are drawn.
+    pub(super) visible: DisplayMask,
     /// Where it is.
     pub(super) camera: Camera,
-    info: Arc<CameraInfo>,
-    scene_version: u64,
-    looked_up: Option<Time>,
+    drawn: Drawn,
 }
 
 /// The cameras' names, for the log.
@@ -110,10 +117,19 @@ impl CameraOutput {
             last: None,
             spare: None,
             in_flight: None,
+            depth_in_flight: None,
+            depth_encoding: DepthEncoding::default(),
             waiting_change: None,
             pacing: Pacing::default(),
+            note: Note::NotShown,
+            turned_info: TurnedInfo::default(),
             health: CameraHealth::default(),
         }
+    }
+
+    /// Writes depths like this from now on.
+    pub(super) fn set_depth_encoding(&mut self, encoding: DepthEncoding) {
+        self.depth_encoding = encoding;
     }
 
     /// Takes over the settings and connections that a config gives it.
@@ -240,14 +256,14 @@ impl CameraOutput {
     /// How long until a picture is due by itself; `None` when that is never.
     pub(super) fn until_due(&self, now: Instant) -> Option<Duration> {
         // A camera that cannot draw is retried when a message arrives.
-        let can_draw = !self.health.has_problem() && self.connections.outputs.is_watched();
+        let can_draw = (!self.health.has_problem() || self.last.is_some()) && self.connections.outputs.is_watched();
         // What waits for the screen's refresh is not due before.
         let paced = self.waiting_change.is_some().then(|| self.pacing_wait(now)).flatten().unwrap_or_default();
         self.schedule.until_due(now).filter(|_| can_draw).map(|due| due.max(paced))
     }
 
     /// The picture that is due now, if it has changed: to be given to the renderer, and to
-    /// [`Self::record_begun`] then. An unchanged one is published at once.
+    /// [`Self::record_begun`] then. An unchanged one, and a black one, is published at once.
     ///
     /// # Errors
     /// Those of the outputs.
@@ -255,6 +271,7 @@ impl CameraOutput {
         &mut self,
         stage: &Stage,
         model: CameraModel,
+        light: Light<'_>,
         ros: &RosNode,
     ) -> Result<Option<DuePicture>> {
         self.connections.outputs.topic.iter_mut().for_each(|topic| topic.attend(ros));
@@ -263,41 +280,95 @@ impl CameraOutput {
             self.health.latency.forget();
             return Ok(None);
         }
+        let has_note = light.assessment.is_some_and(|assessment| assessment.has_note);
+        self.note = if has_note { Note::Shown } else { Note::NotShown };
         let camera = match stage.camera(&self.view, model) {
             Ok(camera) => camera,
             Err(problem) => {
-                // The last picture must not pass for a current one.
-                self.last = None;
+                let why = problem.to_string();
                 self.health.record_problem(&self.view.name, problem, Instant::now());
-                return Ok(None);
+                // The last picture must not pass for a current one.
+                if light.assessment.is_none() && !light.protects_eyes {
+                    self.last = None;
+                    return Ok(None);
+                }
+                // Where the note would be lit is not known without a camera.
+                let note = if light.protects_eyes { Note::NotShown } else { self.note };
+                let info = stage.camera_info(&self.view).cloned();
+                return self.turn_black(info, light.step, (why, note), ros).map(|()| None);
             }
         };
         self.health.clear_problem(&self.view.name);
         let Some(info) = stage.camera_info(&self.view).cloned() else { return Ok(None) };
-        let scene_version = stage.displays().version_shown(&self.view.visible);
-        let is_current = |last: &LastPicture| last.of.scene_version == scene_version && last.of.camera == camera;
-        let changed = !self.last.as_ref().is_some_and(is_current);
+        let shown = light.assessment.map(|all| all.of_camera(&self.view)).unwrap_or_default();
+        let (visible, drawn) = self.allowed(&camera, info, stage, shown, light.step);
+        let Some(drawn) = self.due(drawn, ros)? else { return Ok(None) };
+        if let Content::Black { .. } = drawn.content {
+            self.health.latency.forget();
+            return self.publish_black(drawn, ros).map(|()| None);
+        }
+        self.health.warn_about_projection(&self.view, &drawn.info, model);
+        Ok(Some(DuePicture { view: Arc::clone(&self.view), visible, camera, drawn }))
+    }
+
+    /// What may be drawn now, and which displays are.
+    fn allowed(
+        &mut self,
+        camera: &Camera,
+        info: Arc<CameraInfo>,
+        stage: &Stage,
+        Shown { hidden, black, until }: Shown,
+        step: &CameraStep,
+    ) -> (DisplayMask, Drawn) {
+        // While it is not known where there may be light, no note is lit either.
+        let dark = step.dark.clone().map(|why| (why, Note::NotShown));
+        let black = dark.or(black.map(|why| (why, self.note)));
+        self.health.record_black(&self.view.name, black.as_ref().map(|(why, _)| why.as_str()));
+        let mut visible = self.view.visible.clone();
+        hidden.iter().for_each(|display| visible.set(*display, false));
+        let content = match black {
+            Some((why, note)) => Content::Black { size_px: size_px(camera), why, note },
+            None => {
+                let version = stage.displays().version_shown(&visible);
+                Content::Scene { version, camera: Box::new(camera.clone()), hidden }
+            }
+        };
+        let until = until.into_iter().chain(step.until).min();
+        let looked_up = stage.prediction().map(|prediction| prediction.now);
+        (visible, Drawn { content, step: Arc::clone(&step.step), info, until, looked_up })
+    }
+
+    /// The picture if it is due and differs from the last one. That one is published again if only that is due.
+    fn due(&mut self, drawn: Drawn, ros: &RosNode) -> Result<Option<Drawn>> {
+        let last = self.last.as_ref().map(|last| &last.of);
+        let lacks_depth =
+            self.connections.outputs.wants_depth() && self.last.as_ref().is_some_and(|last| last.depth.is_none());
+        let changed = lacks_depth || last.is_none_or(|last| !last.shows_the_same(&drawn));
+        // What has become false, or true again, does not wait for the frame rate; nor does light that is forbidden now,
+        // unless pictures follow changes anyway.
+        let is_urgent = last.is_some_and(|last| {
+            last.content.differs_in_age(&drawn.content) || (last.step != drawn.step && !self.schedule.follows_changes())
+        });
         let now = Instant::now();
-        let change = changed.then(|| (scene_version, camera.clone()));
-        if change.is_some() && change != self.waiting_change {
+        let change = changed.then(|| (drawn.content.clone(), Arc::clone(&drawn.step)));
+        if change.is_some() && self.waiting_change != change {
             self.schedule.note_change(now);
         }
         self.waiting_change = change;
-        let has_new_watcher = self.has_new_watcher();
-        if !has_new_watcher && !self.schedule.is_due(now, changed) {
-            return Ok(None);
-        }
-        if changed && !has_new_watcher && self.pacing_wait(now).is_some() {
+        let cannot_wait = is_urgent || self.has_new_watcher();
+        let is_due = cannot_wait || self.schedule.is_due(now, changed);
+        if !is_due || (changed && !cannot_wait && self.pacing_wait(now).is_some()) {
+            if let (false, Some(last)) = (changed, &mut self.last) {
+                last.of.until = drawn.until;
+            }
             return Ok(None);
         }
         self.schedule.begin(now, changed);
         if changed {
-            self.health.warn_about_projection(&self.view, &info, model);
-            let looked_up = stage.prediction().map(|prediction| prediction.now);
-            return Ok(Some(DuePicture { view: Arc::clone(&self.view), camera, info, scene_version, looked_up }));
+            return Ok(Some(drawn));
         }
         if let Some(last) = &mut self.last {
-            last.of.info = info;
+            last.of = drawn;
         }
         self.publish_last(None, ros)?;
         Ok(None)
@@ -306,6 +377,57 @@ impl CameraOutput {
     /// How long a new picture waits for the screen's refresh; `None` if it does not.
     fn pacing_wait(&self, now: Instant) -> Option<Duration> {
         self.pacing.wait(self.connections.outputs.refresh(), now)
+    }
+
+    /// Publishes a black picture if one is due, because there is no camera. Without a CameraInfo and a picture before
+    /// it, no size is known.
+    fn turn_black(
+        &mut self,
+        info: Option<Arc<CameraInfo>>,
+        step: &CameraStep,
+        (why, note): (String, Note),
+        ros: &RosNode,
+    ) -> Result<()> {
+        let of_info = info.as_ref().map(|info| [info.width, info.height]);
+        let is_possible = |size: &[u32; 2]| size.iter().all(|side| (1..=MAX_SIDE_PX).contains(side));
+        let last = self.last.as_ref().map(|last| &last.of);
+        let Some(info) = info.or_else(|| last.map(|last| Arc::clone(&last.info))) else { return Ok(()) };
+        let of_last = last.map(|last| match &last.content {
+            Content::Scene { camera, .. } => size_px(camera),
+            Content::Black { size_px, .. } => *size_px,
+        });
+        let Some(size_px) = of_info.filter(is_possible).or(of_last) else { return Ok(()) };
+        let step = Arc::new(LastStep { orientation: step.step.orientation, ..LastStep::default() });
+        let drawn = Drawn { content: Content::Black { size_px, why, note }, step, info, until: None, looked_up: None };
+        match self.due(drawn, ros)? {
+            Some(drawn) => self.publish_black(drawn, ros),
+            None => Ok(()),
+        }
+    }
+
+    /// Publishes a black picture in the place of this content, and says why.
+    fn publish_black(&mut self, of: Drawn, ros: &RosNode) -> Result<()> {
+        let content = match of.content {
+            Content::Scene { camera, .. } => Content::Black {
+                size_px: size_px(&camera),
+                why: "the node is busy, and its data are too old by now".to_owned(),
+                note: Note::NotShown,
+            },
+            black => black,
+        };
+        let Content::Black { size_px, why, note } = &content else { return Ok(()) };
+        let size_px = *size_px;
+        let note = (*note == Note::Shown).then_some(why.as_str());
+        let mut picture = black_picture(size_px, self.view.settings.image_encoding, note);
+        of.step.apply(&mut picture, &mut Picture::default());
+        let depth = self.connections.outputs.wants_depth().then(|| {
+            let mut nowhere = DepthPicture::default();
+            nowhere.reset(size_px[0], size_px[1]);
+            Arc::new(DepthImage::new(&nowhere, self.depth_encoding, of.step.orientation))
+        });
+        let of = Drawn { content, until: None, ..of };
+        self.last = Some(LastPicture { picture: Arc::new(picture), depth, of });
+        self.publish_last(None, ros)
     }
 
     /// Whether somebody subscribed who is to get a picture at once.
@@ -322,6 +444,9 @@ impl CameraOutput {
             return Ok(());
         }
         let now = Instant::now();
+        if let Some(over) = self.last.as_ref().map(|last| &last.of).filter(|of| of.is_over(now)).cloned() {
+            return self.publish_black(over, ros);
+        }
         if self.has_new_watcher() || self.schedule.is_repetition_due(now) {
             self.schedule.begin(now, false);
             self.publish_last(None, ros)?;
@@ -330,15 +455,27 @@ impl CameraOutput {
     }
 
     /// Records that the renderer was given a picture.
-    pub(super) fn record_begun(&mut self, picture: DuePicture) {
-        let DuePicture { camera, info, scene_version, looked_up, .. } = picture;
-        self.in_flight = Some(Drawn { scene_version, camera, info, looked_up });
+    pub(super) fn record_begun(&mut self, picture: DuePicture, depth: Option<&DepthPicture>) {
+        let orientation = picture.drawn.step.orientation;
+        self.health.depths_drawn += u64::from(depth.is_some());
+        self.depth_in_flight = depth.map(|depth| Arc::new(DepthImage::new(depth, self.depth_encoding, orientation)));
+        self.in_flight = Some(picture.drawn);
         self.pacing.begin(Instant::now());
+    }
+
+    /// Whether the depths of the next picture are wanted.
+    pub(super) fn wants_depth(&self) -> bool {
+        self.connections.outputs.wants_depth()
     }
 
     /// Memory for the picture that the renderer is about to finish.
     pub(super) fn take_spare(&mut self) -> Picture {
         self.spare.take().and_then(|spare| Arc::try_unwrap(spare).ok()).unwrap_or_default()
+    }
+
+    /// What is to be done to the picture that was begun, when it is drawn.
+    pub(super) fn last_step(&self) -> Arc<LastStep> {
+        self.in_flight.as_ref().map(|drawn| Arc::clone(&drawn.step)).unwrap_or_default()
     }
 
     /// Publishes the picture that was begun, now that it is finished.
@@ -350,8 +487,12 @@ impl CameraOutput {
         self.health.drawn += 1;
         let is_similar = |spare: &Arc<Picture>| spare.data.len() <= 4 * picture.data.len();
         self.spare = self.last.take().map(|last| last.picture).filter(is_similar);
-        self.last = Some(LastPicture { picture: Arc::new(picture), of });
-        let published = self.publish_last(Some(Instant::now()), ros);
+        let published = if of.is_over(Instant::now()) {
+            self.publish_black(of, ros)
+        } else {
+            self.last = Some(LastPicture { picture: Arc::new(picture), depth: self.depth_in_flight.take(), of });
+            self.publish_last(Some(Instant::now()), ros)
+        };
         self.pacing.finish(Instant::now());
         published
     }
@@ -370,7 +511,8 @@ impl CameraOutput {
     fn publish_last(&mut self, drawn: Option<Instant>, ros: &RosNode) -> Result<()> {
         let Some(last) = self.last.as_ref().filter(|_| !self.connections.outputs.is_empty()) else { return Ok(()) };
         let stamp = ros.now();
-        let frame = Frame { picture: Arc::clone(&last.picture), info: Arc::clone(&last.of.info), stamp };
+        let info = self.turned_info.of(&last.of.info, last.of.step.orientation);
+        let frame = Frame { picture: Arc::clone(&last.picture), info, depth: last.depth.clone(), stamp };
         self.connections.outputs.send(&frame)?;
         if let Some(drawn) = drawn {
             self.health.latency.measure(drawn, Instant::now(), time_from_stamp(stamp));

@@ -31,6 +31,8 @@ pub(super) struct CameraHealth {
     is_problem_logged: bool,
     /// Whether a problem was logged since the camera was last there: this one, or another before it.
     has_logged_problem: bool,
+    /// Why the picture is black at present, though there is a camera.
+    black: Option<String>,
     /// Why the last picture failed.
     last_error: Option<String>,
     has_warned_about_projection: bool,
@@ -39,6 +41,8 @@ pub(super) struct CameraHealth {
     slow_picture_logged: Option<Instant>,
     /// Pictures drawn.
     pub(super) drawn: u64,
+    /// Pictures whose depths were drawn, too.
+    pub(super) depths_drawn: u64,
     /// Pictures published, unchanged ones included.
     pub(super) published: u64,
     pub(super) latency: Latency,
@@ -105,6 +109,18 @@ impl CameraHealth {
         }
     }
 
+    /// Records why the picture is black, if it is because of what is too old, and logs when that begins and ends.
+    pub(super) fn record_black(&mut self, camera: &str, why: Option<&str>) {
+        if self.black.as_deref() == why {
+            return;
+        }
+        match why {
+            Some(why) => log::warn!("camera {camera}: the picture is black: {why}"),
+            None => log::info!("camera {camera}: the picture is shown again"),
+        }
+        self.black = why.map(str::to_owned);
+    }
+
     /// Warns once if rviz's projection is not the one that the CameraInfo asks for.
     pub(super) fn warn_about_projection(&mut self, view: &CameraView, info: &CameraInfo, model: CameraModel) {
         let is_exact = model.projection == Projection::Exact || (model.undistort && is_distorted(info));
@@ -149,6 +165,7 @@ impl CameraHealth {
             entry.values.push(("subscribers", topic.subscriber_count().to_string()));
         }
         entry.values.push(("frames drawn", self.drawn.to_string()));
+        entry.values.push(("depths drawn", self.depths_drawn.to_string()));
         entry.values.push(("frames published", self.published.to_string()));
         entry.values.extend(self.latency.values());
         if let Some(prediction) = stage.prediction() {

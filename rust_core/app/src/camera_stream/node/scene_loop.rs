@@ -7,22 +7,28 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use rcs_displays::{time_from_stamp, Reconfigured};
-use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice};
+use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice, View};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::NodeEvent;
 use rcs_rviz_config::Config;
-use rcs_scene::{Picture, Scene};
+use rcs_scene::{DepthPicture, Picture, Scene};
 use rcs_transforms::Time;
 
 use super::activity::Step;
 use super::camera::{self, CameraOutput};
 use super::camera_plan;
+use super::content::Light;
 use super::costs::Costs;
+use super::freshness::limits::Limits;
+use super::freshness::{Assessment, Freshness, Now};
+use super::last_steps::{CameraStep, LastSteps};
 use super::latency::Update;
+use super::oriented_frames::OrientedFrames;
 use super::shared::{Reload, Shared};
 use super::windows::Windows;
-use crate::camera_stream::camera_pose::CameraModel;
+use crate::camera_stream::camera_pose::{CameraModel, Projection};
 use crate::camera_stream::cli::Cli;
+use crate::camera_stream::depth_image::DepthEncoding;
 use crate::camera_stream::prediction::PredictionSettings;
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::stage::{renderer_view, Stage};
@@ -42,6 +48,19 @@ pub(super) struct SceneLoop {
     prediction: PredictionSettings,
     /// Streams that nobody watches are not received.
     is_lazy: bool,
+    /// `None` where nothing is ever too old.
+    freshness: Option<Freshness>,
+    /// What was too old when pictures were last looked for.
+    assessment: Option<Assessment>,
+    last_steps: LastSteps,
+    /// Those of the cameras, when pictures were last looked for.
+    steps: Vec<CameraStep>,
+    oriented_frames: OrientedFrames,
+    depth_encoding: DepthEncoding,
+    /// How far away is what the picture at hand shows.
+    depth: DepthPicture,
+    /// Memory to turn pictures with.
+    turned: Picture,
     subscriptions: Subscriptions,
     /// The command line's, which overrides the config's.
     fixed_frame: Option<String>,
@@ -63,6 +82,8 @@ impl SceneLoop {
         let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
         let model = private_parameters::camera_model(ros, &cli.model, None)?;
         let prediction = PredictionSettings::read(ros, &cli.node.prediction)?;
+        let freshness = Freshness::new(Limits::read(ros, &cli.node.stale)?);
+        let last_steps = LastSteps::start(ros, &cli.node)?;
         let renderer = rcs_render::create(renderer_choice)?;
         let resources = private_parameters::resources(ros, &cli.resources)?;
         let events = Arc::clone(ros.events());
@@ -89,6 +110,14 @@ impl SceneLoop {
             model,
             prediction,
             is_lazy: !cli.node.no_lazy && ros.bool_param("~lazy").unwrap_or(true),
+            freshness,
+            assessment: None,
+            last_steps,
+            steps: Vec::new(),
+            oriented_frames: OrientedFrames::default(),
+            depth_encoding: private_parameters::depth_encoding(ros, cli.node.depth.depth_encoding)?,
+            depth: DepthPicture::default(),
+            turned: Picture::default(),
             subscriptions,
             fixed_frame: cli.node.fixed_frame.clone(),
             scene: None,
@@ -213,7 +242,11 @@ impl SceneLoop {
         let cameras = awaited.or(due);
         let change = self.stage.displays().next_change().map(|change| change.saturating_since(self.now()));
         let diagnostics = self.shared.diagnostics().until_due(now);
-        cameras.into_iter().chain(change).fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
+        // A little later, so that it is over then.
+        let stale = self.assessment.as_ref().and_then(Assessment::next_change).into_iter();
+        let stale = stale.chain(self.steps.iter().filter_map(|step| step.until)).min();
+        let stale = stale.map(|at| at.saturating_duration_since(now) + Duration::from_millis(1));
+        cameras.into_iter().chain(change).chain(stale).fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
     }
 
     /// Reports the status of each display and camera.
@@ -228,6 +261,9 @@ impl SceneLoop {
         for entry in entries.iter_mut().filter(|entry| self.subscriptions.is_paused(&entry.topic)) {
             entry.values.push(("received", "not while nobody watches".to_owned()));
         }
+        if let Some(assessment) = &self.assessment {
+            assessment.add_statuses(&mut entries);
+        }
         let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
         if is_published {
             // This may take long, so the cameras are not locked meanwhile.
@@ -236,7 +272,13 @@ impl SceneLoop {
             let placed: Vec<_> = views.iter().map(|view| PlacedCamera { view, camera: place(view) }).collect();
             visibility::add(&mut entries, stage.displays(), &placed);
         }
-        entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(stage, model)));
+        entries.extend(shared.cameras().iter().map(|camera| {
+            let mut entry = camera.status_entry(stage, model);
+            if let Some(assessment) = &self.assessment {
+                assessment.add_camera_status(&mut entry, camera.view());
+            }
+            entry
+        }));
         shared.diagnostics().report(&shared.ros, entries);
     }
 
@@ -249,9 +291,12 @@ impl SceneLoop {
                 self.shared.activity.begin(Step::Message(Arc::clone(topic)));
                 self.scene = None;
             }
-            NodeEvent::Transforms { received, .. } => {
+            NodeEvent::Transforms { received, is_static, .. } => {
                 self.shared.activity.begin(Step::Event);
                 self.transforms_received = Some(*received);
+                if let (Some(freshness), false) = (&mut self.freshness, is_static) {
+                    freshness.note_transforms(*received);
+                }
             }
             NodeEvent::TimeJumpedBack { from, to } => {
                 log::warn!(
@@ -260,9 +305,11 @@ impl SceneLoop {
                     time_from_stamp(*to)
                 );
                 self.shared.cameras().iter_mut().for_each(CameraOutput::forget_messages);
+                self.freshness.iter_mut().for_each(Freshness::reset);
             }
             _ => self.shared.activity.begin(Step::Event),
         }
+        self.last_steps.take(&event);
         let now = self.now();
         self.subscriptions.apply(event, &mut self.stage, now);
     }
@@ -271,6 +318,7 @@ impl SceneLoop {
     /// published as soon as it is finished.
     fn publish(&mut self) {
         let shared = Arc::clone(&self.shared);
+        self.assess();
         let mut in_flight = VecDeque::new();
         let count = shared.cameras().len();
         for index in 0..count {
@@ -287,19 +335,60 @@ impl SceneLoop {
         }
     }
 
+    /// Looks at what is too old by now.
+    fn assess(&mut self) {
+        let now = Now { ros: self.now(), steady: Instant::now() };
+        let (stage, subscriptions) = (&self.stage, &self.subscriptions);
+        let assess =
+            |freshness: &mut Freshness| freshness.assess(stage, |name, kind| subscriptions.source(name, kind), now);
+        self.assessment = self.freshness.as_mut().map(assess);
+        self.assess_steps(now);
+    }
+
+    /// What is done to the cameras' pictures now.
+    fn assess_steps(&mut self, now: Now) {
+        if self.last_steps.is_nothing() {
+            let cameras = self.shared.cameras().len();
+            return self.steps.resize(cameras, CameraStep::default());
+        }
+        let stage = &self.stage;
+        // Where the projector's light goes, however the picture is drawn.
+        let model = CameraModel { projection: Projection::Exact, undistort: true };
+        let views: Vec<_> = self.shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
+        let needs_camera = self.last_steps.protects_eyes();
+        let cameras: Vec<_> =
+            views.iter().map(|view| stage.camera(view, model).ok().filter(|_| needs_camera)).collect();
+        let named = views.iter().map(|view| view.name.as_str()).zip(cameras.iter().map(Option::as_ref));
+        self.steps = self.last_steps.assess(named, stage, now);
+        for (view, step) in views.iter().zip(&self.steps) {
+            if let Some(info) = stage.camera_info(view) {
+                self.oriented_frames.add(&self.shared.ros, &info.header.frame_id, step.step.orientation);
+            }
+        }
+    }
+
     /// Begins the picture of a camera if one is due and has changed. Returns whether it was begun.
     fn begin(&mut self, index: usize) -> Result<bool> {
         let shared = Arc::clone(&self.shared);
+        let (assessment, protects_eyes) = (self.assessment.as_ref(), self.last_steps.protects_eyes());
+        let Some(step) = self.steps.get(index) else { return Ok(false) };
+        let light = Light { assessment, step, protects_eyes };
         let due = match shared.cameras().get_mut(index) {
-            Some(camera) => camera.begin_if_due(&self.stage, self.model, &shared.ros)?,
+            Some(camera) => camera.begin_if_due(&self.stage, self.model, light, &shared.ros)?,
             None => None,
         };
         let Some(due) = due else { return Ok(false) };
         shared.activity.begin(Step::Picture(due.view.name.clone()));
         let scene = self.scene();
-        self.renderer.submit(&renderer_view(&due.view, &scene, &due.camera))?;
+        let view = View { visible: &due.visible, ..renderer_view(&due.view, &scene, &due.camera) };
+        let wants_depth = shared.cameras().get(index).is_some_and(CameraOutput::wants_depth);
+        match wants_depth {
+            true => self.renderer.submit_with_depth(&view, &mut self.depth)?,
+            false => self.renderer.submit(&view)?,
+        }
         if let Some(camera) = shared.cameras().get_mut(index) {
-            camera.record_begun(due);
+            camera.set_depth_encoding(self.depth_encoding);
+            camera.record_begun(due, wants_depth.then_some(&self.depth));
         }
         Ok(true)
     }
@@ -322,7 +411,11 @@ impl SceneLoop {
     }
 
     fn finish_picture(&mut self, index: usize, picture: &mut Picture) -> Result<()> {
+        let step = self.shared.cameras().get(index).map(CameraOutput::last_step).unwrap_or_default();
         let is_finished = self.renderer.finish(picture)?;
+        if is_finished {
+            step.apply(picture, &mut self.turned);
+        }
         let slow = self.costs.slow_picture(self.renderer.as_ref(), self.stage.displays());
         let mut cameras = self.shared.cameras();
         let Some(camera) = cameras.get_mut(index) else { return Ok(()) };

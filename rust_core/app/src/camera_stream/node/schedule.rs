@@ -43,6 +43,11 @@ impl Schedule {
         self.pace == Pace::OnTrigger
     }
 
+    /// Whether a picture is due by each change.
+    pub(super) fn follows_changes(&self) -> bool {
+        matches!(self.pace, Pace::OnChange { .. })
+    }
+
     /// A picture is due now, whatever the frame rate.
     pub(super) fn trigger(&mut self) {
         self.triggered = true;

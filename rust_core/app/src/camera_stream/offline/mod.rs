@@ -15,7 +15,7 @@ use anyhow::{bail, Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use rcs_bag::Bag;
 use rcs_displays::{time_from_stamp, CameraView};
-use rcs_render::Renderer;
+use rcs_render::{LastStep, Renderer};
 use rcs_resources::PackageIndex;
 use rcs_scene::Picture;
 use rcs_transforms::Time;
@@ -71,6 +71,8 @@ pub struct Job<'a> {
     pub target: &'a Target,
     /// How P becomes a projection.
     pub model: CameraModel,
+    /// What is done to each picture when it is drawn.
+    pub last_step: LastStep,
 }
 
 /// Renders what one camera of the stage sees of a bag.
@@ -93,7 +95,7 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
     let interrupted = Interrupted::watch()?;
     let mut output = job.target.open()?;
     let progress = progress(moments.count());
-    let mut picture = Arc::new(Picture::default());
+    let (mut picture, mut turned) = (Arc::new(Picture::default()), Picture::default());
     for moment in moments.iter() {
         if interrupted.is_set() {
             bail!("interrupted at {moment}");
@@ -103,8 +105,9 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
         let camera = stage.camera(&view, job.model).with_context(|| job.bag.display().to_string())?;
         let scene = stage.scene();
         renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
+        job.last_step.apply(Arc::make_mut(&mut picture), &mut turned);
         let info = stage.camera_info(&view).cloned().unwrap_or_default();
-        output.send(&Frame { picture: Arc::clone(&picture), info, stamp: ros_time(moment) })?;
+        output.send(&Frame { picture: Arc::clone(&picture), info, depth: None, stamp: ros_time(moment) })?;
         progress.inc(1);
     }
     output.finish()?;

@@ -20,6 +20,8 @@ use rcs_ros::image_topic::SendError;
 use rcs_scene::Picture;
 use rcs_window::Refresh;
 
+use crate::camera_stream::depth_image::DepthImage;
+
 pub use picture_files::{PictureFile, PictureSequence, SequenceError};
 pub use topic::{retain, TopicNames, TopicOutput};
 pub use video::{VideoError, VideoFile};
@@ -32,6 +34,8 @@ pub struct Frame {
     pub picture: Arc<Picture>,
     /// The CameraInfo that the camera was made of.
     pub info: Arc<CameraInfo>,
+    /// How far away is what the picture shows, where that was drawn.
+    pub depth: Option<Arc<DepthImage>>,
     /// When the picture is handed on, in ROS time.
     pub stamp: Time,
 }
@@ -101,6 +105,11 @@ impl Outputs {
     /// When the screen that shows the pictures is refreshed, where that is known.
     pub fn refresh(&self) -> Option<Refresh> {
         self.window.as_ref()?.refresh()
+    }
+
+    /// Whether anybody watches how far away things are.
+    pub fn wants_depth(&self) -> bool {
+        self.topic.as_ref().is_some_and(TopicOutput::wants_depth)
     }
 
     /// Whether there is no output at all.

@@ -1,11 +1,13 @@
-//! A camera's pictures on an image topic, with the CameraInfo beside it and compressed pictures below it.
+//! A camera's pictures on an image topic, with the CameraInfo beside it and compressed pictures below it, and the depths on
+//! the topic `depth` beside both.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
 use rcs_messages::dynamic_reconfigure::Config as Values;
-use rcs_ros::image_topic::ImagePublisher;
-use rcs_ros::{Change, NodeError, RosNode};
+use rcs_messages::std_msgs::Header;
+use rcs_ros::image_topic::{sibling_topic, ImagePublisher, SendError};
+use rcs_ros::{Change, NodeError, PlainImagePublisher, RosNode};
 
 use super::compressed::CompressedOutput;
 use super::{Frame, Output, OutputError};
@@ -17,6 +19,8 @@ pub type TopicNames = [String; 2];
 pub struct TopicOutput {
     publisher: ImagePublisher,
     compressed: CompressedOutput,
+    /// None where the pictures' own topic has that name.
+    depth: Option<PlainImagePublisher>,
     /// Somebody subscribed and has not received a picture yet.
     new_subscriber: Arc<AtomicBool>,
 }
@@ -28,16 +32,23 @@ impl TopicOutput {
     /// [`NodeError::Name`].
     pub fn advertise(ros: &RosNode, topic: &str) -> Result<Self, NodeError> {
         let new_subscriber = Arc::new(AtomicBool::new(false));
-        let (flag, events) = (Arc::clone(&new_subscriber), Arc::clone(ros.events()));
-        let on_change = move |change: Change, _: &str| {
-            if change == Change::Joined {
-                flag.store(true, Ordering::Release);
-                events.wake();
+        let on_change = || {
+            let (flag, events) = (Arc::clone(&new_subscriber), Arc::clone(ros.events()));
+            move |change: Change, _: &str| {
+                if change == Change::Joined {
+                    flag.store(true, Ordering::Release);
+                    events.wake();
+                }
             }
         };
-        let publisher = ros.image_publisher(topic, on_change)?;
+        let publisher = ros.image_publisher(topic, on_change())?;
         let compressed = CompressedOutput::start(ros, publisher.compressed());
-        Ok(Self { publisher, compressed, new_subscriber })
+        let depth = ros.plain_image_publisher(&sibling_topic(topic, "depth"), on_change())?;
+        let is_free = depth.topic() != publisher.topic();
+        if !is_free {
+            log::warn!("depths are not published: the pictures themselves are on {}", publisher.topic());
+        }
+        Ok(Self { publisher, compressed, depth: is_free.then_some(depth), new_subscriber })
     }
 
     /// The image topic's whole name.
@@ -65,7 +76,12 @@ impl TopicOutput {
         self.compressed.reconfigure(ros, request)
     }
 
-    /// How many other nodes subscribe to any of the topics.
+    /// Whether another node subscribes to the depths.
+    pub fn wants_depth(&self) -> bool {
+        self.depth.as_ref().is_some_and(PlainImagePublisher::is_watched)
+    }
+
+    /// How many other nodes subscribe to the pictures, compressed ones included, or the CameraInfo.
     pub fn subscriber_count(&self) -> usize {
         self.publisher.subscriber_count()
     }
@@ -75,11 +91,17 @@ impl Output for TopicOutput {
     fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
         let header = self.publisher.publish(&frame.picture, &frame.info, frame.stamp)?;
         self.compressed.offer(&frame.picture, header);
+        let publisher = self.depth.as_ref().filter(|publisher| publisher.is_watched());
+        if let (Some(depth), Some(publisher)) = (&frame.depth, publisher) {
+            let header = Header { seq: 0, stamp: frame.stamp, frame_id: frame.info.header.frame_id.clone() };
+            let too_long = |error| SendError::TooLong { topic: publisher.topic().to_owned(), error };
+            publisher.publish(&depth.message(header)).map_err(too_long)?;
+        }
         Ok(())
     }
 
     fn is_watched(&self) -> bool {
-        self.subscriber_count() > 0
+        self.subscriber_count() > 0 || self.wants_depth()
     }
 
     fn take_new_watcher(&mut self) -> bool {

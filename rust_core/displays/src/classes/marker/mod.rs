@@ -39,7 +39,7 @@ use rcs_rviz_config::MarkerSettings;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::{Time, WaitingQueue};
 
-use crate::framework::display::{Display, TopicRequest};
+use crate::framework::display::{Display, Follows, TopicRequest};
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::{Level, Statuses, World};
@@ -206,6 +206,10 @@ impl Display for MarkerDisplay {
 
     fn drawables(&self) -> &[Drawable] {
         &self.drawables
+    }
+
+    fn follows(&self) -> Follows<'_> {
+        Follows::Frames(self.store.followed_frames().collect())
     }
 
     fn next_change(&self) -> Option<Time> {

@@ -17,7 +17,7 @@ use rcs_rviz_config::{LinkSettings, RobotModelSettings};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material};
 use rcs_transforms::Time;
 
-use crate::framework::display::Display;
+use crate::framework::display::{Display, Follows};
 use crate::parts::robot_description::{link_frame, RobotDescription, StatusTexts, STATUS};
 use crate::parts::solids::{axes, axes_materials, drawable};
 use crate::parts::trail::Trail;
@@ -243,6 +243,11 @@ impl Display for RobotModelDisplay {
 
     fn drawables(&self) -> &[Drawable] {
         &self.drawables
+    }
+
+    fn follows(&self) -> Follows<'_> {
+        let placed = self.links.iter().filter(|link| link.is_shown() && link.is_placed == Some(true));
+        Follows::Frames(placed.map(|link| link.frame.as_str()).collect())
     }
 
     fn next_change(&self) -> Option<Time> {

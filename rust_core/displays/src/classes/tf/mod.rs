@@ -21,7 +21,7 @@ use rcs_rviz_config::TfSettings;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::Time;
 
-use crate::framework::display::Display;
+use crate::framework::display::{Display, Follows};
 use crate::{Level, StatusText, Statuses, World};
 
 use age::{Age, Fade};
@@ -151,6 +151,10 @@ fn place(name: &str, world: &World<'_>) -> Option<Place> {
 }
 
 impl Display for TfDisplay {
+    fn follows(&self) -> Follows<'_> {
+        Follows::AllFrames
+    }
+
     fn update(&mut self, world: &World<'_>) -> bool {
         if !self.is_due(world) {
             return false;

@@ -1,0 +1,90 @@
+//! The picture of no light, with one small line on it that says why, if that is wanted.
+
+use rcs_scene::{letters, Encoding, Letter, Picture, LETTER_ASCENT_EM, LETTER_DESCENT_EM};
+
+/// The line's height is this share of the picture's, within limits.
+const HEIGHT_SHARE: f32 = 1.0 / 40.0;
+const EM_PX: std::ops::RangeInclusive<f32> = 9.0..=28.0;
+/// It is grey, for it is light, too.
+const BRIGHTEST: u32 = 140;
+
+/// A black picture with a note at its lower left, cut off at the right edge.
+pub(crate) fn black_picture([width_px, height_px]: [u32; 2], encoding: Encoding, note: Option<&str>) -> Picture {
+    let mut picture = Picture::default();
+    picture.reset(width_px, height_px, encoding);
+    let black = vec![[0, 0, 0, 255]; width_px as usize];
+    let step = picture.step();
+    for row in picture.data.chunks_mut(step.max(1)) {
+        encoding.write_row(&black, row);
+    }
+    if let Some(note) = note {
+        write(&mut picture, note);
+    }
+    picture
+}
+
+fn write(picture: &mut Picture, text: &str) {
+    let em_px = (picture.height_px as f32 * HEIGHT_SHARE).clamp(*EM_PX.start(), *EM_PX.end());
+    let margin = em_px / 2.0;
+    let baseline = picture.height_px as f32 - margin - LETTER_DESCENT_EM * em_px;
+    if baseline < LETTER_ASCENT_EM * em_px {
+        return;
+    }
+    let mut at = margin;
+    for letter in letters(text, em_px) {
+        stamp(picture, &letter, at.round() as i64, baseline.round() as i64);
+        at += letter.advance_px;
+    }
+}
+
+/// Draws a letter whose origin is there.
+fn stamp(picture: &mut Picture, letter: &Letter, x: i64, baseline: i64) {
+    let (encoding, step) = (picture.encoding, picture.step());
+    let cell = encoding.bytes_per_pixel();
+    let rows = letter.coverage.chunks(letter.width_px.max(1) as usize);
+    for (row, coverage) in (baseline + i64::from(letter.top_px)..).zip(rows) {
+        for (column, covered) in (x + i64::from(letter.left_px)..).zip(coverage) {
+            let (Ok(row), Ok(column)) = (usize::try_from(row), usize::try_from(column)) else { continue };
+            if column >= picture.width_px as usize || *covered == 0 {
+                continue;
+            }
+            let level = (u32::from(*covered) * BRIGHTEST / 255) as u8;
+            let begin = row * step + column * cell;
+            if let Some(pixel) = picture.data.get_mut(begin..begin + cell) {
+                encoding.write_row(&[[level, level, level, 255]], pixel);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How many pixels are not black, and the bytes of the first pixel.
+    fn lit(encoding: Encoding, note: Option<&str>) -> (usize, Vec<u8>) {
+        let picture = black_picture([320, 200], encoding, note);
+        assert_eq!((picture.width_px, picture.height_px, picture.encoding), (320, 200, encoding));
+        let cells = picture.data.chunks(encoding.bytes_per_pixel());
+        let black = picture.data[..encoding.bytes_per_pixel()].to_vec();
+        (cells.filter(|cell| **cell != *black).count(), black)
+    }
+
+    #[test]
+    fn it_is_black_in_every_encoding_and_its_note_is_small() {
+        for encoding in Encoding::ALL {
+            let mut black = vec![0; encoding.bytes_per_pixel()];
+            encoding.write_row(&[[0, 0, 0, 255]], &mut black);
+            assert_eq!(lit(encoding, None), (0, black.clone()), "{encoding:?}");
+            let (with_note, corner) = lit(encoding, Some("cloud: no data on /cloud of the last 1 s"));
+            assert!((300..3000).contains(&with_note) && corner == black, "{encoding:?}: {with_note}");
+        }
+    }
+
+    #[test]
+    fn a_picture_that_is_too_small_has_no_note_and_a_long_one_is_cut() {
+        assert!(black_picture([100, 5], Encoding::Mono8, Some("why")).data.iter().all(|level| *level == 0));
+        let long = "why ".repeat(1000);
+        assert!(black_picture([100, 50], Encoding::Mono8, Some(&long)).data.iter().any(|level| *level > 0));
+    }
+}

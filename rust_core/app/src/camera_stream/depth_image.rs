@@ -1,0 +1,110 @@
+//! The depths of a picture as a `sensor_msgs/Image`, as REP 118 has it: `32FC1` in metres, NaN where nothing is, or
+//! `16UC1` in millimetres, 0 where nothing is. Depth is along the optical axis.
+
+use std::str::FromStr;
+use std::sync::Arc;
+
+use rcs_messages::std_msgs::Header;
+use rcs_messages::Image;
+use rcs_render::Orientation;
+use rcs_scene::DepthPicture;
+
+/// How depths are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum DepthEncoding {
+    /// 32-bit floating point numbers, metres
+    #[default]
+    #[value(name = "32FC1")]
+    Metres,
+    /// 16-bit whole numbers, millimetres
+    #[value(name = "16UC1")]
+    Millimetres,
+}
+
+impl FromStr for DepthEncoding {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        clap::ValueEnum::from_str(text, true).map_err(|_: String| format!("{text} is not 32FC1 or 16UC1"))
+    }
+}
+
+/// Depths that are ready to be sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DepthImage {
+    size_px: [u32; 2],
+    encoding: DepthEncoding,
+    bytes: Arc<Vec<u8>>,
+}
+
+impl DepthImage {
+    /// The depths of a picture, turned as the picture is.
+    pub fn new(depths: &DepthPicture, encoding: DepthEncoding, orientation: Orientation) -> Self {
+        let bytes: Vec<u8> = match encoding {
+            DepthEncoding::Metres => depths.depths_m.iter().flat_map(|depth| depth.to_le_bytes()).collect(),
+            DepthEncoding::Millimetres => {
+                depths.depths_m.iter().flat_map(|depth| millimetres(*depth).to_le_bytes()).collect()
+            }
+        };
+        let size_px = [depths.width_px, depths.height_px];
+        let mut turned = Vec::new();
+        orientation.turn_cells(size_px, encoding.bytes_per_pixel(), &bytes, &mut turned);
+        Self { size_px: orientation.size_px(size_px), encoding, bytes: Arc::new(turned) }
+    }
+
+    /// The message. Its pixels are shared.
+    pub fn message(&self, header: Header) -> Image {
+        let name = match self.encoding {
+            DepthEncoding::Metres => "32FC1",
+            DepthEncoding::Millimetres => "16UC1",
+        };
+        let step = self.size_px[0] * self.encoding.bytes_per_pixel() as u32;
+        Image::new(header, self.size_px, name, step, Arc::clone(&self.bytes))
+    }
+}
+
+impl DepthEncoding {
+    fn bytes_per_pixel(self) -> usize {
+        match self {
+            Self::Metres => 4,
+            Self::Millimetres => 2,
+        }
+    }
+}
+
+/// 0 for what is nowhere, or farther away than the number can say.
+fn millimetres(depth_m: f32) -> u16 {
+    let depth = (depth_m * 1000.0).round();
+    if depth >= 1.0 && depth <= f32::from(u16::MAX) {
+        depth as u16
+    } else {
+        0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(encoding: &str, orientation: &str) -> Image {
+        let depths = DepthPicture { width_px: 3, height_px: 1, depths_m: vec![1.5, f32::NAN, 70.0] };
+        DepthImage::new(&depths, encoding.parse().unwrap(), orientation.parse().unwrap()).message(Header::default())
+    }
+
+    #[test]
+    fn depths_are_metres_or_millimetres_and_what_is_nowhere_has_none() {
+        let metres = image("32FC1", "0");
+        assert_eq!((metres.encoding.as_str(), metres.step, metres.width, metres.height), ("32FC1", 12, 3, 1));
+        let values: Vec<f32> = metres.data().as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+        assert!(values[0] == 1.5 && values[1].is_nan() && values[2] == 70.0, "{values:?}");
+        let millimetres = image("16UC1", "mirrored-90");
+        assert_eq!(
+            (millimetres.encoding.as_str(), millimetres.step, millimetres.width, millimetres.height),
+            ("16UC1", 2, 1, 3)
+        );
+        let values: Vec<u16> =
+            millimetres.data().as_chunks().0.iter().map(|bytes| u16::from_le_bytes(*bytes)).collect();
+        assert_eq!(values, [0, 0, 1500], "70 m are more than 16 bits of millimetres");
+        assert!("mono16".parse::<DepthEncoding>().is_err());
+    }
+}

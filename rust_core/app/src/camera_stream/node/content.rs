@@ -1,0 +1,79 @@
+//! What a picture of a camera shows, and what it may show at a moment.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_render::LastStep;
+use rcs_scene::{Camera, DisplayId};
+use rcs_transforms::Time;
+
+use super::freshness::Assessment;
+use super::last_steps::CameraStep;
+
+/// What a picture shows.
+#[derive(Clone, PartialEq)]
+pub(super) enum Content {
+    /// The scene in this state, without the displays that are too old.
+    Scene { version: u64, camera: Box<Camera>, hidden: Vec<DisplayId> },
+    /// Nothing. The size is that before the picture is turned.
+    Black { size_px: [u32; 2], why: String, note: Note },
+}
+
+/// Whether a black picture says why it is black.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Note {
+    Shown,
+    NotShown,
+}
+
+/// What pictures of this moment may show, and what is done to them when they are drawn.
+#[derive(Clone, Copy)]
+pub(super) struct Light<'a> {
+    /// What is too old, where that matters.
+    pub(super) assessment: Option<&'a Assessment>,
+    /// The camera's last step.
+    pub(super) step: &'a CameraStep,
+    /// Whether there are masks or keep-out frames.
+    pub(super) protects_eyes: bool,
+}
+
+/// A picture's content, what is done to it, and its CameraInfo.
+#[derive(Clone)]
+pub(super) struct Drawn {
+    pub(super) content: Content,
+    pub(super) step: Arc<LastStep>,
+    pub(super) info: Arc<CameraInfo>,
+    /// Until when it is true if nothing new arrives.
+    pub(super) until: Option<Instant>,
+    /// When its frames were looked up, in ROS time, if they were predicted.
+    pub(super) looked_up: Option<Time>,
+}
+
+impl Content {
+    /// Whether one of the two shows something that the other must not.
+    pub(super) fn differs_in_age(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Scene { hidden: own, .. }, Self::Scene { hidden, .. }) => own != hidden,
+            (Self::Black { .. }, Self::Black { .. }) => false,
+            _ => true,
+        }
+    }
+}
+
+impl Drawn {
+    /// Whether a picture of the other one looks the same.
+    pub(super) fn shows_the_same(&self, other: &Self) -> bool {
+        self.content == other.content && self.step == other.step
+    }
+
+    /// Whether it is not true any more.
+    pub(super) fn is_over(&self, now: Instant) -> bool {
+        self.until.is_some_and(|until| until < now)
+    }
+}
+
+/// The size of a camera's pictures.
+pub(super) fn size_px(camera: &Camera) -> [u32; 2] {
+    camera.lens().map_or([camera.width_px(), camera.height_px()], |lens| lens.size_px())
+}

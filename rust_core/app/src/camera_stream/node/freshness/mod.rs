@@ -1,0 +1,334 @@
+//! "Never false": which displays and cameras are too old to be shown.
+//!
+//! The age of data is the longer of two: since their stamp, by ROS time, and since they were received, by the
+//! computer's clock, so that neither a wrong clock nor a simulation that stands still makes old data look new. What a
+//! latching publisher sent does not age while that publisher is connected, for it is not sent again. Static transforms
+//! do not age; moving ones are as old as the oldest on the way to the fixed frame. A display without data, a grid in
+//! the fixed frame say, is neither current nor stale.
+
+pub(in crate::camera_stream) mod limits;
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+use rcs_displays::{CameraView, DisplayAge, Follows, Level, ShownMessage};
+use rcs_messages::MessageKind;
+use rcs_scene::DisplayId;
+use rcs_transforms::Time;
+
+use self::limits::{Limit, Limits};
+use crate::camera_stream::stage::Stage;
+use crate::camera_stream::status_tree::{path_text, StatusEntry};
+use crate::camera_stream::subscriptions::Source;
+
+/// The name of the status of what is not drawn because it is too old.
+const STALE: &str = "Stale";
+
+/// The present by both clocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Now {
+    /// ROS time; zero before a simulation's first.
+    pub(super) ros: Time,
+    pub(super) steady: Instant,
+}
+
+/// Follows how old everything is.
+#[derive(Debug)]
+pub(super) struct Freshness {
+    limits: Limits,
+    /// Until when the data of a topic were held by their publisher; by its name in the config.
+    held_until: HashMap<String, Instant>,
+    /// The newest time at which a frame is known, and since when it is that.
+    frames: HashMap<String, (Time, Instant)>,
+    /// When the last moving transforms were received.
+    transforms_received: Option<Instant>,
+}
+
+/// Whether something may be shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum State {
+    /// It has no data that could age, or none yet.
+    Undated,
+    /// It is current, and until when if nothing new arrives; without end for what does not age.
+    Current(Option<Instant>),
+    /// It is too old; says what and since how long.
+    Stale(String),
+}
+
+/// The state of a display.
+#[derive(Clone, Debug)]
+struct DisplayState {
+    id: DisplayId,
+    /// Its name with those of the groups around it.
+    path: String,
+    state: State,
+}
+
+/// The states of all displays, at one moment.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Assessment {
+    displays: Vec<DisplayState>,
+    cameras: HashMap<String, State>,
+    /// Whether a black picture says why.
+    pub(super) has_note: bool,
+}
+
+/// What a camera may show.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Shown {
+    /// The displays that are too old.
+    pub(super) hidden: Vec<DisplayId>,
+    /// Why nothing may be shown, if that is so.
+    pub(super) black: Option<String>,
+    /// Until when that holds if nothing new arrives.
+    pub(super) until: Option<Instant>,
+}
+
+impl State {
+    /// The worse of two: stale before current, current before undated, and the sooner end.
+    pub(super) fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Stale(why), _) | (_, Self::Stale(why)) => Self::Stale(why),
+            (Self::Undated, state) | (state, Self::Undated) => state,
+            (Self::Current(a), Self::Current(b)) => Self::Current(a.into_iter().chain(b).min()),
+        }
+    }
+}
+
+impl Freshness {
+    /// Nothing is known yet. `None` where nothing is ever too old.
+    pub(super) fn new(limits: Limits) -> Option<Self> {
+        let (held_until, frames) = (HashMap::new(), HashMap::new());
+        (!limits.is_off()).then_some(Self { limits, held_until, frames, transforms_received: None })
+    }
+
+    /// Records that transforms of moving frames were received.
+    pub(super) fn note_transforms(&mut self, received: Instant) {
+        self.transforms_received = Some(received);
+    }
+
+    /// Forgets what it knows of frames: the time jumped back.
+    pub(super) fn reset(&mut self) {
+        self.frames.clear();
+        self.transforms_received = None;
+    }
+
+    /// The state of each display and camera. `source` says who publishes a topic, by its name in the config and type.
+    pub(super) fn assess(
+        &mut self,
+        stage: &Stage,
+        source: impl Fn(&str, MessageKind) -> Option<Source>,
+        now: Now,
+    ) -> Assessment {
+        let mut displays = Vec::new();
+        for age in stage.displays().ages() {
+            let path = path_text(age.path);
+            let state = self.display(&age, &path, stage, &source, now);
+            displays.push(DisplayState { id: age.id, path, state });
+        }
+        let mut cameras = HashMap::new();
+        for view in stage.cameras() {
+            let topic = &view.settings.camera_info_topic;
+            if !cameras.contains_key(topic) {
+                cameras.insert(topic.clone(), self.camera(topic, stage, &source, now));
+            }
+        }
+        Assessment { displays, cameras, has_note: self.limits.has_note }
+    }
+
+    fn display(
+        &mut self,
+        age: &DisplayAge<'_>,
+        path: &str,
+        stage: &Stage,
+        source: &impl Fn(&str, MessageKind) -> Option<Source>,
+        now: Now,
+    ) -> State {
+        if age.is_empty {
+            return State::Undated;
+        }
+        let topics = age.topics.iter().map(|request| (request.topic.as_str(), request.kind));
+        let data = match age.current {
+            Some(shown) => self.data(path, topics, shown, source, now),
+            None => State::Undated,
+        };
+        let frames = match &age.follows {
+            Follows::Nothing => State::Undated,
+            Follows::Frames(frames) => {
+                let states = frames.iter().map(|frame| self.frame(frame, stage, now));
+                states.fold(State::Undated, State::and)
+            }
+            Follows::AllFrames => match self.transforms_received {
+                Some(received) => self.transforms(now.steady.saturating_duration_since(received), "transforms", now),
+                None => State::Undated,
+            },
+        };
+        data.and(frames)
+    }
+
+    /// The state of a camera: that of its CameraInfo and of its frame. Undated before its first CameraInfo.
+    fn camera(
+        &mut self,
+        topic: &str,
+        stage: &Stage,
+        source: &impl Fn(&str, MessageKind) -> Option<Source>,
+        now: Now,
+    ) -> State {
+        let Some((info, shown)) = stage.received_camera_info(topic) else { return State::Undated };
+        let data = self.data("CameraInfo", [(topic, MessageKind::CameraInfo)], shown, source, now);
+        let frame = info.header.frame_id.clone();
+        data.and(self.frame(&frame, stage, now))
+    }
+
+    /// The state of data that come on these topics.
+    pub(super) fn data<'t>(
+        &mut self,
+        what: &str,
+        topics: impl IntoIterator<Item = (&'t str, MessageKind)>,
+        shown: ShownMessage,
+        source: &impl Fn(&str, MessageKind) -> Option<Source>,
+        now: Now,
+    ) -> State {
+        let sources: Vec<(&str, Source)> =
+            topics.into_iter().filter_map(|(topic, kind)| Some((topic, source(topic, kind)?))).collect();
+        let (limit, is_own) = self.limits.of(sources.iter().map(|(_, source)| source.topic.as_str()));
+        let after = match limit {
+            Limit::Never => return State::Current(None),
+            Limit::After(after) => after,
+            Limit::Held => Duration::ZERO,
+        };
+        let holds = |source: &Source| match limit {
+            Limit::Held => source.publishing.is_connected,
+            // Only where nothing was set for the topic: who sets a time for it means that time.
+            _ => source.publishing.is_latched && !is_own,
+        };
+        let mut held_until = None;
+        for (topic, source) in &sources {
+            if holds(source) {
+                self.held_until.insert((*topic).to_owned(), now.steady);
+            }
+            held_until = held_until.max(self.held_until.get(*topic).copied());
+        }
+        if held_until == Some(now.steady) {
+            return State::Current(None);
+        }
+        let name = sources.first().map_or(what, |(_, source)| &source.topic);
+        let since_held = held_until.filter(|held| shown.received.is_none_or(|received| *held >= received));
+        let age = match (since_held, shown.received) {
+            (Some(held), _) => now.steady.saturating_duration_since(held),
+            (None, Some(received)) => {
+                let since_stamp = age_by_stamp(shown.stamp, now.ros);
+                now.steady.saturating_duration_since(received).max(since_stamp)
+            }
+            // A display that was made anew shows a message of which that is not known: the next one is.
+            (None, None) => Duration::MAX,
+        };
+        let why = || match limit {
+            Limit::Held => format!("{what}: nobody publishes {name} any more"),
+            _ => format!("{what}: no data on {name} of the last {} s", after.as_secs_f64()),
+        };
+        state(age, after, now, why)
+    }
+
+    /// The state of a frame's place in the fixed frame.
+    pub(super) fn frame(&mut self, frame: &str, stage: &Stage, now: Now) -> State {
+        let Some(stamp) = stage.known_until(frame) else { return State::Undated };
+        if stamp.is_zero() {
+            return State::Undated;
+        }
+        let known = self.frames.get(frame).copied().filter(|(known, _)| *known == stamp);
+        let (_, since) = known.unwrap_or((stamp, now.steady));
+        if known.is_none() {
+            self.frames.insert(frame.to_owned(), (stamp, since));
+        }
+        let age = now.steady.saturating_duration_since(since).max(age_by_stamp(stamp, now.ros));
+        self.transforms(age, frame, now)
+    }
+
+    fn transforms(&self, age: Duration, what: &str, now: Now) -> State {
+        match self.limits.of_transforms() {
+            None => State::Current(None),
+            Some(limit) => {
+                state(age, limit, now, || format!("{what}: no transform of the last {} s", limit.as_secs_f64()))
+            }
+        }
+    }
+}
+
+/// The state of something of this age, which may be as old as `limit`.
+fn state(age: Duration, limit: Duration, now: Now, why: impl FnOnce() -> String) -> State {
+    match limit.checked_sub(age) {
+        Some(left) => State::Current(now.steady.checked_add(left)),
+        None => State::Stale(why()),
+    }
+}
+
+/// How old a stamp is; zero where it says nothing.
+fn age_by_stamp(stamp: Time, now: Time) -> Duration {
+    if stamp.is_zero() || now.is_zero() {
+        return Duration::ZERO;
+    }
+    now.saturating_since(stamp)
+}
+
+impl Assessment {
+    /// What a camera may show.
+    pub(super) fn of_camera(&self, view: &CameraView) -> Shown {
+        let mut shown = Shown::default();
+        let (mut stale, mut is_any_current) = (Vec::new(), false);
+        for display in self.displays.iter().filter(|display| view.visible.shows(display.id)) {
+            match &display.state {
+                State::Undated => {}
+                State::Current(until) => {
+                    is_any_current = true;
+                    shown.until = shown.until.into_iter().chain(*until).min();
+                }
+                State::Stale(why) => {
+                    shown.hidden.push(display.id);
+                    stale.push(why.as_str());
+                }
+            }
+        }
+        match self.cameras.get(&view.settings.camera_info_topic) {
+            Some(State::Stale(why)) => shown.black = Some(why.clone()),
+            Some(State::Current(until)) => shown.until = shown.until.into_iter().chain(*until).min(),
+            Some(State::Undated) | None => {}
+        }
+        if shown.black.is_none() && !stale.is_empty() && !is_any_current {
+            shown.black = Some(stale.join("; "));
+        }
+        shown
+    }
+
+    /// When the first thing that is current now will not be.
+    pub(super) fn next_change(&self) -> Option<Instant> {
+        let states = self.displays.iter().map(|display| &display.state).chain(self.cameras.values());
+        let until = |state: &State| match state {
+            State::Current(until) => *until,
+            State::Undated | State::Stale(_) => None,
+        };
+        states.filter_map(until).min()
+    }
+
+    /// Adds a warning to whatever is not drawn because it is too old.
+    pub(super) fn add_statuses(&self, entries: &mut [StatusEntry<'_>]) {
+        for entry in entries {
+            let state = match entry.display {
+                Some(id) => self.displays.iter().find(|display| display.id == id && display.path == entry.path),
+                None => None,
+            };
+            if let Some(DisplayState { state: State::Stale(why), .. }) = state {
+                entry.statuses.to_mut().set(Level::Warn, STALE, format!("not drawn: {why}"));
+            }
+        }
+    }
+
+    /// Adds a warning to a camera whose picture is black because of what is too old.
+    pub(super) fn add_camera_status(&self, entry: &mut StatusEntry<'_>, view: &CameraView) {
+        if let Some(why) = self.of_camera(view).black {
+            entry.statuses.to_mut().set(Level::Warn, STALE, format!("the picture is black: {why}"));
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The surface that projectors light: a cloud, and the frames around it.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{anyhow, bail, Context, Result};
+use nalgebra::{Isometry3, Point3};
+use rcs_files::pcd::PcdCloud;
+use rcs_files::projector::ProjectorFile;
+use rcs_messages::tf2_msgs::TFMessage;
+use rcs_messages::{quaternion_xyzw, translation_xyz, AnyMessage, MessageKind, PointCloud2};
+use rcs_ros::{NodeEvent, RosNode};
+use rcs_transforms::{RawTransform, Time, TransformTree};
+
+use super::points::points;
+use crate::publish_cloud;
+use crate::small_node::EndRequest;
+
+/// How long a cloud and its frames are waited for.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// A cloud and the frames around it.
+pub(super) struct Surface {
+    /// In the cloud's frame, metres.
+    pub(super) points: Vec<Point3<f64>>,
+    frame: String,
+    frames: TransformTree,
+}
+
+impl Surface {
+    /// That of a PCD file, whose points are in a frame: by default the parent of the first projector.
+    pub(super) fn from_file(path: &Path, frame: Option<&str>, files: &[(&Path, ProjectorFile)]) -> Result<Self> {
+        let parent = files.first().and_then(|(_, file)| file.frames.first()).map(|placed| placed.parent.as_str());
+        let frame = frame.or(parent).context("which frame are the points in? Give --frame FRAME")?.to_owned();
+        let cloud = publish_cloud::message(PcdCloud::read(path)?, &frame);
+        let points = points(&cloud).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+        Ok(Self { points, frame, frames: frames_of(files) })
+    }
+
+    /// That of the next cloud on a topic, once the frames of all projectors are known in its frame.
+    pub(super) fn from_topic(topic: &str, files: &[(&Path, ProjectorFile)]) -> Result<Self> {
+        let end = EndRequest::watch_signals().context("cannot handle signals")?;
+        let node = RosNode::connect_now("projector_blend")?;
+        let received = receive(&node, &end, topic, files);
+        node.shutdown();
+        received
+    }
+
+    /// Where a projector's frame is in the cloud's.
+    ///
+    /// # Errors
+    /// Which frame is missing.
+    pub(super) fn pose_of(&self, frame: &str) -> Result<Isometry3<f64>> {
+        if frame.is_empty() {
+            bail!("no frame: the file needs frame_id (or header.frame_id)");
+        }
+        self.frames
+            .lookup(&self.frame, frame, Time::ZERO)
+            .context("frames that place the projector in that of the cloud are missing")
+    }
+}
+
+/// The frames that files place.
+fn frames_of(files: &[(&Path, ProjectorFile)]) -> TransformTree {
+    let mut frames = TransformTree::new();
+    for (path, file) in files {
+        let transforms = file.frames.iter().map(|frame| frame.to_message(rcs_messages::Time::default())).collect();
+        insert(&mut frames, &TFMessage { transforms }, true, &path.display().to_string());
+    }
+    frames
+}
+
+fn insert(frames: &mut TransformTree, message: &TFMessage, is_static: bool, authority: &str) {
+    for stamped in &message.transforms {
+        let transform = RawTransform {
+            parent: &stamped.header.frame_id,
+            child: &stamped.child_frame_id,
+            stamp: rcs_displays::time_from_stamp(stamped.header.stamp),
+            translation: translation_xyz(&stamped.transform.translation),
+            rotation_xyzw: quaternion_xyzw(&stamped.transform.rotation),
+        };
+        if let Err(error) = frames.insert(&transform, is_static, authority) {
+            log::warn!("{error}");
+        }
+    }
+}
+
+fn receive(node: &RosNode, end: &EndRequest, topic: &str, files: &[(&Path, ProjectorFile)]) -> Result<Surface> {
+    let _subscription = node.subscribe(topic, MessageKind::PointCloud2, 1)?;
+    node.subscribe_transforms()?;
+    let mut frames = frames_of(files);
+    let mut last: Option<std::sync::Arc<PointCloud2>> = None;
+    let until = Instant::now() + PATIENCE;
+    loop {
+        for event in node.events().wait(Duration::from_millis(100)) {
+            match event {
+                NodeEvent::Transforms { message, is_static, authority, .. } => {
+                    insert(&mut frames, &message, is_static, &authority);
+                }
+                NodeEvent::Message { message: AnyMessage::PointCloud2(cloud), .. } => last = Some(cloud),
+                _ => {}
+            }
+        }
+        if let Some(cloud) = &last {
+            let frame = &cloud.header.frame_id;
+            let is_placed =
+                |file: &ProjectorFile| frames.can_transform(frame, &file.camera_info.header.frame_id, Time::ZERO);
+            // What is missing in the end is reported for the projector that misses it.
+            if files.iter().all(|(_, file)| is_placed(file)) || Instant::now() > until {
+                let points = points(cloud).map_err(|error| anyhow!("{topic}: {error}"))?;
+                return Ok(Surface { points, frame: frame.clone(), frames });
+            }
+        }
+        if end.is_requested() {
+            bail!("interrupted");
+        }
+        if last.is_none() && Instant::now() > until {
+            bail!("no cloud on {topic} for {} s", PATIENCE.as_secs());
+        }
+    }
+}

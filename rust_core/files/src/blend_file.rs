@@ -1,0 +1,144 @@
+//! A projector's share of the light, as a PNG: what `projector_blend` writes and `camera_stream --blend` reads.
+//!
+//! Grey is the weight in linear light, white all of it. What black is lifted by, in linear light, is transparency: an
+//! opaque picture, such as a mask drawn by hand, lifts nothing. Written with 16 bits; 8 bits are read, too.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter};
+use std::path::{Path, PathBuf};
+
+use image::codecs::png::{PngDecoder, PngEncoder};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
+use thiserror::Error;
+
+use crate::atomic_file::write_atomically;
+
+/// What a decoder may need, bytes: a picture of 16384×16384 pixels is larger.
+const MOST_BYTES: u64 = 1 << 30;
+/// The longest side, pixels.
+const MOST_SIDE_PX: u32 = 16384;
+/// All light.
+const FULL: f32 = 65535.0;
+
+/// Weights and lifts of a projector's pixels, row by row, in fractions of 65535.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BlendFile {
+    /// Width and height.
+    pub size_px: [u32; 2],
+    /// What light is multiplied by.
+    pub weights: Vec<u16>,
+    /// The light that is added.
+    pub lifts: Vec<u16>,
+}
+
+/// Why weights cannot be read or written.
+#[derive(Debug, Error)]
+pub enum BlendFileError {
+    /// The file cannot be read.
+    #[error("{}: cannot read it: {source}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// It is no PNG that can be used.
+    #[error("{}: not a PNG of weights: {source}", .path.display())]
+    Decode {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: ImageError,
+    },
+    /// The file cannot be written.
+    #[error("{}: cannot write it: {source}", .path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: ImageError,
+    },
+}
+
+impl BlendFile {
+    /// That of weights and lifts from 0 to 1; what is beyond is cut.
+    pub fn new(size_px: [u32; 2], weights: &[f32], lifts: &[f32]) -> Self {
+        let fixed = |share: &f32| (share.clamp(0.0, 1.0) * FULL).round() as u16;
+        Self { size_px, weights: weights.iter().map(fixed).collect(), lifts: lifts.iter().map(fixed).collect() }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`BlendFileError`], naming the file.
+    pub fn read(path: &Path) -> Result<Self, BlendFileError> {
+        let decode_error = |source| BlendFileError::Decode { path: path.to_owned(), source };
+        let file = File::open(path).map_err(|source| BlendFileError::Read { path: path.to_owned(), source })?;
+        let mut limits = Limits::default();
+        limits.max_alloc = Some(MOST_BYTES);
+        (limits.max_image_width, limits.max_image_height) = (Some(MOST_SIDE_PX), Some(MOST_SIDE_PX));
+        let mut decoder = PngDecoder::new(BufReader::new(file)).map_err(decode_error)?;
+        decoder.set_limits(limits).map_err(decode_error)?;
+        let picture = DynamicImage::from_decoder(decoder).map_err(decode_error)?.into_luma_alpha16();
+        let size_px = [picture.width(), picture.height()];
+        let (weights, lifts) = picture.pixels().map(|pixel| (pixel.0[0], u16::MAX - pixel.0[1])).unzip();
+        Ok(Self { size_px, weights, lifts })
+    }
+
+    /// Writes a file.
+    ///
+    /// # Errors
+    /// [`BlendFileError`], naming the file.
+    pub fn write(&self, path: &Path) -> Result<(), BlendFileError> {
+        let opacity = |lift: &u16| u16::MAX - lift;
+        let pixels = self.weights.iter().zip(&self.lifts).flat_map(|(weight, lift)| [*weight, opacity(lift)]);
+        let bytes: Vec<u8> = pixels.flat_map(u16::to_ne_bytes).collect();
+        let [width, height] = self.size_px;
+        let failed = |source| BlendFileError::Write { path: path.to_owned(), source };
+        write_atomically(
+            path,
+            |file| {
+                let encoder = PngEncoder::new(BufWriter::new(file));
+                encoder.write_image(&bytes, width, height, ExtendedColorType::La16).map_err(failed)
+            },
+            |source| failed(ImageError::IoError(source)),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_and_lifts_are_read_as_they_were_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("left.png");
+        let file = BlendFile::new([3, 2], &[0.0, 0.25, 0.5, 0.75, 1.0, 1.5], &[0.0, 0.0, 0.01, 0.02, 0.0, -1.0]);
+        assert_eq!((file.weights[1], file.weights[5], file.lifts[2], file.lifts[5]), (16384, 65535, 655, 0));
+        file.write(&path).unwrap();
+        assert_eq!(BlendFile::read(&path).unwrap(), file);
+    }
+
+    #[test]
+    fn a_grey_picture_of_any_tool_is_weights_without_lifts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mask.png");
+        image::GrayImage::from_raw(2, 1, vec![0, 255]).unwrap().save(&path).unwrap();
+        let expected = BlendFile { size_px: [2, 1], weights: vec![0, 65535], lifts: vec![0, 0] };
+        assert_eq!(BlendFile::read(&path).unwrap(), expected);
+        image::RgbImage::from_raw(2, 1, vec![0, 0, 0, 255, 255, 255]).unwrap().save(&path).unwrap();
+        assert_eq!(BlendFile::read(&path).unwrap(), expected);
+    }
+
+    #[test]
+    fn a_file_that_is_missing_or_no_picture_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("left.png");
+        assert!(BlendFile::read(&path).unwrap_err().to_string().contains("left.png: cannot read it"));
+        std::fs::write(&path, b"no picture").unwrap();
+        assert!(BlendFile::read(&path).unwrap_err().to_string().contains("left.png: not a PNG of weights"));
+        let lost = folder.path().join("missing/left.png");
+        assert!(BlendFile::default().write(&lost).unwrap_err().to_string().contains("missing/left.png"));
+    }
+}
