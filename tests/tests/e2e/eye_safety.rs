@@ -96,3 +96,18 @@ fn a_frame_that_is_not_required_stays_dark_where_it_was_last_in_the_light_of_the
     fixture.python("viewer.forget()");
     fixture.wait_for(format!("len(viewer.images) > 2 and {dark} and {lit}"));
 }
+
+#[test]
+fn where_the_lens_is_unknown_nothing_is_lit_around_keep_out_frames() {
+    let fixture = fixture(&["--keep-out", "head=0.2"]);
+    fixture.python(
+        "latch('/tf_static', TFMessage(tf('map', 'eye').transforms + tf('map', 'head', (0.3, 0, 1)).transforms))",
+    );
+    let dark = "viewer.pixel(47, 24) == (0, 0, 0) and viewer.pixel(34, 24) == (255, 0, 0)";
+    fixture.wait_for(format!("viewer.last and {dark}"));
+    fixture.python("latch('/eye/camera_info', info(D=[0.1, 0, 0, 0, 0], distortion_model='unheard_of'))");
+    fixture.wait_for(ALL_BLACK);
+    fixture.wait_for_log("where the lens sends light around keep-out frames is not known").unwrap();
+    fixture.python("latch('/eye/camera_info', info(D=[0.01, 0, 0, 0, 0], distortion_model='plumb_bob'))");
+    fixture.wait_for(dark);
+}

@@ -43,7 +43,7 @@ use rcs_scene::{DisplayId, Scene};
 use rcs_transforms::{Prediction, RawTransform, Time, TransformTree, UNCROWDED};
 
 use crate::camera_stream::camera_pose::{self, CameraModel, CameraProblem};
-use crate::camera_stream::projector_lens::{Lenses, NoLens};
+use crate::camera_stream::projector_lens::{is_distorted, Lenses, NoLens};
 use crate::camera_stream::status_tree::{self, StatusEntry};
 
 /// Rejected transforms of so many frames are logged.
@@ -314,6 +314,14 @@ impl Stage {
     /// Why the lens of a camera's last CameraInfo was not allowed for, if that was tried.
     pub(crate) fn no_lens(&self, camera: &CameraView) -> Option<NoLens> {
         self.lenses.problem(&camera.settings.camera_info_topic)
+    }
+
+    /// Why it is not known where the distortion of a camera's CameraInfo sends light, if it has any that was not allowed
+    /// for in what is drawn.
+    pub(crate) fn unknown_lens(&self, camera: &CameraView, drawn: &rcs_scene::Camera) -> Option<NoLens> {
+        let is_straight = drawn.lens().is_none();
+        let info = self.camera_info(camera).filter(|info| is_straight && is_distorted(info));
+        info.and_then(|_| self.no_lens(camera))
     }
 
     /// Where the origin of a frame is in the fixed frame now, as far as that is known.

@@ -23,6 +23,7 @@ use crate::camera_stream::cli::NodeArgs;
 use crate::camera_stream::light_arguments::{of_camera, ForCamera, Gamma, KeepOutFrame};
 use crate::camera_stream::mask_image::{light_mask, painted_mask};
 use crate::camera_stream::private_parameters::{blend_gamma, switch, texts};
+use crate::camera_stream::projector_lens::NoLens;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::subscriptions::Source;
 
@@ -61,6 +62,16 @@ pub(super) struct CameraStep {
     pub(super) dark: Option<String>,
     /// Until when that holds if nothing new arrives.
     pub(super) until: Option<std::time::Instant>,
+}
+
+/// Where a camera's pictures send light.
+pub(super) struct LitView<'a> {
+    /// The camera's name.
+    pub(super) name: &'a str,
+    /// Its directions; none for one that cannot draw, or where they do not matter.
+    pub(super) camera: Option<&'a Camera>,
+    /// Why the directions may be others.
+    pub(super) unknown_lens: Option<NoLens>,
 }
 
 /// Reads values from the command line, and from a parameter where there are none.
@@ -163,21 +174,25 @@ impl LastSteps {
         }
     }
 
-    /// The last step of each camera, in their order; none for one that cannot draw.
-    pub(super) fn assess<'c>(
+    /// The last step of each camera, in their order.
+    pub(super) fn assess<'v>(
         &mut self,
-        cameras: impl Iterator<Item = (&'c str, Option<&'c Camera>)>,
+        views: impl Iterator<Item = LitView<'v>>,
         stage: &Stage,
         now: Now,
     ) -> Vec<CameraStep> {
         self.look_at_masks(now);
         let (spheres, around) = self.spheres(stage, now);
-        cameras.map(|(name, camera)| self.of_camera(name, camera, &spheres, &around)).collect()
+        views.map(|view| self.of_view(view, &spheres, &around)).collect()
     }
 
-    fn of_camera(&self, name: &str, camera: Option<&Camera>, spheres: &[Sphere], around: &State) -> CameraStep {
+    fn of_view(&self, view: LitView<'_>, spheres: &[Sphere], around: &State) -> CameraStep {
+        let LitView { name, camera, unknown_lens } = view;
         let mask = of_camera(&self.mask_topics, name).and_then(|topic| self.masks.get(topic));
-        let state = mask.map_or(State::Undated, |mask| mask.state.clone()).and(around.clone());
+        let lens = unknown_lens.filter(|_| !spheres.is_empty()).map_or(State::Undated, |why| {
+            State::Stale(format!("where the lens sends light around keep-out frames is not known: {why}"))
+        });
+        let state = mask.map_or(State::Undated, |mask| mask.state.clone()).and(around.clone()).and(lens);
         let step = LastStep {
             mask: mask.and_then(|mask| mask.last.clone()),
             keep_out: camera.and_then(|camera| KeepOut::new(camera, spheres)),

@@ -21,7 +21,7 @@ use super::content::Light;
 use super::costs::Costs;
 use super::freshness::limits::Limits;
 use super::freshness::{Assessment, Freshness, Now};
-use super::last_steps::{CameraStep, LastSteps};
+use super::last_steps::{CameraStep, LastSteps, LitView};
 use super::latency::Update;
 use super::oriented_frames::OrientedFrames;
 use super::shared::{Reload, Shared};
@@ -357,9 +357,13 @@ impl SceneLoop {
         let views: Vec<_> = self.shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
         let needs_camera = self.last_steps.protects_eyes();
         let cameras: Vec<_> =
-            views.iter().map(|view| stage.camera(view, model).ok().filter(|_| needs_camera)).collect();
-        let named = views.iter().map(|view| view.name.as_str()).zip(cameras.iter().map(Option::as_ref));
-        self.steps = self.last_steps.assess(named, stage, now);
+            views.iter().map(|view| needs_camera.then(|| stage.camera(view, model).ok()).flatten()).collect();
+        let lit = views.iter().zip(&cameras).map(|(view, camera)| LitView {
+            name: &view.name,
+            camera: camera.as_ref(),
+            unknown_lens: camera.as_ref().and_then(|camera| stage.unknown_lens(view, camera)),
+        });
+        self.steps = self.last_steps.assess(lit, stage, now);
         for (view, step) in views.iter().zip(&self.steps) {
             if let Some(info) = stage.camera_info(view) {
                 self.oriented_frames.add(&self.shared.ros, &info.header.frame_id, step.step.orientation);
