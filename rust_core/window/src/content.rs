@@ -95,6 +95,11 @@ impl Content {
         was_stale
     }
 
+    /// The picture that came last was called current then. Returns whether the screen changes by that.
+    pub(crate) fn confirm(&mut self, at: Instant) -> bool {
+        self.arrived.is_some_and(|arrived| arrived < at) && self.note_alive(at)
+    }
+
     /// When [`check`](Self::check) is to be called, if pictures do not go on.
     pub(crate) fn next_check(&self) -> Option<Instant> {
         self.arrived?.checked_add(self.stale_timeout.filter(|_| !self.is_stale)?)
@@ -170,6 +175,23 @@ mod tests {
             assert_eq!(content.note_alive(later(5001)), timeout.is_some(), "the same picture again is current again");
             assert_eq!(content.face(), Face::Picture(&picture(1)));
         }
+    }
+
+    #[test]
+    fn a_picture_that_is_confirmed_stays() {
+        let start = Instant::now();
+        let later = |millis| start + Duration::from_millis(millis);
+        let mut content = Content::new(Some(Duration::from_secs(1)));
+        assert!(!content.confirm(start), "there is none yet");
+        assert_eq!(content.next_check(), None);
+        content.take(picture(1), later(10));
+        assert!(!content.confirm(later(900)));
+        assert!(!content.check(later(1500)));
+        assert!(content.check(later(1900)));
+        assert!(!content.confirm(later(900)), "nothing new");
+        assert_eq!(content.face(), Face::Black);
+        assert!(content.confirm(later(2000)));
+        assert_eq!(content.face(), Face::Picture(&picture(1)));
     }
 
     #[test]

@@ -104,6 +104,7 @@ pub(crate) fn run(
             shown.content.set_stale_timeout(timeout);
         }
         shown.take_picture(sink, window.monitor(), now);
+        shown.is_due |= sink.confirmed().is_some_and(|at| shown.content.confirm(at));
         shown.is_due |= shown.content.check(now);
         shown.draw_if_due(window)?;
         let until = shown.content.next_check().map_or(window.next_check(), |at| at.min(window.next_check()));

@@ -4,7 +4,7 @@
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rcs_scene::Picture;
 use rustix::event::{eventfd, EventfdFlags};
@@ -35,6 +35,8 @@ struct Inner {
     refresh: Mutex<Option<Refresh>>,
     /// In place of the options'.
     stale_timeout: Mutex<Option<Duration>>,
+    /// When the last picture was last called current.
+    confirmed: Mutex<Option<Instant>>,
     /// An event descriptor of the kernel's.
     wake: OwnedFd,
 }
@@ -47,8 +49,14 @@ impl PictureSink {
     /// When the process has no descriptors left.
     pub fn new() -> std::io::Result<Self> {
         let wake = eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
-        let (newest, refresh, stale_timeout) = (Mutex::default(), Mutex::default(), Mutex::default());
-        Ok(Self(Arc::new(Inner { newest, is_closing: AtomicBool::new(false), refresh, stale_timeout, wake })))
+        Ok(Self(Arc::new(Inner {
+            newest: Mutex::default(),
+            is_closing: AtomicBool::new(false),
+            refresh: Mutex::default(),
+            stale_timeout: Mutex::default(),
+            confirmed: Mutex::default(),
+            wake,
+        })))
     }
 
     /// Shows a picture, in place of one that was not drawn yet.
@@ -69,6 +77,15 @@ impl PictureSink {
 
     pub(crate) fn stale_timeout(&self) -> Option<Duration> {
         *lock(&self.0.stale_timeout)
+    }
+
+    /// Says that the picture shown last is still current, so that it does not become stale.
+    pub fn confirm(&self) {
+        *lock(&self.0.confirmed) = Some(Instant::now());
+    }
+
+    pub(crate) fn confirmed(&self) -> Option<Instant> {
+        *lock(&self.0.confirmed)
     }
 
     /// When the window's monitor is refreshed; `None` where the display server does not tell.

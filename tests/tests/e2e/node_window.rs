@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use rcs_tests::ros::{wait_until, PATIENCE};
-use rcs_tests::ros_fixture::RosFixture;
+use rcs_tests::python_node::PythonNode;
+use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
 use crate::viewers::{fixture_with, saved, Screen};
 
@@ -37,6 +38,29 @@ fn the_window_shows_the_picture_without_subscribers_and_the_topic_has_the_same()
         let has_change = || screen.pixels().chunks_exact(3).any(|pixel| pixel == [255, 0, 255]);
         assert!(wait_until(PATIENCE, has_change), "{}", fixture.log());
     }
+}
+
+#[test]
+fn the_window_turns_black_when_data_stop_and_keeps_what_is_current() {
+    let screen = Screen::start();
+    // Pictures are drawn only when triggered, so the window hears of none for long.
+    let config = config(&[CLOUD], &[CameraPub { rate: "0", ..CameraPub::default() }]);
+    let (master, environment) = (RosMaster::start().unwrap(), [("DISPLAY", screen.display.as_str())]);
+    let python = PythonNode::start(&master, &[]).unwrap();
+    let args = ["--window", "auto", "--stale-timeout", "1", "--stale-timeout", "/cloud=held"];
+    let fixture = RosFixture::with_environment(master, python, &config, &args, &environment).unwrap();
+    fixture.wait_for_log("drawing ").unwrap();
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python("latch('/eye/camera_info', info(width=640, height=360, f=300))");
+    let publisher = PythonNode::start(&fixture.master, &["__name:=publisher"]).unwrap();
+    publisher.run("latch('/cloud', cloud(0xff0000))").unwrap();
+    let has_cloud = || screen.pixels().chunks_exact(3).any(|pixel| pixel == [255, 0, 0]);
+    let is_triggered = || fixture.python("trigger('/camera_trigger')[0]") == "True" && has_cloud();
+    assert!(wait_until(PATIENCE, is_triggered), "{}", fixture.log());
+    std::thread::sleep(Duration::from_millis(2500));
+    assert!(has_cloud(), "{}", fixture.log());
+    drop(publisher);
+    assert!(wait_until(PATIENCE, || screen.pixels().iter().all(|level| *level == 0)), "{}", fixture.log());
 }
 
 #[test]
@@ -101,11 +125,11 @@ fn a_key_closes_the_window_and_the_topics_go_on() {
 #[test]
 fn a_window_for_no_camera_is_one_line() {
     let mut fixture = {
-        let master = rcs_tests::ros::RosMaster::start().unwrap();
-        let python = rcs_tests::python_node::PythonNode::start(&master, &[]).unwrap();
-        let camera = |name, image| rcs_tests::ros_fixture::CameraPub { name, image, ..Default::default() };
+        let master = RosMaster::start().unwrap();
+        let python = PythonNode::start(&master, &[]).unwrap();
+        let camera = |name, image| CameraPub { name, image, ..CameraPub::default() };
         let cameras = [camera("Left", "/left/image"), camera("Right", "/right/image")];
-        let config = rcs_tests::ros_fixture::config(&[], &cameras);
+        let config = config(&[], &cameras);
         RosFixture::with(master, python, &config, &["--window", "auto"]).unwrap()
     };
     assert_eq!(fixture.node.wait(PATIENCE).and_then(|status| status.code()), Some(1), "{}", fixture.log());

@@ -361,6 +361,9 @@ impl CameraOutput {
             if let (false, Some(last)) = (changed, &mut self.last) {
                 last.of.until = drawn.until;
             }
+            if self.last.as_ref().is_some_and(|last| !last.of.is_over(now)) {
+                self.connections.outputs.confirm();
+            }
             return Ok(None);
         }
         self.schedule.begin(now, changed);
@@ -447,6 +450,7 @@ impl CameraOutput {
         if let Some(over) = self.last.as_ref().map(|last| &last.of).filter(|of| of.is_over(now)).cloned() {
             return self.publish_black(over, ros);
         }
+        self.connections.outputs.confirm();
         if self.has_new_watcher() || self.schedule.is_repetition_due(now) {
             self.schedule.begin(now, false);
             self.publish_last(None, ros)?;

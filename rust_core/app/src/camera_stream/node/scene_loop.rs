@@ -82,7 +82,9 @@ impl SceneLoop {
         let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
         let model = private_parameters::camera_model(ros, &cli.model, None)?;
         let prediction = PredictionSettings::read(ros, &cli.node.prediction)?;
-        let freshness = Freshness::new(Limits::read(ros, &cli.node.stale)?);
+        let limits = Limits::read(ros, &cli.node.stale)?;
+        let stale_timeout = limits.for_all_topics();
+        let freshness = Freshness::new(limits);
         let last_steps = LastSteps::start(ros, &cli.node)?;
         let renderer = rcs_render::create(renderer_choice)?;
         let resources = private_parameters::resources(ros, &cli.resources)?;
@@ -93,7 +95,7 @@ impl SceneLoop {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
         let plans = camera_plan::plans(ros, config)?;
-        let windows = Windows::open(ros, &cli.node.screens, &plans)?;
+        let windows = Windows::open(ros, &cli.node.screens, stale_timeout, &plans)?;
         let cameras = camera_plan::rearrange(ros, plans, Vec::new(), config, stage.displays(), &windows);
         ros.subscribe_transforms()?;
         let mut subscriptions = Subscriptions::default();

@@ -1,15 +1,19 @@
 //! The node's windows, each of which shows one camera.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::{bail, Context, Result};
 use rcs_ros::RosNode;
-use rcs_window::{MonitorChoice, WindowOptions};
+use rcs_window::WindowOptions;
 
 use super::camera_plan::CameraPlan;
 use crate::camera_stream::outputs::{WindowOutput, WindowThread};
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::window_arguments::ScreenArgs;
+
+/// A window becomes black after this at the earliest when the node stops: it is told less often that all is well.
+const LEAST_STALE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The windows, as long as the node runs. Dropped, it closes them.
 #[derive(Default)]
@@ -22,11 +26,19 @@ struct Window {
 }
 
 impl Windows {
-    /// Opens those of `--window` and `~window` for the cameras of a config.
+    /// Opens those of `--window` and `~window` for the cameras of a config. They become black when the node has neither
+    /// drawn nor confirmed a picture for `stale_timeout`.
     ///
     /// # Errors
     /// One line that names what is wrong: no such camera, or a window for none of several.
-    pub(super) fn open(ros: &RosNode, given: &ScreenArgs, plans: &[CameraPlan]) -> Result<Self> {
+    pub(super) fn open(
+        ros: &RosNode,
+        given: &ScreenArgs,
+        stale_timeout: Option<Duration>,
+        plans: &[CameraPlan],
+    ) -> Result<Self> {
+        // The scene's thread confirms pictures at least twice a second.
+        let stale_timeout = stale_timeout.map(|timeout| timeout.max(LEAST_STALE_TIMEOUT));
         let args = private_parameters::windows(ros, given)?;
         let mut windows = Self::default();
         for wanted in args.windows {
@@ -35,7 +47,10 @@ impl Windows {
             if windows.0.iter().any(|window| window.camera == camera) {
                 bail!("--window: camera {camera} has two windows");
             }
-            windows.0.push(Window::open(ros, camera, monitor, args.set_mode)?);
+            let source = format!("camera {camera}");
+            let options =
+                WindowOptions { source, monitor, set_mode: args.set_mode, stale_timeout, ..WindowOptions::default() };
+            windows.0.push(Window::open(ros, camera, options)?);
         }
         Ok(windows)
     }
@@ -55,9 +70,7 @@ impl Windows {
 }
 
 impl Window {
-    fn open(ros: &RosNode, camera: String, monitor: MonitorChoice, set_mode: bool) -> Result<Self> {
-        let source = format!("camera {camera}");
-        let options = WindowOptions { source, monitor, set_mode, ..WindowOptions::default() };
+    fn open(ros: &RosNode, camera: String, options: WindowOptions) -> Result<Self> {
         let events = Arc::clone(ros.events());
         let (output, thread) = WindowOutput::open(options, move || events.wake()).context("cannot open a window")?;
         Ok(Self { camera, output, _thread: thread })

@@ -112,6 +112,11 @@ impl Outputs {
         self.topic.as_ref().is_some_and(TopicOutput::wants_depth)
     }
 
+    /// Says that the last picture is still what is to be seen, to a window that would become black otherwise.
+    pub fn confirm(&self) {
+        self.window.iter().for_each(WindowOutput::confirm);
+    }
+
     /// Whether there is no output at all.
     pub fn is_empty(&self) -> bool {
         self.all().next().is_none()

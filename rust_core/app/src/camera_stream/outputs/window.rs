@@ -60,6 +60,11 @@ impl WindowOutput {
         self.sink.refresh().filter(|_| self.is_watched())
     }
 
+    /// Says that the last picture is still what is to be seen.
+    pub fn confirm(&self) {
+        self.sink.confirm();
+    }
+
     /// Shows black until the next picture: its camera is gone.
     pub fn clear(&self) {
         self.sink.clear();

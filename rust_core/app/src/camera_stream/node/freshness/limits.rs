@@ -110,6 +110,14 @@ impl Limits {
         Ok(())
     }
 
+    /// That of topics that have none of their own.
+    pub(in crate::camera_stream) fn for_all_topics(&self) -> Option<Duration> {
+        match self.general {
+            Limit::After(limit) => Some(limit),
+            Limit::Held | Limit::Never => None,
+        }
+    }
+
     /// Whether nothing is ever too old.
     pub(super) fn is_off(&self) -> bool {
         self.general == Limit::Never && self.by_topic.values().all(|limit| *limit == Limit::Never)
