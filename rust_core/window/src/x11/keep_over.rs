@@ -38,7 +38,7 @@ pub(crate) fn keep_over(title: &str, choice: &MonitorChoice, is_ending: &dyn Fn(
     let mut kept: Option<Kept> = None;
     let mut last_error: Option<MonitorError> = None;
     while !is_ending() {
-        session.connection.sync().map_err(|error| WindowError::Lost(error.to_string()))?;
+        session.connection.sync().map_err(X11Session::lost)?;
         match session.monitor(choice) {
             Ok(monitor) => {
                 last_error = None;

@@ -1,7 +1,8 @@
 //! A connection to the X server, and what the window managers' conventions (ICCCM, EWMH) say of it.
 
+use std::fmt::Display;
+
 use x11rb::connection::Connection;
-use x11rb::errors::ConnectionError;
 use x11rb::protocol::xproto::{Atom, AtomEnum, ConnectionExt as _, InputFocus, MapState, Screen, Window};
 use x11rb::rust_connection::RustConnection;
 
@@ -16,7 +17,7 @@ pub(crate) struct X11Session {
 impl X11Session {
     /// Connects.
     pub(crate) fn open() -> Result<Self, WindowError> {
-        let no_display = |reason: &dyn std::fmt::Display| WindowError::NoDisplay(format!("{}: {reason}", name()));
+        let no_display = |reason: &dyn Display| WindowError::NoDisplay(format!("{}: {reason}", name()));
         let (connection, screen) = x11rb::connect(None).map_err(|error| no_display(&error))?;
         let screen = connection.setup().roots.get(screen).ok_or_else(|| no_display(&"there is no such screen"))?;
         let screen = screen.clone();
@@ -77,9 +78,8 @@ impl X11Session {
         Some(cookie.reply().ok()?.value32()?.collect())
     }
 
-    /// The connection broke.
-    #[expect(clippy::needless_pass_by_value, reason = "for map_err")]
-    pub(super) fn lost(error: ConnectionError) -> WindowError {
+    /// The connection broke, as whatever failed first has noticed.
+    pub(super) fn lost(error: impl Display) -> WindowError {
         WindowError::Lost(format!("X server {} is gone ({error})", name()))
     }
 }

@@ -42,7 +42,7 @@ impl Transfer {
         if !is_known || depth < 24 || setup.image_byte_order != own_order {
             return Err(WindowError::NoDisplay(format!("the X server's screen has depth {depth}, 24 is needed")));
         }
-        let context = session.connection.generate_id().map_err(|error| WindowError::Lost(error.to_string()))?;
+        let context = session.connection.generate_id().map_err(X11Session::lost)?;
         session.connection.create_gc(context, window, &Default::default()).map_err(X11Session::lost)?;
         Ok(Self { window, context, can_share: takes_descriptors(session), shared: None })
     }

@@ -173,7 +173,7 @@ impl SystemWindow for X11Window {
         let monitors = self.session.monitors();
         if monitors.is_empty() {
             // The server is asked whether it lives; one without monitors may get some.
-            self.session.connection.sync().map_err(|error| WindowError::Lost(error.to_string()))?;
+            self.session.connection.sync().map_err(X11Session::lost)?;
         }
         let place = self.session.place_of(self.window);
         let found = self.watch.check(now, &monitors, place);
