@@ -110,6 +110,9 @@ pub enum PictureError {
 /// Appends the pixels of one row's bytes.
 type ReadRow = fn(&[u8], &mut Vec<u32>);
 
+/// The bits of the three channels.
+const RGB: u32 = 0x00ff_ffff;
+
 /// Packs three channels into `0x00RRGGBB`.
 fn pack([r, g, b]: [u8; 3]) -> u32 {
     u32::from_be_bytes([0, r, g, b])
@@ -126,12 +129,40 @@ fn row<const N: usize>(bytes: &[u8], pixels: &mut Vec<u32>, to_rgb: impl Fn([u8;
     pixels.extend(bytes.as_chunks().0.iter().map(|pixel| pack(to_rgb(*pixel))));
 }
 
+/// Reads a row of pixels of three bytes, four pixels at once: faster than each byte by itself.
+fn row_of_three(
+    bytes: &[u8],
+    pixels: &mut Vec<u32>,
+    four: impl Fn([u8; 8], [u8; 4]) -> [u32; 4],
+    to_rgb: impl Fn([u8; 3]) -> [u8; 3],
+) {
+    let (fours, rest) = bytes.as_chunks::<12>();
+    pixels.extend(
+        fours.iter().flat_map(|[a, b, c, d, e, f, g, h, last @ ..]| four([*a, *b, *c, *d, *e, *f, *g, *h], *last)),
+    );
+    row(rest, pixels, to_rgb);
+}
+
+/// Four pixels, red first.
+fn four_rgb(first: [u8; 8], last: [u8; 4]) -> [u32; 4] {
+    let (first, last) = (u64::from_be_bytes(first), u32::from_be_bytes(last));
+    let third = (first as u32) << 8 | last >> 24;
+    [(first >> 40) as u32, (first >> 16) as u32 & RGB, third & RGB, last & RGB]
+}
+
+/// Four pixels, blue first.
+fn four_bgr(first: [u8; 8], last: [u8; 4]) -> [u32; 4] {
+    let (first, last) = (u64::from_le_bytes(first), u32::from_le_bytes(last));
+    let third = (first >> 48) as u32 | last << 16;
+    [first as u32 & RGB, (first >> 24) as u32 & RGB, third & RGB, last >> 8]
+}
+
 /// How rows of an encoding are read.
 fn read_row(encoding: Encoding, is_bigendian: bool) -> ReadRow {
     match encoding {
-        Encoding::Rgb8 => |bytes, pixels| row(bytes, pixels, |[r, g, b]| [r, g, b]),
+        Encoding::Rgb8 => |bytes, pixels| row_of_three(bytes, pixels, four_rgb, |[r, g, b]| [r, g, b]),
         Encoding::Rgba8 => |bytes, pixels| row(bytes, pixels, |[r, g, b, _]| [r, g, b]),
-        Encoding::Bgr8 => |bytes, pixels| row(bytes, pixels, |[b, g, r]| [r, g, b]),
+        Encoding::Bgr8 => |bytes, pixels| row_of_three(bytes, pixels, four_bgr, |[b, g, r]| [r, g, b]),
         Encoding::Bgra8 => |bytes, pixels| row(bytes, pixels, |[b, g, r, _]| [r, g, b]),
         Encoding::Mono8 => |bytes, pixels| row(bytes, pixels, |[grey]| [grey; 3]),
         Encoding::Mono16 if is_bigendian => {
@@ -250,6 +281,28 @@ mod tests {
 
     fn received<'a>(encoding: &'a str, width_px: u32, step_bytes: u32, data: &'a [u8]) -> ReceivedPicture<'a> {
         ReceivedPicture { width_px, height_px: 2, step_bytes, encoding, is_bigendian: false, data }
+    }
+
+    #[test]
+    fn rows_of_any_width_are_read_pixel_by_pixel() {
+        for width_px in 1..30_u8 {
+            let row: Vec<u8> = (0..3 * width_px).map(|i| i.wrapping_mul(37).wrapping_add(200)).collect();
+            let step = 3 * u32::from(width_px);
+            for encoding in ["rgb8", "bgr8"] {
+                let data = [row.clone(), row.iter().rev().copied().collect()].concat();
+                let read = ScreenPicture::from_received(&received(encoding, u32::from(width_px), step, &data)).unwrap();
+                let expected = ScreenPicture::from_fn(u32::from(width_px), 2, |u, v| {
+                    let at = (v * step + 3 * u) as usize;
+                    let [a, b, c] = [data[at], data[at + 1], data[at + 2]];
+                    if encoding == "rgb8" {
+                        [a, b, c]
+                    } else {
+                        [c, b, a]
+                    }
+                });
+                assert_eq!(read, expected, "{encoding}, {width_px} pixels");
+            }
+        }
     }
 
     #[test]
