@@ -150,6 +150,20 @@ fn what_is_older_than_a_second_is_not_shown_unless_the_launch_file_is_told_other
 }
 
 #[test]
+fn masks_keep_out_frames_and_shares_are_arguments_of_the_launch_files() {
+    let plain = command_line("/camera_stream", "projection.launch");
+    assert!(["--mask", "--keep-out", "--blend"].iter().all(|option| !plain.contains(option)), "{plain}");
+    let given = "mask_topic:=/people keep_out:='head=0.3 hand=0.2' mask:=/window.png blend:=/left.png";
+    let line = command_line("/camera_stream", &format!("fetch.launch {given}"));
+    let options = "--mask-topic /people --keep-out head=0.3 --keep-out hand=0.2 --mask /window.png --blend /left.png";
+    assert!(line.contains(options), "{line}");
+    let line = command_line("/camera_stream", "two_projectors.launch blend:='Left=/l.png Right=/r.png'");
+    assert!(line.contains(" --blend Left=/l.png --blend Right=/r.png"), "{line}");
+    let window = command_line("/left_window", "two_projectors.launch left_monitor:=0 stale_timeout:=2");
+    assert!(window.contains(" --stale-timeout 2"), "{window}");
+}
+
+#[test]
 fn the_nodes_that_are_scripts_have_help() {
     for script in ["image_view_anywhere", "image_view_overlay", "paper_scene", "rviz_if_installed", "simulated_turret"]
     {
