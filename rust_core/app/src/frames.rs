@@ -1,4 +1,4 @@
-//! The frame tree of a small node: transforms as they come.
+//! Transforms as they come, and the frame tree of a small node.
 
 use std::time::Duration;
 
@@ -11,16 +11,20 @@ use rcs_transforms::{RawTransform, Time, TransformTree};
 /// The longest wait, after which a node looks whether it is to end.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
+/// The transforms of a message, unchecked.
+pub(crate) fn raw_transforms(message: &TFMessage) -> impl Iterator<Item = RawTransform<'_>> {
+    message.transforms.iter().map(|stamped| RawTransform {
+        parent: &stamped.header.frame_id,
+        child: &stamped.child_frame_id,
+        stamp: time_from_stamp(stamped.header.stamp),
+        translation: translation_xyz(&stamped.transform.translation),
+        rotation_xyzw: quaternion_xyzw(&stamped.transform.rotation),
+    })
+}
+
 /// Puts the transforms of a message into a tree. What the tree refuses is logged.
 pub(crate) fn insert_transforms(tree: &mut TransformTree, message: &TFMessage, is_static: bool, authority: &str) {
-    for stamped in &message.transforms {
-        let transform = RawTransform {
-            parent: &stamped.header.frame_id,
-            child: &stamped.child_frame_id,
-            stamp: time_from_stamp(stamped.header.stamp),
-            translation: translation_xyz(&stamped.transform.translation),
-            rotation_xyzw: quaternion_xyzw(&stamped.transform.rotation),
-        };
+    for transform in raw_transforms(message) {
         if let Err(error) = tree.insert(&transform, is_static, authority) {
             log::warn!("{error}");
         }

@@ -13,6 +13,7 @@ pub mod node;
 pub mod offline;
 mod oriented_info;
 pub mod outputs;
+mod parameter_description;
 pub mod prediction;
 mod private_parameters;
 mod projector_fit;

@@ -35,16 +35,17 @@ use nalgebra::Point3;
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet, Reconfigured, ShownMessage, TopicRequest, World};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
-use rcs_messages::{quaternion_xyzw, translation_xyz, AnyMessage, MessageKind};
+use rcs_messages::{AnyMessage, MessageKind};
 use rcs_render::View;
 use rcs_resources::MeshStore;
 use rcs_rviz_config::Config;
 use rcs_scene::{DisplayId, Scene};
-use rcs_transforms::{Prediction, RawTransform, Time, TransformTree, UNCROWDED};
+use rcs_transforms::{Prediction, Time, TransformTree, UNCROWDED};
 
 use crate::camera_stream::camera_pose::{self, CameraModel, CameraProblem};
 use crate::camera_stream::projector_lens::{is_distorted, Lenses, NoLens};
 use crate::camera_stream::status_tree::{self, StatusEntry};
+use crate::frames::raw_transforms;
 
 /// Rejected transforms of so many frames are logged.
 const MOST_WARNINGS: usize = 1000;
@@ -54,15 +55,28 @@ fn fixed_frame_of(config: &Config, given: Option<&str>) -> String {
     given.unwrap_or(&config.global.fixed_frame).trim_start_matches('/').to_owned()
 }
 
-/// A config's displays and cameras with the state that the messages so far gave them.
+/// What displays draw their messages with.
 #[derive(Debug)]
-pub struct Stage {
-    displays: DisplaySet,
+struct Surroundings {
     transforms: TransformTree,
     fixed_frame: String,
     /// The time that moving frames are led on to, if they are.
     prediction: Option<Prediction>,
     meshes: MeshStore,
+}
+
+impl Surroundings {
+    fn world(&self, now: Time) -> World<'_> {
+        let Self { transforms, fixed_frame, prediction, meshes } = self;
+        World { transforms, fixed_frame, now, prediction: *prediction, meshes }
+    }
+}
+
+/// A config's displays and cameras with the state that the messages so far gave them.
+#[derive(Debug)]
+pub struct Stage {
+    displays: DisplaySet,
+    around: Surroundings,
     /// That of the meshes at the last update.
     meshes_version: u64,
     /// By topic, with the moment when they were received, if that was given.
@@ -78,10 +92,12 @@ impl Stage {
     pub fn new(config: &Config, fixed_frame: Option<&str>, meshes: MeshStore) -> Self {
         Self {
             displays: DisplaySet::new(config),
-            transforms: TransformTree::new(),
-            fixed_frame: fixed_frame_of(config, fixed_frame),
-            prediction: None,
-            meshes,
+            around: Surroundings {
+                transforms: TransformTree::new(),
+                fixed_frame: fixed_frame_of(config, fixed_frame),
+                prediction: None,
+                meshes,
+            },
             meshes_version: 0,
             camera_infos: HashMap::new(),
             lenses: Lenses::default(),
@@ -94,15 +110,9 @@ impl Stage {
     /// fixed frame changed.
     pub fn reconfigure(&mut self, config: &Config, fixed_frame: Option<&str>, now: Time) -> Reconfigured {
         let fixed_frame = fixed_frame_of(config, fixed_frame);
-        let is_moved = fixed_frame != self.fixed_frame;
-        self.fixed_frame = fixed_frame;
-        let world = World {
-            transforms: &self.transforms,
-            fixed_frame: &self.fixed_frame,
-            now,
-            prediction: self.prediction,
-            meshes: &self.meshes,
-        };
+        let is_moved = fixed_frame != self.around.fixed_frame;
+        self.around.fixed_frame = fixed_frame;
+        let world = self.around.world(now);
         let changed = self.displays.reconfigure(config, &world);
         if is_moved {
             self.displays.change_fixed_frame(&world);
@@ -137,34 +147,17 @@ impl Stage {
         topics
     }
 
-    fn world(&self, now: Time) -> World<'_> {
-        World {
-            transforms: &self.transforms,
-            fixed_frame: &self.fixed_frame,
-            now,
-            prediction: self.prediction,
-            meshes: &self.meshes,
-        }
-    }
-
     /// Takes transforms of a publisher. One that is rejected is logged once for each child frame.
     pub fn take_transforms(&mut self, message: &TFMessage, is_static: bool, publisher: &str) {
-        for stamped in &message.transforms {
-            let transform = RawTransform {
-                parent: &stamped.header.frame_id,
-                child: &stamped.child_frame_id,
-                stamp: time_from_stamp(stamped.header.stamp),
-                translation: translation_xyz(&stamped.transform.translation),
-                rotation_xyzw: quaternion_xyzw(&stamped.transform.rotation),
-            };
-            if let Err(error) = self.transforms.insert(&transform, is_static, publisher) {
-                let key = format!("{publisher} {}", stamped.child_frame_id);
+        for transform in raw_transforms(message) {
+            if let Err(error) = self.around.transforms.insert(&transform, is_static, publisher) {
+                let key = format!("{publisher} {}", transform.child);
                 if self.warned.len() < MOST_WARNINGS && self.warned.insert(key) {
                     log::warn!("{error}");
                 }
             }
         }
-        if self.transforms.forgotten_frames() > 0 && !self.has_warned_of_frames {
+        if self.around.transforms.forgotten_frames() > 0 && !self.has_warned_of_frames {
             self.has_warned_of_frames = true;
             log::warn!(
                 "more than {UNCROWDED} frames: those without new transforms for longest are forgotten; the last were \
@@ -184,13 +177,7 @@ impl Stage {
         if let AnyMessage::CameraInfo(info) = message {
             self.camera_infos.insert(topic.to_owned(), (info.clone(), received));
         }
-        let world = World {
-            transforms: &self.transforms,
-            fixed_frame: &self.fixed_frame,
-            now,
-            prediction: self.prediction,
-            meshes: &self.meshes,
-        };
+        let world = self.around.world(now);
         self.displays.take_received(topic, message, received, &world);
     }
 
@@ -211,13 +198,7 @@ impl Stage {
 
     /// Takes the text of a parameter, by its name in the config; `None` while it is not set.
     pub fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, now: Time) {
-        let world = World {
-            transforms: &self.transforms,
-            fixed_frame: &self.fixed_frame,
-            now,
-            prediction: self.prediction,
-            meshes: &self.meshes,
-        };
+        let world = self.around.world(now);
         self.displays.take_parameter(name, text, &world);
     }
 
@@ -228,36 +209,30 @@ impl Stage {
 
     /// Whether meshes or textures were loaded since the last update, which the displays then show.
     pub fn has_new_resources(&self) -> bool {
-        self.meshes.version() != self.meshes_version
+        self.around.meshes.version() != self.meshes_version
     }
 
     /// Looks at meshes and textures again that could not be used.
     pub fn retry_resources(&self) {
-        self.meshes.retry_failures();
+        self.around.meshes.retry_failures();
     }
 
     /// Shows moving frames, cameras included, where they will be at a time from now on; `None`: at their latest
     /// transforms.
     pub fn predict(&mut self, prediction: Option<Prediction>) {
-        self.prediction = prediction;
+        self.around.prediction = prediction;
     }
 
     /// What moving frames are predicted for, if they are.
     pub fn prediction(&self) -> Option<&Prediction> {
-        self.prediction.as_ref()
+        self.around.prediction.as_ref()
     }
 
     /// Brings the displays up to date. Returns whether the scene changed.
     pub fn update(&mut self, now: Time) -> bool {
         // First: what is loaded from now on is seen by the next update.
-        self.meshes_version = self.meshes.version();
-        let world = World {
-            transforms: &self.transforms,
-            fixed_frame: &self.fixed_frame,
-            now,
-            prediction: self.prediction,
-            meshes: &self.meshes,
-        };
+        self.meshes_version = self.around.meshes.version();
+        let world = self.around.world(now);
         self.displays.update(&world)
     }
 
@@ -268,7 +243,7 @@ impl Stage {
 
     /// The global status and those of each display at a ROS time.
     pub(crate) fn status_entries(&self, now: Time) -> Vec<StatusEntry<'_>> {
-        status_tree::scene(&self.displays, &self.transforms, &self.fixed_frame, now)
+        status_tree::scene(&self.displays, &self.around.transforms, &self.around.fixed_frame, now)
     }
 
     /// The scene as of the last update.
@@ -290,8 +265,9 @@ impl Stage {
     /// Until when a frame's place in the fixed frame is known; zero where nothing between them moves. None for the
     /// fixed frame itself, and for a frame whose place is not known at all.
     pub(crate) fn known_until(&self, frame: &str) -> Option<Time> {
-        let is_fixed = frame.trim_start_matches('/') == self.fixed_frame;
-        let found = (!is_fixed).then(|| self.transforms.lookup_stamped(&self.fixed_frame, frame, Time::ZERO));
+        let is_fixed = frame.trim_start_matches('/') == self.around.fixed_frame;
+        let found =
+            (!is_fixed).then(|| self.around.transforms.lookup_stamped(&self.around.fixed_frame, frame, Time::ZERO));
         found?.ok().map(|(_, stamp)| stamp)
     }
 
@@ -308,7 +284,7 @@ impl Stage {
         let topic = &camera.settings.camera_info_topic;
         let info = self.camera_info(camera).ok_or_else(|| CameraProblem::NoCameraInfo { topic: topic.clone() })?;
         let near_m = f64::from(camera.settings.near_clip_m);
-        camera_pose::camera(info, topic, &self.world(Time::ZERO), near_m, model.into(), &self.lenses)
+        camera_pose::camera(info, topic, &self.around.world(Time::ZERO), near_m, model.into(), &self.lenses)
     }
 
     /// Why the lens of a camera's last CameraInfo was not allowed for, if that was tried.
@@ -326,13 +302,13 @@ impl Stage {
 
     /// Where the origin of a frame is in the fixed frame now, as far as that is known.
     pub(crate) fn place_of(&self, frame: &str) -> Option<Point3<f64>> {
-        let place = self.world(Time::ZERO).fixed_from(frame, Time::ZERO).ok()?;
+        let place = self.around.world(Time::ZERO).fixed_from(frame, Time::ZERO).ok()?;
         Some(Point3::from(place.translation.vector))
     }
 
     /// Drops frames and messages: the time jumped back. CameraInfos are kept, as latched topics are not sent again.
     pub fn reset(&mut self) {
-        self.transforms.clear();
+        self.around.transforms.clear();
         self.displays.reset();
     }
 }

@@ -7,11 +7,12 @@
 use std::collections::HashSet;
 
 use rcs_messages::dynamic_reconfigure::{
-    BoolParameter, Config as Values, ConfigDescription, DoubleParameter, Group, GroupState, IntParameter,
-    ParamDescription, StrParameter,
+    BoolParameter, Config as Values, ConfigDescription, DoubleParameter, Group, GroupState, IntParameter, StrParameter,
 };
 use rcs_rviz_config::{CameraPubSettings, Config, Role, Visibility};
 use rcs_scene::{Encoding, FAR_CLIP_M};
+
+use crate::camera_stream::parameter_description::{choice_of, parameter};
 
 const FRAME_RATE: &str = "frame_rate";
 const BACKGROUND: [&str; 3] = ["background_red", "background_green", "background_blue"];
@@ -208,19 +209,13 @@ impl Parameters {
             values.doubles = vec![double(FRAME_RATE, frame_rate_hz), double(NEAR_CLIP, near_clip_m)];
             values
         };
-        let parameter = |name: &str, kind: &str, description: &str, edit_method: String| ParamDescription {
-            name: name.to_owned(),
-            r#type: kind.to_owned(),
-            level: 0,
-            description: description.to_owned(),
-            edit_method,
-        };
         let plain = |name, kind, description| parameter(name, kind, description, String::new());
         let rate = "Pictures a second; below 0: when the scene changes, 0: only when triggered";
         let colors = ["red", "green", "blue"].map(|color| format!("Background: {color}"));
         let mut parameters = vec![plain(FRAME_RATE, "double", rate)];
         parameters.extend(BACKGROUND.iter().zip(&colors).map(|(name, text)| plain(name, "int", text)));
-        parameters.push(parameter(ENCODING, "str", "What a pixel of the picture is", encodings()));
+        let (pixel, encodings) = ("What a pixel of the picture is", Encoding::ALL.map(Encoding::name));
+        parameters.push(parameter(ENCODING, "str", pixel, choice_of(pixel, encodings)));
         parameters.push(plain(NEAR_CLIP, "double", "Nearer than this nothing is drawn, in metres"));
         parameters.push(plain(VISIBILITY, "bool", "Whether the camera shows any display"));
         let shown = switches.iter().map(|switch| plain(&switch.name, "bool", &switch.description)).collect();
@@ -243,19 +238,6 @@ impl Switch {
     fn path(&self) -> Vec<&str> {
         self.path.iter().map(String::as_str).collect()
     }
-}
-
-/// The encodings to choose from, as the Python expression that dynamic_reconfigure's clients evaluate.
-fn encodings() -> String {
-    let choice = |encoding: Encoding| {
-        let name = encoding.name();
-        format!(
-            "{{'name': '{name}', 'type': 'str', 'value': '{name}', 'srcline': 0, 'srcfile': '', 'description': '', \
-             'ctype': 'std::string', 'cconsttype': 'const char * const'}}"
-        )
-    };
-    let choices: Vec<String> = Encoding::ALL.into_iter().map(choice).collect();
-    format!("{{'enum_description': 'What a pixel of the picture is', 'enum': [{}]}}", choices.join(", "))
 }
 
 #[cfg(test)]

@@ -6,9 +6,11 @@
 
 use rcs_files::picture_file::Coding;
 use rcs_messages::dynamic_reconfigure::{
-    Config as Values, ConfigDescription, Group, GroupState, IntParameter, ParamDescription, StrParameter,
+    Config as Values, ConfigDescription, Group, GroupState, IntParameter, StrParameter,
 };
 use rcs_scene::Encoding;
+
+use crate::camera_stream::parameter_description::{choice_of, parameter};
 
 const FORMAT: &str = "format";
 const QUALITY: &str = "jpeg_quality";
@@ -106,15 +108,8 @@ impl CompressionSettings {
 
     /// The parameters with their bounds.
     pub(super) fn description() -> ConfigDescription {
-        let parameter = |name: &str, kind: &str, description: &str, edit_method: String| ParamDescription {
-            name: name.to_owned(),
-            r#type: kind.to_owned(),
-            level: 0,
-            description: description.to_owned(),
-            edit_method,
-        };
         let parameters = vec![
-            parameter(FORMAT, "str", "Compression format", formats()),
+            parameter(FORMAT, "str", "Compression format", choice_of("Compression format", [JPEG, PNG])),
             parameter(QUALITY, "int", "JPEG quality percentile", String::new()),
             parameter(LEVEL, "int", "PNG compression level", String::new()),
         ];
@@ -130,17 +125,6 @@ impl CompressionSettings {
             dflt: Self::default().values(),
         }
     }
-}
-
-/// The formats to choose from, as the Python expression that dynamic_reconfigure's clients evaluate.
-fn formats() -> String {
-    let choice = |name: &str| {
-        format!(
-            "{{'name': '{name}', 'type': 'str', 'value': '{name}', 'srcline': 0, 'srcfile': '', 'description': '', \
-             'ctype': 'std::string', 'cconsttype': 'const char * const'}}"
-        )
-    };
-    format!("{{'enum_description': 'Compression format', 'enum': [{}, {}]}}", choice(JPEG), choice(PNG))
 }
 
 #[cfg(test)]
