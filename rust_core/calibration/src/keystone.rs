@@ -39,6 +39,7 @@ impl Keystone {
             // A picture that is skewed a lot has no solution without a skew.
             Err(
                 Refusal::Moved { .. }
+                | Refusal::TwoPoses { .. }
                 | Refusal::FewInliers { .. }
                 | Refusal::Inconsistent { .. }
                 | Refusal::NoSolution { .. }

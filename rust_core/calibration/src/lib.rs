@@ -35,6 +35,6 @@ pub use report::{Coverage, Report, Verdict};
 pub use sample::Sample;
 pub use solve::{
     solve, DistortionTerms, Estimate, FocalLengths, Parameter, Refusal, Residual, ScanPose, Skew, Solution,
-    SolveOptions,
+    SolveOptions, SuspectedMotion,
 };
 pub use verification::{Figures, LightMap, Miss, Scene, VerificationPlan, VerificationProblem, Verified};

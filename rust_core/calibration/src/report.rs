@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{keystone, Sample, Solution};
+use crate::{keystone, Sample, Solution, SuspectedMotion};
 
 /// Cells of the projector's picture, along u and v, that count as covered or not.
 const PICTURE_CELLS: [usize; 2] = [8, 6];
@@ -105,6 +105,7 @@ impl Report {
 
     fn judge(&mut self) {
         self.judge_fit();
+        self.judge_motion();
         self.judge_lens();
         self.judge_certainty();
         self.judge_coverage();
@@ -151,6 +152,18 @@ impl Report {
                     "only {:.0} % of the points agree with the solution: remove mirrors and glossy things, darken the \
                      room",
                     100.0 * share
+                ),
+            );
+        }
+    }
+
+    fn judge_motion(&mut self) {
+        if let Some(SuspectedMotion { scan, apart_px }) = self.solution.motion {
+            self.say(
+                Verdict::Usable,
+                format!(
+                    "the camera may have moved: some samples of scan {scan} land {apart_px:.2} px beside the others: \
+                     scan again with everything at rest"
                 ),
             );
         }

@@ -4,8 +4,8 @@
 //! errors by linear solutions (`dlt`) or, for a known lens, by three points (`p3p`, `quartic`); `adjust` makes all of
 //! it fit best in the sense of `noise` and `depth_errors`, on the equations of `normal_equations` for the unknowns of
 //! `model`; `left_out` chooses the distortion; `covariance`, by the sums of `cells` and what `correlation` sees in
-//! them, says how certain the result is, and `skew` whether it is a lens at all. `spread`, `orientation` and `moved`
-//! find the scenes and scans that are to be refused. `solver` has the order of the steps.
+//! them, says how certain the result is, and `skew` whether it is a lens at all. `spread`, `orientation`, `moved`
+//! and `motion` find the scenes and scans that are to be refused. `solver` has the order of the steps.
 //!
 //! The result depends on the samples, the options and the seed alone: sums are formed in the same order whatever the
 //! number of threads.
@@ -26,6 +26,7 @@ mod dlt;
 mod input;
 mod left_out;
 mod model;
+mod motion;
 mod moved;
 mod noise;
 mod normal_equations;
@@ -159,6 +160,16 @@ impl SolveOptions {
             seed: 0,
         }
     }
+
+    /// The same with all terms of the distortion, none of them fixed; unchanged if they are chosen anyway.
+    pub(crate) fn with_all_terms(&self) -> Self {
+        let mut options = self.clone();
+        options.fixed.retain(|(parameter, _)| (*parameter as usize) < Parameter::K1 as usize);
+        if options.distortion != DistortionTerms::Auto {
+            options.distortion = DistortionTerms::PlumbBob;
+        }
+        options
+    }
 }
 
 /// The pose of one scan.
@@ -194,6 +205,15 @@ pub struct Skew {
     pub value_px: f64,
     /// Its standard deviation.
     pub sigma_px: f64,
+}
+
+/// A motion during a scan that is too small to refuse the scan for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SuspectedMotion {
+    /// The number of the scan.
+    pub scan: u32,
+    /// By how much it moved the light, root of the mean square over the samples, pixels.
+    pub apart_px: f64,
 }
 
 /// How far the light of a sample's pixel lands from its point.
@@ -237,4 +257,6 @@ pub struct Solution {
     pub prediction_sigma_px: f64,
     /// How skewed the picture seems; none if the lens was not solved for.
     pub skew: Option<Skew>,
+    /// The largest small motion during a scan; none if nothing seems to have moved.
+    pub motion: Option<SuspectedMotion>,
 }

@@ -144,6 +144,32 @@ pub enum Refusal {
         /// The share that agrees with the second.
         second_percent: f64,
     },
+    /// Two poses in one scan that are close to each other.
+    #[error(
+        "{second_percent:.0} % of the samples of scan {scan}, {}, land {apart_px:.1} px beside the others: the camera, \
+         the things or the projector's zoom moved; scan again with everything at rest, or number the camera's poses in \
+         the column scan",
+        if *is_in_order { "the last ones" } else { "among the others" }
+    )]
+    TwoPoses {
+        /// The scan.
+        scan: u32,
+        /// How far apart the light of both poses is, root of the mean square, pixels.
+        apart_px: f64,
+        /// The share of the samples that were seen from the second pose.
+        second_percent: f64,
+        /// Whether these come after the others.
+        is_in_order: bool,
+    },
+    /// A distortion that was not to be solved for.
+    #[error(
+        "the lens has a distortion that is not solved for, without which {percent:.0} % of the samples do not fit: \
+         solve for all of its terms, and fix none"
+    )]
+    DistortionLeftOut {
+        /// The share of the samples that fits with all terms only.
+        percent: f64,
+    },
     /// Nothing fits.
     #[error(
         "no lens and pose fit the samples of scan {scan}: check that pixels and points belong together, scan again"

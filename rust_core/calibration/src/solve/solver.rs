@@ -11,8 +11,10 @@ use super::left_out::{Blocks, LeftOut};
 use super::model::{constrained, lens_values, Free, State};
 use super::noise::{quantile, Noise, Weight, LIMIT};
 use super::normal_equations::NormalEquations;
-use super::{covariance, moved, orientation, skew, spread};
-use super::{DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Skew, Solution, SolveOptions};
+use super::{covariance, motion, moved, orientation, skew, spread};
+use super::{
+    DistortionTerms, Estimate, Parameter, Refusal, Residual, ScanPose, Skew, Solution, SolveOptions, SuspectedMotion,
+};
 use crate::{Lens, Sample};
 
 /// Samples of all scans that a first solution is adjusted to.
@@ -69,7 +71,7 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
     let few = observations.thinned(per_scan, options.seed);
     let Chosen { terms, free, adjusted, in_doubt } = solver.chosen_terms(&few, &first);
     let adjusted = adjust::robustly(&observations, &adjusted.state, &free, adjusted.noise, 2);
-    solver.check_fit(&adjusted)?;
+    let motion = solver.check_fit(&adjusted)?;
     let Judged { covariance, prediction_sigma_px, skew } = solver.judged(&adjusted, &free)?;
     let weights = adjusted.noise.weights(&few, &adjusted.state, LIMIT);
     let blocks = Blocks::new(&few, options.size_px);
@@ -77,7 +79,7 @@ pub fn solve(samples: &[Sample], options: &SolveOptions) -> Result<Solution, Ref
     // What other terms would have changed is uncertain; light lands in the same place with them.
     let covariance = covariance + &in_doubt * in_doubt.transpose();
     let solution = solver.solution(&adjusted, &free, &covariance, terms);
-    let solution = Solution { held_out_rms_px, prediction_sigma_px, skew, ..solution };
+    let solution = Solution { held_out_rms_px, prediction_sigma_px, skew, motion, ..solution };
     let (factor, more_px) = HELD_OUT_LIMIT;
     // What the unknowns took up of the errors, which shows where samples are few.
     let equations = 2.0 * solution.inliers as f64;
@@ -301,10 +303,11 @@ impl<'a> Solver<'a> {
         Chosen { terms, free, adjusted: Adjusted { state, ..rich }, in_doubt }
     }
 
-    /// Refuses fits that many samples contradict.
-    fn check_fit(&self, adjusted: &Adjusted) -> Result<(), Refusal> {
+    /// Refuses fits that many samples contradict. A motion that is too small for that is returned.
+    fn check_fit(&self, adjusted: &Adjusted) -> Result<Option<SuspectedMotion>, Refusal> {
         let observations = self.observations;
-        moved::check(observations, adjusted, self.options.seed)?;
+        let motion = motion::check(observations, adjusted, self.options.seed)?;
+        moved::check(observations, adjusted, self.options.seed).map_err(|moved| self.distorted_or(moved, adjusted))?;
         let depth_of = |i: usize| {
             let observation = &observations.all[i];
             (adjusted.state.poses[observation.scan] * observation.point).z
@@ -333,7 +336,27 @@ impl<'a> Solver<'a> {
         if typical_px.is_nan() || typical_px > MOST_MISS * f64::from(self.options.size_px[0]) {
             return Err(Refusal::Inconsistent { typical_px });
         }
-        Ok(())
+        Ok(motion)
+    }
+
+    /// What is left over at the corners of a picture, since the lens has more distortion than is to be solved for, agrees
+    /// with another pose, as if something had moved. With all terms of the distortion, nothing of it is left over.
+    fn distorted_or(&self, moved: Refusal, adjusted: &Adjusted) -> Refusal {
+        let all_terms = self.options.with_all_terms();
+        if self.lens_is_known() || all_terms == *self.options {
+            return moved;
+        }
+        let scans = self.observations.scans.len();
+        let few = self.observations.thinned((CHOOSING / scans).max(OF_EACH[0]), self.options.seed);
+        let free = Free::new(&all_terms, DistortionTerms::PlumbBob, scans);
+        let distorted = adjust::robustly(&few, &adjusted.state, &free, adjusted.noise, 3);
+        let used = distorted.weights.iter().filter(|weight| weight.is_used()).count() as f64;
+        let used_before = adjusted.weights.iter().filter(|weight| weight.is_used()).count() as f64;
+        let more = used / few.all.len() as f64 - used_before / self.observations.all.len() as f64;
+        match moved::check(&few, &distorted, self.options.seed) {
+            Ok(()) if more > 0.0 => Refusal::DistortionLeftOut { percent: 100.0 * more },
+            _ => moved,
+        }
     }
 
     /// How certain the solution is, or why it is not certain enough.
@@ -457,6 +480,7 @@ impl<'a> Solver<'a> {
             inliers,
             prediction_sigma_px: 0.0,
             skew: None,
+            motion: None,
         }
     }
 }

@@ -86,6 +86,7 @@ fn report(points_per_scan: usize, scans: u32) -> (Report, Vec<Sample>) {
         max_px,
         inliers,
         skew: Some(Skew { value_px: -0.31, sigma_px: 0.12 }),
+        motion: None,
     };
     let reasons = vec![
         "the depth camera's errors (2.1 mm) are shared by neighbours: scan from more places".to_owned(),

@@ -5,6 +5,7 @@ use super::{solve, DistortionTerms, FocalLengths, Parameter, Refusal, Solution, 
 
 mod accuracy;
 mod keystone;
+mod motion;
 mod refusals;
 mod uncertainty;
 
