@@ -54,6 +54,8 @@ mod last_step;
 mod lens;
 mod renderer;
 mod shading;
+#[cfg(test)]
+mod simd_levels;
 
 pub use cpu::{CpuRenderer, Culling};
 pub use gpu::{GpuRenderer, GpuStats};

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::MAX_SIDE_PX;
 
 /// Along a row, places are kept for every so many pixels; between them they change evenly.
-const STRIDE_PX: u32 = 8;
+const STRIDE_PX: u32 = MapRun::PIXELS as u32;
 
 /// Fractions of a place are multiples of one over this.
 const ONE: f64 = 65536.0;
@@ -28,7 +28,8 @@ pub struct PixelMap {
     source_size_px: [u32; 2],
     source_origin_px: [i32; 2],
     rows: Vec<MapRow>,
-    /// Places in 16.16 fixed point, those of each row after those of the last.
+    /// Places in 16.16 fixed point, those of each row after those of the last: of every [`STRIDE_PX`]th pixel, up to the
+    /// one after the last run.
     nodes: Vec<[i32; 2]>,
 }
 
@@ -42,14 +43,15 @@ struct MapRow {
 /// Pixels of a row whose places follow one another evenly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapRun {
-    /// The first pixel's column.
-    pub column: u32,
-    /// How many pixels.
-    pub len: u32,
     /// The first pixel's place, in 1/65536 pixels of the source.
     pub place: [i32; 2],
     /// From one pixel's place to the next one's.
     pub step: [i32; 2],
+}
+
+impl MapRun {
+    /// How many pixels a run has; the last one of a row may have fewer.
+    pub const PIXELS: usize = 8;
 }
 
 impl PixelMap {
@@ -66,8 +68,8 @@ impl PixelMap {
     /// let place = |[u, v]: [f64; 2]| (u >= 50.0).then_some([u / 2.0, v / 2.0]);
     /// let map = PixelMap::new([100, 80], place).unwrap();
     /// assert_eq!((map.size_px(), map.source_origin_px()), ([100, 80], [24, -1]));
-    /// let runs: Vec<_> = map.runs(10).collect();
-    /// assert_eq!((runs[0].column, runs[0].place), (50, [65536, 6 * 65536]));
+    /// let (columns, mut runs) = map.runs(10);
+    /// assert_eq!((columns, runs.next().unwrap().place), (50..100, [65536, 6 * 65536]));
     /// ```
     pub fn new(size_px: [u32; 2], place: impl Fn([f64; 2]) -> Option<[f64; 2]> + Sync) -> Option<Self> {
         let [width, height] = size_px.map(f64::from);
@@ -98,9 +100,10 @@ impl PixelMap {
         let fixed =
             |place: [f64; 2]| [0, 1].map(|i| ((place[i] - f64::from(source_origin_px[i])) * ONE).round() as i32);
         for (pixels, places) in rows {
-            let nodes = map.nodes.len()..map.nodes.len() + places.len();
-            map.rows.push(MapRow { pixels, nodes });
+            let begin = map.nodes.len();
             map.nodes.extend(places.into_iter().map(fixed));
+            map.go_on_evenly(begin, pixels.len());
+            map.rows.push(MapRow { pixels, nodes: begin..map.nodes.len() });
         }
         Some(map)
     }
@@ -120,21 +123,34 @@ impl PixelMap {
         self.source_origin_px
     }
 
-    /// The runs of a row, from the left; what no run has shows nothing. Places and the pixels to the right of and below
-    /// them are in the source.
-    pub fn runs(&self, row: u32) -> impl Iterator<Item = MapRun> + '_ {
+    /// The columns of a row's pixels that show something, and their runs: each is that of the next [`MapRun::PIXELS`]
+    /// pixels, the last one that of what is left. Places and the pixels to the right of and below them are in the source.
+    pub fn runs(&self, row: u32) -> (Range<u32>, impl Iterator<Item = MapRun> + '_) {
         let MapRow { pixels, nodes } = self.rows.get(row as usize).cloned().unwrap_or_default();
         let nodes = self.nodes.get(nodes).unwrap_or(&[]);
-        let end = pixels.end;
-        pixels.step_by(STRIDE_PX as usize).zip(nodes.windows(2).chain(nodes.last().map(std::slice::from_ref))).map(
-            move |(column, nodes)| {
-                let [place, next] = [nodes.first(), nodes.last()].map(|node| node.copied().unwrap_or_default());
-                let len = (end - column).min(STRIDE_PX);
-                // The last place of a row is that of its last pixel.
-                let pixels = (end - 1 - column).clamp(1, STRIDE_PX) as i32;
-                MapRun { column, len, place, step: [0, 1].map(|i| (next[i] - place[i]) / pixels) }
-            },
-        )
+        let runs = nodes.windows(2).map(|nodes| {
+            let (place, next) = (nodes[0], nodes[1]);
+            MapRun { place, step: [0, 1].map(|axis| (next[axis] - place[axis]) / STRIDE_PX as i32) }
+        });
+        (pixels, runs)
+    }
+
+    /// Moves the last place of a row of so many pixels, which begins at a node and ends with its last pixel's place, to
+    /// where the last run's steps lead after a whole run.
+    fn go_on_evenly(&mut self, begin: usize, pixels: usize) {
+        let Some(last) = pixels.checked_sub(1) else { return };
+        // The last run's only pixel may be the row's last one.
+        let steps = last % MapRun::PIXELS;
+        if steps == 0 {
+            self.nodes.extend_from_within(self.nodes.len() - 1..);
+        } else if let Some([place, end]) = self.nodes.get_mut(begin..).and_then(<[_]>::last_chunk_mut) {
+            // Places are not negative, so that differences of bounded ones fit.
+            const LEAST: i64 = i32::MIN as i64 / 2;
+            *end = [0, 1].map(|axis| {
+                let step = i64::from((end[axis] - place[axis]) / steps as i32);
+                (i64::from(place[axis]) + step * i64::from(STRIDE_PX)).clamp(LEAST, i32::MAX.into()) as i32
+            });
+        }
     }
 }
 
@@ -172,16 +188,23 @@ fn longest_run(width: u32, holds: impl Fn(u32) -> bool) -> Range<u32> {
 mod tests {
     use super::*;
 
+    /// The columns of a row that have a place, and the places.
+    fn fixed_places(map: &PixelMap, row: u32) -> Vec<(u32, [i32; 2])> {
+        let (columns, runs) = map.runs(row);
+        let pixels = runs.flat_map(|run| {
+            (0..MapRun::PIXELS as i32).map(move |i| [0, 1].map(|axis| run.place[axis] + i * run.step[axis]))
+        });
+        let places: Vec<_> = columns.clone().zip(pixels).collect();
+        assert_eq!(places.len(), columns.len());
+        places
+    }
+
     /// The place of each pixel by the runs; none where there is none.
     fn places(map: &PixelMap, row: u32) -> Vec<Option<[f64; 2]>> {
         let mut places = vec![None; map.size_px()[0] as usize];
-        for run in map.runs(row) {
-            for i in 0..run.len as i32 {
-                let place = [0, 1].map(|axis| {
-                    f64::from(run.place[axis] + i * run.step[axis]) / ONE + f64::from(map.source_origin_px()[axis])
-                });
-                places[(run.column as i32 + i) as usize] = Some(place);
-            }
+        for (column, place) in fixed_places(map, row) {
+            places[column as usize] =
+                Some([0, 1].map(|axis| f64::from(place[axis]) / ONE + f64::from(map.source_origin_px()[axis])));
         }
         places
     }
@@ -225,19 +248,25 @@ mod tests {
         let [width, height] = map.source_size_px();
         assert!(width <= 64 + 2 * 64 + 4, "{width}");
         for row in 0..48 {
-            for run in map.runs(row) {
-                for i in [0, run.len as i32 - 1] {
-                    let [x, y] = [0, 1].map(|axis| (run.place[axis] + i * run.step[axis]) >> 16);
-                    assert!(x >= 0 && y >= 0 && x + 1 < width as i32 && y + 1 < height as i32);
-                }
+            for (_, place) in fixed_places(&map, row) {
+                let [x, y] = place.map(|place| place >> 16);
+                assert!(x >= 0 && y >= 0 && x + 1 < width as i32 && y + 1 < height as i32);
             }
         }
     }
 
     #[test]
+    fn rows_that_end_with_a_leap_are_no_error() {
+        let map = PixelMap::new([16_000, 1], |[u, _]| Some([if u < 15_999.0 { u } else { 0.0 }, 0.0])).unwrap();
+        let places = fixed_places(&map, 0);
+        let width = map.source_size_px()[0] as i32;
+        assert!(places.iter().all(|(_, [x, _])| (0..width).contains(&(x >> 16))), "{:?}", places.last());
+    }
+
+    #[test]
     fn there_are_no_rows_beside_the_picture() {
         let map = PixelMap::new([4, 3], Some).unwrap();
-        assert_eq!(map.runs(2).map(|run| run.len).sum::<u32>(), 4);
-        assert_eq!(map.runs(3).count(), 0);
+        assert_eq!((map.runs(2).0, map.runs(2).1.count()), (0..4, 1));
+        assert_eq!((map.runs(3).0, map.runs(3).1.count()), (0..0, 0));
     }
 }

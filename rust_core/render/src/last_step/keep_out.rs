@@ -117,15 +117,15 @@ impl KeepOut {
         match &self.lens {
             None => self.write_straight(row, factors),
             Some(map) => {
-                let mut end = 0;
-                for run in map.runs(row as u32) {
-                    let begin = run.column as usize;
-                    // Where the light of a pixel goes to is not known beyond what the lens shows: it stays dark.
-                    factors.get_mut(end..begin).unwrap_or_default().fill(0);
-                    end = begin + run.len as usize;
+                let (columns, runs) = map.runs(row as u32);
+                let columns = columns.start as usize..columns.end as usize;
+                // Where the light of a pixel goes to is not known beyond what the lens shows: it stays dark.
+                factors.get_mut(..columns.start).unwrap_or_default().fill(0);
+                factors.get_mut(columns.end..).unwrap_or_default().fill(0);
+                let factors = factors.get_mut(columns).unwrap_or_default();
+                for (factors, run) in factors.chunks_mut(MapRun::PIXELS).zip(runs) {
                     self.write_run(run, factors);
                 }
-                factors.get_mut(end..).unwrap_or_default().fill(0);
             }
         }
     }
@@ -146,11 +146,8 @@ impl KeepOut {
         let [fx, fy] = [self.intrinsics.fx_px.abs(), self.intrinsics.fy_px.abs()];
         let place = run.place.map(|place| f64::from(place) / ONE + 0.5);
         let step = run.step.map(|step| f64::from(step) / ONE);
-        let len = f64::from(run.len);
-        let reach = len * (step[0].abs() / fx + step[1].abs() / fy);
+        let reach = factors.len() as f64 * (step[0].abs() / fx + step[1].abs() / fy);
         let (x, y) = (self.x(place[0]), self.y(place[1]));
-        let end = run.column as usize + run.len as usize;
-        let Some(factors) = factors.get_mut(run.column as usize..end) else { return };
         for (cone, _) in self.cones.iter().filter(|(cone, _)| !cone.is_far_from(x, y, reach)) {
             for (index, factor) in factors.iter_mut().enumerate() {
                 let at = index as f64;

@@ -9,6 +9,7 @@ use rcs_scene::{
     Points, RenderGroup, Scene,
 };
 
+use crate::simd_levels::levels;
 use crate::{CpuRenderer, Renderer, View};
 
 /// Scattered points of many sizes on the picture; some are behind the eye, at the near plane or off the picture.
@@ -25,20 +26,6 @@ fn scattered() -> PointBuffer {
     let positions: Vec<[f32; 3]> = (0..3000).map(|_| position()).collect();
     let colors = (0..3000_u32).map(|i| (i.wrapping_mul(0x9e37_79b9) | 0x8000_0000).to_le_bytes()).collect();
     PointBuffer { positions, colors: PointColors::PerPoint(colors) }
-}
-
-fn levels() -> Vec<Level> {
-    let best = Level::new();
-    #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut, reason = "there is only one"))]
-    let mut levels = vec![best];
-    #[cfg(target_arch = "x86_64")]
-    {
-        use fearless_simd::Simd;
-        levels.extend(best.as_sse2().map(Simd::level));
-        levels.extend(best.as_sse4_2().map(Simd::level));
-        levels.extend(best.as_avx2().map(Simd::level));
-    }
-    levels
 }
 
 #[test]

@@ -1,0 +1,131 @@
+//! Through a lens: the picture of a [`PixelMap`], taken from what was drawn without one.
+//!
+//! Colours between pixels are interpolated, first downwards and then to the right, in 256 steps and to the nearest
+//! level. Whole runs of the map are done eight pixels at once ([`eight`]); the rest, and places at the source's first and
+//! last pixels, one by one. Both give the same colours.
+
+mod eight;
+#[cfg(test)]
+mod tests;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, Level};
+use rayon::prelude::*;
+use rcs_scene::{DepthPicture, Encoding, MapRun, Picture, PixelMap};
+
+/// Rows that a thread takes at once.
+const ROWS: usize = 16;
+
+/// Writes the picture that a lens makes of `drawn`, an [`Encoding::Rgba8`] picture of the map's source. Colours between
+/// pixels are interpolated, so that edges and lines are where they are, not at the nearest pixel; what the lens does
+/// not show has the background's colour.
+pub(crate) fn see_through(
+    map: &PixelMap,
+    drawn: &Picture,
+    background: [u8; 3],
+    encoding: Encoding,
+    picture: &mut Picture,
+) {
+    let [width, height] = map.size_px();
+    picture.reset(width, height, encoding);
+    let step = picture.step();
+    let [r, g, b] = background;
+    let (source, level) = (Source::new(drawn), Level::new());
+    let strips = picture.data.par_chunks_mut(step * ROWS).enumerate();
+    strips.for_each_init(Vec::new, |pixels, (strip, rows)| {
+        for (row, bytes) in rows.chunks_mut(step).enumerate() {
+            pixels.clear();
+            pixels.resize(width as usize, [r, g, b, 255]);
+            let row = (strip * ROWS + row) as u32;
+            dispatch!(level, simd => source.write_row(simd, map, row, pixels));
+            encoding.write_row(pixels, bytes);
+        }
+    });
+}
+
+/// Writes the depths that a lens makes of `drawn`: each pixel has that of the nearest one, for a depth between two is
+/// nowhere.
+pub(crate) fn see_depth_through(map: &PixelMap, drawn: &DepthPicture, depth: &mut DepthPicture) {
+    let [width, height] = map.size_px();
+    depth.reset(width, height);
+    let rows = depth.depths_m.par_chunks_mut((width as usize).max(1)).enumerate();
+    rows.for_each(|(row, pixels)| {
+        let (columns, runs) = map.runs(row as u32);
+        let pixels = pixels.get_mut(columns.start as usize..columns.end as usize).unwrap_or_default();
+        for (pixels, MapRun { place, step }) in pixels.chunks_mut(MapRun::PIXELS).zip(runs) {
+            for (index, pixel) in (0..).zip(pixels) {
+                let nearest = [0, 1].map(|axis| (place[axis] + index * step[axis] + (1 << 15)) >> 16);
+                let at = nearest[1] as usize * drawn.width_px as usize + nearest[0] as usize;
+                *pixel = drawn.depths_m.get(at).copied().unwrap_or(f32::NAN);
+            }
+        }
+    });
+}
+
+/// What was drawn, four bytes for each pixel, row by row.
+#[derive(Clone, Copy)]
+struct Source<'a> {
+    bytes: &'a [u8],
+    /// The same from the second row on.
+    below: &'a [u8],
+    /// Pixels of a row.
+    width: i32,
+}
+
+impl<'a> Source<'a> {
+    fn new(drawn: &'a Picture) -> Self {
+        let below = drawn.data.get(drawn.step()..).unwrap_or(&[]);
+        Self { bytes: &drawn.data, below, width: drawn.width_px as i32 }
+    }
+
+    /// Writes the pixels of the map's row that have a place.
+    #[inline(always)]
+    fn write_row<S: Simd>(&self, simd: S, map: &PixelMap, row: u32, pixels: &mut [[u8; 4]]) {
+        let (columns, mut runs) = map.runs(row);
+        let Some(pixels) = pixels.get_mut(columns.start as usize..columns.end as usize) else { return };
+        let (whole, rest) = pixels.as_chunks_mut::<{ MapRun::PIXELS }>();
+        for pixels in whole {
+            let Some(run) = runs.next() else { return };
+            if eight::write(simd, self, run, pixels).is_none() {
+                self.write_singly(run, pixels);
+            }
+        }
+        if let Some(run) = runs.next() {
+            self.write_singly(run, rest);
+        }
+    }
+
+    /// Writes a run's pixels.
+    #[inline(never)]
+    fn write_singly(&self, run: MapRun, pixels: &mut [[u8; 4]]) {
+        let MapRun { place: [mut x, mut y], step } = run;
+        for pixel in pixels {
+            *pixel = self.color([x, y]);
+            (x, y) = (x + step[0], y + step[1]);
+        }
+    }
+
+    /// The colour at a place in 1/65536 pixels; black beside the source, where no map leads.
+    fn color(&self, [x, y]: [i32; 2]) -> [u8; 4] {
+        let at = self.index([x, y]) as u32 as usize * 4;
+        let pair = |bytes: &[u8]| bytes.get(at..).and_then(|bytes| bytes.first_chunk::<8>().copied());
+        let (Some(above), Some(below)) = (pair(self.bytes), pair(self.below)) else { return [0, 0, 0, 255] };
+        let mixed = |channel: usize| {
+            let [left, right] = [channel, channel + 4].map(|i| between(above[i], below[i], y));
+            between(left, right, x)
+        };
+        [0, 1, 2, 3].map(mixed)
+    }
+
+    /// Which pixel the one to the left of and above a place is.
+    #[inline(always)]
+    fn index(&self, [x, y]: [i32; 2]) -> i32 {
+        (y >> 16) * self.width + (x >> 16)
+    }
+}
+
+/// Between a level and another one, by a place's fraction, to the nearest level.
+fn between(first: u8, second: u8, place: i32) -> u8 {
+    let (first, second, share) = (i32::from(first), i32::from(second), place >> 8 & 0xff);
+    ((first * 256 + (second - first) * share + 128) >> 8) as u8
+}
