@@ -101,6 +101,15 @@ def cameras(given, result):
     return paragraphs(intro, table(heads, row, rows), slow_note(rows, '5 clouds/s'), driver_note(rows))
 
 
+def lens(given, result):
+    intro = '`./bench --only lens` on {}: Flat Squares, 307,200 points at {:g} clouds/s, 1280×800, {:g} s each.'.format(
+        machine(), given.hz, given.seconds)
+    heads = ['program', '`--undistort`', 'pictures/s', 'clouds missed', 'latency ms, median / p95', 'CPU ms per cloud', 'peak MB']
+    row = ['{name}', '{lens}', '{pictures_hz:.1f}', '{missed} of {clouds}', LATENCY, '{cpu_per_cloud_ms:.1f}{mark}', '{peak_mb:.0f}']
+    return paragraphs(intro, table(heads, row, result['rows']), slow_note(result['rows'], '{:g} clouds/s'.format(given.hz)),
+                      driver_note(result['rows']))
+
+
 def compressed(given, result):
     nothing = float('nan')
     rows = [dict({'packed_hz': nothing, 'later_ms': nothing, 'kilobytes': nothing}, **row) for row in result['rows']]

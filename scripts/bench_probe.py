@@ -58,11 +58,11 @@ def transform(child, xyz):
     return message
 
 
-def camera_info(size_px):
+def camera_info(size_px, distortion):
     """A projector whose focal length grows with the picture, so that the cloud fills the same part of any size."""
     width, height = size_px
     f, cx, cy = 1900.0 * (width * height / float(SIZE_PX[0] * SIZE_PX[1])) ** 0.5, width / 2.0, height / 2.0
-    message = CameraInfo(width=width, height=height, distortion_model='plumb_bob', D=[0.0] * 5)
+    message = CameraInfo(width=width, height=height, distortion_model='plumb_bob', D=distortion)
     message.header.frame_id = 'projector'
     message.K = [f, 0, cx, 0, f, cy, 0, 0, 1]
     message.R = [1, 0, 0, 0, 1, 0, 0, 0, 1]
@@ -266,10 +266,10 @@ class Probe:
         self.is_floor = False
         self.forget()
 
-    def use(self, topic, cloud, size_px):
-        """From now on publishes this cloud on this topic, and a CameraInfo of this size."""
+    def use(self, topic, cloud, size_px, distortion=(0.0,) * 5):
+        """From now on publishes this cloud on this topic, and a CameraInfo of this size with this D."""
         self.publisher, self.cloud = self.clouds[topic], cloud
-        self.info.publish(camera_info(size_px))
+        self.info.publish(camera_info(size_px, distortion))
 
     def forget(self):
         with self.changed:
