@@ -18,6 +18,8 @@ from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 publishers = {}
+# What rospy prints must not come between the answers.
+answers, sys.stdout = sys.stdout.buffer, sys.stderr
 
 
 def publisher(topic, kind, latch):
@@ -171,8 +173,8 @@ class Viewer:
 
 def answer(word, text):
     data = text.encode()
-    sys.stdout.buffer.write(b"%s %d\n" % (word, len(data)) + data)
-    sys.stdout.buffer.flush()
+    answers.write(b"%s %d\n" % (word, len(data)) + data)
+    answers.flush()
 
 
 def serve():

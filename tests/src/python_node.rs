@@ -88,7 +88,8 @@ fn read_answer(stdout: &mut BufReader<ChildStdout>) -> io::Result<String> {
     let Some((word, size)) = head.trim_end().split_once(' ') else {
         return Err(io::Error::other(format!("the Python node has ended: {head}")));
     };
-    let mut text = vec![0; size.parse().map_err(io::Error::other)?];
+    let size = size.parse().map_err(|_| io::Error::other(format!("no answer of the Python node: {head}")))?;
+    let mut text = vec![0; size];
     stdout.read_exact(&mut text)?;
     let text = String::from_utf8_lossy(&text).into_owned();
     if word == "ok" {

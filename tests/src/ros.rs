@@ -2,6 +2,7 @@
 //!
 //! Everything that is started here is ended when its value is dropped, and nothing else is.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read};
 use std::net::{TcpListener, TcpStream};
@@ -35,9 +36,16 @@ pub fn wait_until(timeout: Duration, mut condition: impl FnMut() -> bool) -> boo
     }
 }
 
-/// A TCP port that was free a moment ago.
+/// A TCP port that was free a moment ago, and that no other test of this process was given: the system gives a port again
+/// as soon as it is not listened on, which may be before the master of another test does.
 pub fn free_port() -> io::Result<u16> {
-    Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.port())
+    static GIVEN: Mutex<BTreeSet<u16>> = Mutex::new(BTreeSet::new());
+    loop {
+        let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
+        if GIVEN.lock().unwrap_or_else(PoisonError::into_inner).insert(port) {
+            return Ok(port);
+        }
+    }
 }
 
 /// Where ROS's programs are: a sourced installation's, or Debian's.
