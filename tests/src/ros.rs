@@ -36,8 +36,8 @@ pub fn wait_until(timeout: Duration, mut condition: impl FnMut() -> bool) -> boo
     }
 }
 
-/// A TCP port that was free a moment ago, and that no other test of this process was given: the system gives a port again
-/// as soon as it is not listened on, which may be before the master of another test does.
+/// A TCP port that was free a moment ago, and that no other test of this process was given: the system gives a port
+/// again as soon as it is not listened on, which may be before the master of another test does.
 pub fn free_port() -> io::Result<u16> {
     static GIVEN: Mutex<BTreeSet<u16>> = Mutex::new(BTreeSet::new());
     loop {

@@ -1,8 +1,9 @@
 //! Where the light of a projector on a moving robot lands, with and without prediction: a simulation without a clock.
 //!
-//! A base drives at 0.5 m/s and turns at 0.5 rad/s, a turret on it turns at 1 rad/s, both publish 50 transforms a second,
-//! and 30 pictures a second become light 45 ms after their frames were looked up. The light of a point 1.5 m before the
-//! lens lands where the projector as it stands then throws it. `--nocapture` prints the table of docs/prediction.md.
+//! A base drives at 0.5 m/s and turns at 0.5 rad/s, a turret on it turns at 1 rad/s, both publish 50 transforms a
+//! second, and 30 pictures a second become light 45 ms after their frames were looked up. The light of a point 1.5 m
+//! before the lens lands where the projector as it stands then throws it. `--nocapture` prints the table of
+//! docs/prediction.md.
 #![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
 
 use std::sync::Arc;
@@ -128,7 +129,8 @@ impl Simulation {
         base(progress) * turret(progress)
     }
 
-    /// Sends what arrives until then, from the newest transforms sent before. Those of the turret are stamped 7 ms later.
+    /// Sends what arrives until then, from the newest transforms sent before. Those of the turret are stamped 7 ms
+    /// later.
     fn send_until(&mut self, secs: f64, sent: &mut [u32; 2]) {
         for (link, offset_secs) in [(0, 0.0), (1, 0.007)] {
             loop {

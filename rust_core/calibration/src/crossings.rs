@@ -1,9 +1,9 @@
 //! Points where edges of coarse stripes cross: few, but known long before a scan is over.
 //!
 //! Of a pair of stripes and their inverse, the difference changes its sign at each edge, and the Gray code of the other
-//! stripes says which edge it is. Where in a square of four camera pixels an edge of a column and one of a row are seen,
-//! both differences are interpolated between the pixels, and the place where both vanish is the place of the projector's
-//! corner.
+//! stripes says which edge it is. Where in a square of four camera pixels an edge of a column and one of a row are
+//! seen, both differences are interpolated between the pixels, and the place where both vanish is the place of the
+//! projector's corner.
 
 use nalgebra::{Matrix2, Point2, Point3, Vector2};
 use rayon::prelude::*;
@@ -24,7 +24,8 @@ const LEAST_NOISE: f32 = 1e-4;
 /// Steps of Newton's method.
 const STEPS: usize = 4;
 
-/// The crossings that are seen at points with a depth. `depth_m` is as for [`crate::points`]. Their deviations are rough.
+/// The crossings that are seen at points with a depth. `depth_m` is as for [`crate::points`]. Their deviations are
+/// rough.
 ///
 /// # Errors
 /// [`DecodeError`]: pictures are missing.

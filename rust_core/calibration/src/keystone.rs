@@ -1,8 +1,8 @@
 //! Whether the projector distorts its picture.
 //!
-//! A keystone correction is a homography of the picture: it leaves a pinhole a pinhole, but one that is skewed, or whose
-//! pixels are not square. A scaled picture's pixels are not square, either. Both show in a solution; a first one rests on
-//! the crossings of coarse stripes, so that a scan need not be taken to its end.
+//! A keystone correction is a homography of the picture: it leaves a pinhole a pinhole, but one that is skewed, or
+//! whose pixels are not square. A scaled picture's pixels are not square, either. Both show in a solution; a first one
+//! rests on the crossings of coarse stripes, so that a scan need not be taken to its end.
 
 use crate::solve::skew_of_all;
 use crate::{crossings, solve, Lens, Parameter, Pictures, Refusal, Skew, Solution, SolveOptions};
@@ -13,8 +13,8 @@ const SQUARE_PIXELS: f64 = 0.02;
 const NO_SKEW: f64 = 0.003;
 /// if this is not by chance: deviations.
 const SIGNIFICANT: f64 = 4.0;
-/// A skew that cannot be by chance, as a share of the focal length, if half of the crossings agree with it to this share
-/// of what it moves the picture's edge by; a lens's distortion is among that.
+/// A skew that cannot be by chance, as a share of the focal length, if half of the crossings agree with it to this
+/// share of what it moves the picture's edge by; a lens's distortion is among that.
 const MUCH_SKEW: f64 = 0.02;
 const AGREEING: f64 = 0.2;
 /// Fewer crossings determine no lens that is to be trusted.
@@ -30,8 +30,8 @@ pub enum Keystone {
 }
 
 impl Keystone {
-    /// What the coarse stripes, white and black of a scan tell, with depths as for [`crate::points`]; none if nothing is
-    /// wrong, or if they do not determine a lens, as before a flat wall.
+    /// What the coarse stripes, white and black of a scan tell, with depths as for [`crate::points`]; none if nothing
+    /// is wrong, or if they do not determine a lens, as before a flat wall.
     pub fn find(pictures: &Pictures<'_>, depth_m: &[f32], camera: &Lens, projector_px: [u32; 2]) -> Option<Self> {
         let samples = crossings(pictures, depth_m, camera).ok().filter(|samples| samples.len() >= LEAST_CROSSINGS)?;
         match solve(&samples, &SolveOptions::new(projector_px)) {

@@ -98,8 +98,8 @@ pub fn sibling_topic(image_topic: &str, name: &str) -> String {
 impl RosNode {
     /// Publishes pictures on `topic` and their CameraInfo on its sibling.
     ///
-    /// `on_change` is called with the name of every node that subscribes to one of its topics or leaves, on the thread of its
-    /// connection.
+    /// `on_change` is called with the name of every node that subscribes to one of its topics or leaves, on the thread
+    /// of its connection.
     ///
     /// # Errors
     /// [`NodeError::Name`].

@@ -38,9 +38,9 @@ impl RosNode {
 }
 
 impl RosNode {
-    /// Asks for parameters by their whole names, and hands their values over as text, in the same order, once the master
-    /// has answered; `None` for one that is not set, or is neither a string, a boolean nor a number. A master that is
-    /// silent is asked again.
+    /// Asks for parameters by their whole names, and hands their values over as text, in the same order, once the
+    /// master has answered; `None` for one that is not set, or is neither a string, a boolean nor a number. A master
+    /// that is silent is asked again.
     pub fn fetch_texts(&self, names: Vec<String>, done: impl FnOnce(Vec<Option<String>>) + Send + 'static) {
         let network = Arc::downgrade(self.network());
         let fetching = move || loop {

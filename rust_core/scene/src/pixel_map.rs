@@ -28,8 +28,8 @@ pub struct PixelMap {
     source_size_px: [u32; 2],
     source_origin_px: [i32; 2],
     rows: Vec<MapRow>,
-    /// Places in 16.16 fixed point, those of each row after those of the last: of every [`STRIDE_PX`]th pixel, up to the
-    /// one after the last run.
+    /// Places in 16.16 fixed point, those of each row after those of the last: of every [`STRIDE_PX`]th pixel, up to
+    /// the one after the last run.
     nodes: Vec<[i32; 2]>,
 }
 
@@ -124,7 +124,8 @@ impl PixelMap {
     }
 
     /// The columns of a row's pixels that show something, and their runs: each is that of the next [`MapRun::PIXELS`]
-    /// pixels, the last one that of what is left. Places and the pixels to the right of and below them are in the source.
+    /// pixels, the last one that of what is left. Places and the pixels to the right of and below them are in the
+    /// source.
     pub fn runs(&self, row: u32) -> (Range<u32>, impl Iterator<Item = MapRun> + '_) {
         let MapRow { pixels, nodes } = self.rows.get(row as usize).cloned().unwrap_or_default();
         let nodes = self.nodes.get(nodes).unwrap_or(&[]);

@@ -104,9 +104,9 @@ impl History {
         Some((older.parent, interpolate(&older.parent_from_child, &newer.parent_from_child, ratio)))
     }
 
-    /// The parent and the predicted `parent_from_child`: where known samples reach, as they say; beyond the newest as its
-    /// motion leads, but no further than the limit. Without a motion the newest sample holds. `None` where nothing is
-    /// known.
+    /// The parent and the predicted `parent_from_child`: where known samples reach, as they say; beyond the newest as
+    /// its motion leads, but no further than the limit. Without a motion the newest sample holds. `None` where nothing
+    /// is known.
     pub(crate) fn predicted(&self, prediction: &Prediction) -> Option<(FrameId, Isometry3<f64>)> {
         let samples = match self {
             History::Static(known) => return Some((known.parent, known.parent_from_child)),

@@ -1,9 +1,9 @@
 //! The frame tree over time, with tf2's semantics.
 //!
-//! Robots publish where a child frame is in its parent frame, again and again (`/tf`) or once and for
-//! all (`/tf_static`). [`TransformTree`] keeps what was published, ten seconds of it for each frame
-//! that moves, and looks up where one frame was in another at a time, interpolating between the samples and
-//! never extrapolating; only who asks for a [`Prediction`] gets one. [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros'
+//! Robots publish where a child frame is in its parent frame, again and again (`/tf`) or once and for all
+//! (`/tf_static`). [`TransformTree`] keeps what was published, ten seconds of it for each frame that moves, and looks
+//! up where one frame was in another at a time, interpolating between the samples and never extrapolating; only who
+//! asks for a [`Prediction`] gets one. [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros'
 //! message filter does for rviz's displays.
 //!
 //! Nothing here has a clock, a thread or a connection: the caller brings transforms, messages and times.

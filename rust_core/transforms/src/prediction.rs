@@ -21,7 +21,8 @@ use crate::{LookupError, Time, TransformTree};
 /// for (millis, x) in [(0, 0.0), (20, 0.01), (40, 0.02)] {
 ///     let stamp = Time::from_secs_nanos(100, millis * 1_000_000);
 ///     let (translation, rotation_xyzw) = ([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]);
-///     tree.insert(&RawTransform { parent: "odom", child: "base", stamp, translation, rotation_xyzw }, false, "/drive")?;
+///     let base = RawTransform { parent: "odom", child: "base", stamp, translation, rotation_xyzw };
+///     tree.insert(&base, false, "/drive")?;
 /// }
 /// let now = Time::from_secs_nanos(100, 45_000_000);
 /// let prediction = Prediction { now, lead: Duration::from_millis(35), limit: Duration::from_millis(100) };

@@ -1,10 +1,10 @@
 //! Shows a test pattern full screen, as `projector_window` shows an image topic.
 //!
-//! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png] [--stale-timeout SECONDS] [--set-mode yes]
-//! [--keys window] [--identify SECONDS] [--keep TITLE]`: pixel (u, v) of the pattern has red
-//! u % 256, green v % 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same.
-//! The same picture is shown again half a second later. Keys and the monitor are logged, unless the window answers keys
-//! itself. Escape or q quit.
+//! `window_pattern WIDTHxHEIGHT [--monitor NAME|INDEX] [--screenshot FILE.png] [--stale-timeout SECONDS] [--set-mode
+//! yes] [--keys window] [--identify SECONDS] [--keep TITLE]`: pixel (u, v) of the pattern has red u % 256, green v %
+//! 256 and in blue 16 * (u / 256) + v / 256, so that no two pixels within 4096x4096 look the same. The same picture is
+//! shown again half a second later. Keys and the monitor are logged, unless the window answers keys itself. Escape or q
+//! quit.
 
 use std::error::Error;
 use std::io::Write;

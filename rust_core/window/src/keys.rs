@@ -1,5 +1,5 @@
-//! The keys that a window reports, by the symbols that the keyboard's layout gives them: what the program does on one is
-//! its own affair. Escape and q are not among them, they end the window.
+//! The keys that a window reports, by the symbols that the keyboard's layout gives them: what the program does on one
+//! is its own affair. Escape and q are not among them, they end the window.
 
 use xkeysym::{key, Keysym};
 

@@ -1,8 +1,8 @@
 //! The projector's window: a picture full screen on a chosen monitor, pixel for pixel.
 //!
 //! [`run`] opens the window on the calling thread, whichever that is, and stays until the user presses Escape or q,
-//! closes it, or [`PictureSink::close`] is called. Other threads hand pictures to the sink; only the newest is kept, and
-//! the window is drawn when a new picture arrives or the window system requests it, so an unchanged picture costs
+//! closes it, or [`PictureSink::close`] is called. Other threads hand pictures to the sink; only the newest is kept,
+//! and the window is drawn when a new picture arrives or the window system requests it, so an unchanged picture costs
 //! nothing. [`run_interactive`] also reports keys and the monitor, for programs that draw to its size; [`run_with`] can
 //! be called again when the window system went away and came back.
 //!
@@ -11,7 +11,7 @@
 //! differ in size, the picture is shown at the top left on black, and a warning is printed once for each size.
 //!
 //! ```text
-//!   sink ──► run: content (picture | black | test picture) ──► SystemWindow: x11 | wayland ──► pixels that the server maps
+//!   sink ──► run: content (picture | black | test picture) ──► SystemWindow: x11 | wayland ──► shared pixels
 //! ```
 
 #![forbid(unsafe_code)]
@@ -122,8 +122,8 @@ pub fn run_with(
     run::run(open(options)?.as_mut(), options, Keys::Window, sink, &mut handle)
 }
 
-/// Opens the window and shows pictures until it is closed, as [`run`]; all keys but those that end it are the program's.
-/// `handle` is called on this thread for each event and may show pictures at once; it must not block.
+/// Opens the window and shows pictures until it is closed, as [`run`]; all keys but those that end it are the
+/// program's. `handle` is called on this thread for each event and may show pictures at once; it must not block.
 ///
 /// # Errors
 /// As for [`run`].

@@ -37,7 +37,8 @@ pub struct PredictionSettings {
 }
 
 impl Default for PredictionSettings {
-    /// Off; 0.1 s at most. The delay is that of a window which shows the next refresh of 60 Hz, without the projector's.
+    /// Off; 0.1 s at most. The delay is that of a window which shows the next refresh of 60 Hz, without the
+    /// projector's.
     fn default() -> Self {
         Self { lead: Lead::Off, limit: Duration::from_millis(100), screen_delay: Duration::from_millis(20) }
     }

@@ -292,8 +292,8 @@ impl Stage {
         self.lenses.problem(&camera.settings.camera_info_topic)
     }
 
-    /// Why it is not known where the distortion of a camera's CameraInfo sends light, if it has any that was not allowed
-    /// for in what is drawn.
+    /// Why it is not known where the distortion of a camera's CameraInfo sends light, if it has any that was not
+    /// allowed for in what is drawn.
     pub(crate) fn unknown_lens(&self, camera: &CameraView, drawn: &rcs_scene::Camera) -> Option<NoLens> {
         let is_straight = drawn.lens().is_none();
         let info = self.camera_info(camera).filter(|info| is_straight && is_distorted(info));

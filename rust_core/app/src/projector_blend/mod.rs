@@ -28,12 +28,12 @@ const LITTLE_SEEN: f64 = 0.5;
 const PREVIEW_PX: usize = 480;
 const GAP_PX: usize = 8;
 
-/// Computes which share several projectors have of the light on one surface, so that the picture is as bright where they
-/// overlap as elsewhere.
+/// Computes which share several projectors have of the light on one surface, so that the picture is as bright where
+/// they overlap as elsewhere.
 ///
 /// For each projector's file NAME.yaml it writes NAME.blend.png, for camera_stream's --blend on the machine of that
-/// projector. The surface is a PCD file or the next cloud on a topic; frames that the files do not place are asked for on
-/// /tf.
+/// projector. The surface is a PCD file or the next cloud on a topic; frames that the files do not place are asked for
+/// on /tf.
 #[derive(Parser)]
 #[command(
     name = "projector_blend",

@@ -1,13 +1,13 @@
 //! The shares that several projectors have of the light on one surface.
 //!
-//! For each pixel of a projector, a cloud says which point it lights ([`surface`]); the other projectors' lenses and poses
-//! say which of them light that point, too, and where in each one's picture it is. A projector's strength falls with the
-//! square of the distance from each of its picture's edges, and its weight is its strength over the sum of those of all: so
-//! weights add up to one in linear light, a projector's falls to nothing at its edge, and it does so without a kink, which
-//! the eye would see as a line.
+//! For each pixel of a projector, a cloud says which point it lights ([`surface`]); the other projectors' lenses and
+//! poses say which of them light that point, too, and where in each one's picture it is. A projector's strength falls
+//! with the square of the distance from each of its picture's edges, and its weight is its strength over the sum of
+//! those of all: so weights add up to one in linear light, a projector's falls to nothing at its edge, and it does so
+//! without a kink, which the eye would see as a line.
 //!
-//! Where the picture is black, each projector still leaks light, and where several overlap, more of it. The lift says how
-//! much of the leak of one projector each has to add, so that black is everywhere as bright as where most overlap.
+//! Where the picture is black, each projector still leaks light, and where several overlap, more of it. The lift says
+//! how much of the leak of one projector each has to add, so that black is everywhere as bright as where most overlap.
 
 mod surface;
 #[cfg(test)]

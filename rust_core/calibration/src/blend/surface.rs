@@ -1,8 +1,8 @@
 //! How far away the surface is that each pixel of a projector lights, from a cloud.
 //!
-//! The picture is cut into cells as large as the cloud is dense. A cell's depth is that of the nearest points in it: the
-//! light does not reach those behind. Cells without points take the depth of the cells around them. Within a surface,
-//! depths are interpolated; across its rim they are not.
+//! The picture is cut into cells as large as the cloud is dense. A cell's depth is that of the nearest points in it:
+//! the light does not reach those behind. Cells without points take the depth of the cells around them. Within a
+//! surface, depths are interpolated; across its rim they are not.
 
 use nalgebra::{Isometry3, Point2, Point3};
 

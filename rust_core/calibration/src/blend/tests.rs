@@ -63,7 +63,8 @@ fn on_every_place_the_weights_add_up_to_one_and_fall_to_nothing_at_the_edges() {
     }
 }
 
-/// How far from the edge of a projector's picture the pixel is that lights a point; below zero beside it, infinite for none.
+/// How far from the edge of a projector's picture the pixel is that lights a point; below zero beside it, infinite for
+/// none.
 fn edge_distance_px(projector: &PlacedProjector, point: &Point3<f64>) -> f64 {
     let Some(pixel) = projector.lens.project(&(projector.projector_from_cloud * point)) else {
         return f64::NEG_INFINITY;

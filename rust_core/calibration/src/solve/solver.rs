@@ -42,8 +42,9 @@ const LEAST_OUTLINE: f64 = 0.15;
 const MOST_FOCAL_SIGMA: f64 = 0.05;
 /// The largest deviation of a prediction, as a share of the picture's width.
 const MOST_PREDICTION_SIGMA: f64 = 0.01;
-/// What all samples share, such as the rounding of depths or what is left of the camera's blur, is in no residual, since
-/// focal length and distance take it up. So nothing is known better than this: the focal length, as a share of it,
+/// What all samples share, such as the rounding of depths or what is left of the camera's blur, is in no residual,
+/// since focal length and distance take it up. So nothing is known better than this: the focal length, as a share of
+/// it,
 const LEAST_FOCAL_SHARE: f64 = 6e-6;
 /// and the projector's position along and across its light, as shares of the points' depth.
 const LEAST_POSITION_SHARES: [f64; 3] = [2e-6, 2e-6, 6e-6];
@@ -339,8 +340,9 @@ impl<'a> Solver<'a> {
         Ok(motion)
     }
 
-    /// What is left over at the corners of a picture, since the lens has more distortion than is to be solved for, agrees
-    /// with another pose, as if something had moved. With all terms of the distortion, nothing of it is left over.
+    /// What is left over at the corners of a picture, since the lens has more distortion than is to be solved for,
+    /// agrees with another pose, as if something had moved. With all terms of the distortion, nothing of it is left
+    /// over.
     fn distorted_or(&self, moved: Refusal, adjusted: &Adjusted) -> Refusal {
         let all_terms = self.options.with_all_terms();
         if self.lens_is_known() || all_terms == *self.options {

@@ -18,7 +18,8 @@ use rcs_transforms::{LookupError, Prediction, Time, TransformTree};
 /// let camera = RawTransform { parent: "map", child: "camera", stamp: Time::ZERO, translation, rotation_xyzw };
 /// transforms.insert(&camera, true, "/static_transform_publisher").expect("a transform with finite numbers");
 /// let meshes = MeshStore::new(PackageIndex::new([]));
-/// let world = World { transforms: &transforms, fixed_frame: "map", now: Time::ZERO, prediction: None, meshes: &meshes };
+/// let (now, prediction) = (Time::ZERO, None);
+/// let world = World { transforms: &transforms, fixed_frame: "map", now, prediction, meshes: &meshes };
 ///
 /// let fixed_from_camera = world.fixed_from("camera", Time::ZERO).expect("a frame of the tree");
 /// assert_eq!(fixed_from_camera.translation.z, 1.5);

@@ -92,8 +92,8 @@ impl Blend {
         self.size_px
     }
 
-    /// Alters a row of a picture. One of another size becomes black: its weights are not known. `scratch` has a place for
-    /// each pixel.
+    /// Alters a row of a picture. One of another size becomes black: its weights are not known. `scratch` has a place
+    /// for each pixel.
     pub(super) fn apply(
         &self,
         size_px: [u32; 2],

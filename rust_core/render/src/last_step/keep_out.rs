@@ -1,7 +1,7 @@
 //! No light on things in space: spheres, a person's head say, whose silhouettes in the picture stay dark.
 //!
-//! A sphere hides a cone of the directions from the lens. A pixel is dark if its direction is in the cone, or as near to
-//! it as [`MARGIN_PX`] pixels, so that no part of a pixel that touches the silhouette is lit. Behind a lens with
+//! A sphere hides a cone of the directions from the lens. A pixel is dark if its direction is in the cone, or as near
+//! to it as [`MARGIN_PX`] pixels, so that no part of a pixel that touches the silhouette is lit. Behind a lens with
 //! distortion, a pixel's direction is that of its place in what was drawn ([`PixelMap`]).
 
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! Through a lens: the picture of a [`PixelMap`], taken from what was drawn without one.
 //!
 //! Colours between pixels are interpolated, first downwards and then to the right, in 256 steps and to the nearest
-//! level. Whole runs of the map are done eight pixels at once ([`eight`]); the rest, and places at the source's first and
-//! last pixels, one by one. Both give the same colours.
+//! level. Whole runs of the map are done eight pixels at once ([`eight`]); the rest, and places at the source's first
+//! and last pixels, one by one. Both give the same colours.
 
 mod eight;
 #[cfg(test)]

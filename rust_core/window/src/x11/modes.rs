@@ -1,4 +1,5 @@
-//! A monitor's mode, compared with the one that its panel or chip has pixels for: only that one shows each pixel as one.
+//! A monitor's mode, compared with the one that its panel or chip has pixels for: only that one shows each pixel as
+//! one.
 //!
 //! RandR lists an output's preferred modes first; the first is the native one (X RandR 1.5, RRGetOutputInfo).
 

@@ -68,8 +68,8 @@ mod tests {
         pictures: usize,
     }
 
-    /// A screen of 59.8 Hz, data at a rate, pictures at most at another rate that take 9 ms or a little more or less, for
-    /// a minute on a simulated clock.
+    /// A screen of 59.8 Hz, data at a rate, pictures at most at another rate that take 9 ms or a little more or less,
+    /// for a minute on a simulated clock.
     fn simulate(data_hz: f64, most_hz: f64, is_paced: bool) -> Outcome {
         let start = Instant::now();
         let end = start + Duration::from_secs(60);

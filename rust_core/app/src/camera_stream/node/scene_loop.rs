@@ -170,8 +170,8 @@ impl SceneLoop {
         has_changed
     }
 
-    /// Looks ahead of the transforms from now on, if that is set; by as much as the slowest camera needs. Returns whether
-    /// that moves frames without news.
+    /// Looks ahead of the transforms from now on, if that is set; by as much as the slowest camera needs. Returns
+    /// whether that moves frames without news.
     fn predict(&mut self, now: Time) -> bool {
         let way = self.shared.cameras().iter().filter_map(CameraOutput::way).max();
         let prediction = self.prediction.prediction(now, way);

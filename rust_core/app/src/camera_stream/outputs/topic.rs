@@ -1,5 +1,5 @@
-//! A camera's pictures on an image topic, with the CameraInfo beside it and compressed pictures below it, and the depths on
-//! the topic `depth` beside both.
+//! A camera's pictures on an image topic, with the CameraInfo beside it and compressed pictures below it, and the
+//! depths on the topic `depth` beside both.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
