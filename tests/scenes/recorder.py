@@ -1,0 +1,154 @@
+"""Plays a scene to rviz and takes the picture that its CameraPub publishes.
+
+A `SceneNode` is the ROS node that publishes a scene's messages and watches an image topic. A picture is taken once it has
+stopped changing, which is counted in frames of rviz, not in seconds: on a slow machine rviz draws fewer frames, and each of
+them takes in the messages that have arrived before it.
+
+A Python process can be a node of one master only, so there is one SceneNode in a process, for one stage.
+"""
+
+import os
+import threading
+import time
+import warnings
+from typing import NamedTuple
+
+import numpy
+
+from .processes import wait_until
+
+TIMEOUT_SECS = 120.0
+# Frames of rviz after each message, so that it is taken in before the next one comes.
+FRAMES_BETWEEN_MESSAGES = 3
+# Equal frames after the last message until a picture counts as finished, and the time that they take at least.
+EQUAL_FRAMES = 12
+SETTLE_SECS = 0.6
+# How long a frame is waited for after a message; before the camera knows its CameraInfo there are none.
+FRAME_PATIENCE_SECS = 0.3
+
+# rviz subscribes to an interactive marker server's whole state once it has received the first update.
+SUBSCRIBED_LATER = ("visualization_msgs/InteractiveMarkerInit",)
+
+CHANNELS = {"rgb8": "RGB", "rgba8": "RGBA", "bgr8": "BGR", "bgra8": "BGRA", "mono8": "L", "mono16": "L"}
+
+
+class Picture(NamedTuple):
+    """What was published: `pixels` is height × width × 3 (RGB) of 8 bits, or height × width of 8 or 16 bits."""
+
+    pixels: numpy.ndarray
+    encoding: str
+    frame_id: str
+
+
+def picture_of(message):
+    """The Picture of a sensor_msgs/Image. Alpha is left out, because golden pictures have none."""
+    channels = CHANNELS.get(message.encoding)
+    if channels is None:
+        raise ValueError(f"the image has the encoding {message.encoding!r}, expected one of {', '.join(CHANNELS)}")
+    depth = numpy.dtype(numpy.uint8)
+    if message.encoding == "mono16":
+        depth = numpy.dtype(">u2" if message.is_bigendian else "<u2")
+    rows = numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.step)
+    used = message.width * len(channels) * depth.itemsize
+    pixels = numpy.ascontiguousarray(rows[:, :used]).view(depth).reshape(message.height, message.width, len(channels))
+    if channels == "L":
+        return Picture(pixels[:, :, 0].astype(depth.newbyteorder("=")), message.encoding, message.header.frame_id)
+    order = [channels.index(channel) for channel in "RGB"]
+    return Picture(numpy.ascontiguousarray(pixels[:, :, order]), message.encoding, message.header.frame_id)
+
+
+class PictureWatch:
+    """The pictures of one topic: the last one, how many there were, and how many equal ones at the end."""
+
+    def __init__(self, topic):
+        import rospy
+        from sensor_msgs.msg import Image
+        self._lock = threading.Lock()
+        self.last, self.count, self.equal = None, 0, 0
+        self._subscriber = rospy.Subscriber(topic, Image, self._received, queue_size=5, buff_size=1 << 25)
+
+    def _received(self, message):
+        with self._lock:
+            # A change of the size alone leaves as many bytes where width and height are exchanged.
+            last = self.last
+            same = (last is not None and last.data == message.data and last.width == message.width
+                    and last.encoding == message.encoding)
+            self.last, self.count, self.equal = message, self.count + 1, self.equal + 1 if same else 1
+
+    def start_counting(self):
+        """Forgets how many equal pictures there were, and returns the number of all."""
+        with self._lock:
+            self.equal = 0
+            return self.count
+
+    def close(self):
+        self._subscriber.unregister()
+
+
+class SceneNode:
+    """The node `/scene` on a stage's master."""
+
+    def __init__(self, stage):
+        os.environ.update({name: stage.environment[name] for name in ("ROS_MASTER_URI", "ROS_HOME", "ROS_HOSTNAME")})
+        import rospy
+        self.stage = stage
+        rospy.init_node("scene", disable_signals=True, disable_rosout=True)
+
+    def play(self, messages, programs, watch, optional=False):
+        """Publishes the messages, latched, once rviz has subscribed to their topics, and waits until the picture stands still.
+
+        messages: (topic, message) in their order.
+        programs: those that must not end meanwhile.
+        watch: the PictureWatch of the camera's topic.
+        optional: rviz need not subscribe to each of the topics, as when a display is switched off.
+        Returns the Picture. Raises TimeoutError when a topic gets no subscriber, or no picture comes.
+        """
+        import rospy
+        types = {topic: type(message) for topic, message in messages}
+        with warnings.catch_warnings():
+            # Without a queue, a message has been written to the connection when `publish` returns. rospy warns of that.
+            warnings.simplefilter("ignore", SyntaxWarning)
+            publishers = {topic: rospy.Publisher(topic, kind, latch=True, queue_size=None) for topic, kind in types.items()}
+        try:
+            late = [topic for topic, kind in types.items() if kind._type in SUBSCRIBED_LATER]
+            for topic in publishers.keys() - late:
+                self._wait_for_rviz(topic, publishers[topic], programs, optional)
+            for topic, message in messages:
+                publishers[topic].publish(message)
+                self._wait_for_frames(watch)
+            for topic in late:
+                self._wait_for_rviz(topic, publishers[topic], programs, optional)
+            return self.picture(watch, programs)
+        finally:
+            for publisher in publishers.values():
+                publisher.unregister()
+
+    def _wait_for_rviz(self, topic, publisher, programs, optional):
+        wait_until(lambda: self._is_connected(topic, publisher, optional), TIMEOUT_SECS, f"rviz has not connected to {topic}",
+                   programs)
+
+    def _is_connected(self, topic, publisher, optional):
+        wanted = sum(len(nodes) for name, nodes in self.stage.system_state()[1] if name == topic)
+        return publisher.get_num_connections() >= (wanted if optional else max(wanted, 1))
+
+    @staticmethod
+    def _wait_for_frames(watch):
+        first = watch.count
+        end = time.monotonic() + FRAME_PATIENCE_SECS
+        while watch.count < first + FRAMES_BETWEEN_MESSAGES:
+            if time.monotonic() > end:
+                if watch.count == first:
+                    return
+                end = time.monotonic() + FRAME_PATIENCE_SECS
+                first = min(first + 1, watch.count)
+            time.sleep(0.005)
+
+    @staticmethod
+    def picture(watch, programs=()):
+        """The picture once it stands still, counted from now."""
+        start, begin = watch.start_counting(), time.monotonic()
+        # The first frame may have been drawn before the last message arrived.
+        wait_until(lambda: watch.equal >= EQUAL_FRAMES and watch.count > start + EQUAL_FRAMES
+                   and time.monotonic() - begin > SETTLE_SECS,
+                   TIMEOUT_SECS, f"the picture does not stand still ({watch.count - start} pictures received)", programs)
+        return picture_of(watch.last)
