@@ -26,8 +26,8 @@ SETTLE_SECS = 0.6
 # How long a frame is waited for after a message; before the camera knows its CameraInfo there are none.
 FRAME_PATIENCE_SECS = 0.3
 
-# rviz subscribes to an interactive marker server's whole state once it has received the first update.
-SUBSCRIBED_LATER = ("visualization_msgs/InteractiveMarkerInit",)
+# An interactive marker server's whole state: rviz subscribes to it when the first update arrives, until it has one message.
+PASSING_SUBSCRIPTION = ("visualization_msgs/InteractiveMarkerInit",)
 
 CHANNELS = {"rgb8": "RGB", "rgba8": "RGBA", "bgr8": "BGR", "bgra8": "BGRA", "mono8": "L", "mono16": "L"}
 
@@ -105,27 +105,32 @@ class SceneNode:
         """
         import rospy
         types = {topic: type(message) for topic, message in messages}
+        # The topics of which a subscriber has received the latched message.
+        reached = set()
+
+        class Listener(rospy.SubscribeListener):
+            def peer_subscribe(self, topic_name, *_):
+                reached.add(topic_name)
+
         with warnings.catch_warnings():
             # Without a queue, a message has been written to the connection when `publish` returns. rospy warns of that.
             warnings.simplefilter("ignore", SyntaxWarning)
-            publishers = {topic: rospy.Publisher(topic, kind, latch=True, queue_size=None) for topic, kind in types.items()}
+            publishers = {
+                topic: rospy.Publisher(topic, kind, latch=True, queue_size=None, subscriber_listener=Listener())
+                for topic, kind in types.items()}
         try:
-            late = [topic for topic, kind in types.items() if kind._type in SUBSCRIBED_LATER]
-            for topic in publishers.keys() - late:
-                self._wait_for_rviz(topic, publishers[topic], programs, optional)
+            passing = {topic for topic, kind in types.items() if kind._type in PASSING_SUBSCRIPTION}
+            for topic in publishers.keys() - passing:
+                wait_until(lambda topic=topic: self._is_connected(topic, publishers[topic], optional), TIMEOUT_SECS,
+                           f"rviz has not connected to {topic}", programs)
             for topic, message in messages:
                 publishers[topic].publish(message)
                 self._wait_for_frames(watch)
-            for topic in late:
-                self._wait_for_rviz(topic, publishers[topic], programs, optional)
+            wait_until(lambda: passing <= reached, TIMEOUT_SECS, f"rviz has not connected to {passing}", programs)
             return self.picture(watch, programs)
         finally:
             for publisher in publishers.values():
                 publisher.unregister()
-
-    def _wait_for_rviz(self, topic, publisher, programs, optional):
-        wait_until(lambda: self._is_connected(topic, publisher, optional), TIMEOUT_SECS, f"rviz has not connected to {topic}",
-                   programs)
 
     def _is_connected(self, topic, publisher, optional):
         wanted = sum(len(nodes) for name, nodes in self.stage.system_state()[1] if name == topic)

@@ -101,6 +101,7 @@ class Stage:
         Returns its Program, to be ended by the caller. rviz gets a copy of the file, because it writes into it. Raises
         RuntimeError when rviz ends, TimeoutError when it does not come up.
         """
+        self._forget(f"/{name}")
         copy = self.folder / f"{name}.rviz"
         shutil.copyfile(config, copy)
         command = ["rviz", "-d", str(copy), "--splash-screen", "", *arguments, f"__name:={name}"]
@@ -113,6 +114,19 @@ class Stage:
             rviz.end()
             raise
         return rviz
+
+    def _forget(self, node):
+        """Removes what the master still knows of a node that ended without saying so, such as an earlier rviz."""
+        code, _, api = self.master.lookupNode("/scenes", node)
+        if code != 1:
+            return
+        publishers, subscribers, services = self.system_state()
+        for topic, _ in (each for each in publishers if node in each[1]):
+            self.master.unregisterPublisher(node, topic, api)
+        for topic, _ in (each for each in subscribers if node in each[1]):
+            self.master.unregisterSubscriber(node, topic, api)
+        for service, _ in (each for each in services if node in each[1]):
+            self.master.unregisterService(node, service, self.master.lookupService("/scenes", service)[2])
 
     def has_service(self, name):
         """Whether a service is registered."""
