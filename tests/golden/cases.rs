@@ -31,7 +31,7 @@ const USUAL_MIN_CLOSE: f64 = 0.98;
 
 /// The fields that describe how rviz's picture was recorded. They are not needed to draw it.
 const RECORDING: [&str; 10] =
-    ["at", "encoding", "frame_id", "height", "in_group", "note", "spoil_k", "stable", "unsubscribed_ok", "width"];
+    ["at", "encoding", "frame_id", "freezes", "height", "note", "stable", "unsubscribed_ok", "varies", "width"];
 
 /// The repository's root.
 pub(crate) fn repository() -> PathBuf {

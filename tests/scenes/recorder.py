@@ -23,8 +23,12 @@ FRAMES_BETWEEN_MESSAGES = 3
 # Equal frames after the last message until a picture counts as finished, and the time that they take at least.
 EQUAL_FRAMES = 12
 SETTLE_SECS = 0.6
-# How long a frame is waited for after a message; before the camera knows its CameraInfo there are none.
+# How long a frame is waited for after a message: the first after a CameraInfo, and any other. Not each message brings one,
+# and before a CameraInfo there are none.
+FIRST_FRAME_PATIENCE_SECS = 5.0
 FRAME_PATIENCE_SECS = 0.3
+# An rviz that publishes no picture for so long has stopped for good.
+FROZEN_SECS = 8.0
 
 # An interactive marker server's whole state: rviz subscribes to it when the first update arrives, until it has one message.
 PASSING_SUBSCRIPTION = ("visualization_msgs/InteractiveMarkerInit",)
@@ -60,12 +64,14 @@ def picture_of(message):
 class PictureWatch:
     """The pictures of one topic: the last one, how many there were, and how many equal ones at the end."""
 
-    def __init__(self, topic):
+    def __init__(self, topic, programs=()):
+        """Subscribes, and waits until there is a publisher. programs: those that must not end meanwhile."""
         import rospy
         from sensor_msgs.msg import Image
         self._lock = threading.Lock()
-        self.last, self.count, self.equal = None, 0, 0
+        self.last, self.last_secs, self.count, self.equal = None, 0.0, 0, 0
         self._subscriber = rospy.Subscriber(topic, Image, self._received, queue_size=5, buff_size=1 << 25)
+        wait_until(lambda: self._subscriber.get_num_connections(), TIMEOUT_SECS, f"nobody publishes {topic}", programs)
 
     def _received(self, message):
         with self._lock:
@@ -73,7 +79,8 @@ class PictureWatch:
             last = self.last
             same = (last is not None and last.data == message.data and last.width == message.width
                     and last.encoding == message.encoding)
-            self.last, self.count, self.equal = message, self.count + 1, self.equal + 1 if same else 1
+            self.last, self.last_secs = message, time.monotonic()
+            self.count, self.equal = self.count + 1, self.equal + 1 if same else 1
 
     def start_counting(self):
         """Forgets how many equal pictures there were, and returns the number of all."""
@@ -94,13 +101,14 @@ class SceneNode:
         self.stage = stage
         rospy.init_node("scene", disable_signals=True, disable_rosout=True)
 
-    def play(self, messages, programs, watch, optional=False):
+    def play(self, messages, programs, watch, optional=False, frozen=False):
         """Publishes the messages, latched, once rviz has subscribed to their topics, and waits until the picture stands still.
 
         messages: (topic, message) in their order.
         programs: those that must not end meanwhile.
         watch: the PictureWatch of the camera's topic.
         optional: rviz need not subscribe to each of the topics, as when a display is switched off.
+        frozen: as of `picture`.
         Returns the Picture. Raises TimeoutError when a topic gets no subscriber, or no picture comes.
         """
         import rospy
@@ -125,9 +133,9 @@ class SceneNode:
                            f"rviz has not connected to {topic}", programs)
             for topic, message in messages:
                 publishers[topic].publish(message)
-                self._wait_for_frames(watch)
+                self._wait_for_frames(watch, message)
             wait_until(lambda: passing <= reached, TIMEOUT_SECS, f"rviz has not connected to {passing}", programs)
-            return self.picture(watch, programs)
+            return self.picture(watch, programs, frozen)
         finally:
             for publisher in publishers.values():
                 publisher.unregister()
@@ -137,23 +145,33 @@ class SceneNode:
         return publisher.get_num_connections() >= (wanted if optional else max(wanted, 1))
 
     @staticmethod
-    def _wait_for_frames(watch):
+    def _wait_for_frames(watch, message):
         first = watch.count
-        end = time.monotonic() + FRAME_PATIENCE_SECS
-        while watch.count < first + FRAMES_BETWEEN_MESSAGES:
-            if time.monotonic() > end:
-                if watch.count == first:
-                    return
-                end = time.monotonic() + FRAME_PATIENCE_SECS
-                first = min(first + 1, watch.count)
+        patience = FRAME_PATIENCE_SECS
+        if first == 0 and message._type == "sensor_msgs/CameraInfo":
+            patience = FIRST_FRAME_PATIENCE_SECS
+        seen, end = first, time.monotonic() + patience
+        while watch.count < first + FRAMES_BETWEEN_MESSAGES and time.monotonic() < end:
+            if watch.count > seen:
+                seen, end = watch.count, time.monotonic() + FRAME_PATIENCE_SECS
             time.sleep(0.005)
 
     @staticmethod
-    def picture(watch, programs=()):
-        """The picture once it stands still, counted from now."""
+    def picture(watch, programs=(), frozen=False):
+        """The picture once it stands still, counted from now.
+
+        frozen: rviz is known to stop meanwhile; then it is the last picture.
+        """
         start, begin = watch.start_counting(), time.monotonic()
-        # The first frame may have been drawn before the last message arrived.
-        wait_until(lambda: watch.equal >= EQUAL_FRAMES and watch.count > start + EQUAL_FRAMES
-                   and time.monotonic() - begin > SETTLE_SECS,
-                   TIMEOUT_SECS, f"the picture does not stand still ({watch.count - start} pictures received)", programs)
+
+        def stands_still():
+            secs = time.monotonic() - max(begin, watch.last_secs)
+            if frozen and watch.last is not None and secs > FROZEN_SECS:
+                return True
+            # The first frame may have been drawn before the last message arrived.
+            return (watch.equal >= EQUAL_FRAMES and watch.count > start + EQUAL_FRAMES
+                    and time.monotonic() - begin > SETTLE_SECS)
+
+        wait_until(stands_still, TIMEOUT_SECS,
+                   f"the picture does not stand still ({watch.count - start} pictures received)", programs)
         return picture_of(watch.last)

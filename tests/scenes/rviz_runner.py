@@ -98,14 +98,13 @@ class Stage:
     def rviz(self, config, name="rviz", arguments=()):
         """Starts rviz with the config and waits until it has registered at the master.
 
-        Returns its Program, to be ended by the caller. rviz gets a copy of the file, because it writes into it. Raises
-        RuntimeError when rviz ends, TimeoutError when it does not come up.
+        Returns its Program, to be ended by the caller, as a `with` block does. rviz gets a copy of the file, because it
+        writes into it. Raises RuntimeError when rviz ends, TimeoutError when it does not come up.
         """
-        self._forget(f"/{name}")
         copy = self.folder / f"{name}.rviz"
         shutil.copyfile(config, copy)
         command = ["rviz", "-d", str(copy), "--splash-screen", "", *arguments, f"__name:={name}"]
-        rviz = Program(command, self.environment, self.folder / f"{name}.log")
+        rviz = _Node(self, f"/{name}", command, self.folder / f"{name}.log")
         try:
             # rviz offers this service after it has loaded the config.
             wait_until(lambda: self.has_service(f"/{name}/load_config"), START_TIMEOUT_SECS, f"rviz is not ready: {rviz.log}",
@@ -115,8 +114,8 @@ class Stage:
             raise
         return rviz
 
-    def _forget(self, node):
-        """Removes what the master still knows of a node that ended without saying so, such as an earlier rviz."""
+    def forget(self, node):
+        """Removes what the master still knows of a node that has ended without saying so, as rviz does on SIGTERM."""
         code, _, api = self.master.lookupNode("/scenes", node)
         if code != 1:
             return
@@ -149,6 +148,18 @@ class Stage:
         self.end()
 
 
+class _Node(Program):
+    """A program that is a node, of which the master knows nothing any more when it has ended."""
+
+    def __init__(self, stage, name, command, log):
+        self.stage, self.name = stage, name
+        super().__init__(command, stage.environment, log)
+
+    def end(self, patience_secs=5.0):
+        super().end(patience_secs)
+        self.stage.forget(self.name)
+
+
 def _environment(folder, plugin_prefix, packages):
     """The environment of a stage's programs: nothing of the user's but locale, path and where ROS is installed."""
     home = folder / "home"
@@ -160,8 +171,8 @@ def _environment(folder, plugin_prefix, packages):
     prefixes = ([str(plugin_prefix)] if plugin_prefix else []) + ros
     folders = [f"{plugin_prefix}/share"] if plugin_prefix else []
     folders += [str(package) for package in packages] + [f"{prefix}/share" for prefix in ros]
-    environment = {name: os.environ[name] for name in ("LANG", "LC_ALL", "PYTHONPATH", "LD_LIBRARY_PATH", "ROS_ROOT",
-                                                       "ROS_DISTRO", "ROS_ETC_DIR", "ROS_VERSION") if name in os.environ}
+    kept = ("LANG", "LC_ALL", "PYTHONPATH", "LD_LIBRARY_PATH", "ROS_ROOT", "ROS_DISTRO", "ROS_ETC_DIR", "ROS_VERSION")
+    environment = {name: os.environ[name] for name in kept if name in os.environ}
     environment.update({
         "HOME": str(home),
         "XDG_RUNTIME_DIR": str(runtime),

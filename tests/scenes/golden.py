@@ -1,0 +1,136 @@
+"""The golden cases as folders: written from their scenes, and their pictures taken from the real rviz.
+
+A Recorder has a stage, on which one case after the other is played: each with an rviz of its own, because displays, frames and
+materials of one config would stay for the next.
+"""
+
+import pathlib
+
+import numpy
+from PIL import Image
+
+from . import displays, files, scene
+from .messages import STAMP_SECS
+from .recorder import PictureWatch, SceneNode
+from .rviz_runner import Stage
+
+CONFORMANCE = pathlib.Path(__file__).resolve().parent.parent / "conformance"
+CASES = CONFORMANCE / "cases"
+# How often a picture is taken until it is the expected one: usually, and where rviz draws it differently from run to run.
+USUAL_ATTEMPTS, VARYING_ATTEMPTS = 4, 20
+# How often the picture of a new case is taken, to see whether it varies.
+NEW_ATTEMPTS = 3
+
+
+def case_names():
+    """The names of all cases that have a folder."""
+    return sorted(each.name for each in CASES.iterdir() if (each / "case.yaml").exists())
+
+
+def differences(name):
+    """What the files of a case say differently from its scene: a dict of file and sentence."""
+    made, folder, found = scene.make(name), CASES / name, {}
+    pairs = {
+        "scene.rviz": lambda file: files.difference_of_values(made.config(), files.read_yaml(file)),
+        "scene.bag": lambda file: files.difference_of_messages(made.messages(), files.bag_messages(file)),
+        "case.yaml": lambda file: files.difference_of_values(made.description(), files.read_yaml(file)),
+    }
+    for file, compare in pairs.items():
+        sentence = compare(folder / file) if (folder / file).exists() else "there is none"
+        if sentence:
+            found[file] = sentence
+    return found
+
+
+def write_files(name):
+    """Writes the files of a case that differ from its scene, all but the picture; returns their names."""
+    made, folder = scene.make(name), CASES / name
+    folder.mkdir(parents=True, exist_ok=True)
+    changed = differences(name)
+    if "scene.rviz" in changed:
+        files.write_yaml(made.config(), folder / "scene.rviz")
+    if "scene.bag" in changed:
+        files.write_bag(made.messages(), folder / "scene.bag", STAMP_SECS)
+    if "case.yaml" in changed:
+        files.write_yaml(made.description(), folder / "case.yaml")
+    return sorted(changed)
+
+
+def expected_picture(name):
+    """The picture that a case has, as an array, or None."""
+    file = CASES / name / "expected.png"
+    if not file.exists():
+        return None
+    with Image.open(file) as image:
+        pixels = numpy.array(image)
+    # Pillow reads 16 bits of grey as 32.
+    return pixels.astype(numpy.uint16) if pixels.dtype.itemsize > 1 else pixels
+
+
+def write_picture(name, pixels):
+    """Makes a picture the one that is expected of a case."""
+    Image.fromarray(pixels).save(CASES / name / "expected.png", optimize=True)
+
+
+class Recorder:
+    """A stage on which cases are played. A process can have one only."""
+
+    def __init__(self, folder, plugin_prefix):
+        """folder: for logs; must be this recorder's own. plugin_prefix: where the plugin is installed."""
+        self.stage = Stage(folder, plugin_prefix, [CONFORMANCE])
+        try:
+            self.node = SceneNode(self.stage)
+        except BaseException:
+            self.stage.end()
+            raise
+
+    def record(self, name):
+        """Plays the files of a case to a new rviz and returns the Picture.
+
+        Raises TimeoutError or RuntimeError, with the end of rviz's log, when there is none.
+        """
+        folder = CASES / name
+        description = files.read_yaml(folder / "case.yaml")
+        messages = [(topic, message) for topic, message, _ in files.bag_messages(folder / "scene.bag")]
+        config = files.read_yaml(folder / "scene.rviz")
+        cameras = displays.cameras(config["Visualization Manager"]["Displays"])
+        camera = next(each for each in cameras if each["Name"] == description.get("camera", each["Name"]))
+        parameters = {f"/{key}": resource(value) for key, value in description.get("params", {}).items()}
+        parameters["/use_sim_time"] = any(topic == "/clock" for topic, _ in messages)
+        for key, value in parameters.items():
+            self.stage.set_parameter(key, value)
+        try:
+            with self.stage.rviz(folder / "scene.rviz") as rviz:
+                watch = PictureWatch(camera["Image Topic"], [rviz])
+                try:
+                    return self.node.play(messages, [rviz], watch, optional=description.get("unsubscribed_ok", False),
+                                          frozen="freezes" in description)
+                finally:
+                    watch.close()
+        finally:
+            for key in parameters:
+                self.stage.delete_parameter(key)
+
+    def record_until(self, name, expected):
+        """Records a case until its picture is the expected one; returns (the first picture, the run that gave the expected).
+
+        The run is None if none did: after 4 of them, or after 20 if the case says that it `varies`.
+        """
+        first = None
+        varies = "varies" in files.read_yaml(CASES / name / "case.yaml")
+        for run in range(1, (VARYING_ATTEMPTS if varies else USUAL_ATTEMPTS) + 1):
+            pixels = self.record(name).pixels
+            if numpy.array_equal(pixels, expected):
+                return pixels, run
+            first = pixels if first is None else first
+        return first, None
+
+    def end(self):
+        """Ends the stage."""
+        self.stage.end()
+
+
+def resource(address):
+    """The text of a file named by a `package://` address of one of the packages below `conformance`."""
+    package, _, path = address[len("package://"):].partition("/")
+    return (CONFORMANCE / package.replace("conformance_", "", 1) / path).read_text()

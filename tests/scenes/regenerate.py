@@ -1,0 +1,212 @@
+"""Makes golden cases again with the real rviz: config, messages and description from their scenes, the picture from rviz.
+
+    tests/regenerate_golden [CASE...]            writes what differs from what is there; all cases if none is named
+    tests/regenerate_golden --check [CASE...]    writes nothing, says which pictures are not the same, pixel for pixel
+    tests/regenerate_golden --runs N [CASE...]   as --check, but takes each picture N times and says how they vary
+
+CASE may be the beginning of names, with * at its end. The plugin is built first, unless --plugin names where it is installed.
+A picture is taken again if it differs: 4 times, or 20 times where rviz draws it differently from run to run (`varies` in
+case.yaml). It is the same if one of them is.
+
+Exit status: 0 all are the same (or were written), 1 some differ or could not be taken, 2 unusable arguments.
+"""
+
+import argparse
+import collections
+import multiprocessing
+import os
+import pathlib
+import queue
+import signal
+import sys
+import tempfile
+import time
+import traceback
+
+from . import files, golden, scene
+from .scores import scores
+
+
+def arguments_of(command_line):
+    parser = argparse.ArgumentParser(prog="tests/regenerate_golden", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", nargs="*", metavar="CASE", help="[default: all]")
+    parser.add_argument("--check", action="store_true", help="write nothing, compare")
+    parser.add_argument("--runs", type=int, metavar="N", help="write nothing, take each picture N times")
+    parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1),
+                        help="how many rviz run at the same time [default: one for each core, at most 4]")
+    parser.add_argument("--plugin", type=pathlib.Path, required=True, metavar="PREFIX",
+                        help="where the plugin is installed; tests/regenerate_golden gives the one that it builds")
+    parser.add_argument("--output", type=pathlib.Path, default=pathlib.Path("test_output/regenerated"),
+                        help="where pictures that differ are left [default: test_output/regenerated]")
+    arguments = parser.parse_args(command_line)
+    if arguments.jobs < 1 or (arguments.runs or 1) < 1:
+        parser.error("--jobs and --runs must be at least 1")
+    arguments.names = names_of(arguments.cases, parser)
+    return arguments
+
+
+def names_of(patterns, parser):
+    """The cases that the arguments name."""
+    known = sorted(set(scene.all_cases()) | set(golden.case_names()))
+    if not patterns:
+        return known
+    found = []
+    for pattern in patterns:
+        some = [name for name in known if name == pattern or (pattern.endswith("*") and name.startswith(pattern[:-1]))]
+        if not some:
+            parser.error(f"there is no case {pattern}; a new one is a function of that name in tests/scenes/subjects")
+        found += some
+    return list(dict.fromkeys(found))
+
+
+def main(command_line=None):
+    arguments = arguments_of(command_line)
+    if not arguments.plugin.joinpath("lib/librviz_camera_stream.so").exists():
+        sys.exit(f"regenerate_golden: there is no lib/librviz_camera_stream.so in {arguments.plugin}")
+    for missing in (name for name in arguments.names if name not in scene.all_cases()):
+        sys.exit(f"regenerate_golden: the case {missing} has no function in tests/scenes/subjects")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    counts = collections.Counter()
+    for line, kind in Workers(arguments):
+        counts[kind] += 1
+        print(f"[{sum(counts.values())}/{len(arguments.names)}] {line}", flush=True)
+    print(", ".join(f"{count} {kind}" for kind, count in sorted(counts.items())))
+    return 1 if counts["different"] or counts["failed"] else 0
+
+
+class Workers:
+    """Processes with a recorder each; iterating gives a line and a kind of result for each case."""
+
+    def __init__(self, arguments):
+        self.arguments = arguments
+
+    def __iter__(self):
+        spawn = multiprocessing.get_context("spawn")
+        names, results = spawn.Queue(), spawn.Queue()
+        for name in self.arguments.names:
+            names.put(name)
+        with tempfile.TemporaryDirectory(prefix="regenerate_golden_") as folder:
+            processes = [spawn.Process(target=work, args=(names, results, f"{folder}/{index}", self.arguments), daemon=True)
+                         for index in range(min(self.arguments.jobs, len(self.arguments.names)))]
+            try:
+                for process in processes:
+                    process.start()
+                for _ in self.arguments.names:
+                    yield self._result(results, processes)
+            finally:
+                for process in processes:
+                    process.terminate()
+                for process in processes:
+                    process.join(20)
+
+    @staticmethod
+    def _result(results, processes):
+        while True:
+            try:
+                return results.get(timeout=1)
+            except queue.Empty:
+                if not any(process.is_alive() for process in processes):
+                    sys.exit("regenerate_golden: no rviz could be started; see above")
+
+
+def work(names, results, folder, arguments):
+    """A worker: takes names until there are none, and puts (line, kind) for each."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    recorder = golden.Recorder(folder, arguments.plugin.resolve())
+    try:
+        while True:
+            try:
+                name = names.get(timeout=1)
+            except queue.Empty:
+                return
+            begin = time.monotonic()
+            try:
+                line, kind = treat(recorder, name, arguments)
+            except Exception as error:
+                if not isinstance(error, (RuntimeError, TimeoutError)):
+                    traceback.print_exc()
+                line, kind = f"{name}: {error}", "failed"
+            results.put((f"{line} ({time.monotonic() - begin:.1f} s)", kind))
+    finally:
+        recorder.end()
+
+
+def treat(recorder, name, arguments):
+    """Takes a case's picture and compares or writes it; returns (line, kind)."""
+    if arguments.runs:
+        return measure(recorder, name, arguments)
+    said = golden.differences(name)
+    if arguments.check and said:
+        return f"{name}: {'; '.join(f'{file}: {what}' for file, what in said.items())}", "different"
+    written = [] if arguments.check else golden.write_files(name)
+    expected = golden.expected_picture(name)
+    if expected is None:
+        return first_picture(recorder, name, written, arguments)
+    pixels, run = recorder.record_until(name, expected)
+    if run:
+        return f"{name}: same{how_often(name, run)}" + (f", wrote {', '.join(written)}" if written else ""), "same"
+    if arguments.check:
+        return f"{name}: {comparison(expected, pixels)}; {leave(name, pixels, arguments)}", "different"
+    golden.write_picture(name, pixels)
+    return f"{name}: wrote {', '.join([*written, 'expected.png'])} ({comparison(expected, pixels)})", "written"
+
+
+def first_picture(recorder, name, written, arguments):
+    """Takes the picture of a case that has none; returns (line, kind)."""
+    if arguments.check:
+        return f"{name}: there is no expected.png", "different"
+    first, *others = (recorder.record(name).pixels for _ in range(golden.NEW_ATTEMPTS))
+    golden.write_picture(name, first)
+    line = f"{name}: wrote {', '.join([*written, 'expected.png'])}"
+    for other in others:
+        if other.tobytes() != first.tobytes():
+            line += f"; another run: {comparison(first, other)}, so the scene's facts should say why it `varies`"
+    return line, "written"
+
+
+def how_often(name, run):
+    """What to say of a picture that was the expected one only in this run."""
+    if run == 1:
+        return ""
+    if "varies" in files.read_yaml(golden.CASES / name / "case.yaml"):
+        return f" in run {run}"
+    return f" in run {run}, so it varies: the scene's facts should say why"
+
+
+def measure(recorder, name, arguments):
+    """Takes a picture several times; says how many different ones there are and how they score against the expected one."""
+    expected = golden.expected_picture(name)
+    found = {}
+    for _ in range(arguments.runs):
+        pixels = recorder.record(name).pixels
+        found.setdefault(pixels.tobytes(), [pixels, 0])[1] += 1
+    lines = [f"{count}x {comparison(expected, pixels)}" for pixels, count in
+             sorted(found.values(), key=lambda each: -each[1])]
+    for index, (pixels, _) in enumerate(found.values()):
+        leave(f"{name}_{index}", pixels, arguments)
+    same = len(found) == 1 and next(iter(found.values()))[0].tobytes() == expected.tobytes()
+    return f"{name}: {', '.join(lines)}", "same" if same else "different"
+
+
+def comparison(expected, actual):
+    """How two pictures differ, in words."""
+    if expected.shape != actual.shape:
+        return f"{actual.shape[1]}x{actual.shape[0]} pixels instead of {expected.shape[1]}x{expected.shape[0]}"
+    found = scores(expected, actual)
+    if not found.different:
+        return "same"
+    return (f"{found.different} pixels differ, by {found.largest} at most, strict {found.strict:.4f},"
+            f" close {found.close:.4f}")
+
+
+def leave(name, pixels, arguments):
+    """Leaves a picture for people to look at."""
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    file = arguments.output / f"{name}.png"
+    golden.Image.fromarray(pixels).save(file)
+    return str(file)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

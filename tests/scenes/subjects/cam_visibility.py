@@ -1,0 +1,188 @@
+"""What the camera shows: its Visibility, groups, displays that are off, two cameras."""
+
+import math
+
+from ..clouds import cloud, corner_colors, count_colors, packed, ripples, waves
+from ..common import sphere_cube_cylinder
+from ..displays import camera_pub, display, group
+from ..messages import camera_info
+from ..scene import case
+
+# Which displays a Visibility covers is decided by the order of their addresses.
+GROUPS_IN_ANY_ORDER = (
+    "rviz applies the visibility of a group's children only if the group lies before the CameraPub in memory; this picture"
+    " is of a run where it did"
+)
+
+
+@case
+def cam_display_disabled(scene):
+    """a display disabled"""
+    scene.show(display("Grid"), display("PointCloud2", {"Size (m)": 0.05, "Enabled": False}), display("MarkerArray"))
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/m", sphere_cube_cylinder())
+    scene.facts = {"unsubscribed_ok": True}
+
+
+@case
+def cam_group_disabled_children_enabled(scene):
+    """a group disabled, its children enabled"""
+    scene.show(
+        display("Grid"), group("G", display("PointCloud2", {"Size (m)": 0.05}), enabled=False), display("MarkerArray")
+    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/m", sphere_cube_cylinder())
+    scene.facts = {"unsubscribed_ok": True}
+
+
+@case
+def cam_inside_a_group(scene):
+    """CameraPub within a group, its visibility lists the group"""
+    scene.show(
+        display("Grid"),
+        display("PointCloud2", {"Size (m)": 0.06, "Style": "Squares"}),
+        group("Cams", camera_pub({"Visibility": {"Grid": True, "Value": True, "c": True}})),
+    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+
+
+@case
+def cam_two_cameras_own_visibility(scene):
+    """two cameras with their own visibility; the picture is that of the second"""
+    scene.frame("two", at=(-1.2, 1.2, 1.1), turned=(-2.0584125695100033, 0, -3 * math.pi / 4))
+    scene.show(
+        display("Grid"),
+        display("PointCloud2", {"Size (m)": 0.05}),
+        display("MarkerArray"),
+        camera_pub(
+            {
+                "Background Color": "0; 40; 40",
+                "Camera Info Topic": "/two/camera_info",
+                "Display namespace": "two",
+                "Image Topic": "/two/image",
+                "Visibility": {"Grid": True, "M": True, "Value": True, "c": False},
+            },
+            name="Two",
+        ),
+        camera_pub(),
+    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/m", sphere_cube_cylinder())
+    scene.publish("/two/camera_info", camera_info("two", (400, 300), (310, 310)))
+    scene.facts = {"camera": "CameraPub"}
+
+
+@case
+def cam_visibility_child_off_beside_inner_group(scene):
+    """Visibility: a child off beside an inner group"""
+    scene.show(
+        display("Grid"),
+        group("G", group("H", display("MarkerArray")), display("PointCloud2", {"Size (m)": 0.05})),
+        camera_pub(
+            {
+                "Visibility": {
+                    "G": {"H": {"M": True, "Value": True}, "Value": True, "c": False},
+                    "Grid": True,
+                    "Value": True,
+                }
+            }
+        ),
+    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/m", sphere_cube_cylinder())
+    scene.facts = {"varies": GROUPS_IN_ANY_ORDER}
+
+
+@case
+def cam_visibility_group_child_off(scene):
+    """Visibility: a child of a group switched off"""
+    scene.show(
+        display("Grid"),
+        group("G", display("PointCloud2", {"Size (m)": 0.05}), group("H", display("MarkerArray"), display("Axes"))),
+        camera_pub(
+            {
+                "Visibility": {
+                    "G": {"H": {"Axes": True, "M": True, "Value": True}, "Value": True, "c": False},
+                    "Grid": True,
+                    "Value": True,
+                }
+            }
+        ),
+    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/m", sphere_cube_cylinder())
+    scene.facts = {"varies": GROUPS_IN_ANY_ORDER}
+
+
+@case
+def cam_visibility_group_grandchild_off(scene):
+    """Visibility: a child of an inner group off"""
+    scene.show(
+        display("Grid"),
+        group("G", display("PointCloud2", {"Size (m)": 0.05}), group("H", display("MarkerArray"))),
+        camera_pub(
+            {
+                "Visibility": {
+                    "G": {"H": {"M": False, "Value": True}, "Value": True, "c": True},
+                    "Grid": True,
+                    "Value": True,
+                }
+            }
+        ),
+    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/m", sphere_cube_cylinder())
+    scene.facts = {"varies": GROUPS_IN_ANY_ORDER}
+
+
+@case
+def cam_visibility_group_off(scene):
+    """Visibility: a group switched off"""
+    scene.show(
+        display("Grid"),
+        group("G", display("PointCloud2", {"Size (m)": 0.05}), display("MarkerArray")),
+        camera_pub({"Visibility": {"G": {"M": True, "Value": False, "c": True}, "Grid": True, "Value": True}}),
+    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/m", sphere_cube_cylinder())
+
+
+@case
+def cam_visibility_group_only_child_off(scene):
+    """Visibility: a group's only child switched off"""
+    scene.show(
+        display("Grid"),
+        group("G", display("PointCloud2", {"Size (m)": 0.05})),
+        display("MarkerArray"),
+        camera_pub({"Visibility": {"G": {"Value": True, "c": False}, "Grid": True, "M": True, "Value": True}}),
+    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/m", sphere_cube_cylinder())
+    scene.facts = {"varies": GROUPS_IN_ANY_ORDER}
+
+
+@case
+def cam_visibility_lists_nothing(scene):
+    """Visibility lists nothing"""
+    scene.show(
+        display("Grid"),
+        display("Axes"),
+        display("PointCloud2", {"Size (m)": 0.05}),
+        display("MarkerArray"),
+        camera_pub({"Visibility": {"Value": True}}),
+    )
+    scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
+    scene.publish("/m", sphere_cube_cylinder())
+
+
+@case
+def cam_visibility_some(scene):
+    """the cloud hidden by Visibility, the Grid shown"""
+    scene.camera(size=(640, 480), focal=(500, 500))
+    scene.show(
+        display("Grid"), display("PointCloud2"), camera_pub({"Visibility": {"Grid": True, "Value": True, "c": False}})
+    )
+    scene.publish(
+        "/cloud",
+        cloud(ripples(40, 30), fields=[("rgb", "rgb", packed(255 * corner_colors(ripples(40, 30))))], is_dense=True),
+    )
