@@ -1,0 +1,93 @@
+# The rviz plugin CameraPub: a C++ library that draws with rviz's Ogre and leaves decisions and pixels to the Rust core's
+# C interface. Built where rviz's development files are; a robot without them gets the programs alone.
+#
+# Cache variables:
+#   RVIZ_CAMERA_STREAM_PLUGIN  AUTO (default): built if rviz is found; ON: an error if it is not; OFF: never built
+#
+# Needs cargo_environment, rustc_program, workspace_root and the target folder of CMakeLists.txt.
+set(RVIZ_CAMERA_STREAM_PLUGIN AUTO CACHE STRING "Build the rviz plugin CameraPub: AUTO, ON or OFF")
+set_property(CACHE RVIZ_CAMERA_STREAM_PLUGIN PROPERTY STRINGS AUTO ON OFF)
+
+if(RVIZ_CAMERA_STREAM_PLUGIN STREQUAL "OFF")
+  message(STATUS "rviz_camera_stream: the rviz plugin is not built (RVIZ_CAMERA_STREAM_PLUGIN is OFF)")
+  return()
+endif()
+
+set(plugin_missing)
+foreach(package rviz image_transport pluginlib roscpp sensor_msgs std_srvs)
+  find_package(${package} QUIET)
+  if(NOT ${package}_FOUND)
+    list(APPEND plugin_missing ${package})
+  endif()
+endforeach()
+find_package(OpenGL QUIET)
+if(NOT OPENGL_FOUND)
+  list(APPEND plugin_missing OpenGL)
+endif()
+# The Qt that rviz was built with.
+set(plugin_qt)
+if(rviz_FOUND)
+  if(rviz_QT_VERSION VERSION_LESS "5")
+    find_package(Qt4 ${rviz_QT_VERSION} QUIET COMPONENTS QtCore QtGui)
+    if(Qt4_FOUND OR QT4_FOUND)
+      set(plugin_qt Qt4::QtCore Qt4::QtGui)
+    else()
+      list(APPEND plugin_missing "Qt ${rviz_QT_VERSION}")
+    endif()
+  else()
+    find_package(Qt5 ${rviz_QT_VERSION} QUIET COMPONENTS Core Widgets)
+    if(Qt5_FOUND)
+      set(plugin_qt Qt5::Widgets)
+    else()
+      list(APPEND plugin_missing "Qt ${rviz_QT_VERSION}")
+    endif()
+  endif()
+endif()
+if(plugin_missing)
+  string(REPLACE ";" ", " plugin_missing "${plugin_missing}")
+  if(RVIZ_CAMERA_STREAM_PLUGIN STREQUAL "ON")
+    message(FATAL_ERROR "The rviz plugin needs ${plugin_missing}. Get them with: apt install librviz-dev \
+libimage-transport-dev qtbase5-dev (Debian) or apt install ros-$ROS_DISTRO-rviz qtbase5-dev (Ubuntu)")
+  endif()
+  message(STATUS "rviz_camera_stream: the rviz plugin is not built, as these were not found: ${plugin_missing}")
+  return()
+endif()
+message(STATUS "rviz_camera_stream: the rviz plugin is built for rviz ${rviz_VERSION}, Qt ${rviz_QT_VERSION}")
+
+# --- the Rust core as a static library --------------------------------------------------------------------------------
+
+set(plugin_core "${RVIZ_CAMERA_STREAM_TARGET_DIR}/release/librcs_capi.a")
+add_custom_target(rviz_camera_stream_core
+  COMMAND "${CMAKE_COMMAND}" -E env --unset=MAKEFLAGS --unset=MFLAGS --unset=MAKELEVEL ${cargo_environment}
+    "CARGO_TARGET_DIR=${RVIZ_CAMERA_STREAM_TARGET_DIR}" "RUSTC=${rustc_program}"
+    "${RVIZ_CAMERA_STREAM_CARGO}" build --release --locked -p rcs_capi --lib
+  BYPRODUCTS "${plugin_core}"
+  WORKING_DIRECTORY "${workspace_root}"
+  COMMENT "cargo builds the rviz plugin's core"
+  VERBATIM)
+# One cargo after the other: they share a folder.
+add_dependencies(rviz_camera_stream_core rviz_camera_stream_programs)
+
+# --- the plugin -------------------------------------------------------------------------------------------------------
+
+find_package(Threads REQUIRED)
+add_library(rviz_camera_stream SHARED
+  src/camera_pub.cpp src/camera_pub_properties.cpp src/core_camera.cpp src/headless_twin.cpp src/picture_publisher.cpp
+  src/pixel_reader.cpp src/scene_camera.cpp src/trigger_service.cpp src/camera_pub.h)
+add_dependencies(rviz_camera_stream rviz_camera_stream_core)
+set_target_properties(rviz_camera_stream PROPERTIES AUTOMOC ON
+  LIBRARY_OUTPUT_DIRECTORY "${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_LIB_DESTINATION}")
+# Qt's short names for signals and slots clash with Boost's.
+target_compile_definitions(rviz_camera_stream PRIVATE QT_NO_KEYWORDS)
+target_compile_options(rviz_camera_stream PRIVATE -Wall -Wextra)
+target_include_directories(rviz_camera_stream PRIVATE include)
+target_include_directories(rviz_camera_stream SYSTEM PRIVATE ${rviz_INCLUDE_DIRS} ${image_transport_INCLUDE_DIRS}
+  ${pluginlib_INCLUDE_DIRS} ${roscpp_INCLUDE_DIRS} ${OPENGL_INCLUDE_DIR})
+# What Rust's standard library needs comes last; none of its names leave the plugin.
+target_link_libraries(rviz_camera_stream PRIVATE "${plugin_core}" ${rviz_LIBRARIES} ${image_transport_LIBRARIES}
+  ${pluginlib_LIBRARIES} ${roscpp_LIBRARIES} ${plugin_qt} ${OPENGL_LIBRARIES} Threads::Threads ${CMAKE_DL_LIBS} m
+  "-Wl,--exclude-libs,librcs_capi.a")
+
+install(TARGETS rviz_camera_stream LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
+install(FILES plugin_description.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(DIRECTORY icons DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

@@ -1,0 +1,135 @@
+// The display CameraPub: a camera in rviz's scene whose picture is published.
+#ifndef RVIZ_CAMERA_STREAM_CAMERA_PUB_H
+#define RVIZ_CAMERA_STREAM_CAMERA_PUB_H
+
+#include <memory>
+#include <string>
+
+#include <OgreFrameListener.h>
+#include <QTimer>
+#include <ros/message_event.h>
+#include <ros/subscriber.h>
+#include <rviz/display.h>
+#include <sensor_msgs/CameraInfo.h>
+
+#include "core_camera.h"
+#include "headless_twin.h"
+#include "picture_publisher.h"
+#include "pixel_reader.h"
+#include "scene_camera.h"
+#include "trigger_service.h"
+
+namespace rviz
+{
+class BoolProperty;
+class ColorProperty;
+class DisplayGroupVisibilityProperty;
+class EnumProperty;
+class FloatProperty;
+class IntProperty;
+class RosTopicProperty;
+class StringProperty;
+}  // namespace rviz
+
+namespace rviz_camera_stream
+{
+/// Draws rviz's whole scene as a camera with a CameraInfo sees it and publishes the picture. Properties, their defaults and
+/// a saved config are those of the plugin that this one replaces; properties that it adds are saved only where they are
+/// used. Runs on rviz's main thread, but for the conversion and publishing of finished pictures.
+class CameraPub : public rviz::Display, public Ogre::FrameListener
+{
+  Q_OBJECT
+
+public:
+  CameraPub();
+  ~CameraPub() override;
+
+  void update(float wall_dt, float ros_dt) override;
+  void reset() override;
+  void setTopic(const QString& topic, const QString& datatype) override;
+
+  /// rviz's window has been drawn; what was read back meanwhile is published.
+  bool frameEnded(const Ogre::FrameEvent& event) override;
+
+protected:
+  void onInitialize() override;
+  void onEnable() override;
+  void onDisable() override;
+
+private Q_SLOTS:
+  /// Topics, the namespace or the queue have changed.
+  void updateTopics();
+  void updateNamespace();
+  void updateFrameRate();
+  void updatePicture();
+  void updateTwin();
+  /// Publishes what was read back; until it is there, looks again soon.
+  void collect();
+  /// Something in rviz's config has changed.
+  void configChanged();
+  void writeTwin();
+
+private:
+  void createProperties();
+  void createAddedProperties();
+  void subscribe();
+  void advertise();
+  void unsubscribe();
+  void forgetCameraInfo();
+  void receive(const ros::MessageEvent<sensor_msgs::CameraInfo const>& event);
+  bool trigger(std::string& message);
+  CameraModel model() const;
+  bool updateView();
+  bool placeCamera();
+  void drawPicture();
+  void publishRead();
+  bool isOwnInfoTopic() const;
+  void showPublishers();
+  void showStatistics(uint64_t now_ns);
+  void showTwin();
+
+  rviz::DisplayGroupVisibilityProperty* visibility_ = nullptr;
+  rviz::RosTopicProperty* topic_;
+  rviz::StringProperty* namespace_;
+  rviz::RosTopicProperty* info_topic_;
+  rviz::IntProperty* queue_size_;
+  rviz::FloatProperty* frame_rate_;
+  rviz::ColorProperty* background_;
+  rviz::EnumProperty* encoding_;
+  rviz::FloatProperty* near_clip_;
+  rviz::EnumProperty* projection_;
+  rviz::BoolProperty* undistort_;
+  rviz::RosTopicProperty* depth_topic_;
+  rviz::StringProperty* twin_path_;
+
+  ros::NodeHandle handle_;
+  ros::Subscriber info_subscriber_;
+  TriggerService trigger_service_;
+  /// Of the display's namespace, if that is valid.
+  bool namespace_ok_ = false;
+
+  CoreCamera core_;
+  sensor_msgs::CameraInfo::ConstPtr info_;
+  /// What the view below was computed from.
+  sensor_msgs::CameraInfo::ConstPtr viewed_info_;
+  CameraModel viewed_model_;
+  RcsView view_{};
+  std::string info_error_;
+  std::string info_warning_;
+
+  uint32_t visibility_bit_ = 0;
+  std::unique_ptr<SceneCamera> camera_;
+  std::unique_ptr<PixelReader> reader_;
+  /// Null until the display is initialised; properties may change before that.
+  std::unique_ptr<PicturePublisher> publisher_;
+  /// What is being read back, but for its pixels.
+  std::unique_ptr<Frame> reading_;
+  QTimer collect_timer_;
+  uint64_t statistics_shown_ns_ = 0;
+
+  HeadlessTwin twin_;
+  QTimer twin_timer_;
+};
+}  // namespace rviz_camera_stream
+
+#endif
