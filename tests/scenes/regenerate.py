@@ -84,16 +84,19 @@ class Workers:
     def __iter__(self):
         spawn = multiprocessing.get_context("spawn")
         names, results = spawn.Queue(), spawn.Queue()
-        for name in self.arguments.names:
+        jobs = min(self.arguments.jobs, len(self.arguments.names))
+        for name in [*self.arguments.names, *[None] * jobs]:
             names.put(name)
         with tempfile.TemporaryDirectory(prefix="regenerate_golden_") as folder:
             processes = [spawn.Process(target=work, args=(names, results, f"{folder}/{index}", self.arguments), daemon=True)
-                         for index in range(min(self.arguments.jobs, len(self.arguments.names)))]
+                         for index in range(jobs)]
             try:
                 for process in processes:
                     process.start()
                 for _ in self.arguments.names:
                     yield self._result(results, processes)
+                for process in processes:
+                    process.join(30)
             finally:
                 for process in processes:
                     process.terminate()
@@ -111,15 +114,11 @@ class Workers:
 
 
 def work(names, results, folder, arguments):
-    """A worker: takes names until there are none, and puts (line, kind) for each."""
+    """A worker: takes names until it gets None, and puts (line, kind) for each."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     recorder = golden.Recorder(folder, arguments.plugin.resolve())
     try:
-        while True:
-            try:
-                name = names.get(timeout=1)
-            except queue.Empty:
-                return
+        while (name := names.get()) is not None:
             begin = time.monotonic()
             try:
                 line, kind = treat(recorder, name, arguments)
@@ -129,6 +128,7 @@ def work(names, results, folder, arguments):
                 line, kind = f"{name}: {error}", "failed"
             results.put((f"{line} ({time.monotonic() - begin:.1f} s)", kind))
     finally:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
         recorder.end()
 
 

@@ -95,16 +95,16 @@ class Stage:
         """Deletes a ROS parameter if it is set."""
         self.master.deleteParam("/scenes", name)
 
-    def rviz(self, config, name="rviz", arguments=()):
+    def rviz(self, config, name="rviz", arguments=(), environment=None):
         """Starts rviz with the config and waits until it has registered at the master.
 
-        Returns its Program, to be ended by the caller, as a `with` block does. rviz gets a copy of the file, because it
-        writes into it. Raises RuntimeError when rviz ends, TimeoutError when it does not come up.
+        environment: further variables. rviz gets a copy of the file, because it writes into it. Returns its Program, to be
+        ended by the caller, as a `with` block does. Raises RuntimeError when rviz ends, TimeoutError when it does not come up.
         """
         copy = self.folder / f"{name}.rviz"
         shutil.copyfile(config, copy)
         command = ["rviz", "-d", str(copy), "--splash-screen", "", *arguments, f"__name:={name}"]
-        rviz = _Node(self, f"/{name}", command, self.folder / f"{name}.log")
+        rviz = _Node(self, f"/{name}", command, self.folder / f"{name}.log", environment)
         try:
             # rviz offers this service after it has loaded the config.
             wait_until(lambda: self.has_service(f"/{name}/load_config"), START_TIMEOUT_SECS, f"rviz is not ready: {rviz.log}",
@@ -151,9 +151,9 @@ class Stage:
 class _Node(Program):
     """A program that is a node, of which the master knows nothing any more when it has ended."""
 
-    def __init__(self, stage, name, command, log):
+    def __init__(self, stage, name, command, log, environment):
         self.stage, self.name = stage, name
-        super().__init__(command, stage.environment, log)
+        super().__init__(command, {**stage.environment, **(environment or {})}, log)
 
     def end(self, patience_secs=5.0):
         super().end(patience_secs)

@@ -8,6 +8,7 @@ from ..displays import display
 from ..geometry import vector
 from ..messages import header
 from ..scene import case
+from ..varies import SAME_DEPTH, SAME_DISTANCE
 
 
 @case
@@ -33,6 +34,7 @@ def accel(scene):
         "/t",
         AccelStamped(header=header("sensor"), accel=Accel(linear=vector(0.5, 0.6, 0.1), angular=vector(0, 0.7, 0.3))),
     )
+    scene.facts = {"varies": SAME_DEPTH}
 
 
 @case
@@ -104,6 +106,7 @@ def twist_history_length_3_translucent(scene):
         TwistStamped(header=header("sensor"), twist=Twist(linear=vector(0, -1.3, 0.2), angular=vector(1.4, 0, 0.1))),
         TwistStamped(header=header(), twist=Twist(linear=vector(-1, 0.4, 0.2), angular=vector(0, 1, 1))),
     )
+    scene.facts = {"varies": SAME_DISTANCE}
 
 
 @case

@@ -7,6 +7,7 @@ from ..common import sphere_cube_cylinder
 from ..displays import camera_pub, display
 from ..messages import frame_at, frames
 from ..scene import case
+from ..varies import SAME_DEPTH
 
 
 @case
@@ -87,6 +88,7 @@ def cam_long_focal_length(scene):
     scene.show(display("Grid"), display("Axes"), display("PointCloud2", {"Size (m)": 0.05}), display("MarkerArray"))
     scene.publish("/cloud", cloud(waves(16, 12), fields=[("rgb", "rgb", packed(count_colors(192)))]))
     scene.publish("/m", sphere_cube_cylinder())
+    scene.facts = {"varies": SAME_DEPTH}
 
 
 @case

@@ -7,6 +7,7 @@ from sensor_msgs.msg import JointState
 from ..displays import display
 from ..messages import header
 from ..scene import case
+from ..varies import SAME_DEPTH
 
 
 @case
@@ -47,6 +48,7 @@ def effort_axes_signs_limits(scene):
         ),
     )
     scene.parameters["robot_description"] = "package://conformance_robots/urdf/arm.urdf"
+    scene.facts = {"varies": SAME_DEPTH}
 
 
 @case
@@ -66,6 +68,7 @@ def effort_history_length_2(scene):
         JointState(header=header(""), name=["bend", "lift"], position=[0, 0], effort=[0.5, math.nan]),
     )
     scene.parameters["robot_description"] = "package://conformance_robots/urdf/arm.urdf"
+    scene.facts = {"varies": SAME_DEPTH}
 
 
 @case
@@ -85,6 +88,7 @@ def effort_joint_off(scene):
         ),
     )
     scene.parameters["robot_description"] = "package://conformance_robots/urdf/arm.urdf"
+    scene.facts = {"varies": SAME_DEPTH}
 
 
 @case
@@ -102,3 +106,4 @@ def effort_width_scale_past_limit_and_zero(scene):
         JointState(header=header(""), name=["turn", "lift", "bend", "roll"], position=[0] * 4, effort=[90, 0, 1.7, 2]),
     )
     scene.parameters["robot_description"] = "package://conformance_robots/urdf/arm.urdf"
+    scene.facts = {"varies": SAME_DEPTH}

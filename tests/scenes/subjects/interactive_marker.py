@@ -17,6 +17,7 @@ from ..displays import display
 from ..geometry import pose, quaternion, turn
 from ..messages import header, marker
 from ..scene import case
+from ..varies import SAME_DISTANCE
 
 
 @case
@@ -83,6 +84,7 @@ def interactive_marker(scene):
         ),
     )
     scene.publish("/im/update", no_update())
+    scene.facts = {"varies": SAME_DISTANCE}
 
 
 @case

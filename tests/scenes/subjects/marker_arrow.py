@@ -6,6 +6,7 @@ from ..displays import display
 from ..geometry import points
 from ..messages import header, marker, markers
 from ..scene import case
+from ..varies import SAME_DEPTH
 
 
 @case
@@ -287,3 +288,4 @@ def marker_arrow_zero_length_up_and_minus_x(scene):
             ),
         ),
     )
+    scene.facts = {"varies": SAME_DEPTH}

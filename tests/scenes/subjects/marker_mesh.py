@@ -5,6 +5,7 @@ from visualization_msgs.msg import Marker
 from ..displays import display
 from ..messages import header, marker, markers
 from ..scene import case
+from ..varies import SAME_DISTANCE
 
 
 @case
@@ -166,6 +167,7 @@ def marker_mesh_embedded_tint_changes(scene):
             ),
         ),
     )
+    scene.facts = {"varies": SAME_DISTANCE}
 
 
 @case
@@ -214,6 +216,7 @@ def marker_mesh_embedded_translucent_overlapping(scene):
             ),
         ),
     )
+    scene.facts = {"varies": SAME_DISTANCE}
 
 
 @case

@@ -43,6 +43,25 @@ def marker_triangles(scene):
 
 
 @case
+def marker_triangles_coincident_later_wins(scene):
+    """TRIANGLE_LIST with the same triangle three times, in different colours: the last one is seen"""
+    scene.show(display("MarkerArray"))
+    corners = [(0.5, 0, 0.1), (-0.3, 0.4, 0.1), (-0.3, -0.4, 0.5)]
+    scene.publish(
+        "/m",
+        markers(
+            marker(
+                Marker.TRIANGLE_LIST,
+                size=(1, 1, 1),
+                paint=(1, 1, 1, 1),
+                points=points(corners * 3),
+                colors=colors([(1, 0, 0)] * 3 + [(0, 0.3, 1)] * 3 + [(1, 0.6, 0), (0.2, 1, 0), (0, 0.6, 1)]),
+            )
+        ),
+    )
+
+
+@case
 def marker_triangles_color_and_alpha_per_vertex(scene):
     """TRIANGLE_LIST with a colour and alpha per vertex, marker alpha 0.8"""
     scene.show(display("MarkerArray"))
@@ -115,6 +134,42 @@ def marker_triangles_color_per_face_translucent(scene):
                     ]
                 ),
             )
+        ),
+    )
+
+
+@case
+def marker_triangles_degenerate_among_others(scene):
+    """TRIANGLE_LIST: triangles without an area (equal corners, corners on a line) do not hide the others"""
+    scene.show(display("MarkerArray"))
+    good = [(0.5, 0, 0.1), (-0.3, 0.4, 0.1), (-0.3, -0.4, 0.5)]
+    two_equal = [(0, 0, 0.6), (0, 0, 0.6), (0.2, 0, 0.6)]
+    all_equal = [(0, 0, 0.6)] * 3
+    on_a_line = [(0, 0, 0.6), (0.1, 0, 0.6), (0.2, 0, 0.6)]
+    lists = [two_equal + good, good + all_equal, good + on_a_line + two_equal]
+    scene.publish(
+        "/m",
+        markers(
+            *(
+                marker(
+                    Marker.TRIANGLE_LIST,
+                    at=(0, 0.5 * i - 0.5, 0),
+                    size=(0.6, 0.6, 0.6),
+                    paint=(1, 0.5, 0.2, 1 if i < 2 else 0.5),
+                    id=i,
+                    points=points(each),
+                )
+                for i, each in enumerate(lists)
+            ),
+            marker(
+                Marker.TRIANGLE_LIST,
+                at=(0.6, 0, 0),
+                size=(0.4, 0.4, 0.4),
+                paint=(1, 1, 1, 1),
+                id=3,
+                points=points(good + two_equal),
+                colors=colors([(0, 1, 0.5)] * 3 + [(1, 0, 0)] * 3),
+            ),
         ),
     )
 

@@ -2,6 +2,7 @@
 
 from ..displays import display
 from ..scene import case
+from ..varies import SAME_DISTANCE
 
 
 @case
@@ -83,6 +84,7 @@ def robot_model_link_frames_missing(scene):
     scene.frame("lower", parent="upper", at=(0.5, 0, 0), turned=(0.3, 1.1, 0))
     scene.show(display("RobotModel", {"Alpha": 0.5}))
     scene.parameters["robot_description"] = "package://conformance_robots/urdf/arm.urdf"
+    scene.facts = {"varies": SAME_DISTANCE}
 
 
 @case
@@ -143,6 +145,7 @@ def robot_model_materials_alpha(scene):
     scene.frame("f", turned=(0, 0, 0.2))
     scene.show(display("Grid", {"Alpha": 1}), display("RobotModel", {"Alpha": 0.6}))
     scene.parameters["robot_description"] = "package://conformance_robots/urdf/materials.urdf"
+    scene.facts = {"varies": SAME_DISTANCE}
 
 
 @case
@@ -182,3 +185,4 @@ def robot_model_visual_collision_alpha(scene):
     scene.frame("root")
     scene.show(display("RobotModel", {"Alpha": 0.5, "Collision Enabled": True}))
     scene.parameters["robot_description"] = "package://conformance_robots/urdf/arm.urdf"
+    scene.facts = {"varies": SAME_DISTANCE}
