@@ -15,42 +15,78 @@ CLOSE_LEVELS = 16
 class Scores(NamedTuple):
     """What a comparison found.
 
-    different: how many pixels are not equal; largest: difference of a channel; strict, close: shares of the content pixels.
+    different: how many pixels are not equal; largest: difference of a channel; strict, close: shares of the content pixels;
+    content: how many content pixels there are.
     """
 
     different: int
     largest: int
     strict: float
     close: float
+    content: int
 
 
 def scores(expected, actual):
     """The Scores of two pictures of the same size: height × width or height × width × channels, 8 or 16 bits."""
-    levels = 257 if expected.dtype == numpy.uint16 else 1
-    expected, actual = (picture.reshape(*picture.shape[:2], -1).astype(int) for picture in (expected, actual))
+    expected, actual, levels = _comparable(expected, actual)
     apart = numpy.abs(expected - actual).max(axis=2)
-    colors, counts = numpy.unique(expected.reshape(-1, expected.shape[2]), axis=0, return_counts=True)
-    background = colors[counts.argmax()]
+    background = _most_frequent_color(expected)
     content = numpy.zeros(apart.shape, bool)
     for picture in (expected, actual):
         content |= numpy.abs(picture - background).max(axis=2) > STRICT_LEVELS * levels
-    matches = _matches_nearby(expected, actual, CLOSE_LEVELS * levels)
-    matches &= _matches_nearby(actual, expected, CLOSE_LEVELS * levels)
     strict = apart <= STRICT_LEVELS * levels
-    matches |= strict
 
     def share(hits):
         return float((hits & content).sum() / content.sum()) if content.any() else 1.0
 
-    return Scores(int((apart > 0).sum()), int(apart.max()), share(strict), share(matches))
+    close = _are_close(expected, actual, levels)
+    return Scores(int((apart > 0).sum()), int(apart.max()), share(strict), share(close), int(content.sum()))
 
 
-def _matches_nearby(one, other, levels):
-    """Where a pixel of `one` is like one of `other` at most one pixel away."""
-    height, width = one.shape[:2]
+def comparison(expected, actual):
+    """Expected | difference | actual, as RGB of 8 bits; what is not close is magenta in the middle."""
+    close = _are_close(*_comparable(expected, actual))
+    expected, actual = (_rgb(picture) for picture in (expected, actual))
+    middle = numpy.where(close[:, :, None], actual // 3, numpy.array((255, 0, 255), numpy.uint8))
+    return numpy.concatenate((expected, middle, actual), axis=1)
+
+
+def _comparable(expected, actual):
+    """Both pictures as height × width × channels of integers, and how many of their levels are one of 255."""
+    levels = 257 if expected.dtype == numpy.uint16 else 1
+    return *(picture.reshape(*picture.shape[:2], -1).astype(numpy.int32) for picture in (expected, actual)), levels
+
+
+def _rgb(picture):
+    if picture.dtype == numpy.uint16:
+        picture = (picture // 257).astype(numpy.uint8)
+    return numpy.repeat(picture[:, :, None], 3, axis=2) if picture.ndim == 2 else picture
+
+
+def _most_frequent_color(picture):
+    """The smallest of them, if several are as frequent."""
+    # One number for each pixel.
+    packed = picture.astype(numpy.int64) @ (1 << 16 * numpy.arange(picture.shape[2])[::-1])
+    numbers, first, counts = numpy.unique(packed, return_index=True, return_counts=True)
+    return picture.reshape(-1, picture.shape[2])[first[counts.argmax()]]
+
+
+def _are_close(expected, actual, levels):
+    """Where pixels match, each in the other picture, at most one pixel away."""
+    close = numpy.abs(expected - actual).max(axis=2) <= STRICT_LEVELS * levels
+    # Most pixels match where they are.
+    places = numpy.nonzero(~close)
+    close[places] = (_match_nearby(expected, actual, places, CLOSE_LEVELS * levels)
+                     & _match_nearby(actual, expected, places, CLOSE_LEVELS * levels))
+    return close
+
+
+def _match_nearby(one, other, places, levels):
+    """Which of the pixels of `one` at `places` are like one of `other` at most one pixel away."""
+    rows, columns = places
     padded = numpy.pad(other, ((1, 1), (1, 1), (0, 0)), constant_values=-10 * levels)
-    found = numpy.zeros((height, width), bool)
+    found = numpy.zeros(rows.shape, bool)
     for down in range(3):
         for right in range(3):
-            found |= numpy.abs(one - padded[down:down + height, right:right + width]).max(axis=2) <= levels
+            found |= numpy.abs(one[places] - padded[rows + down, columns + right]).max(axis=1) <= levels
     return found

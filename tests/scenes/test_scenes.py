@@ -98,9 +98,18 @@ class Pictures(unittest.TestCase):
     def test_scores_forgive_one_pixel_but_not_two(self):
         picture = numpy.zeros((9, 9, 3), numpy.uint8)
         picture[4, 4] = 200
-        self.assertEqual(scores.scores(picture, picture), scores.Scores(0, 0, 1.0, 1.0))
-        self.assertEqual(scores.scores(picture, numpy.roll(picture, 1, axis=0)), scores.Scores(2, 200, 0.0, 1.0))
-        self.assertEqual(scores.scores(picture, numpy.roll(picture, 2, axis=0)), scores.Scores(2, 200, 0.0, 0.0))
+        self.assertEqual(scores.scores(picture, picture), scores.Scores(0, 0, 1.0, 1.0, 1))
+        self.assertEqual(scores.scores(picture, numpy.roll(picture, 1, axis=0)), scores.Scores(2, 200, 0.0, 1.0, 2))
+        self.assertEqual(scores.scores(picture, numpy.roll(picture, 2, axis=0)), scores.Scores(2, 200, 0.0, 0.0, 2))
+
+    def test_a_comparison_shows_both_pictures_and_what_is_not_close(self):
+        picture = numpy.zeros((9, 9), numpy.uint16)
+        picture[4, 4] = 200 * 257
+        shown = scores.comparison(picture, numpy.roll(picture, 2, axis=0))
+        self.assertEqual(shown.shape, (9, 27, 3))
+        self.assertEqual(shown[4, 4].tolist(), [200, 200, 200])
+        self.assertEqual([shown[row, 9 + 4].tolist() for row in (4, 5, 6)], [[255, 0, 255], [0, 0, 0], [255, 0, 255]])
+        self.assertEqual(shown[6, 18 + 4].tolist(), [200, 200, 200])
 
 
 class Messages(unittest.TestCase):
