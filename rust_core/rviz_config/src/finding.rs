@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::plugin_displays::needs;
+
 /// One thing in the file that does not do what its author may expect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
@@ -20,10 +22,17 @@ pub struct Finding {
 pub enum FindingKind {
     /// A key that rviz 1.14 does not read at this place. It has no effect.
     UnknownKey,
-    /// A display or view class that is not known. It is not drawn and its keys are not read.
+    /// A view class that is not known, or a display without one. Its keys are not read.
     UnknownClass {
         /// The class as the file names it; empty when there is none.
         class: String,
+    },
+    /// A display of a class that is not rviz's own. It is not drawn and its keys are not read, but for its topics.
+    PluginDisplay {
+        /// The class as the file names it.
+        class: String,
+        /// The topics that it names.
+        topics: Vec<String>,
     },
     /// A name below a camera's Visibility that no display has at this place. It shows and hides nothing.
     UnknownDisplay {
@@ -48,6 +57,9 @@ impl fmt::Display for Finding {
             FindingKind::UnknownKey => write!(f, "unknown key"),
             FindingKind::UnknownClass { class } if class.is_empty() => write!(f, "no class named"),
             FindingKind::UnknownClass { class } => write!(f, "unknown class {}", one_line(class)),
+            FindingKind::PluginDisplay { class, topics } => {
+                write!(f, "unknown class {}, which {}", one_line(class), needs(class, topics))
+            }
             FindingKind::UnknownDisplay { present } if present.is_empty() => write!(f, "no display is in this place"),
             FindingKind::UnknownDisplay { present } => {
                 write!(f, "no display has this name; there are: {}", one_line(&present.join(", ")))

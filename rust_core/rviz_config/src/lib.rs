@@ -17,18 +17,22 @@
 //! out of range is clamped, text that is no number counts as 0, an unknown choice is the first of the list.
 #![forbid(unsafe_code)]
 
+mod camera_problems;
 mod config;
 mod displays;
 mod error;
 mod finding;
 mod global_options;
+pub mod headless;
 mod insert;
 mod node;
+mod plugin_displays;
 mod qt_value;
 mod section;
 mod view;
 mod view_direction;
 
+pub use camera_problems::camera_problems;
 pub use config::{Config, PlacedDisplay};
 pub use displays::covariance::{
     CovarianceColorStyle, CovarianceFrame, CovarianceSettings, OrientationCovarianceSettings,
@@ -64,12 +68,21 @@ use std::path::Path;
 pub fn load(path: &Path) -> Result<Config, ConfigError> {
     let source = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| ConfigError::Unreadable { file: source.clone(), error })?;
-    match std::str::from_utf8(&bytes) {
-        Ok(text) => parse(text, &source),
+    parse_bytes(&bytes, &source)
+}
+
+/// [`parse`] of bytes that need not be text.
+///
+/// # Errors
+///
+/// [`ConfigError::NotUtf8`] and those of [`parse`].
+pub fn parse_bytes(bytes: &[u8], source_name: &str) -> Result<Config, ConfigError> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => parse(text, source_name),
         Err(error) => {
             let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
             let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
-            Err(ConfigError::NotUtf8 { file: source, line })
+            Err(ConfigError::NotUtf8 { file: source_name.to_owned(), line })
         }
     }
 }

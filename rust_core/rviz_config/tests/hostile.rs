@@ -315,3 +315,12 @@ proptest! {
         prop_assert_eq!(grid.offset_m, [x, -1e-3, 7.0]);
     }
 }
+
+#[test]
+fn of_a_plugin_with_countless_topics_a_few_are_named() {
+    let keys: String = (0..200_000).map(|i| format!("    {i} Topic: /t{i}\n")).collect();
+    let text = format!("Visualization Manager:\n  Displays:\n  - Class: my/Own\n    Enabled: true\n{keys}");
+    let config = rcs_rviz_config::parse(&text, "t").unwrap();
+    let found = config.findings[0].to_string();
+    assert!(found.contains("(it shows /t0, /t1, ") && found.len() < 500, "{found}");
+}

@@ -25,6 +25,12 @@ pub struct CameraPubSettings {
     pub image_encoding: Encoding,
     /// Nearer than this nothing is drawn, in metres; at least 0.01.
     pub near_clip_m: f32,
+    /// Whether P is taken exactly, and not as rviz draws it: what the plugin does; the node has an argument for it.
+    pub is_exact: bool,
+    /// Whether the picture is bent for the lens of K and D: what the plugin does; the node has an argument for it.
+    pub undistort: bool,
+    /// Topic on which the plugin publishes depths; empty for none. The node publishes them beside the picture.
+    pub depth_topic: String,
     /// Which displays this camera sees.
     pub visibility: Visibility,
 }
@@ -40,6 +46,9 @@ impl Default for CameraPubSettings {
             background_color: [0, 0, 0],
             image_encoding: Encoding::Rgb8,
             near_clip_m: 0.01,
+            is_exact: false,
+            undistort: false,
+            depth_topic: String::new(),
             visibility: Visibility::default(),
         }
     }
@@ -60,6 +69,11 @@ impl CameraPubSettings {
             &mut settings.image_encoding,
         );
         section.float("Near Clip Distance", at_least(0.01), &mut settings.near_clip_m);
+        section.choice("Projection", &[("rviz", false), ("exact", true)], &mut settings.is_exact);
+        section.bool("Undistort", &mut settings.undistort);
+        section.text("Depth Topic", &mut settings.depth_topic);
+        // A file that the plugin writes.
+        section.skip(&["Headless Twin"]);
         settings.visibility = Visibility::read(section.child("Visibility"));
         settings
     }

@@ -81,8 +81,8 @@ macro_rules! define_classes {
             )*
             /// A class that is not known, and not drawn.
             Unknown {
-                /// The topic that the display names, if it names one.
-                topic: Option<String>,
+                /// The topics that the display names, that of the key `Topic` first.
+                topics: Vec<String>,
             },
         }
 
@@ -99,7 +99,7 @@ macro_rules! define_classes {
             fn topic(&self) -> Option<&str> {
                 match self {
                     $($(Self::$variant(settings) => Some(&settings.$topic),)?)*
-                    Self::Unknown { topic } => topic.as_deref(),
+                    Self::Unknown { topics } => topics.first().map(String::as_str),
                     _ => None,
                 }
             }
@@ -204,9 +204,6 @@ pub enum LineStyle {
 pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
     [("Lines", LineStyle::Lines), ("Billboards", LineStyle::Billboards)];
 
-/// The keys under which displays of unknown classes name the topic that they show, the likeliest first.
-const TOPIC_KEYS: [&str; 5] = ["Topic", "Marker Topic", "Image Topic", "Depth Map Topic", "Update Topic"];
-
 impl DisplayConfig {
     /// The topic that the display shows, or publishes in the case of a CameraPub; `None` if it has none or it is
     /// empty.
@@ -250,7 +247,7 @@ fn read_display(node: &Node, group_path: &str, report: &Report) -> DisplayConfig
     section.bool("Enabled", &mut enabled);
     let settings = report.with_notes(!enabled, || {
         let settings = read_class(&class, &mut section);
-        let settings = settings.unwrap_or_else(|| read_unknown(&class, node.line, &mut section));
+        let settings = settings.unwrap_or_else(|| read_unknown(&class, node, &mut section));
         section.finish();
         settings
     });
@@ -292,13 +289,37 @@ pub(crate) fn check_visibilities(
     }
 }
 
-/// Passes over the keys of a class that is not known, but for its topic.
-fn read_unknown(class: &str, line: usize, section: &mut Section<'_>) -> DisplaySettings {
-    section.report().add(line, section.path(), FindingKind::UnknownClass { class: class.to_owned() });
-    let topic = TOPIC_KEYS.iter().find_map(|key| match section.node(key).map(|node| &node.content) {
-        Some(Content::Scalar(topic)) if !topic.is_empty() => Some(topic.clone()),
-        _ => None,
-    });
+/// More topics than a display has; a file may hold any number.
+const MOST_TOPICS: usize = 16;
+
+/// Passes over the keys of a class that is not known, but for its topics.
+fn read_unknown(class: &str, display: &Node, section: &mut Section<'_>) -> DisplaySettings {
+    let mut topics = Vec::new();
+    add_topics(display, &mut topics);
+    let kind = match class {
+        "" => FindingKind::UnknownClass { class: String::new() },
+        _ => FindingKind::PluginDisplay { class: class.to_owned(), topics: topics.clone() },
+    };
+    section.report().add(display.line, section.path(), kind);
     section.skip_rest();
-    DisplaySettings::Unknown { topic }
+    DisplaySettings::Unknown { topics }
+}
+
+/// Adds the topics that a display of an unknown class names: plain values of keys that end with "Topic", each once,
+/// that of the key `Topic` first. Plugins put some of their topics into sections.
+fn add_topics(node: &Node, topics: &mut Vec<String>) {
+    let Content::Map(entries) = &node.content else { return };
+    for entry in entries {
+        if topics.len() == MOST_TOPICS {
+            return;
+        }
+        match &entry.value.content {
+            Content::Scalar(topic) if entry.key.ends_with("Topic") && !topic.is_empty() && !topics.contains(topic) => {
+                let place = if entry.key == "Topic" { 0 } else { topics.len() };
+                topics.insert(place, topic.clone());
+            }
+            Content::Map(_) => add_topics(&entry.value, topics),
+            _ => {}
+        }
+    }
 }

@@ -369,7 +369,8 @@ fn every_property_of_camera_pub_is_read() {
         let keys = format!(
             "Image Topic: /i\nCamera Info Topic: /c\nDisplay namespace: left\nQueue Size: 4\n\
              Frame Rate: 12.5\nBackground Color: 10; 20; 30\nImage Encoding: {name}\n\
-             Near Clip Distance: 0.5\nVisibility: {{Value: true, a: false}}"
+             Near Clip Distance: 0.5\nProjection: exact\nUndistort: true\nDepth Topic: /d\n\
+             Headless Twin: /tmp/a.rviz\nVisibility: {{Value: true, a: false}}"
         );
         let config = with_display("rviz_camera_stream/CameraPub", &keys);
         assert!(messages(&config).iter().all(|message| message.contains("/ Visibility / a: no display")));
@@ -386,6 +387,9 @@ fn every_property_of_camera_pub_is_read() {
             background_color: [10, 20, 30],
             image_encoding: encoding,
             near_clip_m: 0.5,
+            is_exact: true,
+            undistort: true,
+            depth_topic: "/d".to_owned(),
             visibility: camera.visibility.clone(),
         };
         assert_eq!(*camera, expected);

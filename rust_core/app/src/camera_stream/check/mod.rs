@@ -1,13 +1,12 @@
 //! `camera_stream check`: which parts of a config are understood and drawn.
 
-mod cameras;
 pub mod live;
 mod node_name;
 mod table;
 
 use std::io::{self, Write};
 
-use rcs_rviz_config::{Config, PlacedDisplay, Role};
+use rcs_rviz_config::{camera_problems, Config, PlacedDisplay, Role};
 
 /// Prints each display, what keeps the cameras from publishing, and each finding; `fixed_frame` overrides the config's.
 /// Returns whether all is well: notes, which change no picture, do not matter.
@@ -37,7 +36,7 @@ pub fn print(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) ->
 
 /// Prints what keeps the cameras from publishing, and each finding. Returns whether there is nothing but notes.
 fn print_findings(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
-    let problems = cameras::problems(config);
+    let problems = camera_problems(config);
     for problem in &problems {
         writeln!(out, "{}: {problem}", config.source)?;
     }
@@ -45,4 +44,31 @@ fn print_findings(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
         writeln!(out, "{}: {finding}", config.source)?;
     }
     Ok(problems.is_empty() && config.findings.iter().all(|finding| finding.is_note))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_display_of_another_package_is_reported_with_its_plugin_and_the_ways_out() {
+        let text = "Visualization Manager:\n  Displays:\n  \
+                    - {Class: rviz_camera_stream/CameraPub, Name: c, Enabled: true, Image Topic: /i, Camera Info Topic: /c}\n  \
+                    - {Class: octomap_rviz_plugin/OccupancyGrid, Name: map, Enabled: true, Octomap Topic: /octomap}\n";
+        let config = rcs_rviz_config::parse(text, "a.rviz").unwrap();
+        let mut out = Vec::new();
+        assert!(!print(&config, None, &mut out).unwrap(), "something is wrong");
+        let out = String::from_utf8(out).unwrap();
+        assert!(out.contains("octomap_rviz_plugin/OccupancyGrid  not drawn: unknown class  map"), "{out}");
+        let last = out.lines().last().unwrap_or_default();
+        assert!(last.starts_with(
+            "a.rviz: line 4: Displays / map: unknown class octomap_rviz_plugin/OccupancyGrid, which needs a plugin of the \
+             package octomap_rviz_plugins (it shows /octomap): draw it in rviz with the CameraPub plugin, or show \
+             octomap_server's occupied_cells_vis_array (rviz/MarkerArray)"
+        ), "{last}");
+        // It is a note, which changes no picture, where it is disabled.
+        let config =
+            rcs_rviz_config::parse(&text.replace("map, Enabled: true", "map, Enabled: false"), "a.rviz").unwrap();
+        assert!(print(&config, None, &mut Vec::new()).unwrap());
+    }
 }

@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use rcs_rviz_config::{CameraPubSettings, Config, DisplayConfig, DisplaySettings};
+use crate::{CameraPubSettings, Config, DisplayConfig, DisplaySettings};
 
-/// One line for each problem.
-pub(crate) fn problems(config: &Config) -> Vec<String> {
+/// What keeps the cameras of a config from publishing pictures, although every key of it is understood: one line for
+/// each problem.
+pub fn camera_problems(config: &Config) -> Vec<String> {
     let placed = config.placed_displays();
     let cameras: Vec<(&DisplayConfig, &CameraPubSettings, String, bool)> = placed
         .iter()
@@ -69,7 +70,7 @@ mod tests {
     fn problems_of(displays: &[&str]) -> Vec<String> {
         let list: String = displays.iter().map(|display| format!("  - {{{display}}}\n")).collect();
         let text = format!("Visualization Manager:\n  Enabled: true\n  Displays:\n{list}");
-        problems(&rcs_rviz_config::parse(&text, "a.rviz").unwrap())
+        camera_problems(&crate::parse(&text, "a.rviz").unwrap())
     }
 
     #[test]
