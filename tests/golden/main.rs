@@ -24,9 +24,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use rcs_app::camera_stream::camera_pose::Projection;
 use rcs_app::camera_stream::offline::{self, Job, Section, Target};
 use rcs_app::camera_stream::stage::Stage;
+use rcs_camera::Projection;
 use rcs_render::{LastStep, Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 

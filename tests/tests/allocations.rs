@@ -19,8 +19,8 @@
 use std::alloc::System;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rcs_app::camera_stream::camera_pose::Projection;
 use rcs_app::camera_stream::stage::Stage;
+use rcs_camera::Projection;
 use rcs_messages::geometry_msgs::{Quaternion, Transform, TransformStamped, Vector3};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;

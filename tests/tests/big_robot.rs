@@ -4,8 +4,8 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use rcs_app::camera_stream::camera_pose::Projection;
 use rcs_app::camera_stream::stage::Stage;
+use rcs_camera::Projection;
 use rcs_messages::geometry_msgs::{Quaternion, Transform, TransformStamped, Vector3};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use rcs_app::camera_stream::camera_pose::Projection;
 use rcs_app::camera_stream::stage::Stage;
+use rcs_camera::Projection;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{geometry_msgs, AnyMessage};

@@ -51,11 +51,8 @@ mod bounds;
 mod cpu;
 mod gpu;
 mod last_step;
-mod lens;
 mod renderer;
 mod shading;
-#[cfg(test)]
-mod simd_levels;
 
 pub use cpu::{CpuRenderer, Culling};
 pub use gpu::{GpuRenderer, GpuStats};

@@ -40,7 +40,7 @@ pub use lettering::{letters, Letter, LETTER_ASCENT_EM, LETTER_DESCENT_EM};
 pub use lines::{LineTopology, Lines};
 pub use material::{Blending, CullMode, Filtering, Lighting, Material, Texture, Wrapping};
 pub use mesh::{Mesh, Vertex};
-pub use picture::{Encoding, Picture};
+pub use picture::{Encoding, Picture, PixelOrder};
 pub use pixel_map::{MapRun, PixelMap};
 pub use points::{PointBuffer, PointColors, PointStyle, Points, MAX_POINT_SIZE_PX};
 pub use ribbons::{RibbonElement, Ribbons};

@@ -21,6 +21,16 @@ pub enum Encoding {
     Mono16,
 }
 
+/// In which order a drawn pixel's four bytes stand; the last one is alpha.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PixelOrder {
+    /// Red first.
+    #[default]
+    Rgba,
+    /// Blue first.
+    Bgra,
+}
+
 impl Encoding {
     /// All of them, in the order of rviz's menu.
     pub const ALL: [Self; 6] = [Self::Rgb8, Self::Rgba8, Self::Bgr8, Self::Bgra8, Self::Mono8, Self::Mono16];
@@ -55,12 +65,22 @@ impl Encoding {
     /// Writes one row of RGBA pixels in this encoding. `row` holds [`Self::bytes_per_pixel`] bytes for each pixel;
     /// bytes and pixels past the end of the shorter one are left alone.
     pub fn write_row(self, pixels: &[[u8; 4]], row: &mut [u8]) {
-        // Compiled for each of the processor's instruction sets, of which some shuffle bytes much faster than others.
-        dispatch!(Level::new(), simd => self.write_row_with(simd, pixels, row));
+        self.write_row_from(PixelOrder::Rgba, pixels, row);
     }
 
+    /// [`Self::write_row`] of pixels whose bytes stand in another order.
+    pub fn write_row_from(self, order: PixelOrder, pixels: &[[u8; 4]], row: &mut [u8]) {
+        // Compiled for each of the processor's instruction sets, of which some shuffle bytes much faster than others;
+        // and for each order, so that channels are constants.
+        dispatch!(Level::new(), simd => match order {
+            PixelOrder::Rgba => self.write_row_with(simd, pixels, row, [0, 1, 2]),
+            PixelOrder::Bgra => self.write_row_with(simd, pixels, row, [2, 1, 0]),
+        });
+    }
+
+    /// Writes a row of pixels whose red, green and blue are these bytes.
     #[inline(always)]
-    fn write_row_with<S: Simd>(self, simd: S, pixels: &[[u8; 4]], row: &mut [u8]) {
+    fn write_row_with<S: Simd>(self, simd: S, pixels: &[[u8; 4]], row: &mut [u8], [r, g, b]: [u8; 3]) {
         // Cells of a fixed size are copied without a call for each.
         #[inline(always)]
         fn write<const N: usize>(pixels: &[[u8; 4]], row: &mut [u8], cell: impl Fn(&[u8; 4]) -> [u8; N]) {
@@ -68,13 +88,14 @@ impl Encoding {
                 *to = cell(pixel);
             }
         }
+        let [red, green, blue] = [r, g, b].map(usize::from);
         match self {
-            Self::Rgb8 => write_triples(simd, pixels, row, [0, 1, 2]),
-            Self::Rgba8 => write(pixels, row, |p| [p[0], p[1], p[2], 255]),
-            Self::Bgr8 => write_triples(simd, pixels, row, [2, 1, 0]),
-            Self::Bgra8 => write(pixels, row, |p| [p[2], p[1], p[0], 255]),
-            Self::Mono8 => write(pixels, row, |p| [p[0]]),
-            Self::Mono16 => write(pixels, row, |p| (u16::from(p[0]) * 257).to_le_bytes()),
+            Self::Rgb8 => write_triples(simd, pixels, row, [r, g, b]),
+            Self::Rgba8 => write(pixels, row, |p| [p[red], p[green], p[blue], 255]),
+            Self::Bgr8 => write_triples(simd, pixels, row, [b, g, r]),
+            Self::Bgra8 => write(pixels, row, |p| [p[blue], p[green], p[red], 255]),
+            Self::Mono8 => write(pixels, row, |p| [p[red]]),
+            Self::Mono16 => write(pixels, row, |p| (u16::from(p[red]) * 257).to_le_bytes()),
         }
     }
 }

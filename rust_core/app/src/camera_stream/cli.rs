@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use clap::builder::NonEmptyStringValueParser;
 use clap::{ArgGroup, Args, Parser, Subcommand};
+use rcs_camera::{CameraModel, Projection};
 use rcs_files::picture_file::PictureFormat;
 use rcs_render::{Orientation, RendererChoice};
 use rcs_resources::ResourceOptions;
 
-use crate::camera_stream::camera_pose::{CameraModel, Projection};
 use crate::camera_stream::light_arguments::{BlendArgs, DepthArgs, EyeSafetyArgs, MountingArgs, StaleArgs};
 use crate::camera_stream::prediction::PredictionArgs;
 use crate::camera_stream::window_arguments::ScreenArgs;

@@ -5,11 +5,11 @@ use std::str::FromStr;
 
 use anyhow::{anyhow, Result};
 use clap::ValueEnum;
+use rcs_camera::{CameraModel, Projection};
 use rcs_render::RendererChoice;
 use rcs_resources::ResourceOptions;
 use rcs_ros::RosNode;
 
-use crate::camera_stream::camera_pose::{CameraModel, Projection};
 use crate::camera_stream::cli::{ModelArgs, ResourceArgs, MESH_MB};
 use crate::camera_stream::depth_image::DepthEncoding;
 use crate::camera_stream::light_arguments::Gamma;

@@ -3,7 +3,7 @@
 //! Live topics and bags feed the same stage, and what its cameras see is a function of the messages and the time.
 //!
 //! ```
-//! use rcs_app::camera_stream::camera_pose::Projection;
+//! use rcs_camera::Projection;
 //! use rcs_app::camera_stream::stage::Stage;
 //! use rcs_resources::{MeshStore, PackageIndex};
 //! use rcs_transforms::Time;
@@ -32,7 +32,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use nalgebra::Point3;
+use rcs_camera::{is_distorted, CameraModel, Lenses, NoLens};
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet, Reconfigured, ShownMessage, TopicRequest, World};
+use rcs_files::projector::fields_of;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, MessageKind};
@@ -42,8 +44,7 @@ use rcs_rviz_config::Config;
 use rcs_scene::{DisplayId, Scene};
 use rcs_transforms::{Prediction, Time, TransformTree, UNCROWDED};
 
-use crate::camera_stream::camera_pose::{self, CameraModel, CameraProblem};
-use crate::camera_stream::projector_lens::{is_distorted, Lenses, NoLens};
+use crate::camera_stream::camera_pose::{self, CameraProblem};
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::frames::raw_transforms;
 
@@ -296,7 +297,7 @@ impl Stage {
     /// allowed for in what is drawn.
     pub(crate) fn unknown_lens(&self, camera: &CameraView, drawn: &rcs_scene::Camera) -> Option<NoLens> {
         let is_straight = drawn.lens().is_none();
-        let info = self.camera_info(camera).filter(|info| is_straight && is_distorted(info));
+        let info = self.camera_info(camera).filter(|info| is_straight && is_distorted(&fields_of(info)));
         info.and_then(|_| self.no_lens(camera))
     }
 

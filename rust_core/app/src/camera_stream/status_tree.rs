@@ -4,14 +4,15 @@
 
 use std::borrow::Cow;
 
+use rcs_camera::{deviations, figure, Advice, CameraModel};
 use rcs_displays::{CameraView, DisplayReport, DisplaySet, Level, Statuses};
+use rcs_files::projector::fields_of;
 use rcs_messages::{stamp_nanos, MessageKind};
 use rcs_ros::{Publications, RosNode};
 use rcs_scene::DisplayId;
 use rcs_transforms::{Time, TransformTree};
 
-use crate::camera_stream::camera_pose::{CameraModel, CameraProblem};
-use crate::camera_stream::projector_fit;
+use crate::camera_stream::camera_pose::CameraProblem;
 use crate::camera_stream::stage::Stage;
 
 /// The name of the status about a topic's publishers. rviz has none: it does not report a topic of another type.
@@ -72,11 +73,6 @@ pub(crate) fn age_ms(stamp: Time, now: Time) -> Option<f64> {
     (!stamp.is_zero() && !now.is_zero()).then(|| now.secs_since(stamp) * 1e3)
 }
 
-/// A figure as text, `-` where there is none.
-pub(crate) fn figure(figure: Option<impl std::fmt::Display>) -> String {
-    figure.map_or_else(|| "-".to_owned(), |figure| figure.to_string())
-}
-
 /// The global status and the displays, in the config's order. `now` is ROS time, for the age of the data shown.
 pub(crate) fn scene<'a>(
     displays: &'a DisplaySet,
@@ -129,6 +125,9 @@ fn global(transforms: &TransformTree, fixed_frame: &str) -> StatusEntry<'static>
     }
 }
 
+/// The program's arguments that mend what makes a projection miss.
+const ADVICE: Advice = Advice { exact: "--projection exact follows P", undistort: "--undistort allows for it" };
+
 /// A camera, with the statuses that rviz's CameraPub has.
 pub(crate) fn camera(stage: &Stage, view: &CameraView, model: CameraModel) -> StatusEntry<'static> {
     let settings = &view.settings;
@@ -146,8 +145,9 @@ pub(crate) fn camera(stage: &Stage, view: &CameraView, model: CameraModel) -> St
         match stage.camera(view, model) {
             Ok(_) => {
                 let info = stage.camera_info(view);
-                let deviations =
-                    info.map(|info| projector_fit::deviations(info, model, stage.no_lens(view))).unwrap_or_default();
+                let deviations = info
+                    .map(|info| deviations(&fields_of(info), model, stage.no_lens(view), ADVICE))
+                    .unwrap_or_default();
                 if deviations.is_empty() {
                     statuses.set(Level::Ok, "Camera Info", "OK");
                 } else {

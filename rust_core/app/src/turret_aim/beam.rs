@@ -6,11 +6,10 @@
 use std::str::FromStr;
 
 use nalgebra::{Point2, Point3, Unit, Vector3};
-use rcs_files::projector::lens_of;
+use rcs_camera::{is_distorted, rectification};
+use rcs_files::projector::{fields_of, lens_of};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_robot::Beam;
-
-use crate::camera_stream::projector_lens::{is_distorted, rectification};
 
 /// A pixel of the picture; an integer is a pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,10 +44,10 @@ pub(super) fn beam(info: &CameraInfo, pixel: AimPixel) -> Result<Beam, String> {
         AimPixel::Center => [info.width, info.height].map(|size| (f64::from(size) - 1.0) / 2.0),
         AimPixel::At(pixel) => pixel,
     };
-    if is_distorted(info) {
+    if is_distorted(&fields_of(info)) {
         let lens = lens_of(info).map_err(|problem| problem.to_string())?;
         let ray = lens.ray(Point2::new(u, v)).ok_or_else(|| format!("no light goes through pixel {u}, {v}"))?;
-        let rectified_from_raw = rectification(info).map_err(|problem| problem.to_string())?;
+        let rectified_from_raw = rectification(&fields_of(info)).map_err(|problem| problem.to_string())?;
         return Ok(Beam { origin: Point3::origin(), direction: Unit::new_normalize(rectified_from_raw * ray) });
     }
     let [fx, _, cx, tx, _, fy, cy, ty, ..] = info.P;

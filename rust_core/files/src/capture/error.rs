@@ -3,8 +3,10 @@
 
 use std::path::PathBuf;
 
+use rcs_camera::LensProblem;
+
 use crate::picture_file::PictureFileError;
-use crate::projector::{LensProblem, ProjectorFileError};
+use crate::projector::ProjectorFileError;
 use crate::yaml_text::brief;
 
 /// Why a capture folder or a list of patterns cannot be read or written.

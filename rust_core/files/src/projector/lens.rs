@@ -3,48 +3,33 @@
 //! The lens is that of the raw picture: K and D. P and R belong to the rectified one; a file written here has none to
 //! tell, so its P is K and its R the identity.
 
-use nalgebra::{Isometry3, Point2, UnitQuaternion, Vector2};
-use rcs_calibration::{Distortion, Lens};
+use nalgebra::{Isometry3, UnitQuaternion};
+use rcs_calibration::Lens;
+use rcs_camera::{CameraInfoFields, LensProblem};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
 
 use super::{p_from_k, ProjectorFile, StaticFrame};
 
-/// Why a CameraInfo describes no lens that can be used.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{key}: {reason}")]
-pub struct LensProblem {
-    /// The key of the file that is wrong.
-    pub key: &'static str,
-    /// What is wrong with it.
-    pub reason: String,
+/// The fields of a CameraInfo that say how it projects.
+pub fn fields_of(info: &CameraInfo) -> CameraInfoFields<'_> {
+    CameraInfoFields {
+        width_px: info.width,
+        height_px: info.height,
+        distortion_model: &info.distortion_model,
+        d: &info.D,
+        k: &info.K,
+        r: &info.R,
+        p: &info.P,
+    }
 }
 
 /// The lens that K and D of a CameraInfo describe.
 ///
 /// # Errors
-/// [`LensProblem`]: focal lengths that are not positive, a skew, a last row of K that is not 0 0 1, a distortion that
-/// no lens model has.
+/// Those of [`rcs_camera::lens_of`].
 pub fn lens_of(info: &CameraInfo) -> Result<Lens, LensProblem> {
-    let CameraInfo { width, height, distortion_model, D, K, .. } = info;
-    let [fx, skew, cx, below_fx, fy, cy, last_row @ ..] = *K;
-    let wrong = |key, reason| Err(LensProblem { key, reason });
-    if K.iter().any(|value| !value.is_finite()) {
-        return wrong("K", "not all are finite numbers".to_owned());
-    }
-    if fx <= 0.0 || fy <= 0.0 {
-        return wrong("K", format!("the focal lengths (fx {fx}, fy {fy}) are not positive"));
-    }
-    if skew != 0.0 || below_fx != 0.0 {
-        return wrong("K", format!("a skew ({skew}, {below_fx}) is not known to the lens model"));
-    }
-    if last_row != [0.0, 0.0, 1.0] {
-        return wrong("K", format!("its last row is {last_row:?} where [0, 0, 1] is needed"));
-    }
-    let distortion = Distortion::from_message(distortion_model, D)
-        .map_err(|problem| LensProblem { key: problem.key(), reason: problem.to_string() })?;
-    let (focal_px, center_px) = (Vector2::new(fx, fy), Point2::new(cx, cy));
-    Ok(Lens { size_px: [*width, *height], focal_px, center_px, distortion })
+    rcs_camera::lens_of(&fields_of(info))
 }
 
 impl ProjectorFile {
@@ -96,7 +81,7 @@ mod tests {
 
     use nalgebra::{Translation3, Vector3};
     use proptest::prelude::*;
-    use rcs_calibration::DistortionModel;
+    use rcs_calibration::{Distortion, DistortionModel};
 
     use super::*;
 

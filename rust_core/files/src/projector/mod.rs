@@ -50,7 +50,7 @@ use crate::yaml_text::brief;
 use checked_numbers::{Matrix, Numbers, Size, Whole};
 pub use frames::StaticFrame;
 use frames::{check_placed_once, FrameEntry};
-pub use lens::{lens_of, LensProblem};
+pub use lens::{fields_of, lens_of};
 use rcs_calibration::Distortion;
 pub use rcs_calibration::{DistortionModel, DistortionProblem};
 

@@ -43,6 +43,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use fearless_simd::Level;
+use rcs_camera::{see_depth_through, see_through};
 use rcs_scene::{DepthPicture, DisplayId, Encoding, Picture, MAX_SIDE_PX};
 
 use self::band::{pack, Band, BandBuffers};
@@ -55,7 +56,7 @@ use self::points::PointScratch;
 use self::ranked::{Load, RankedScratch};
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
-use crate::{lens, RenderError, Renderer, View};
+use crate::{RenderError, Renderer, View};
 
 /// From how many opaque solids on those that others hide are looked for.
 const SOLIDS_OF_CROWD: usize = 1024;
@@ -208,9 +209,9 @@ impl CpuRenderer {
         let straight = View { encoding: Encoding::Rgba8, ..*view };
         let result = self.draw_straight(&straight, &mut drawn, depth.is_some().then_some(&mut drawn_depth));
         if result.is_ok() {
-            lens::see_through(map, &drawn, view.background, view.encoding, picture);
+            see_through(map, &drawn, view.background, view.encoding, picture);
             if let Some(depth) = depth {
-                lens::see_depth_through(map, &drawn_depth, depth);
+                see_depth_through(map, &drawn_depth, depth);
             }
         }
         (self.before_lens, self.depth_before_lens) = (drawn, drawn_depth);

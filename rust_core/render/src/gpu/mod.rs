@@ -46,6 +46,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use nalgebra::Matrix4;
+use rcs_camera::see_through;
 use rcs_scene::{Camera, DepthPicture, DrawOrder, Encoding, Geometry, Ordered, Picture, PixelMap};
 
 use self::cells::{CellPipelines, CellsDraw};
@@ -59,7 +60,7 @@ use self::text::{TextDraw, TextPipelines};
 use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
 use crate::shading::to_light;
-use crate::{lens, CpuRenderer, RenderError, Renderer, View};
+use crate::{CpuRenderer, RenderError, Renderer, View};
 
 /// Draws with wgpu.
 #[derive(Debug)]
@@ -258,7 +259,7 @@ impl Gpu {
         if let Some(LensView { map, background }) = lens {
             self.before_lens.reset(width_px, height_px, Encoding::Rgba8);
             target.readback().read(&self.device, arrival, &mut self.before_lens)?;
-            lens::see_through(&map, &self.before_lens, background, encoding, picture);
+            see_through(&map, &self.before_lens, background, encoding, picture);
         } else {
             picture.reset(width_px, height_px, encoding);
             target.readback().read(&self.device, arrival, picture)?;

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use rcs_camera::{CameraModel, Schedule};
 use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -30,9 +31,7 @@ use super::latency::Update;
 use super::pacing::Pacing;
 use super::reconfigurable::Switch;
 use super::runtime_settings::RuntimeSettings;
-use super::schedule::Schedule;
 use crate::camera_stream::black_picture::black_picture;
-use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::depth_image::{DepthEncoding, DepthImage};
 use crate::camera_stream::oriented_info::TurnedInfo;
 use crate::camera_stream::outputs::{Frame, Output, Outputs, TopicOutput};
@@ -111,7 +110,7 @@ impl CameraOutput {
             view: Arc::new(plan.view()),
             settings: RuntimeSettings::start(ros, &plan.id, &plan.settings, switches),
             global_frame_rate_hz: 0,
-            schedule: Schedule::new(),
+            schedule: Schedule::default(),
             connections: CameraConnections::default(),
             has_new_settings: false,
             last: None,

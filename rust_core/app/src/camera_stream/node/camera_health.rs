@@ -3,13 +3,14 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use rcs_camera::{is_distorted, rviz_differs, CameraModel, Projection};
 use rcs_displays::{CameraView, Level};
+use rcs_files::projector::fields_of;
 use rcs_messages::sensor_msgs::CameraInfo;
 
 use super::camera::CameraConnections;
 use super::latency::Latency;
-use crate::camera_stream::camera_pose::{rviz_differs, CameraModel, CameraProblem, Projection};
-use crate::camera_stream::projector_lens::is_distorted;
+use crate::camera_stream::camera_pose::CameraProblem;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::logging::one_line;
@@ -123,8 +124,9 @@ impl CameraHealth {
 
     /// Warns once if rviz's projection is not the one that the CameraInfo asks for.
     pub(super) fn warn_about_projection(&mut self, view: &CameraView, info: &CameraInfo, model: CameraModel) {
-        let is_exact = model.projection == Projection::Exact || (model.undistort && is_distorted(info));
-        if !is_exact && rviz_differs(info) && !self.has_warned_about_projection {
+        let info = fields_of(info);
+        let is_exact = model.projection == Projection::Exact || (model.undistort && is_distorted(&info));
+        if !is_exact && rviz_differs(&info) && !self.has_warned_about_projection {
             self.has_warned_about_projection = true;
             log::warn!(
                 "camera {}: P on [{}] has fx ≠ fy or P[7] ≠ 0, which rviz's CameraPub does not project exactly; \

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{anyhow, Context, Result};
+use rcs_camera::NoLens;
 use rcs_displays::{time_from_stamp, ShownMessage};
 use rcs_files::blend_file::BlendFile;
 use rcs_messages::{AnyMessage, MessageKind};
@@ -23,7 +24,6 @@ use crate::camera_stream::cli::NodeArgs;
 use crate::camera_stream::light_arguments::{of_camera, ForCamera, Gamma, KeepOutFrame};
 use crate::camera_stream::mask_image::{light_mask, painted_mask};
 use crate::camera_stream::private_parameters::{blend_gamma, switch, texts};
-use crate::camera_stream::projector_lens::NoLens;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::subscriptions::Source;
 

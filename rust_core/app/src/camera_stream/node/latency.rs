@@ -12,15 +12,12 @@
 
 use std::time::{Duration, Instant};
 
+use rcs_camera::{figure, RollingWindow, StepTimes, PICTURES};
 use rcs_displays::ShownMessage;
 use rcs_scene::{DisplayId, DisplayMask};
 use rcs_transforms::Time;
 
-use crate::camera_stream::rolling_window::RollingWindow;
-use crate::camera_stream::status_tree::{age_ms, figure};
-
-/// How many pictures the figures cover.
-const PICTURES: usize = 100;
+use crate::camera_stream::status_tree::age_ms;
 
 /// When something that the next picture shows was received, and when it was part of the scene.
 #[derive(Clone, Copy, Debug)]
@@ -36,37 +33,18 @@ pub(super) struct Latency {
     messages: Vec<(DisplayId, Arrival, Time)>,
     /// The last transforms since the last picture.
     transforms: Option<Arrival>,
-    figures: Figures,
+    /// From received to decoded, to drawn, to published.
+    stages: StepTimes<3>,
+    age_ms: RollingWindow<PICTURES>,
     /// From looking up frames to publishing, of predicted pictures; milliseconds of ROS time.
     way_ms: RollingWindow<PICTURES>,
 }
 
-/// In milliseconds.
-#[derive(Debug)]
-struct Figures {
-    received_to_decoded_ms: RollingWindow<PICTURES>,
-    decoded_to_drawn_ms: RollingWindow<PICTURES>,
-    drawn_to_published_ms: RollingWindow<PICTURES>,
-    received_to_published_ms: RollingWindow<PICTURES>,
-    age_ms: RollingWindow<PICTURES>,
-}
-
 impl Default for Latency {
     fn default() -> Self {
-        Self { messages: Vec::new(), transforms: None, figures: Figures::default(), way_ms: RollingWindow::new() }
-    }
-}
-
-impl Default for Figures {
-    fn default() -> Self {
         let none = RollingWindow::new;
-        Self {
-            received_to_decoded_ms: none(),
-            decoded_to_drawn_ms: none(),
-            drawn_to_published_ms: none(),
-            received_to_published_ms: none(),
-            age_ms: none(),
-        }
+        let stages = StepTimes::default();
+        Self { messages: Vec::new(), transforms: None, stages, age_ms: none(), way_ms: none() }
     }
 }
 
@@ -120,28 +98,25 @@ impl Latency {
         let oldest = self.messages.iter().filter_map(|(.., data)| age_ms(*data, stamp)).max_by(f64::total_cmp);
         self.forget();
         let Some(Arrival { received, decoded }) = first else { return };
-        let ms = |from: Instant, to: Instant| to.saturating_duration_since(from).as_secs_f64() * 1e3;
-        let figures = &mut self.figures;
-        figures.received_to_decoded_ms.push(ms(received, decoded));
-        figures.decoded_to_drawn_ms.push(ms(decoded, drawn));
-        figures.drawn_to_published_ms.push(ms(drawn, published));
-        figures.received_to_published_ms.push(ms(received, published));
+        let stages = [(received, decoded), (decoded, drawn), (drawn, published)];
+        let time = |(from, to): (Instant, Instant)| to.saturating_duration_since(from);
+        self.stages.push(stages.map(time), time((received, published)));
         if let Some(age_ms) = oldest {
-            figures.age_ms.push(age_ms);
+            self.age_ms.push(age_ms);
         }
     }
 
     /// The figures with their names.
     pub(super) fn values(&self) -> [(&'static str, String); 6] {
-        let figures = &self.figures;
         let text = |window: &RollingWindow<PICTURES>| figure(window.percentiles());
+        let [to_decoded, to_drawn, to_published] = self.stages.steps_ms();
         [
-            ("frames measured", figures.received_to_published_ms.len().to_string()),
-            ("received to decoded ms (median / p95)", text(&figures.received_to_decoded_ms)),
-            ("decoded to drawn ms (median / p95)", text(&figures.decoded_to_drawn_ms)),
-            ("drawn to published ms (median / p95)", text(&figures.drawn_to_published_ms)),
-            ("received to published ms (median / p95)", text(&figures.received_to_published_ms)),
-            ("age of the data shown ms (median / p95)", text(&figures.age_ms)),
+            ("frames measured", self.stages.pictures().to_string()),
+            ("received to decoded ms (median / p95)", text(to_decoded)),
+            ("decoded to drawn ms (median / p95)", text(to_drawn)),
+            ("drawn to published ms (median / p95)", text(to_published)),
+            ("received to published ms (median / p95)", text(self.stages.whole_ms())),
+            ("age of the data shown ms (median / p95)", text(&self.age_ms)),
         ]
     }
 }

@@ -27,11 +27,9 @@ mod last_steps;
 mod latency;
 mod oriented_frames;
 mod pacing;
-mod rate_limit;
 mod reconfigurable;
 mod runtime_settings;
 mod scene_loop;
-mod schedule;
 mod shared;
 mod windows;
 

@@ -5,9 +5,8 @@
 
 use std::time::{Duration, Instant};
 
+use rcs_camera::RollingWindow;
 use rcs_window::Refresh;
-
-use crate::camera_stream::rolling_window::RollingWindow;
 
 /// How many pictures the time that one takes is known from.
 const PICTURES: usize = 30;
@@ -56,7 +55,8 @@ impl Pacing {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rate_limit::RateLimit;
+    use rcs_camera::RateLimit;
+
     use super::*;
 
     const REFRESH: Duration = Duration::from_micros(16_733);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use rcs_camera::{CameraModel, Projection};
 use rcs_displays::{time_from_stamp, Reconfigured};
 use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice, View};
 use rcs_resources::{MeshStore, PackageIndex};
@@ -26,7 +27,6 @@ use super::latency::Update;
 use super::oriented_frames::OrientedFrames;
 use super::shared::{Reload, Shared};
 use super::windows::Windows;
-use crate::camera_stream::camera_pose::{CameraModel, Projection};
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::depth_image::DepthEncoding;
 use crate::camera_stream::prediction::PredictionSettings;

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use anyhow::{bail, Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use rcs_bag::Bag;
+use rcs_camera::CameraModel;
 use rcs_displays::{time_from_stamp, CameraView};
 use rcs_render::{LastStep, Renderer};
 use rcs_resources::PackageIndex;
@@ -21,7 +22,6 @@ use rcs_scene::Picture;
 use rcs_transforms::Time;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
 use crate::camera_stream::stage::{renderer_view, Stage};
 

@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use rcs_bag::{full_name, Bag, BagMessage, Connection};
+use rcs_camera::CameraModel;
 use rcs_displays::{time_from_stamp, CameraView};
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_transforms::Time;
 
 use super::projector::Projector;
-use crate::camera_stream::camera_pose::CameraModel;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_log::StatusLog;
 

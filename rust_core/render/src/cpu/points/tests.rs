@@ -9,8 +9,8 @@ use rcs_scene::{
     Points, RenderGroup, Scene,
 };
 
-use crate::simd_levels::levels;
 use crate::{CpuRenderer, Renderer, View};
+use rcs_camera::simd_levels::levels;
 
 /// Scattered points of many sizes on the picture; some are behind the eye, at the near plane or off the picture.
 fn scattered() -> PointBuffer {

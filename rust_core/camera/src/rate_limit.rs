@@ -17,7 +17,7 @@ const NEWEST_WEIGHT: f64 = 0.2;
 
 /// Limits the rate of pictures.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RateLimit {
+pub struct RateLimit {
     period: Duration,
     /// At `counted_at`.
     tokens: f64,
@@ -31,7 +31,7 @@ pub(super) struct RateLimit {
 
 impl RateLimit {
     /// One picture in each period in the long run.
-    pub(super) fn new(period: Duration) -> Self {
+    pub fn new(period: Duration) -> Self {
         Self { period, tokens: MOST_TOKENS, counted_at: None, is_waiting: false, last_change: None, mean_interval: 1.0 }
     }
 
@@ -58,7 +58,7 @@ impl RateLimit {
     }
 
     /// Records that there is a change, or another one.
-    pub(super) fn note_change(&mut self, now: Instant) {
+    pub fn note_change(&mut self, now: Instant) {
         if let Some(last) = self.last_change.replace(now) {
             // After a pause nothing is known of how they come.
             let interval = self.periods(now.saturating_duration_since(last)).min(1.0);
@@ -68,7 +68,7 @@ impl RateLimit {
     }
 
     /// Whether the change that was noted last may be drawn now. If not, it waits, see [`Self::until_free`].
-    pub(super) fn allows(&mut self, now: Instant) -> bool {
+    pub fn allows(&mut self, now: Instant) -> bool {
         let wanted = if self.is_waiting { self.wanted_tokens() } else { 1.0 };
         let is_allowed = self.tokens_at(now) >= wanted;
         self.is_waiting = !is_allowed;
@@ -76,14 +76,14 @@ impl RateLimit {
     }
 
     /// How long the change that waits still has to; `None` if none waits.
-    pub(super) fn until_free(&self, now: Instant) -> Option<Duration> {
+    pub fn until_free(&self, now: Instant) -> Option<Duration> {
         let missing = (self.wanted_tokens() - self.tokens_at(now)).max(0.0);
         // Rounded up, so that it is free then.
         self.is_waiting.then(|| self.period.mul_f64(missing) + Duration::from_micros(1))
     }
 
     /// Records that a picture was begun.
-    pub(super) fn take(&mut self, now: Instant) {
+    pub fn take(&mut self, now: Instant) {
         self.tokens = (self.tokens_at(now) - 1.0).max(0.0);
         self.counted_at = Some(now);
         self.is_waiting = false;

@@ -6,35 +6,57 @@
 
 use nalgebra::Point2;
 use rcs_calibration::Distortion;
-use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_scene::Intrinsics;
 
-use super::camera_pose::{CameraModel, Projection};
-use super::projector_lens::{is_distorted, NoLens};
+use crate::{is_distorted, CameraInfoFields, CameraModel, NoLens, Projection};
+
+/// What whoever draws says about its settings that mend a deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Advice {
+    /// How to draw what P says; empty where there is no such setting.
+    pub exact: &'static str,
+    /// How to allow for the lens.
+    pub undistort: &'static str,
+}
 
 /// One phrase for each deviation, with its size; `no_lens` is why the lens could not be allowed for, if that was tried.
-pub(crate) fn deviations(info: &CameraInfo, model: CameraModel, no_lens: Option<NoLens>) -> Vec<String> {
-    let Ok(intrinsics) = Intrinsics::from_p(info.width, info.height, &info.P) else { return Vec::new() };
+pub fn deviations(
+    info: &CameraInfoFields<'_>,
+    model: CameraModel,
+    no_lens: Option<NoLens>,
+    advice: Advice,
+) -> Vec<String> {
+    let Ok(intrinsics) = Intrinsics::from_p(info.width_px, info.height_px, info.p) else { return Vec::new() };
     let mut phrases = Vec::new();
     let is_through_lens = model.undistort && is_distorted(info) && no_lens.is_none();
     if model.projection == Projection::Rviz && !is_through_lens && !intrinsics.rviz_is_exact() {
-        phrases.extend(focal_lengths(&intrinsics));
+        phrases.extend(focal_lengths(&intrinsics, advice));
         if intrinsics.ty != 0.0 {
             phrases.push(format!(
                 "P[7] is {}, and rviz moves the camera to the other side: what is 1 m away is {:.1} px too high or too \
-                 low; --projection exact follows P",
+                 low{}",
                 intrinsics.ty,
-                2.0 * intrinsics.ty.abs()
+                2.0 * intrinsics.ty.abs(),
+                after_semicolon(advice.exact)
             ));
         }
     }
     if !is_through_lens {
-        phrases.extend(distortion(info, &intrinsics, no_lens));
+        phrases.extend(distortion(info, &intrinsics, no_lens, advice));
     }
     phrases
 }
 
-fn focal_lengths(intrinsics: &Intrinsics) -> Option<String> {
+/// The advice after what it is about; nothing where there is none.
+fn after_semicolon(advice: &str) -> String {
+    if advice.is_empty() {
+        String::new()
+    } else {
+        format!("; {advice}")
+    }
+}
+
+fn focal_lengths(intrinsics: &Intrinsics, advice: Advice) -> Option<String> {
     let Intrinsics { fx_px, fy_px, width_px, height_px, .. } = *intrinsics;
     let zoom = (fx_px / fy_px).min(fy_px / fx_px);
     if (1.0 - zoom).abs() < 1e-6 {
@@ -45,16 +67,22 @@ fn focal_lengths(intrinsics: &Intrinsics) -> Option<String> {
     let edge_px = (1.0 - zoom) * f64::from(side_px) / 2.0;
     Some(format!(
         "fx {fx_px} and fy {fy_px} differ by {percent:.2} %, and rviz draws with the shorter: in {axis}, the picture is \
-         {percent:.2} % too small, {edge_px:.1} px at its edges; --projection exact follows P"
+         {percent:.2} % too small, {edge_px:.1} px at its edges{}",
+        after_semicolon(advice.exact)
     ))
 }
 
 /// Lens distortion, which is not in the picture.
-fn distortion(info: &CameraInfo, intrinsics: &Intrinsics, no_lens: Option<NoLens>) -> Option<String> {
+fn distortion(
+    info: &CameraInfoFields<'_>,
+    intrinsics: &Intrinsics,
+    no_lens: Option<NoLens>,
+    advice: Advice,
+) -> Option<String> {
     if !is_distorted(info) {
         return None;
     }
-    let model = &info.distortion_model;
+    let model = info.distortion_model;
     if let Some(problem) = no_lens {
         return Some(format!("D is not zero ({model}), and the picture is drawn without distortion: {problem}"));
     }
@@ -66,15 +94,16 @@ fn distortion(info: &CameraInfo, intrinsics: &Intrinsics, no_lens: Option<NoLens
     let percent = 100.0 * moved_px / f64::from(intrinsics.width_px);
     Some(format!(
         "D is not zero ({model}), and the picture is drawn without distortion: that lens moves pixels by up to \
-         {moved_px:.1} px, {percent:.2} % of the width; --undistort allows for it"
+         {moved_px:.1} px, {percent:.2} % of the width{}",
+        after_semicolon(advice.undistort)
     ))
 }
 
 /// The farthest that the distortion moves one of the picture's corners, middles of its edges, or centre. `None` where
 /// the model is not known, or moves a point to nowhere.
-fn largest_shift_px(info: &CameraInfo, intrinsics: &Intrinsics) -> Option<f64> {
+fn largest_shift_px(info: &CameraInfoFields<'_>, intrinsics: &Intrinsics) -> Option<f64> {
     let Intrinsics { width_px, height_px, fx_px, fy_px, cx_px, cy_px, .. } = *intrinsics;
-    let distortion = Distortion::from_message(&info.distortion_model, &info.D).ok()?;
+    let distortion = Distortion::from_message(info.distortion_model, info.d).ok()?;
     let mut largest_px = 0.0_f64;
     for column in [0.0, 0.5, 1.0] {
         for row in [0.0, 0.5, 1.0] {
@@ -91,34 +120,29 @@ fn largest_shift_px(info: &CameraInfo, intrinsics: &Intrinsics) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn info(fx: f64, fy: f64, ty: f64, model: &str, d: &[f64]) -> CameraInfo {
-        CameraInfo {
-            width: 1000,
-            height: 800,
-            distortion_model: model.to_owned(),
-            D: d.to_vec(),
-            P: [fx, 0.0, 500.0, 0.0, 0.0, fy, 400.0, ty, 0.0, 0.0, 1.0, 0.0],
-            ..CameraInfo::default()
-        }
+    const ADVICE: Advice = Advice { exact: "follow P", undistort: "bend it" };
+
+    /// The deviations of a camera with these focal lengths, P[7] and distortion.
+    fn found(fx: f64, fy: f64, ty: f64, (model, d): (&str, &[f64]), projection: Projection) -> Vec<String> {
+        let (none, p) = ([0.0; 9], [fx, 0.0, 500.0, 0.0, 0.0, fy, 400.0, ty, 0.0, 0.0, 1.0, 0.0]);
+        let info =
+            CameraInfoFields { width_px: 1000, height_px: 800, distortion_model: model, d, k: &none, r: &none, p: &p };
+        deviations(&info, projection.into(), None, ADVICE)
     }
 
     #[test]
     fn an_ideal_projector_has_no_deviation() {
         for projection in [Projection::Rviz, Projection::Exact] {
-            assert_eq!(
-                deviations(&info(1000.0, 1000.0, 0.0, "plumb_bob", &[0.0; 5]), projection.into(), None),
-                [""; 0]
-            );
-            assert_eq!(deviations(&info(1000.0, 1000.0, 0.0, "", &[]), projection.into(), None), [""; 0]);
+            assert_eq!(found(1000.0, 1000.0, 0.0, ("plumb_bob", &[0.0; 5]), projection), [""; 0]);
+            assert_eq!(found(1000.0, 1000.0, 0.0, ("", &[]), projection), [""; 0]);
         }
     }
 
     #[test]
     fn focal_lengths_and_offsets_matter_only_to_rvizs_projection() {
         let one = |fx, fy, ty| {
-            let info = info(fx, fy, ty, "", &[]);
-            assert_eq!(deviations(&info, Projection::Exact.into(), None), [""; 0]);
-            let found = deviations(&info, Projection::Rviz.into(), None);
+            assert_eq!(found(fx, fy, ty, ("", &[]), Projection::Exact), [""; 0]);
+            let found = found(fx, fy, ty, ("", &[]), Projection::Rviz);
             assert_eq!(found.len(), 1, "{found:?}");
             found[0].clone()
         };
@@ -126,13 +150,13 @@ mod tests {
         assert!(tall.contains("differ by 5.00 %") && tall.contains("in height") && tall.contains("20.0 px"), "{tall}");
         let wide = one(1000.0, 990.0, 0.0);
         assert!(wide.contains("in width, the picture is 1.00 % too small, 5.0 px"), "{wide}");
-        assert!(one(1000.0, 1000.0, -3.5).contains("7.0 px too high or too low"));
+        assert!(one(1000.0, 1000.0, -3.5).contains("7.0 px too high or too low; follow P"));
     }
 
     #[test]
     fn distortion_is_measured_where_it_is_largest() {
         let phrase = |model: &str, d: &[f64]| {
-            let found = deviations(&info(1000.0, 1000.0, 0.0, model, d), Projection::Exact.into(), None);
+            let found = found(1000.0, 1000.0, 0.0, (model, d), Projection::Exact);
             assert_eq!(found.len(), 1, "{found:?}");
             found[0].clone()
         };

@@ -3,7 +3,7 @@
 use fearless_simd::Level;
 
 /// The best one and, on x86-64, the older ones.
-pub(crate) fn levels() -> Vec<Level> {
+pub fn levels() -> Vec<Level> {
     let best = Level::new();
     #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut, reason = "there is only one"))]
     let mut levels = vec![best];

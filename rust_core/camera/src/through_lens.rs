@@ -9,21 +9,22 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Point2};
 use rcs_calibration::Lens;
-use rcs_files::projector::{lens_of, LensProblem};
-use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_scene::{Intrinsics, PixelMap};
+
+use crate::{lens_of, CameraInfoFields, LensProblem};
 
 /// What a picture is drawn with when its lens is to be allowed for.
 #[derive(Clone, Debug)]
-pub(crate) struct DrawnThroughLens {
+pub struct DrawnThroughLens {
     /// Draws the source of the map.
-    pub(crate) intrinsics: Intrinsics,
-    pub(crate) map: Arc<PixelMap>,
+    pub intrinsics: Intrinsics,
+    /// From what was drawn to the picture.
+    pub map: Arc<PixelMap>,
 }
 
 /// Why the lens of a CameraInfo cannot be allowed for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(crate) enum NoLens {
+pub enum NoLens {
     /// K or D are not those of a lens.
     #[error("{0}")]
     Unknown(#[from] LensProblem),
@@ -36,15 +37,15 @@ pub(crate) enum NoLens {
 }
 
 /// Whether a CameraInfo has distortion.
-pub(crate) fn is_distorted(info: &CameraInfo) -> bool {
-    info.D.iter().any(|coefficient| *coefficient != 0.0)
+pub fn is_distorted(info: &CameraInfoFields<'_>) -> bool {
+    info.d.iter().any(|coefficient| *coefficient != 0.0)
 }
 
 /// The drawing for a CameraInfo's lens, by the intrinsics of its P.
 ///
 /// # Errors
 /// See [`NoLens`].
-fn drawn_through_lens(info: &CameraInfo, p: &Intrinsics) -> Result<DrawnThroughLens, NoLens> {
+fn drawn_through_lens(info: &CameraInfoFields<'_>, p: &Intrinsics) -> Result<DrawnThroughLens, NoLens> {
     let lens = lens_of(info)?;
     let rectified_from_raw = rectification(info)?;
     let map = PixelMap::new(lens.size_px, |pixel| rectified_pixel(&lens, &rectified_from_raw, p, pixel));
@@ -59,12 +60,12 @@ fn drawn_through_lens(info: &CameraInfo, p: &Intrinsics) -> Result<DrawnThroughL
 ///
 /// # Errors
 /// [`NoLens::NoRotation`].
-pub(crate) fn rectification(info: &CameraInfo) -> Result<Matrix3<f64>, NoLens> {
+pub fn rectification(info: &CameraInfoFields<'_>) -> Result<Matrix3<f64>, NoLens> {
     const TOLERANCE: f64 = 1e-3;
-    if info.R.iter().all(|number| *number == 0.0) {
+    if info.r.iter().all(|number| *number == 0.0) {
         return Ok(Matrix3::identity());
     }
-    let rotation = Matrix3::from_row_slice(&info.R);
+    let rotation = Matrix3::from_row_slice(info.r);
     let is_rotation = (rotation * rotation.transpose() - Matrix3::identity()).norm() < TOLERANCE;
     if is_rotation && rotation.determinant() > 0.0 {
         Ok(rotation)
@@ -85,13 +86,42 @@ fn rectified_pixel(
         .then(|| [p.fx_px * direction.x / direction.z + p.cx_px, p.fy_px * direction.y / direction.z + p.cy_px])
 }
 
-/// A lens, or why there is none, and the CameraInfo that it was made of.
-type KnownLens = (CameraInfo, Result<DrawnThroughLens, NoLens>);
+/// A lens, or why there is none, and the fields that it was made of.
+#[derive(Debug)]
+struct KnownLens {
+    size_px: [u32; 2],
+    distortion_model: String,
+    d: Vec<f64>,
+    k: [f64; 9],
+    r: [f64; 9],
+    p: [f64; 12],
+    lens: Result<DrawnThroughLens, NoLens>,
+}
+
+impl KnownLens {
+    fn new(info: &CameraInfoFields<'_>, p: &Intrinsics) -> Self {
+        let CameraInfoFields { width_px, height_px, distortion_model, d, .. } = *info;
+        Self {
+            size_px: [width_px, height_px],
+            distortion_model: distortion_model.to_owned(),
+            d: d.to_vec(),
+            k: *info.k,
+            r: *info.r,
+            p: *info.p,
+            lens: drawn_through_lens(info, p),
+        }
+    }
+
+    fn is_of(&self, info: &CameraInfoFields<'_>) -> bool {
+        let Self { size_px: [width_px, height_px], distortion_model, d, k, r, p, .. } = self;
+        *info == CameraInfoFields { width_px: *width_px, height_px: *height_px, distortion_model, d, k, r, p }
+    }
+}
 
 /// The lenses of the CameraInfos that were received last, by topic. A lens takes some hundredths of a second, so that
 /// it is made again only when its CameraInfo changes.
 #[derive(Debug, Default)]
-pub(crate) struct Lenses {
+pub struct Lenses {
     known: RefCell<HashMap<String, KnownLens>>,
 }
 
@@ -100,28 +130,24 @@ impl Lenses {
     ///
     /// # Errors
     /// See [`NoLens`].
-    pub(crate) fn of(&self, topic: &str, info: &CameraInfo, p: &Intrinsics) -> Result<DrawnThroughLens, NoLens> {
+    pub fn of(&self, topic: &str, info: &CameraInfoFields<'_>, p: &Intrinsics) -> Result<DrawnThroughLens, NoLens> {
         let mut known = self.known.borrow_mut();
-        if let Some((_, lens)) = known.get(topic).filter(|(known, _)| is_same_lens(known, info)) {
-            return lens.clone();
+        if let Some(known) = known.get(topic).filter(|known| known.is_of(info)) {
+            return known.lens.clone();
         }
-        let lens = drawn_through_lens(info, p);
-        known.insert(topic.to_owned(), (info.clone(), lens.clone()));
+        let new = KnownLens::new(info, p);
+        let lens = new.lens.clone();
+        known.insert(topic.to_owned(), new);
         lens
     }
 
     /// What is wrong with a topic's lens, if it was asked for.
-    pub(crate) fn problem(&self, topic: &str) -> Option<NoLens> {
-        self.known.borrow().get(topic).and_then(|(_, lens)| lens.as_ref().err().cloned())
+    pub fn problem(&self, topic: &str) -> Option<NoLens> {
+        self.known.borrow().get(topic).and_then(|known| known.lens.as_ref().err().cloned())
     }
 
     /// Forgets the lenses of other topics than these.
-    pub(crate) fn keep(&self, is_kept: impl Fn(&str) -> bool) {
+    pub fn keep(&self, is_kept: impl Fn(&str) -> bool) {
         self.known.borrow_mut().retain(|topic, _| is_kept(topic));
     }
-}
-
-fn is_same_lens(a: &CameraInfo, b: &CameraInfo) -> bool {
-    (a.width, a.height, &a.distortion_model, &a.D, a.K, a.R, a.P)
-        == (b.width, b.height, &b.distortion_model, &b.D, b.K, b.R, b.P)
 }

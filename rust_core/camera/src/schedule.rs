@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::rate_limit::RateLimit;
+use crate::RateLimit;
 
 /// When a camera's last picture was begun, and whether it differed from the one before.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,7 +13,7 @@ struct LastBegun {
 
 /// Decides when a camera's pictures are due: by its frame rate, or because its trigger service was called.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Schedule {
+pub struct Schedule {
     pace: Pace,
     triggered: bool,
     last: Option<LastBegun>,
@@ -21,14 +21,16 @@ pub(super) struct Schedule {
     limit: RateLimit,
 }
 
-impl Schedule {
+impl Default for Schedule {
     /// Only when triggered, until a frame rate is set.
-    pub(super) fn new() -> Self {
+    fn default() -> Self {
         Self { pace: Pace::OnTrigger, triggered: false, last: None, limit: RateLimit::new(Duration::ZERO) }
     }
+}
 
+impl Schedule {
     /// From a display's "Frame Rate" and the config's global one, both in pictures a second.
-    pub(super) fn set_frame_rate(&mut self, frame_rate_hz: f32, global_frame_rate_hz: i32) {
+    pub fn set_frame_rate(&mut self, frame_rate_hz: f32, global_frame_rate_hz: i32) {
         let pace = Pace::new(frame_rate_hz, global_frame_rate_hz);
         if let Pace::OnChange { repeat } = pace {
             if pace != self.pace {
@@ -39,32 +41,32 @@ impl Schedule {
     }
 
     /// Whether pictures are published only when triggered.
-    pub(super) fn is_on_trigger(&self) -> bool {
+    pub fn is_on_trigger(&self) -> bool {
         self.pace == Pace::OnTrigger
     }
 
     /// Whether a picture is due by each change.
-    pub(super) fn follows_changes(&self) -> bool {
+    pub fn follows_changes(&self) -> bool {
         matches!(self.pace, Pace::OnChange { .. })
     }
 
     /// A picture is due now, whatever the frame rate.
-    pub(super) fn trigger(&mut self) {
+    pub fn trigger(&mut self) {
         self.triggered = true;
     }
 
     /// The trigger was served, or there is nobody to serve.
-    pub(super) fn clear_trigger(&mut self) {
+    pub fn clear_trigger(&mut self) {
         self.triggered = false;
     }
 
     /// Records that the next picture would differ from the last one, or in another way than before.
-    pub(super) fn note_change(&mut self, now: Instant) {
+    pub fn note_change(&mut self, now: Instant) {
         self.limit.note_change(now);
     }
 
     /// Whether a picture is due; `changed`: it would differ from the last one.
-    pub(super) fn is_due(&mut self, now: Instant, changed: bool) -> bool {
+    pub fn is_due(&mut self, now: Instant, changed: bool) -> bool {
         if self.triggered {
             return true;
         }
@@ -75,13 +77,13 @@ impl Schedule {
     }
 
     /// Whether the last picture is due again, or the next one at a fixed rate.
-    pub(super) fn is_repetition_due(&self, now: Instant) -> bool {
+    pub fn is_repetition_due(&self, now: Instant) -> bool {
         self.pace.until_due(self.last, now) == Some(Duration::ZERO)
     }
 
     /// How long until a picture is due by itself: that of a change that waits, or a repetition. `None` when it never
     /// is.
-    pub(super) fn until_due(&self, now: Instant) -> Option<Duration> {
+    pub fn until_due(&self, now: Instant) -> Option<Duration> {
         let by_itself = self.pace.until_due(self.last, now)?;
         let change = matches!(self.pace, Pace::OnChange { .. }).then(|| self.limit.until_free(now)).flatten();
         Some(change.map_or(by_itself, |change| change.min(by_itself)))
@@ -89,7 +91,7 @@ impl Schedule {
 
     /// Records that a picture was begun. The next one is timed from here, also when drawing fails, so that it is
     /// retried at the frame rate and not at once.
-    pub(super) fn begin(&mut self, now: Instant, changed: bool) {
+    pub fn begin(&mut self, now: Instant, changed: bool) {
         self.last = Some(LastBegun { at: now, changed });
         self.limit.take(now);
     }
@@ -146,7 +148,7 @@ mod tests {
         let at = |millis| start + Duration::from_millis(millis);
         // A picture of each kind that was begun at the start.
         let begun = |frame_rate_hz: f32, global_frame_rate_hz: i32, changed: bool| {
-            let mut schedule = Schedule::new();
+            let mut schedule = Schedule::default();
             schedule.set_frame_rate(frame_rate_hz, global_frame_rate_hz);
             schedule.begin(start, changed);
             schedule
@@ -170,7 +172,7 @@ mod tests {
     #[test]
     fn changes_are_drawn_at_the_global_rate_at_most() {
         let start = Instant::now();
-        let mut schedule = Schedule::new();
+        let mut schedule = Schedule::default();
         schedule.set_frame_rate(-1.0, 20);
         let (mut now, mut drawn) = (start, 0);
         while now < start + Duration::from_secs(10) {
@@ -187,7 +189,7 @@ mod tests {
     #[test]
     fn a_trigger_makes_one_picture_due_whatever_the_frame_rate() {
         let now = Instant::now();
-        let mut schedule = Schedule::new();
+        let mut schedule = Schedule::default();
         assert!(schedule.is_on_trigger() && !schedule.is_due(now, true));
         schedule.trigger();
         assert!(schedule.is_due(now, false));

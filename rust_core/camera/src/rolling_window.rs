@@ -5,7 +5,7 @@
 
 /// The last `N` values. Adding one takes constant time and allocates nothing.
 #[derive(Clone, Debug)]
-pub(crate) struct RollingWindow<const N: usize> {
+pub struct RollingWindow<const N: usize> {
     values: [f64; N],
     len: usize,
     /// Where the next value goes.
@@ -14,21 +14,27 @@ pub(crate) struct RollingWindow<const N: usize> {
 
 /// Percentiles of a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Percentiles {
+pub struct Percentiles {
     /// Half of the values do not exceed it.
-    pub(crate) median: f64,
+    pub median: f64,
     /// 95 % of the values do not exceed it.
-    pub(crate) p95: f64,
+    pub p95: f64,
+}
+
+impl<const N: usize> Default for RollingWindow<N> {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl<const N: usize> RollingWindow<N> {
     /// No values.
-    pub(crate) const fn new() -> Self {
+    pub const fn new() -> Self {
         Self { values: [0.0; N], len: 0, next: 0 }
     }
 
     /// Adds a value; it replaces the oldest once there are `N`.
-    pub(crate) fn push(&mut self, value: f64) {
+    pub fn push(&mut self, value: f64) {
         if let Some(place) = self.values.get_mut(self.next) {
             *place = value;
             self.len = (self.len + 1).min(N);
@@ -37,12 +43,17 @@ impl<const N: usize> RollingWindow<N> {
     }
 
     /// How many values there are, `N` at most.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.len
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
     /// Median and 95th percentile; `None` without values.
-    pub(crate) fn percentiles(&self) -> Option<Percentiles> {
+    pub fn percentiles(&self) -> Option<Percentiles> {
         let mut sorted = self.values;
         let sorted = sorted.get_mut(..self.len)?;
         sorted.sort_unstable_by(f64::total_cmp);
@@ -61,6 +72,11 @@ impl std::fmt::Display for Percentiles {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:.2} / {:.2}", self.median, self.p95)
     }
+}
+
+/// A figure as text, `-` where there is none.
+pub fn figure(figure: Option<impl std::fmt::Display>) -> String {
+    figure.map_or_else(|| "-".to_owned(), |figure| figure.to_string())
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! then read as if it were that of the whole run, and each pixel takes its own.
 //!
 //! Each channel has 16 bits while it is mixed; two channels of all eight pixels are one number of the processor.
-//! Compiled for each instruction set as everything in [`crate::cpu`]: functions are `#[inline(always)]`.
+//! Compiled for each instruction set: functions are `#[inline(always)]`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x8, mask32x8, u16x16, u32x8, u8x32};

@@ -19,23 +19,23 @@ const ROWS: usize = 16;
 /// Writes the picture that a lens makes of `drawn`, an [`Encoding::Rgba8`] picture of the map's source. Colours between
 /// pixels are interpolated, so that edges and lines are where they are, not at the nearest pixel; what the lens does
 /// not show has the background's colour.
-pub(crate) fn see_through(
-    map: &PixelMap,
-    drawn: &Picture,
-    background: [u8; 3],
-    encoding: Encoding,
-    picture: &mut Picture,
-) {
+pub fn see_through(map: &PixelMap, drawn: &Picture, background: [u8; 3], encoding: Encoding, picture: &mut Picture) {
     let [width, height] = map.size_px();
     picture.reset(width, height, encoding);
-    let step = picture.step();
+    write_through(map, drawn, background, encoding, &mut picture.data);
+}
+
+/// [`see_through`] into bytes that lie elsewhere: rows from the top, without padding. What does not fit is left out.
+pub fn write_through(map: &PixelMap, drawn: &Picture, background: [u8; 3], encoding: Encoding, to: &mut [u8]) {
+    let width = map.size_px()[0] as usize;
+    let step = (width * encoding.bytes_per_pixel()).max(1);
     let [r, g, b] = background;
     let (source, level) = (Source::new(drawn), Level::new());
-    let strips = picture.data.par_chunks_mut(step * ROWS).enumerate();
+    let strips = to.par_chunks_mut(step * ROWS).enumerate();
     strips.for_each_init(Vec::new, |pixels, (strip, rows)| {
         for (row, bytes) in rows.chunks_mut(step).enumerate() {
             pixels.clear();
-            pixels.resize(width as usize, [r, g, b, 255]);
+            pixels.resize(width, [r, g, b, 255]);
             let row = (strip * ROWS + row) as u32;
             dispatch!(level, simd => source.write_row(simd, map, row, pixels));
             encoding.write_row(pixels, bytes);
@@ -45,11 +45,17 @@ pub(crate) fn see_through(
 
 /// Writes the depths that a lens makes of `drawn`: each pixel has that of the nearest one, for a depth between two is
 /// nowhere.
-pub(crate) fn see_depth_through(map: &PixelMap, drawn: &DepthPicture, depth: &mut DepthPicture) {
+pub fn see_depth_through(map: &PixelMap, drawn: &DepthPicture, depth: &mut DepthPicture) {
     let [width, height] = map.size_px();
     depth.reset(width, height);
-    let rows = depth.depths_m.par_chunks_mut((width as usize).max(1)).enumerate();
+    write_depth_through(map, drawn, &mut depth.depths_m);
+}
+
+/// [`see_depth_through`] into depths that lie elsewhere. What does not fit is left out.
+pub fn write_depth_through(map: &PixelMap, drawn: &DepthPicture, to: &mut [f32]) {
+    let rows = to.par_chunks_mut((map.size_px()[0] as usize).max(1)).enumerate();
     rows.for_each(|(row, pixels)| {
+        pixels.fill(f32::NAN);
         let (columns, runs) = map.runs(row as u32);
         let pixels = pixels.get_mut(columns.start as usize..columns.end as usize).unwrap_or_default();
         for (pixels, MapRun { place, step }) in pixels.chunks_mut(MapRun::PIXELS).zip(runs) {

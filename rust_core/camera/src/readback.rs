@@ -1,0 +1,173 @@
+//! A picture as a graphics library hands it back: rows that may be padded, upside down, and in another order of
+//! channels.
+
+use rcs_scene::{Encoding, PixelOrder};
+
+/// Bytes of a pixel.
+const CELL: usize = 4;
+
+/// A drawn picture of four bytes a pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Readback<'a> {
+    bytes: &'a [u8],
+    width: usize,
+    height: usize,
+    row_bytes: usize,
+    order: PixelOrder,
+    is_bottom_up: bool,
+}
+
+/// Why bytes are no picture of a size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ReadbackProblem {
+    /// A row would end before its last pixel does.
+    #[error("{row_bytes} bytes from one row to the next, where {width_px} pixels need at least {needed}")]
+    ShortRows {
+        /// From the beginning of a row to that of the next one.
+        row_bytes: usize,
+        /// Pixels of a row.
+        width_px: u32,
+        /// Their bytes.
+        needed: usize,
+    },
+    /// There are fewer bytes than the picture has.
+    #[error("{length} bytes, where {width_px}x{height_px} pixels need at least {needed}")]
+    ShortPicture {
+        /// How many there are.
+        length: usize,
+        /// Pixels of a row.
+        width_px: u32,
+        /// Rows.
+        height_px: u32,
+        /// Bytes from the first row's first pixel to the last row's last one.
+        needed: usize,
+    },
+    /// So many bytes cannot be.
+    #[error("{width_px}x{height_px} pixels in rows of {row_bytes} bytes are more than a memory holds")]
+    TooLarge {
+        /// Pixels of a row.
+        width_px: u32,
+        /// Rows.
+        height_px: u32,
+        /// From the beginning of a row to that of the next one.
+        row_bytes: usize,
+    },
+}
+
+impl<'a> Readback<'a> {
+    /// How many bytes a picture of this size has, from its first row's first pixel to its last row's last one, if
+    /// `row_bytes` lie between the beginnings of two rows.
+    ///
+    /// # Errors
+    /// Rows that are too short for their pixels; a size that overflows.
+    pub fn needed_bytes([width_px, height_px]: [u32; 2], row_bytes: usize) -> Result<usize, ReadbackProblem> {
+        let too_large = || ReadbackProblem::TooLarge { width_px, height_px, row_bytes };
+        let needed = (width_px as usize).checked_mul(CELL).ok_or_else(too_large)?;
+        if row_bytes < needed {
+            return Err(ReadbackProblem::ShortRows { row_bytes, width_px, needed });
+        }
+        let Some(rows_before) = (height_px as usize).checked_sub(1) else { return Ok(0) };
+        let bytes = rows_before.checked_mul(row_bytes).and_then(|bytes| bytes.checked_add(needed));
+        bytes.filter(|bytes| isize::try_from(*bytes).is_ok()).ok_or_else(too_large)
+    }
+
+    /// The picture of this size in these bytes; those after its last pixel are not looked at.
+    ///
+    /// # Errors
+    /// See [`ReadbackProblem`].
+    pub fn new(
+        bytes: &'a [u8],
+        [width_px, height_px]: [u32; 2],
+        row_bytes: usize,
+        order: PixelOrder,
+        is_bottom_up: bool,
+    ) -> Result<Self, ReadbackProblem> {
+        let needed = Self::needed_bytes([width_px, height_px], row_bytes)?;
+        if bytes.len() < needed {
+            return Err(ReadbackProblem::ShortPicture { length: bytes.len(), width_px, height_px, needed });
+        }
+        Ok(Self { bytes, width: width_px as usize, height: height_px as usize, row_bytes, order, is_bottom_up })
+    }
+
+    /// Writes the picture in an encoding, from the top, without padding; bytes and rows past the end of `to` are left
+    /// out.
+    pub fn write(&self, encoding: Encoding, to: &mut [u8]) {
+        let step = (self.width * encoding.bytes_per_pixel()).max(1);
+        for (row, to) in to.chunks_mut(step).take(self.height).enumerate() {
+            encoding.write_row_from(self.order, self.row(row), to);
+        }
+    }
+
+    /// The pixels of a row, counted from the top.
+    fn row(&self, row: usize) -> &'a [[u8; CELL]] {
+        let stored = if self.is_bottom_up { self.height - 1 - row } else { row };
+        let begin = stored * self.row_bytes;
+        let row = self.bytes.get(begin..begin + self.width * CELL).unwrap_or_default();
+        row.as_chunks().0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three rows of two pixels, each with its row and column for colours, and a padding of three bytes.
+    fn bytes(order: PixelOrder, is_bottom_up: bool) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for stored in 0..3 {
+            let row = if is_bottom_up { 2 - stored } else { stored };
+            for column in 0..2 {
+                let [r, g, b] = [10 + row, 20 + column, 30];
+                bytes.extend(match order {
+                    PixelOrder::Rgba => [r, g, b, 7],
+                    PixelOrder::Bgra => [b, g, r, 7],
+                });
+            }
+            bytes.extend([99; 3]);
+        }
+        bytes.truncate(bytes.len() - 3);
+        bytes
+    }
+
+    #[test]
+    fn all_orders_and_encodings_show_the_same_picture() {
+        for encoding in Encoding::ALL {
+            let cell = encoding.bytes_per_pixel();
+            let mut expected = Vec::new();
+            for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+                let mut pixel = vec![0; cell];
+                encoding.write_row(&[[10 + row, 20 + column, 30, 255]], &mut pixel);
+                expected.extend(pixel);
+            }
+            for order in [PixelOrder::Rgba, PixelOrder::Bgra] {
+                for is_bottom_up in [false, true] {
+                    let bytes = bytes(order, is_bottom_up);
+                    let picture = Readback::new(&bytes, [2, 3], 11, order, is_bottom_up).unwrap();
+                    let mut written = vec![0; 6 * cell];
+                    picture.write(encoding, &mut written);
+                    assert_eq!(written, expected, "{encoding:?}, {order:?}, {is_bottom_up}");
+                    let mut short = vec![0; 3 * cell];
+                    picture.write(encoding, &mut short);
+                    assert_eq!(short, expected[..3 * cell], "what does not fit is left out");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_are_checked_without_overflow() {
+        let problem = |length: usize, size_px, row_bytes| {
+            Readback::new(&vec![0; length], size_px, row_bytes, PixelOrder::Rgba, false).unwrap_err().to_string()
+        };
+        assert!(problem(30, [2, 3], 7).starts_with("7 bytes from one row"));
+        assert!(problem(29, [2, 3], 11).starts_with("29 bytes, where 2x3 pixels need at least 30"));
+        assert!(problem(8, [u32::MAX, u32::MAX], usize::MAX).contains("more than a memory holds"));
+        assert!(problem(8, [1, 3], usize::MAX / 2).contains("more than a memory holds"));
+        for size_px in [[0, 0], [0, 5], [5, 0]] {
+            let mut nothing = [];
+            Readback::new(&[], size_px, 20, PixelOrder::Rgba, true)
+                .map(|empty| empty.write(Encoding::Rgb8, &mut nothing))
+                .ok();
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! One camera: its CameraInfo, and what the node would do with it.
+
+use std::ffi::c_char;
+use std::sync::Arc;
+
+use rcs_camera::{deviations, optics, Advice, CallPacing, CameraModel, Lenses, NoLens, PictureRate, StepTimes};
+use rcs_scene::{DepthPicture, Picture, PixelMap};
+
+use crate::fault::{Fault, RcsResult};
+use crate::numbers::{Flag, ProjectionNumber};
+use crate::text::write_text;
+use crate::view::{view, with_fields, RcsCameraInfo, RcsView};
+use crate::{guard, pointers};
+
+/// What the plugin's settings that mend a deviation are called.
+const ADVICE: Advice =
+    Advice { exact: "the property Projection: exact follows P", undistort: "the property Undistort allows for it" };
+
+/// What the lenses call this camera's CameraInfo; there is only one.
+const TOPIC: &str = "";
+
+/// One for each CameraPub display. It holds no thread and no file, and is used by one thread at a time; different
+/// ones by different threads at once.
+#[derive(Debug, Default)]
+pub struct RcsCamera {
+    lenses: Lenses,
+    pub(crate) current: Option<Current>,
+    warning: String,
+    pub(crate) pacing: CallPacing,
+    pub(crate) steps: StepTimes<3>,
+    pub(crate) rate: PictureRate,
+    /// What was drawn, for the lens; kept for the next picture.
+    pub(crate) before_lens: Picture,
+    /// The same for depths.
+    pub(crate) depth_before_lens: DepthPicture,
+}
+
+/// What is drawn for the CameraInfo that was set.
+#[derive(Debug)]
+pub(crate) struct Current {
+    pub(crate) view: RcsView,
+    pub(crate) lens: Option<Arc<PixelMap>>,
+}
+
+impl RcsCamera {
+    pub(crate) fn current(&self) -> Result<&Current, Fault> {
+        self.current.as_ref().ok_or_else(Fault::no_camera_info)
+    }
+}
+
+/// A camera without a CameraInfo, for which a picture is due at each call. The caller gives it back to
+/// `rcs_camera_free`. NULL only after a fault of this library.
+#[no_mangle]
+pub extern "C" fn rcs_camera_new() -> *mut RcsCamera {
+    guard::value(std::ptr::null_mut(), || Ok(Box::into_raw(Box::default())))
+}
+
+/// Frees a camera; NULL is allowed. No pointer to it may be used afterwards.
+///
+/// # Safety
+/// `camera` is NULL or comes from `rcs_camera_new`, was not freed, and no other thread uses it.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_free(camera: *mut RcsCamera) {
+    guard::value((), || {
+        if !camera.is_null() {
+            // SAFETY: as the caller promises.
+            drop(unsafe { Box::from_raw(camera) });
+        }
+        Ok(())
+    });
+}
+
+/// Sets the camera's CameraInfo: checks it as the node does, and writes what is to be drawn for it to `view`.
+/// `undistort`: where D is not 0, the picture is bent so that it is right after the lens of K and D; the texture is
+/// larger then, and P is taken exactly whatever `projection` says. A lens that cannot be allowed for is no error: the
+/// picture is drawn without it, and `rcs_camera_warning` says why. `near_clip_m`: metres, moved into what is possible
+/// (1e-6 to 99.9).
+///
+/// A lens takes up to some tenths of a second, once: the same CameraInfo again costs less than a microsecond.
+///
+/// `RCS_RESULT_BAD_CAMERA_INFO`: `rcs_last_error` names the field and what is wrong, such as "P[0] (a focal length)
+/// is 0". After any failure but a camera that is NULL, the camera has no CameraInfo, as after
+/// `rcs_camera_clear_info`.
+///
+/// # Safety
+/// `camera` is not freed; `info` and what it points to are as `RcsCameraInfo` says; `view` points to an `RcsView`.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_set_info(
+    camera: *mut RcsCamera,
+    info: *const RcsCameraInfo,
+    projection: ProjectionNumber,
+    undistort: Flag,
+    near_clip_m: f64,
+    view: *mut RcsView,
+) -> RcsResult {
+    guard::result(|| {
+        // SAFETY: as the caller promises.
+        let camera = unsafe { pointers::exclusive(camera, "camera") }?;
+        camera.clear_info();
+        // SAFETY: as the caller promises.
+        let info = unsafe { pointers::shared(info, "info") }?;
+        pointers::writable(view, "view")?;
+        if !near_clip_m.is_finite() {
+            return Err(Fault::new(RcsResult::BadValue, format_args!("near_clip_m is {near_clip_m}")));
+        }
+        let model = CameraModel { projection: projection.checked()?, undistort: undistort.is_set() };
+        // SAFETY: as the caller promises.
+        unsafe { camera.set_info(info, model, near_clip_m) }?;
+        // SAFETY: as the caller promises.
+        unsafe { pointers::write(view, camera.current()?.view) };
+        Ok(())
+    })
+}
+
+/// Forgets the CameraInfo: pictures cannot be encoded until the next one is set. NULL is allowed.
+///
+/// # Safety
+/// `camera` is NULL or not freed.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_clear_info(camera: *mut RcsCamera) {
+    guard::value((), || {
+        // SAFETY: as the caller promises.
+        unsafe { pointers::exclusive(camera, "camera") }?.clear_info();
+        Ok(())
+    });
+}
+
+/// Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy
+/// and P[7] ≠ 0 where rviz's projection is drawn, D ≠ 0 where the lens is not allowed for, each with its size in
+/// pixels; and why a lens could not be allowed for. Empty where nothing does, and without a CameraInfo. Buffer and
+/// returned length are as those of `rcs_last_error`.
+///
+/// # Safety
+/// `camera` is not freed; `buffer` has room for `length` bytes.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_warning(camera: *const RcsCamera, buffer: *mut c_char, length: usize) -> usize {
+    guard::value(0, || {
+        // SAFETY: as the caller promises.
+        let camera = unsafe { pointers::shared(camera, "camera") }?;
+        // SAFETY: as the caller promises.
+        unsafe { write_text(&camera.warning, buffer, length) }
+    })
+}
+
+impl RcsCamera {
+    fn clear_info(&mut self) {
+        self.current = None;
+        self.warning.clear();
+    }
+
+    /// # Safety
+    /// The pointers of `info` are as it says.
+    unsafe fn set_info(&mut self, info: &RcsCameraInfo, model: CameraModel, near_clip_m: f64) -> Result<(), Fault> {
+        // SAFETY: as the caller promises.
+        let (optics, warning) = unsafe {
+            with_fields(info, |fields| {
+                let optics = optics(fields, TOPIC, model, &self.lenses);
+                let optics = optics.map_err(|error| Fault::new(RcsResult::BadCameraInfo, error))?;
+                let no_lens: Option<NoLens> = self.lenses.problem(TOPIC).filter(|_| model.undistort);
+                Ok((optics, deviations(fields, model, no_lens, ADVICE).join("; ")))
+            })
+        }?;
+        let lens = optics.lens.clone();
+        let picture_size_px = lens.as_ref().map_or([info.width, info.height], |lens| lens.size_px());
+        self.current = Some(Current { view: view(optics, picture_size_px, near_clip_m)?, lens });
+        self.warning = warning;
+        Ok(())
+    }
+}

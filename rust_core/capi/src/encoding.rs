@@ -1,0 +1,111 @@
+//! The encodings of a published picture.
+
+use std::ffi::{c_char, CStr};
+
+use rcs_scene::Encoding;
+
+use crate::fault::{Fault, RcsResult};
+use crate::numbers::EncodingNumber;
+use crate::{guard, pointers};
+
+/// The encodings of a published picture, by the names of `sensor_msgs/image_encodings`, in the order of the property's
+/// menu.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RcsEncoding {
+    /// Red, green, blue.
+    Rgb8 = 0,
+    /// Red, green, blue, alpha (always 255).
+    Rgba8,
+    /// Blue, green, red.
+    Bgr8,
+    /// Blue, green, red, alpha (always 255).
+    Bgra8,
+    /// The red channel.
+    Mono8,
+    /// The red channel in 16 bits, little endian.
+    Mono16,
+}
+
+impl RcsEncoding {
+    /// All of them, in the order of [`Encoding::ALL`].
+    pub(crate) const ALL: [Self; 6] = [Self::Rgb8, Self::Rgba8, Self::Bgr8, Self::Bgra8, Self::Mono8, Self::Mono16];
+}
+
+/// Their names for C, in the same order.
+const NAMES: [&CStr; 6] = [c"rgb8", c"rgba8", c"bgr8", c"bgra8", c"mono8", c"mono16"];
+
+fn position(encoding: Encoding) -> Option<usize> {
+    Encoding::ALL.iter().position(|known| *known == encoding)
+}
+
+/// Bytes of one pixel in an encoding; 0 for a number that is none.
+#[no_mangle]
+pub extern "C" fn rcs_encoding_bytes_per_pixel(encoding: EncodingNumber) -> usize {
+    guard::value(0, || encoding.checked().map(Encoding::bytes_per_pixel))
+}
+
+/// The name of an encoding, such as `"rgb8"`; static, NULL for a number that is none.
+#[no_mangle]
+pub extern "C" fn rcs_encoding_name(encoding: EncodingNumber) -> *const c_char {
+    guard::value(std::ptr::null(), || {
+        let name = position(encoding.checked()?).and_then(|position| NAMES.get(position));
+        Ok(name.map_or(std::ptr::null(), |name| name.as_ptr()))
+    })
+}
+
+/// Writes the encoding of a name. `RCS_RESULT_BAD_VALUE` for any other text than the six names.
+///
+/// # Safety
+/// `name` ends with a NUL; `encoding` points to an `RcsEncoding`.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_encoding_from_name(name: *const c_char, encoding: *mut RcsEncoding) -> RcsResult {
+    guard::result(|| {
+        // SAFETY: as the caller promises.
+        let name = unsafe { pointers::text(name, "name") }?;
+        pointers::writable(encoding, "encoding")?;
+        let found = Encoding::from_name(&name).and_then(position).and_then(|at| RcsEncoding::ALL.get(at).copied());
+        let unknown = || {
+            let known = Encoding::ALL.map(Encoding::name).join(", ");
+            Fault::new(RcsResult::BadValue, format_args!("'{name}' is no encoding: there are {known}"))
+        };
+        let found = found.ok_or_else(unknown)?;
+        // SAFETY: as the caller promises.
+        unsafe { pointers::write(encoding, found) };
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_numbers_are_those_of_the_node() {
+        for (at, encoding) in Encoding::ALL.into_iter().enumerate() {
+            let number = EncodingNumber(at as u32);
+            assert_eq!(rcs_encoding_bytes_per_pixel(number), encoding.bytes_per_pixel());
+            // SAFETY: static, with a NUL.
+            let name = unsafe { CStr::from_ptr(rcs_encoding_name(number)) };
+            assert_eq!(name.to_str(), Ok(encoding.name()));
+            let mut found = RcsEncoding::Mono8;
+            // SAFETY: both are valid.
+            assert_eq!(unsafe { rcs_encoding_from_name(name.as_ptr(), &mut found) }, RcsResult::Ok);
+            assert_eq!(found, RcsEncoding::ALL[at]);
+        }
+        for number in [6, u32::MAX].map(EncodingNumber) {
+            assert_eq!(rcs_encoding_bytes_per_pixel(number), 0);
+            assert!(rcs_encoding_name(number).is_null());
+        }
+    }
+
+    #[test]
+    fn other_names_are_refused() {
+        let mut found = RcsEncoding::Bgra8;
+        for name in [c"", c"RGB8", c"rgb", c"rgb88", c"\xff"] {
+            // SAFETY: both are valid.
+            assert_eq!(unsafe { rcs_encoding_from_name(name.as_ptr(), &mut found) }, RcsResult::BadValue);
+        }
+        assert_eq!(found, RcsEncoding::Bgra8);
+    }
+}

@@ -1,0 +1,45 @@
+//! The C interface of the Rust core, which rviz's CameraPub plugin links: the projection of a CameraInfo, when
+//! pictures are due, the bytes of a finished picture, its lens, statistics, and what the node would draw of a config.
+//!
+//! ```text
+//!   C ──► extern "C" functions ──► guard: no panic leaves, errors are kept as text
+//!                │                 pointers: NULL, alignment, length and overlap are checked before anything is read
+//!                └──► rcs_camera, rcs_rviz_config: the code that the node uses, too
+//! ```
+//!
+//! `ros_pkg/include/rviz_camera_stream/core.h` is generated from this crate: the comments of what is exported are the
+//! interface's documentation. It is the only crate with `unsafe`, which is what reading a pointer from C takes; nothing
+//! but pointers, texts and handles is treated here.
+//!
+//! Numbers from C that stand for one of a few (an encoding, a truth value) are taken as numbers and checked: a Rust
+//! `enum` or `bool` of another value would be undefined behaviour.
+
+#![cfg_attr(not(test), warn(clippy::multiple_unsafe_ops_per_block, clippy::panic))]
+
+mod camera;
+mod config_report;
+mod encoding;
+mod fault;
+mod guard;
+mod numbers;
+mod pacing;
+mod pixels;
+mod pointers;
+mod statistics;
+#[cfg(test)]
+mod tests;
+mod text;
+mod version;
+mod view;
+
+pub use camera::*;
+pub use config_report::*;
+pub use encoding::*;
+pub use fault::RcsResult;
+pub use guard::rcs_last_error;
+pub use numbers::{EncodingNumber, Flag, PixelOrderNumber, ProjectionNumber};
+pub use pacing::*;
+pub use pixels::*;
+pub use statistics::*;
+pub use version::*;
+pub use view::*;

@@ -1,0 +1,66 @@
+//! When a picture is due.
+//!
+//! Times are nanoseconds of any clock that never goes back, the same for all calls of a camera.
+
+use std::time::Duration;
+
+use crate::camera::RcsCamera;
+use crate::numbers::Flag;
+use crate::{guard, pointers};
+
+/// Sets how often a picture is due, in pictures a second. Below 0: at each call of `rcs_camera_due`, which is made
+/// once per frame of rviz's window. 0, or NaN: only when triggered. Above 0: in the long run exactly that often, or
+/// at each call if there are fewer calls. NULL is allowed.
+///
+/// # Safety
+/// `camera` is NULL or not freed.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_set_frame_rate(camera: *mut RcsCamera, frame_rate_hz: f32) {
+    guard::value((), || {
+        // SAFETY: as the caller promises.
+        unsafe { pointers::exclusive(camera, "camera") }?.pacing.set_frame_rate(frame_rate_hz);
+        Ok(())
+    });
+}
+
+/// Makes one picture due at the next call of `rcs_camera_due`, whatever the frame rate and whether anybody watches,
+/// and at those after it until `rcs_camera_begin`. NULL is allowed.
+///
+/// # Safety
+/// `camera` is NULL or not freed.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_trigger(camera: *mut RcsCamera) {
+    guard::value((), || {
+        // SAFETY: as the caller promises.
+        unsafe { pointers::exclusive(camera, "camera") }?.pacing.trigger();
+        Ok(())
+    });
+}
+
+/// Whether a picture is due now; to be called once per frame of the window, because how often it is called counts.
+/// `watched`: somebody subscribes to the picture; if nobody does, only a triggered one is due. After a pause a
+/// picture is due at once, and no burst follows. False for NULL.
+///
+/// # Safety
+/// `camera` is NULL or not freed.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_due(camera: *mut RcsCamera, now_ns: u64, watched: Flag) -> bool {
+    guard::value(false, || {
+        // SAFETY: as the caller promises.
+        let camera = unsafe { pointers::exclusive(camera, "camera") }?;
+        Ok(camera.pacing.is_due(Duration::from_nanos(now_ns), watched.is_set()))
+    })
+}
+
+/// Says that a picture is being drawn: takes the trigger, and times the next picture. NULL is allowed.
+///
+/// # Safety
+/// `camera` is NULL or not freed.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_begin(camera: *mut RcsCamera, now_ns: u64) {
+    guard::value((), || {
+        // SAFETY: as the caller promises.
+        unsafe { pointers::exclusive(camera, "camera") }?.pacing.begin(Duration::from_nanos(now_ns));
+        Ok(())
+    });
+}

@@ -1,0 +1,83 @@
+//! How long the last pictures took.
+
+use std::ffi::c_char;
+use std::time::Duration;
+
+use rcs_camera::{figure, RollingWindow, PICTURES};
+
+use crate::camera::RcsCamera;
+use crate::fault::{Fault, RcsResult};
+use crate::text::write_text;
+use crate::{guard, pointers};
+
+/// When the steps of one picture were done: nanoseconds of the clock that is used with `rcs_camera_due`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct RcsTimes {
+    /// Drawing began.
+    pub begun_ns: u64,
+    /// It was drawn.
+    pub drawn_ns: u64,
+    /// Its pixels were read back.
+    pub read_ns: u64,
+    /// It was converted and published.
+    pub published_ns: u64,
+}
+
+/// Records a published picture. `RCS_RESULT_BAD_VALUE` if a step is before the one that precedes it.
+///
+/// # Safety
+/// `camera` is not freed; `times` points to an `RcsTimes`.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_record(camera: *mut RcsCamera, times: *const RcsTimes) -> RcsResult {
+    guard::result(|| {
+        // SAFETY: as the caller promises.
+        let camera = unsafe { pointers::exclusive(camera, "camera") }?;
+        // SAFETY: as the caller promises.
+        let RcsTimes { begun_ns, drawn_ns, read_ns, published_ns } = *unsafe { pointers::shared(times, "times") }?;
+        let step = |from: u64, to: u64| to.checked_sub(from).map(Duration::from_nanos);
+        let steps = [step(begun_ns, drawn_ns), step(drawn_ns, read_ns), step(read_ns, published_ns)];
+        let ([Some(draw), Some(read), Some(publish)], Some(whole)) = (steps, step(begun_ns, published_ns)) else {
+            return Err(Fault::new(RcsResult::BadValue, "times: a step is before the one that precedes it"));
+        };
+        camera.steps.push([draw, read, publish], whole);
+        camera.rate.push(Duration::from_nanos(published_ns));
+        Ok(())
+    })
+}
+
+/// Writes one line about the last hundred recorded pictures: how many a second, and of each step and of all together
+/// the median and the 95th percentile in milliseconds. Empty before the first one. Buffer and returned length are as
+/// those of `rcs_last_error`.
+///
+/// # Safety
+/// `camera` is not freed; `buffer` has room for `length` bytes.
+#[no_mangle]
+pub unsafe extern "C" fn rcs_camera_statistics(
+    camera: *const RcsCamera,
+    now_ns: u64,
+    buffer: *mut c_char,
+    length: usize,
+) -> usize {
+    guard::value(0, || {
+        // SAFETY: as the caller promises.
+        let camera = unsafe { pointers::shared(camera, "camera") }?;
+        // SAFETY: as the caller promises.
+        unsafe { write_text(&line(camera, Duration::from_nanos(now_ns)), buffer, length) }
+    })
+}
+
+fn line(camera: &RcsCamera, now: Duration) -> String {
+    let RcsCamera { steps, rate, .. } = camera;
+    if steps.pictures() == 0 {
+        return String::new();
+    }
+    let hz = figure(rate.hz(now).map(|hz| format!("{hz:.1}")));
+    let ms = |window: &RollingWindow<PICTURES>| figure(window.percentiles());
+    let [draw, read, publish] = steps.steps_ms().each_ref().map(ms);
+    let (pictures, whole) = (steps.pictures(), ms(steps.whole_ms()));
+    format!(
+        "{hz} pictures/s; median / p95 ms of the last {pictures}: draw {draw}, read back {read}, publish {publish}, \
+         whole {whole}"
+    )
+}

@@ -1,0 +1,167 @@
+//! The whole way through the interface, small enough for Miri; `tests/c` does more, from C.
+
+use std::ffi::c_char;
+use std::ptr::{null, null_mut};
+
+use crate::*;
+
+const D: [f64; 5] = [-0.2, 0.03, 0.001, -0.002, 0.0];
+
+/// A CameraInfo of 16×8 pixels with a lens.
+fn info() -> RcsCameraInfo {
+    RcsCameraInfo {
+        width: 16,
+        height: 8,
+        distortion_model: c"plumb_bob".as_ptr(),
+        d: D.as_ptr(),
+        d_length: D.len(),
+        k: [20.0, 0.0, 8.0, 0.0, 20.0, 4.0, 0.0, 0.0, 1.0],
+        r: [0.0; 9],
+        p: [20.0, 0.0, 8.0, 0.0, 0.0, 20.0, 4.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+    }
+}
+
+const NO_VIEW: RcsView = RcsView {
+    drawn_width: 0,
+    drawn_height: 0,
+    picture_width: 0,
+    picture_height: 0,
+    clip_from_view: [0.0; 16],
+    optical_from_eye: [0.0; 3],
+    near_m: 0.0,
+    far_m: 0.0,
+};
+
+/// A camera with that CameraInfo, and its view; to be freed.
+fn camera(undistort: bool) -> (*mut RcsCamera, RcsView) {
+    let (camera, mut view) = (rcs_camera_new(), NO_VIEW);
+    let (projection, undistort) = (ProjectionNumber(0), Flag(u8::from(undistort)));
+    // SAFETY: all pointers are valid.
+    let result = unsafe { rcs_camera_set_info(camera, &info(), projection, undistort, 0.1, &mut view) };
+    assert_eq!(result, RcsResult::Ok);
+    (camera, view)
+}
+
+/// What a function that writes a text writes.
+fn text(write: impl Fn(*mut c_char, usize) -> usize) -> String {
+    let mut buffer = vec![b'#'; write(null_mut(), 0) + 1];
+    let length = write(buffer.as_mut_ptr().cast(), buffer.len());
+    assert_eq!(buffer.pop(), Some(0));
+    assert_eq!(buffer.len(), length);
+    String::from_utf8(buffer).unwrap()
+}
+
+#[test]
+fn a_picture_is_converted_with_and_without_a_lens() {
+    for undistort in [false, true] {
+        let (camera, view) = camera(undistort);
+        assert_eq!((view.picture_width, view.picture_height), (16, 8));
+        assert_eq!(view.drawn_width > 16, undistort);
+        let data = [10, 20, 30, 40].repeat(view.drawn_width as usize * view.drawn_height as usize);
+        let pixels = RcsPixels {
+            data: data.as_ptr(),
+            length: data.len(),
+            width: view.drawn_width,
+            height: view.drawn_height,
+            row_bytes: 4 * view.drawn_width as usize,
+            order: PixelOrderNumber(RcsPixelOrder::Bgra as u32),
+            bottom_up: Flag(1),
+        };
+        let (mut out, background) = ([0; 16 * 8 * 3], [30_u8, 20, 10]);
+        let encoding = EncodingNumber(RcsEncoding::Rgb8 as u32);
+        // SAFETY: all pointers and lengths are valid.
+        let result =
+            unsafe { rcs_camera_encode(camera, &pixels, encoding, background.as_ptr(), out.as_mut_ptr(), out.len()) };
+        assert_eq!(result, RcsResult::Ok);
+        assert!(out.as_chunks::<3>().0.iter().all(|pixel| *pixel == [30, 20, 10]), "{out:?}");
+        // SAFETY: it was not freed.
+        unsafe { rcs_camera_free(camera) };
+    }
+}
+
+#[test]
+fn depths_are_converted_with_and_without_a_lens() {
+    for undistort in [false, true] {
+        let (camera, view) = camera(undistort);
+        let depth = vec![0.0; view.drawn_width as usize * view.drawn_height as usize];
+        let mut out = [0.0; 16 * 8];
+        // SAFETY: all pointers and lengths are valid.
+        let result = unsafe {
+            rcs_camera_encode_depth(camera, depth.as_ptr(), depth.len(), Flag(0), out.as_mut_ptr(), out.len())
+        };
+        assert_eq!(result, RcsResult::Ok);
+        assert!(out.iter().all(|depth| (*depth - 0.1).abs() < 1e-6 || depth.is_nan()), "{out:?}");
+        // SAFETY: it was not freed.
+        unsafe { rcs_camera_free(camera) };
+    }
+}
+
+#[test]
+fn nothing_is_read_or_written_behind_null() {
+    let mut view = NO_VIEW;
+    let projection = ProjectionNumber(0);
+    // SAFETY: NULL is refused.
+    unsafe {
+        assert_eq!(
+            rcs_camera_set_info(null_mut(), &info(), projection, Flag(1), 0.1, &mut view),
+            RcsResult::NullPointer
+        );
+        rcs_camera_free(null_mut());
+        rcs_camera_clear_info(null_mut());
+        rcs_camera_trigger(null_mut());
+        assert!(!rcs_camera_due(null_mut(), 0, Flag(1)));
+        assert_eq!(rcs_camera_statistics(null(), 0, null_mut(), 0), 0);
+        assert_eq!(rcs_camera_record(null_mut(), null()), RcsResult::NullPointer);
+        assert_eq!(rcs_encoding_from_name(null(), null_mut()), RcsResult::NullPointer);
+    }
+    assert_eq!(view, NO_VIEW);
+    // SAFETY: lengths are that of the buffer.
+    assert_eq!(text(|buffer, length| unsafe { rcs_last_error(buffer, length) }), "name is NULL");
+}
+
+#[test]
+fn pictures_are_paced_and_counted() {
+    let camera = rcs_camera_new();
+    // SAFETY: it was not freed, and lengths are that of the buffer.
+    unsafe {
+        rcs_camera_set_frame_rate(camera, 10.0);
+        assert!(rcs_camera_due(camera, 0, Flag(1)));
+        rcs_camera_begin(camera, 0);
+        assert!(!rcs_camera_due(camera, 20_000_000, Flag(1)));
+        rcs_camera_trigger(camera);
+        assert!(rcs_camera_due(camera, 21_000_000, Flag(0)));
+        let times = RcsTimes { begun_ns: 0, drawn_ns: 1_000_000, read_ns: 3_000_000, published_ns: 6_000_000 };
+        assert_eq!(rcs_camera_record(camera, &times), RcsResult::Ok);
+        let line = text(|buffer, length| rcs_camera_statistics(camera, 7_000_000, buffer, length));
+        assert!(line.starts_with("- pictures/s; median / p95 ms of the last 1: draw 1.00 / 1.00"), "{line}");
+        rcs_camera_free(camera);
+    }
+}
+
+#[test]
+fn a_config_is_reported() {
+    let yaml = "Visualization Manager: {Displays: [{Class: my/Own, Name: it, Enabled: true}]}";
+    let (mut report, mut displays, mut needed) = ([1_u8; 40], 0, 0);
+    // SAFETY: all pointers and lengths are valid.
+    let result = unsafe {
+        let (yaml, length) = (yaml.as_ptr().cast(), yaml.len());
+        let (none, nothing) = (null_mut(), null_mut());
+        let to = report.as_mut_ptr().cast();
+        rcs_config_report(yaml, length, c"a".as_ptr(), to, 40, &mut needed, none, 0, nothing, &mut displays)
+    };
+    assert_eq!((result, displays, report[39]), (RcsResult::Ok, 1, 0));
+    assert!(needed > 100 && report.starts_with(b"no CameraPub display"));
+}
+
+#[test]
+fn bad_numbers_from_c_are_refused() {
+    for number in [2, u32::MAX] {
+        let (camera, mut view) = (rcs_camera_new(), NO_VIEW);
+        // SAFETY: all pointers are valid.
+        unsafe {
+            let result = rcs_camera_set_info(camera, &info(), ProjectionNumber(number), Flag(0), 0.1, &mut view);
+            assert_eq!(result, RcsResult::BadValue);
+            rcs_camera_free(camera);
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! A CameraInfo from C, and the view that follows from it.
+
+use std::ffi::c_char;
+
+use nalgebra::Isometry3;
+use rcs_camera::{CameraInfoFields, Optics};
+use rcs_scene::{Camera, FAR_CLIP_M};
+
+use crate::fault::{Fault, RcsResult};
+use crate::pointers;
+
+/// More coefficients of a distortion than any model has.
+const MOST_COEFFICIENTS: usize = 1024;
+
+/// The fields of a `sensor_msgs/CameraInfo` that say how a camera projects. The caller owns what is pointed to;
+/// nothing of it is kept after the call.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct RcsCameraInfo {
+    /// Pixels in a row, 1 to 16384.
+    pub width: u32,
+    /// Rows, 1 to 16384.
+    pub height: u32,
+    /// The model of D, such as `"plumb_bob"`; ends with a NUL, not NULL.
+    pub distortion_model: *const c_char,
+    /// The coefficients D; may be NULL where `d_length` is 0.
+    pub d: *const f64,
+    /// How many coefficients there are, 1024 at most.
+    pub d_length: usize,
+    /// K, 3×3 row by row, pixels.
+    pub k: [f64; 9],
+    /// R, 3×3 row by row; all 0: not set.
+    pub r: [f64; 9],
+    /// P, 3×4 row by row, pixels.
+    pub p: [f64; 12],
+}
+
+/// How P becomes a projection.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RcsProjection {
+    /// As rviz's CameraPub draws: one focal length for both axes, P[7] upwards.
+    Rviz = 0,
+    /// As P says, to the pixel.
+    Exact,
+}
+
+/// What is to be drawn for a CameraInfo.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RcsView {
+    /// Width of the texture to draw, pixels: that of the picture, or another where a lens is allowed for. At most
+    /// 16384.
+    pub drawn_width: u32,
+    /// Its height, pixels.
+    pub drawn_height: u32,
+    /// Width of the picture that is published, pixels: that of the CameraInfo.
+    pub picture_width: u32,
+    /// Its height, pixels.
+    pub picture_height: u32,
+    /// The projection of the texture, as OpenGL's, row by row: from the view frame (x right, y up, looking along -z,
+    /// metres) to clip coordinates with depths from -w to w.
+    pub clip_from_view: [f64; 16],
+    /// The eye in the CameraInfo's optical frame (x right, y down, z forward), metres: not 0 where P has Tx or Ty.
+    pub optical_from_eye: [f64; 3],
+    /// Nearer than this nothing is drawn, metres along the optical axis: the near clip distance that was given, moved
+    /// into what is possible.
+    pub near_m: f64,
+    /// Farther than this nothing is drawn, metres.
+    pub far_m: f64,
+}
+
+/// Calls `with` with the fields of a CameraInfo.
+///
+/// # Safety
+/// Its pointers are as [`RcsCameraInfo`] says.
+pub(crate) unsafe fn with_fields<T>(
+    info: &RcsCameraInfo,
+    with: impl FnOnce(&CameraInfoFields<'_>) -> Result<T, Fault>,
+) -> Result<T, Fault> {
+    if info.d_length > MOST_COEFFICIENTS {
+        let text = format_args!("info.d_length is {}, more than {MOST_COEFFICIENTS}", info.d_length).to_string();
+        return Err(Fault::new(RcsResult::BadLength, text));
+    }
+    // SAFETY: as the caller promises.
+    let model = unsafe { pointers::text(info.distortion_model, "info.distortion_model") }?;
+    // SAFETY: as the caller promises.
+    let d = unsafe { pointers::slice(info.d, info.d_length, "info.d") }?;
+    let (width_px, height_px) = (info.width, info.height);
+    with(&CameraInfoFields { width_px, height_px, distortion_model: &model, d, k: &info.k, r: &info.r, p: &info.p })
+}
+
+/// The view of a CameraInfo's optics; a size is that of its picture.
+///
+/// # Errors
+/// Numbers that are so large that a graphics library, which counts in 32 bits, would have infinities instead.
+pub(crate) fn view(
+    optics: Optics,
+    [picture_width, picture_height]: [u32; 2],
+    near_clip_m: f64,
+) -> Result<RcsView, Fault> {
+    // In its optical frame.
+    let camera = optics.camera(&Isometry3::identity(), near_clip_m);
+    let (clip_from_view, optical_from_eye) = (row_by_row(&camera), camera.eye().coords.into());
+    if clip_from_view.iter().chain(&optical_from_eye).any(|number| !(*number as f32).is_finite()) {
+        return Err(Fault::new(RcsResult::BadCameraInfo, "P is too large to draw with"));
+    }
+    Ok(RcsView {
+        drawn_width: camera.width_px(),
+        drawn_height: camera.height_px(),
+        picture_width,
+        picture_height,
+        clip_from_view,
+        optical_from_eye,
+        near_m: camera.near_m(),
+        far_m: FAR_CLIP_M,
+    })
+}
+
+fn row_by_row(camera: &Camera) -> [f64; 16] {
+    let columns = camera.clip_from_view().transpose();
+    let mut rows = [0.0; 16];
+    rows.copy_from_slice(columns.as_slice());
+    rows
+}
