@@ -4,7 +4,7 @@ anything: run as a program, it exits with status 2 and a line on standard error 
 
 import argparse
 
-SECTIONS = ['styles', 'points', 'sizes', 'cameras', 'lens', 'compressed', 'idle', 'starts', 'light']
+SECTIONS = ['styles', 'points', 'sizes', 'cameras', 'lens', 'compressed', 'idle', 'starts', 'light', 'plugin']
 RENDERERS = ['cpu', 'gpu']
 DEPTH_CAMERA_POINTS = 640 * 480
 

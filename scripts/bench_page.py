@@ -155,6 +155,16 @@ def light(given, result):
     return paragraphs(intro, table(heads, row, result['rows']), driver_note(result['rows']))
 
 
+def plugin(given, result):
+    intro = ('`./bench --only plugin` on {}: rviz with one camera, Flat Squares, 307,200 points at {:g} clouds/s, 1280×800, {:g} s '
+             'each.').format(machine(), given.hz, given.seconds)
+    heads = ['camera in rviz', 'subscribers', 'pictures/s', 'latency ms, median / p95', "rviz's frames/s",
+             "main thread's ms per frame", '% of a core']
+    row = ['{name}', '{watched}', '{pictures_hz:.1f}', LATENCY, '{frames_hz:.1f}', '{frame_ms:.1f}', '{cpu_percent:.0f}']
+    note = '' if os.path.exists('/dev/dri') else 'This machine has no GPU: rviz ran on a software driver.'
+    return paragraphs(intro, table(heads, row, result['rows']), note)
+
+
 def blocks(given, results):
     """The text of each measured section; keys are the names in the markers."""
     texts = {section: globals()[section](given, result) for section, result in results.items()}

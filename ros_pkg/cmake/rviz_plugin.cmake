@@ -65,8 +65,6 @@ add_custom_target(rviz_camera_stream_core
   WORKING_DIRECTORY "${workspace_root}"
   COMMENT "cargo builds the rviz plugin's core"
   VERBATIM)
-# One cargo after the other: they share a folder.
-add_dependencies(rviz_camera_stream_core rviz_camera_stream_programs)
 
 # --- the plugin -------------------------------------------------------------------------------------------------------
 
@@ -86,8 +84,9 @@ target_include_directories(rviz_camera_stream SYSTEM PRIVATE ${rviz_INCLUDE_DIRS
 # What Rust's standard library needs comes last; none of its names leave the plugin.
 target_link_libraries(rviz_camera_stream PRIVATE "${plugin_core}" ${rviz_LIBRARIES} ${image_transport_LIBRARIES}
   ${pluginlib_LIBRARIES} ${roscpp_LIBRARIES} ${plugin_qt} ${OPENGL_LIBRARIES} Threads::Threads ${CMAKE_DL_LIBS} m
-  "-Wl,--exclude-libs,librcs_capi.a")
+  "-Wl,--exclude-libs,librcs_capi.a" "-Wl,--gc-sections")
 
-install(TARGETS rviz_camera_stream LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
-install(FILES plugin_description.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
-install(DIRECTORY icons DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+# A component of its own, so that it can be installed alone; package.xml, by which rviz finds it, belongs to both.
+install(TARGETS rviz_camera_stream LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION} COMPONENT rviz_plugin)
+install(FILES package.xml plugin_description.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} COMPONENT rviz_plugin)
+install(DIRECTORY icons DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION} COMPONENT rviz_plugin)

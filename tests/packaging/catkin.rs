@@ -56,12 +56,25 @@ fn is_found_after(setup: &Path) {
     assert!(printed.contains("/rviz/fetch.rviz --fixed-frame base_link"), "{printed}");
 }
 
+/// After `source SETUP`: rviz loads the plugin from this library, and the plugin publishes a picture.
+fn rviz_loads_the_plugin_after(setup: &Path, library: &Path) {
+    let printed = succeed(&format!(
+        "unset ROS_PACKAGE_PATH CMAKE_PREFIX_PATH; set +u; source {}; set -u
+         cd tests && python3 -B -W ignore -m rviz_plugin.loads",
+        setup.display()
+    ));
+    let library = fs::canonicalize(library).unwrap();
+    assert!(printed.contains("picture 64x48, ") && !printed.contains(" 1 colours"), "{printed}");
+    assert!(printed.contains(&format!("from {}", library.display())), "{printed}");
+}
+
 #[test]
-fn catkin_make_builds_what_rosrun_finds() {
+fn catkin_make_builds_what_rosrun_and_rviz_find() {
     let workspace = workspace();
     let at = workspace.path();
     succeed(&format!("cd {} && catkin_make {}", at.display(), cmake_argument()));
     is_found_after(&at.join("devel/setup.bash"));
+    rviz_loads_the_plugin_after(&at.join("devel/setup.bash"), &at.join("devel/lib/librviz_camera_stream.so"));
     the_scripts_work_after(&at.join("devel/setup.bash"), at);
 }
 
@@ -79,7 +92,7 @@ fn the_scripts_work_after(setup: &Path, folder: &Path) {
 }
 
 #[test]
-fn catkin_build_installs_what_rosrun_finds() {
+fn catkin_build_installs_what_rosrun_and_rviz_find() {
     let workspace = workspace();
     let at = workspace.path();
     let cmake_argument = cmake_argument();
@@ -88,6 +101,7 @@ fn catkin_build_installs_what_rosrun_finds() {
         at.display()
     ));
     is_found_after(&at.join("install/setup.bash"));
+    rviz_loads_the_plugin_after(&at.join("install/setup.bash"), &at.join("install/lib/librviz_camera_stream.so"));
 }
 
 #[test]
@@ -116,7 +130,31 @@ fn plain_cmake_installs_programs_launch_files_and_configs() {
         }
     }
     assert!(installed > 10);
-    assert!(share.join("package.xml").is_file());
+    for file in ["package.xml", "plugin_description.xml", "icons/classes/CameraPub.svg"] {
+        assert!(share.join(file).is_file(), "{file} is not installed");
+    }
+    rviz_loads_the_plugin_after(&prefix.join("setup.bash"), &prefix.join("lib/librviz_camera_stream.so"));
+}
+
+#[test]
+fn without_rviz_cmake_says_in_one_line_that_the_plugin_is_left_out() {
+    let configure = |arguments: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let output =
+            bash(&format!("cmake -S ros_pkg -B {} {} {arguments} 2>&1", folder.path().display(), cmake_argument()));
+        (output.status.success(), printed_by(&output))
+    };
+    let (succeeded, printed) = configure("-DCMAKE_DISABLE_FIND_PACKAGE_rviz=ON");
+    let about: Vec<_> = printed.lines().filter(|line| line.contains("plugin")).collect();
+    assert!(succeeded && about.len() == 1, "{printed}");
+    assert!(about[0].ends_with("the rviz plugin is not built, as these were not found: rviz"), "{printed}");
+    let (succeeded, printed) = configure("-DCMAKE_DISABLE_FIND_PACKAGE_rviz=ON -DRVIZ_CAMERA_STREAM_PLUGIN=ON");
+    assert!(!succeeded && printed.contains("The rviz plugin needs rviz"), "{printed}");
+    let (succeeded, printed) = configure("-DRVIZ_CAMERA_STREAM_PLUGIN=OFF");
+    assert!(
+        succeeded && printed.contains("the rviz plugin is not built (RVIZ_CAMERA_STREAM_PLUGIN is OFF)"),
+        "{printed}"
+    );
 }
 
 #[test]
