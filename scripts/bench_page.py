@@ -156,7 +156,7 @@ def light(given, result):
 
 
 def plugin(given, result):
-    intro = ('`./bench --only plugin` on {}: rviz with one camera, Flat Squares, 307,200 points at {:g} clouds/s, 1280×800, {:g} s '
+    intro = ('`./bench --only plugin` on {}: rviz with one camera, Flat Squares, 10,000 points at {:g} clouds/s, 1280×800, {:g} s '
              'each.').format(machine(), given.hz, given.seconds)
     heads = ['camera in rviz', 'subscribers', 'pictures/s', 'latency ms, median / p95', "rviz's frames/s",
              "main thread's ms per frame", '% of a core']

@@ -82,8 +82,12 @@ class Pictures:
 
     def wait_for(self, condition, what, rviz):
         """Waits for a picture that fulfils the condition and returns it."""
-        return wait_until(lambda: next((each for each in self.all() if condition(each)), None), PICTURE_TIMEOUT_SECS,
-                          f"no picture on {self.topic}: {what}", [rviz.program])
+        try:
+            return wait_until(lambda: next((each for each in self.all() if condition(each)), None), PICTURE_TIMEOUT_SECS,
+                              f"no picture on {self.topic}: {what}", [rviz.program])
+        except TimeoutError as error:
+            found = f"{len(self.all())} others came over {self._subscriber.get_num_connections()} connections"
+            raise TimeoutError(f"{error}; {found}; {rviz.report()}") from error
 
     def next(self, rviz):
         """The next picture that comes."""

@@ -38,7 +38,7 @@ def main():
                 "Displays": [grid(), camera()], "Global Options": {"Fixed Frame": "map", "Frame Rate": 30}}}))
             frame, infos, pictures = CameraFrame(), Infos("/camera/info", camera_info()), Pictures("/camera/image")
             with stage.rviz(config) as rviz:
-                window = type("Window", (), {"program": rviz})
+                window = type("Window", (), {"program": rviz, "report": lambda _: rviz.last_lines()})
                 picture = pictures.wait_for(lambda each: pixels(each).max() == 255, "with the grid", window)
                 colours = len({tuple(pixel) for pixel in pixels(picture).reshape(-1, 3)})
                 print(f"picture {picture.width}x{picture.height}, {colours} colours, from {loaded_library(rviz.pid)}")

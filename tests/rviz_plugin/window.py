@@ -80,6 +80,11 @@ class Rviz:
         lines = [line.split("\t", 2) for line in self.command("statuses", display).splitlines()]
         return {name: (int(level), text) for level, name, text in lines}
 
+    def report(self):
+        """The statuses of all displays, for a test that has failed."""
+        displays = yaml.safe_load(self.command("config"))["Displays"]
+        return {display["Name"]: self.statuses(display["Name"]) for display in displays}
+
     def wait_for_status(self, display, name, level, text=""):
         """Waits until a status has this level and contains this text, and returns the whole text."""
         def found():
