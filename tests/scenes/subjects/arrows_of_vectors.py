@@ -69,6 +69,7 @@ def accel_lengths_shown_and_hidden(scene):
     scene.publish(
         "/c", AccelStamped(header=header(), accel=Accel(linear=vector(0, -0.5, 0), angular=vector(-0.52, 0, 0)))
     )
+    scene.facts = {"varies": SAME_DEPTH}
 
 
 @case
