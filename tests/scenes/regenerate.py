@@ -1,7 +1,7 @@
 """Makes golden cases again with the real rviz: config, messages and description from their scenes, the picture from rviz.
 
 This is what `tests/regenerate_golden` runs once the plugin is there; its header describes the arguments. A picture is taken again
-if it differs: 4 times, or 20 times where rviz draws it differently from run to run (`varies` in case.yaml). It is the same if one
+if it differs: 4 times, or 60 times where rviz draws it differently from run to run (`varies` in case.yaml). It is the same if one
 of them is.
 """
 
