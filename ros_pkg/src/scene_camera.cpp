@@ -99,12 +99,14 @@ void SceneCamera::setView(const Ogre::Vector3& position, const Ogre::Quaternion&
       throw;
     }
   }
-  const Ogre::Vector3 eye(static_cast<Ogre::Real>(view.optical_from_eye[0]),
-                          static_cast<Ogre::Real>(view.optical_from_eye[1]),
-                          static_cast<Ogre::Real>(view.optical_from_eye[2]));
-  node_->setPosition(position + orientation * eye);
   // Ogre looks along -z with y up.
-  node_->setOrientation(orientation * Ogre::Quaternion(Ogre::Degree(180), Ogre::Vector3::UNIT_X));
+  const Ogre::Quaternion turned = orientation * Ogre::Quaternion(Ogre::Degree(180), Ogre::Vector3::UNIT_X);
+  // One axis after the other, because 32-bit numbers depend on it, and so do pixels at the edges of lines.
+  Ogre::Vector3 eye = position + turned * Ogre::Vector3::UNIT_X * static_cast<Ogre::Real>(view.optical_from_eye[0]);
+  eye += turned * Ogre::Vector3::UNIT_Y * static_cast<Ogre::Real>(-view.optical_from_eye[1]);
+  eye -= turned * Ogre::Vector3::UNIT_Z * static_cast<Ogre::Real>(view.optical_from_eye[2]);
+  node_->setPosition(eye);
+  node_->setOrientation(turned);
 
   camera_->setNearClipDistance(static_cast<Ogre::Real>(view.near_m));
   Ogre::Matrix4 projection;

@@ -17,7 +17,7 @@ from .rviz_runner import Stage
 CONFORMANCE = pathlib.Path(__file__).resolve().parent.parent / "conformance"
 CASES = CONFORMANCE / "cases"
 # How often a picture is taken until it is the expected one: usually, and where rviz draws it differently from run to run.
-USUAL_ATTEMPTS, VARYING_ATTEMPTS = 4, 20
+USUAL_ATTEMPTS, VARYING_ATTEMPTS = 4, 60
 # Of the varying ones, every other is taken with another layout of the memory, in which what rviz sorts by address is in another
 # order.
 OTHER_LAYOUT = {"GLIBC_TUNABLES": "glibc.malloc.tcache_count=0"}
@@ -117,7 +117,7 @@ class Recorder:
     def record_until(self, name, expected):
         """Records a case until its picture is the expected one; returns (the first picture, the run that gave the expected).
 
-        The run is None if none did: after 4 of them, or after 20 if the case says that it `varies`.
+        The run is None if none did: after 4 of them, or after 60 if the case says that it `varies`.
         """
         first = None
         varies = "varies" in files.read_yaml(CASES / name / "case.yaml")

@@ -1,14 +1,8 @@
 """Makes golden cases again with the real rviz: config, messages and description from their scenes, the picture from rviz.
 
-    tests/regenerate_golden [CASE...]            writes what differs from what is there; all cases if none is named
-    tests/regenerate_golden --check [CASE...]    writes nothing, says which pictures are not the same, pixel for pixel
-    tests/regenerate_golden --runs N [CASE...]   as --check, but takes each picture N times and says how they vary
-
-CASE may be the beginning of names, with * at its end. The plugin is built first, unless --plugin names where it is installed.
-A picture is taken again if it differs: 4 times, or 20 times where rviz draws it differently from run to run (`varies` in
-case.yaml). It is the same if one of them is.
-
-Exit status: 0 all are the same (or were written), 1 some differ or could not be taken, 2 unusable arguments.
+This is what `tests/regenerate_golden` runs once the plugin is there; its header describes the arguments. A picture is taken again
+if it differs: 4 times, or 60 times where rviz draws it differently from run to run (`varies` in case.yaml). It is the same if one
+of them is.
 """
 
 import argparse
@@ -28,17 +22,13 @@ from .scores import scores
 
 
 def arguments_of(command_line):
-    parser = argparse.ArgumentParser(prog="tests/regenerate_golden", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*", metavar="CASE", help="[default: all]")
-    parser.add_argument("--check", action="store_true", help="write nothing, compare")
-    parser.add_argument("--runs", type=int, metavar="N", help="write nothing, take each picture N times")
-    parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1),
-                        help="how many rviz run at the same time [default: one for each core, at most 4]")
-    parser.add_argument("--plugin", type=pathlib.Path, required=True, metavar="PREFIX",
-                        help="where the plugin is installed; tests/regenerate_golden gives the one that it builds")
-    parser.add_argument("--output", type=pathlib.Path, default=pathlib.Path("test_output/regenerated"),
-                        help="where pictures that differ are left [default: test_output/regenerated]")
+    parser = argparse.ArgumentParser(prog="tests/regenerate_golden", add_help=False)
+    parser.add_argument("cases", nargs="*", metavar="CASE")
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--runs", type=int, metavar="N")
+    parser.add_argument("--jobs", type=int, default=min(4, os.cpu_count() or 1), metavar="N")
+    parser.add_argument("--plugin", type=pathlib.Path, required=True, metavar="PREFIX")
+    parser.add_argument("--output", type=pathlib.Path, default=pathlib.Path("test_output/regenerated"), metavar="DIR")
     arguments = parser.parse_args(command_line)
     if arguments.jobs < 1 or (arguments.runs or 1) < 1:
         parser.error("--jobs and --runs must be at least 1")

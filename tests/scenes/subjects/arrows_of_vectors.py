@@ -69,6 +69,7 @@ def accel_lengths_shown_and_hidden(scene):
     scene.publish(
         "/c", AccelStamped(header=header(), accel=Accel(linear=vector(0, -0.5, 0), angular=vector(-0.52, 0, 0)))
     )
+    scene.facts = {"varies": SAME_DEPTH}
 
 
 @case
@@ -127,6 +128,7 @@ def twist_nan_and_unknown_frame_ignored(scene):
         TwistStamped(header=header(), twist=Twist(linear=vector(0, 0, 1), angular=vector(0.1, math.inf, 0.3))),
         TwistStamped(header=header("nowhere"), twist=Twist(linear=vector(0, 1, 1), angular=vector(1, 0, 0))),
     )
+    scene.facts = {"varies": SAME_DEPTH}
 
 
 @case

@@ -11,6 +11,7 @@ from ..displays import display
 from ..geometry import points, pose
 from ..messages import header, marker, markers
 from ..scene import case
+from ..varies import SAME_DEPTH
 
 
 @case
@@ -293,3 +294,4 @@ def path_pose_axes(scene):
     """Path with pose Axes"""
     scene.show(display("Path", {"Length": 0.2, "Pose Style": "Axes", "Radius": 0.02}))
     scene.publish("/p", oval_path())
+    scene.facts = {"varies": SAME_DEPTH}

@@ -60,6 +60,7 @@ def robot_model_alpha(scene):
         display("RobotModel", {"Alpha": 0.4, "Robot Description": "robot_description", "Visual Enabled": True}),
     )
     scene.parameters["robot_description"] = "package://conformance_assets/urdf/lamp.urdf"
+    scene.facts = {"varies": SAME_DISTANCE}
 
 
 @case

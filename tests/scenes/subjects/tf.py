@@ -6,7 +6,7 @@ from ..common import arm_frame, cart_frame
 from ..displays import display
 from ..messages import frame_at, frames, time_at
 from ..scene import case
-from ..varies import SAME_DEPTH
+from ..varies import SAME_DISTANCE
 
 
 @case
@@ -110,6 +110,7 @@ def tf_frames_off(scene):
             },
         )
     )
+    scene.facts = {"varies": SAME_DISTANCE}
 
 
 @case
@@ -179,4 +180,4 @@ def tf_two_trees(scene):
     scene.frame("base_link", parent="map", at=(-0.5, -0.4, 0.2), turned=(0.2, 0, 0.3))
     scene.frame("moon", parent="other", at=(0.4, 0.4, 0.4))
     scene.show(display("TF", {"Frame Timeout": 1000, "Marker Scale": 1.2, "Show Names": False}))
-    scene.facts = {"varies": SAME_DEPTH}
+    scene.facts = {"varies": SAME_DISTANCE}
