@@ -98,7 +98,8 @@ void CameraPub::onInitialize()
 
 void CameraPub::onEnable()
 {
-  updateTopics();
+  updateOutput();
+  updateInput();
 }
 
 void CameraPub::onDisable()
@@ -110,9 +111,15 @@ void CameraPub::onDisable()
 void CameraPub::reset()
 {
   Display::reset();
-  // Subscribes anew, so that a latched CameraInfo comes again.
-  if (publisher_)
-    updateTopics();
+  if (!publisher_)
+    return;
+  // The statuses of what is wrong are shown again.
+  if (!namespace_ok_)
+    updateNamespace();
+  else if (!publisher_->isAdvertised())
+    updateOutput();
+  // A latched CameraInfo comes again.
+  updateInput();
 }
 
 void CameraPub::setTopic(const QString& topic, const QString& datatype)
@@ -151,21 +158,40 @@ void CameraPub::updateNamespace()
     namespace_ok_ = true;
     setStatus(StatusProperty::Warn, NAMESPACE, QString("Could not create the trigger service: ") + error.what());
   }
-  updateTopics();
+  updateOutput();
 }
 
-void CameraPub::updateTopics()
+void CameraPub::updateOutput()
 {
   depth_topic_->setShouldBeSaved(!depth_topic_->getTopicStd().empty());
-  if (!publisher_)
-    return;
-  unsubscribe();
-  if (isEnabled() && namespace_ok_)
+  output_changed_ = true;
+  if (publisher_)
+    context_->queueRender();
+}
+
+void CameraPub::updateInput()
+{
+  input_changed_ = true;
+  if (publisher_)
+    context_->queueRender();
+}
+
+void CameraPub::applyTopics()
+{
+  if (output_changed_)
   {
-    advertise();
+    output_changed_ = false;
+    publisher_->shutdown();
+    if (namespace_ok_)
+      advertise();
+  }
+  if (input_changed_)
+  {
+    input_changed_ = false;
+    info_subscriber_.shutdown();
+    forgetCameraInfo();
     subscribe();
   }
-  context_->queueRender();
 }
 
 void CameraPub::advertise()
@@ -282,6 +308,7 @@ void CameraPub::update(float, float)
   // At the latest now: the next picture may be drawn over it.
   if (reader_->pending())
     publishRead();
+  applyTopics();
   if (!info_subscriber_)
     return;
   const bool can_draw = visibility_bit_ != 0 && updateView() && placeCamera();

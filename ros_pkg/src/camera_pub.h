@@ -57,8 +57,10 @@ protected:
   void onDisable() override;
 
 private Q_SLOTS:
-  /// Topics, the namespace or the queue have changed.
-  void updateTopics();
+  /// Where pictures go to, or where CameraInfos come from, has changed. Topics are changed with the next frame, once for
+  /// all that a config's loading changes: a subscriber may miss one of several changes that follow at once.
+  void updateOutput();
+  void updateInput();
   void updateNamespace();
   void updateFrameRate();
   void updatePicture();
@@ -72,6 +74,7 @@ private Q_SLOTS:
 private:
   void createProperties();
   void createAddedProperties();
+  void applyTopics();
   void subscribe();
   void advertise();
   void unsubscribe();
@@ -105,8 +108,9 @@ private:
   ros::NodeHandle handle_;
   ros::Subscriber info_subscriber_;
   TriggerService trigger_service_;
-  /// Of the display's namespace, if that is valid.
   bool namespace_ok_ = false;
+  bool output_changed_ = false;
+  bool input_changed_ = false;
 
   CoreCamera core_;
   sensor_msgs::CameraInfo::ConstPtr info_;

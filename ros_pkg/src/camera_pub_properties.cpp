@@ -29,11 +29,11 @@ void CameraPub::createProperties()
 {
   using namespace properties;
   topic_ = new rviz::RosTopicProperty(IMAGE_TOPIC.name, "", datatype<sensor_msgs::Image>(), IMAGE_TOPIC.help, this,
-                                      SLOT(updateTopics()));
+                                      SLOT(updateOutput()));
   namespace_ = new rviz::StringProperty(NAMESPACE.name, "", NAMESPACE.help, this, SLOT(updateNamespace()));
   info_topic_ = new rviz::RosTopicProperty(CAMERA_INFO_TOPIC.name, "", datatype<sensor_msgs::CameraInfo>(),
-                                           CAMERA_INFO_TOPIC.help, this, SLOT(updateTopics()));
-  queue_size_ = new rviz::IntProperty(QUEUE_SIZE.name, 2, QUEUE_SIZE.help, this, SLOT(updateTopics()));
+                                           CAMERA_INFO_TOPIC.help, this, SLOT(updateInput()));
+  queue_size_ = new rviz::IntProperty(QUEUE_SIZE.name, 2, QUEUE_SIZE.help, this, SLOT(updateInput()));
   queue_size_->setMin(1);
   frame_rate_ = new rviz::FloatProperty(FRAME_RATE.name, -1, FRAME_RATE.help, this, SLOT(updateFrameRate()));
   frame_rate_->setMin(-1);
@@ -55,7 +55,7 @@ void CameraPub::createAddedProperties()
   projection_->addOption("exact", RCS_PROJECTION_EXACT);
   undistort_ = new rviz::BoolProperty(UNDISTORT.name, false, UNDISTORT.help, this, SLOT(updatePicture()));
   depth_topic_ = new rviz::RosTopicProperty(DEPTH_TOPIC.name, "", datatype<sensor_msgs::Image>(), DEPTH_TOPIC.help, this,
-                                            SLOT(updateTopics()));
+                                            SLOT(updateOutput()));
   twin_path_ = new rviz::StringProperty(HEADLESS_TWIN.name, "", HEADLESS_TWIN.help, this, SLOT(updateTwin()));
   // Where they are not used, a saved config is that of the plugin without them.
   projection_->setShouldBeSaved(false);
