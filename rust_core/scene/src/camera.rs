@@ -106,12 +106,33 @@ impl Intrinsics {
         Self { cx_px: self.cx_px + 0.5, cy_px: self.cy_px + 0.5, ..*self }
     }
 
+    /// By what rviz's CameraPub shrinks the picture along each axis: it makes the picture's angles fit its shape. In 32
+    /// bits, as there, because pixels at the edges of lines depend on it.
+    fn rviz_zoom(&self) -> (f64, f64) {
+        if self.fx_px == self.fy_px {
+            return (1.0, 1.0);
+        }
+        let (width, height) = (f64::from(self.width_px), f64::from(self.height_px));
+        let of_angles = ((width / self.fx_px) / (height / self.fy_px)) as f32;
+        let of_picture = self.width_px as f32 / self.height_px as f32;
+        let (zoom_x, zoom_y) = if of_angles > of_picture {
+            (1.0, f64::from(1.0 / of_angles * of_picture))
+        } else {
+            (f64::from(1.0 / of_picture * of_angles), 1.0)
+        };
+        // Focal lengths of absurd sizes leave the range of 32 bits.
+        let is_usable = |zoom: f64| zoom.is_finite() && zoom != 0.0;
+        if is_usable(zoom_x) && is_usable(zoom_y) {
+            return (zoom_x, zoom_y);
+        }
+        ((self.fy_px / self.fx_px).min(1.0), (self.fx_px / self.fy_px).min(1.0))
+    }
+
     /// The intrinsics that rviz's CameraPub in effect draws with. It shrinks the longer focal length (and the
     /// principal point's offset from the centre along that axis) to the shorter one, and moves the camera up where
     /// `P[7]` means down.
     pub fn as_rviz_draws(&self) -> Self {
-        let zoom_x = (self.fy_px / self.fx_px).min(1.0);
-        let zoom_y = (self.fx_px / self.fy_px).min(1.0);
+        let (zoom_x, zoom_y) = self.rviz_zoom();
         let (half_width, half_height) = (f64::from(self.width_px) / 2.0, f64::from(self.height_px) / 2.0);
         Self {
             fx_px: self.fx_px * zoom_x,
@@ -301,8 +322,11 @@ mod tests {
         let intrinsics = Intrinsics::from_p(1280, 800, &p).unwrap();
         assert!(!intrinsics.rviz_is_exact());
         let drawn = intrinsics.as_rviz_draws();
-        assert_eq!((drawn.fx_px, drawn.fy_px), (1000.0, 1000.0));
-        assert!((drawn.cy_px - (400.0 + 350.0 * 1000.0 / 1900.0)).abs() < 1e-9);
+        // In 32 bits, as rviz computes it.
+        let zoom_y = f64::from(1.0_f32 / ((1280.0_f64 / 1000.0) / (800.0 / 1900.0)) as f32 * (1280.0_f32 / 800.0));
+        assert!((zoom_y - 1000.0 / 1900.0).abs() < 1e-7);
+        assert_eq!((drawn.fx_px, drawn.fy_px), (1000.0, 1900.0 * zoom_y));
+        assert_eq!(drawn.cy_px, 400.0 + 350.0 * zoom_y);
         assert_eq!(drawn.cx_px, 640.0);
     }
 
