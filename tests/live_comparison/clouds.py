@@ -40,7 +40,7 @@ def properties(scene, channel='intensity', bounds=(0, 4096), size_m=(0.02, 0.2))
 def positions(scene, count):
     """Points in a ball, on a plane, on a line, or on a grid; a few of them NaN or infinite."""
     # Many on a line lie before each other at depths that differ by less than the depth buffer tells.
-    shape = scene.rng.choice(['ball', 'plane', 'grid', 'line' if count <= 200 else 'ball'])
+    shape = scene.rng.choice(['ball', 'plane', 'grid', 'line' if count <= 50 else 'ball'])
     points = scene.numpy.uniform(-0.7, 0.7, (count, 3))
     if shape == 'plane':
         points[:, 2] = points[:, 0] * 0.3
@@ -219,13 +219,9 @@ def scalar(kind, channel, message_type, bounds):
     def add(scene):
         topic = scene.topic(channel)
         chosen = properties(scene, channel, bounds, size_m=(0.05, 0.6))
-        if chosen.get('Alpha', 1.0) < 1.0:
-            # Ogre sorts what is translucent by its distance, and clouds by their middle in their own frame. Those of one point
-            # are all equally far, and then their order is that of addresses in memory.
-            chosen.pop('Decay Time', None)
-            if scene.has_translucent_value:
-                chosen.pop('Alpha')
-            scene.has_translucent_value = True
+        # Opaque: Ogre sorts what is translucent by its distance, and clouds by their middle in their own frame. So those of
+        # one point are as far away as each other and as a grid in the fixed frame, and the order is that of addresses.
+        chosen.pop('Alpha', None)
         scene.add_display(kind, Topic=topic, **chosen)
 
         def message(step):
