@@ -30,6 +30,9 @@ def spoil(scene, message):
     # Ogre refuses boxes around what is not finite, which ends rviz. It looks at a marker's pose, and at no other number.
     finite_only = 'visualization_msgs/Marker' in path and '.pose.' not in path
     value = scene.rng.choice([number for number in NUMBERS if math.isfinite(number) or not finite_only])
+    if finite_only and path.endswith('.scale.z'):
+        # So does a text of negative height.
+        value = abs(value)
     if isinstance(owner, list):
         owner[key] = value
     else:
