@@ -137,7 +137,11 @@ def laser_scan(scene):
     those before it is lost there if the pose at its last ray comes late.
     """
     topic = scene.topic('scan')
-    scene.add_display('LaserScan', Topic=topic, **properties(scene, bounds=(0, 100)))
+    chosen = properties(scene, bounds=(0, 100))
+    if chosen['Style'] == 'Boxes':
+        # Boxes of a scan overlap and have their tops in one plane: rounding decides which of them is seen.
+        chosen['Style'] = 'Squares'
+    scene.add_display('LaserScan', Topic=topic, **chosen)
     takes_time = len(scene.times) > 1 and scene.chance(0.4)
     scene.transforms_first |= takes_time
 
