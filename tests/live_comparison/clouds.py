@@ -218,14 +218,21 @@ def color_image(scene, step, frame, width, height, encoding):
 
 
 def scalar(kind, channel, message_type, bounds):
-    """A display of a single value, which has a range of its own."""
+    """A display of a single value, which has a range of its own. A scene has one of them at most.
+
+    Their points are at the origins of frames: two may be at the same place, and then rviz decides by addresses, or rounding
+    does, which of them is seen.
+    """
 
     def add(scene):
+        if any(value in scene.classes for value in SINGLE_VALUES):
+            return
         topic = scene.topic(channel)
         chosen = properties(scene, channel, bounds, size_m=(0.05, 0.6))
         # Opaque: Ogre sorts what is translucent by its distance, and clouds by their middle in their own frame. So those of
         # one point are as far away as each other and as a grid in the fixed frame, and the order is that of addresses.
         chosen.pop('Alpha', None)
+        chosen.pop('Decay Time', None)
         scene.add_display(kind, Topic=topic, **chosen)
 
         def message(step):
@@ -237,6 +244,7 @@ def scalar(kind, channel, message_type, bounds):
     return add
 
 
+SINGLE_VALUES = ('FluidPressure', 'Illuminance', 'RelativeHumidity', 'Temperature')
 fluid_pressure = scalar('FluidPressure', 'fluid_pressure', FluidPressure, (95000, 108000))
 illuminance = scalar('Illuminance', 'illuminance', Illuminance, (-100, 1100))
 relative_humidity = scalar('RelativeHumidity', 'relative_humidity', RelativeHumidity, (-0.1, 1.1))
