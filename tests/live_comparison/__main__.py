@@ -1,7 +1,8 @@
 """Compares random scenes: what rviz with the CameraPub plugin draws, and what camera_stream draws, live on one master.
 
 A scene passes if the share of *close* pixels of each camera's picture is at least 0.98 (tests/golden/score.rs). One that does
-not leaves config, bag, pictures and logs in a folder of its seed; `camera_stream render` draws it again from there.
+not, twice, fails and leaves config, bag, pictures and logs in a folder of its seed; `camera_stream render` draws it again from
+there.
 
 Exit status: 0 all scenes pass, 1 one does not, 2 unusable arguments.
 """
@@ -21,6 +22,9 @@ from .stage import LiveStage
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SEEDS = 1_000_000
+# A scene that differs is played again: on a machine that is busy enough, a thread of a program may take up a transform later
+# than another thread the message after it.
+ATTEMPTS = 2
 
 
 def main():
@@ -73,21 +77,27 @@ def compare_all(comparison, seeds, report):
     failed = []
     for seed in seeds:
         begun = time.monotonic()
-        scene = scene_of(seed, comparison.live.now + 10.0)
-        try:
-            results = comparison.compare(scene)
-        except (RuntimeError, TimeoutError) as error:
-            print(f'seed {seed}: {error}', flush=True)
-            comparison.live.end_rviz()
+        for _ in range(ATTEMPTS):
+            results = compare(comparison, seed)
+            for result in results:
+                print_result(result, time.monotonic() - begun)
+            if results and all(result.passes for result in results):
+                break
+        else:
             failed.append(seed)
-            continue
-        if not all(result.passes for result in results):
-            failed.append(seed)
-        for result in results:
-            print_result(result, time.monotonic() - begun)
         if report:
             append(report, results)
     return failed
+
+
+def compare(comparison, seed):
+    """Plays the scene of a seed; no results if a program ends or stops."""
+    try:
+        return comparison.compare(scene_of(seed, comparison.live.now + 10.0))
+    except (RuntimeError, TimeoutError) as error:
+        print(f'seed {seed}: {error}', flush=True)
+        comparison.live.end_rviz()
+        return []
 
 
 def print_result(result, secs):

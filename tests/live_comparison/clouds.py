@@ -40,7 +40,7 @@ def properties(scene, channel='intensity', bounds=(0, 4096), size_m=(0.02, 0.2))
 def positions(scene, count):
     """Points in a ball, on a plane, on a line, or on a grid; a few of them NaN or infinite."""
     # Many on a line lie before each other at depths that differ by less than the depth buffer tells.
-    shape = scene.rng.choice(['ball', 'plane', 'grid', 'line' if count <= 200 else 'ball'])
+    shape = scene.rng.choice(['ball', 'plane', 'grid', 'line' if count <= 50 else 'ball'])
     points = scene.numpy.uniform(-0.7, 0.7, (count, 3))
     if shape == 'plane':
         points[:, 2] = points[:, 0] * 0.3
@@ -137,7 +137,11 @@ def laser_scan(scene):
     those before it is lost there if the pose at its last ray comes late.
     """
     topic = scene.topic('scan')
-    scene.add_display('LaserScan', Topic=topic, **properties(scene, bounds=(0, 100)))
+    chosen = properties(scene, bounds=(0, 100))
+    if chosen['Style'] == 'Boxes':
+        # Boxes of a scan overlap and have their tops in one plane: rounding decides which of them is seen.
+        chosen['Style'] = 'Squares'
+    scene.add_display('LaserScan', Topic=topic, **chosen)
     takes_time = len(scene.times) > 1 and scene.chance(0.4)
     scene.transforms_first |= takes_time
 
@@ -214,18 +218,21 @@ def color_image(scene, step, frame, width, height, encoding):
 
 
 def scalar(kind, channel, message_type, bounds):
-    """A display of a single value, which has a range of its own."""
+    """A display of a single value, which has a range of its own. A scene has one of them at most.
+
+    Their points are at the origins of frames: two may be at the same place, and then rviz decides by addresses, or rounding
+    does, which of them is seen.
+    """
 
     def add(scene):
+        if any(value in scene.classes for value in SINGLE_VALUES):
+            return
         topic = scene.topic(channel)
         chosen = properties(scene, channel, bounds, size_m=(0.05, 0.6))
-        if chosen.get('Alpha', 1.0) < 1.0:
-            # Ogre sorts what is translucent by its distance, and clouds by their middle in their own frame. Those of one point
-            # are all equally far, and then their order is that of addresses in memory.
-            chosen.pop('Decay Time', None)
-            if scene.has_translucent_value:
-                chosen.pop('Alpha')
-            scene.has_translucent_value = True
+        # Opaque: Ogre sorts what is translucent by its distance, and clouds by their middle in their own frame. So those of
+        # one point are as far away as each other and as a grid in the fixed frame, and the order is that of addresses.
+        chosen.pop('Alpha', None)
+        chosen.pop('Decay Time', None)
         scene.add_display(kind, Topic=topic, **chosen)
 
         def message(step):
@@ -237,6 +244,7 @@ def scalar(kind, channel, message_type, bounds):
     return add
 
 
+SINGLE_VALUES = ('FluidPressure', 'Illuminance', 'RelativeHumidity', 'Temperature')
 fluid_pressure = scalar('FluidPressure', 'fluid_pressure', FluidPressure, (95000, 108000))
 illuminance = scalar('Illuminance', 'illuminance', Illuminance, (-100, 1100))
 relative_humidity = scalar('RelativeHumidity', 'relative_humidity', RelativeHumidity, (-0.1, 1.1))

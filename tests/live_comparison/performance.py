@@ -114,17 +114,15 @@ class Performance:
     def play(self):
         """Publishes the messages of all steps, each when those before it are drawn."""
         scene = self.scene
-        infos = {camera.info_topic for camera in scene.cameras}
         for step, time_secs in enumerate(scene.times):
             self.live.set_time(time_secs)
             self.publishers['/tf'].publish(scene.transforms(step))
-            first = [(topic, message) for topic, message in scene.steps[step] if topic in infos]
-            others = [(topic, message) for topic, message in scene.steps[step] if topic not in infos]
-            self.publish(first)
+            # Before all others: without them there are no pictures to wait for, and rviz drops depth images.
+            self.publish(message for message in scene.steps[step] if is_info(message))
             if step == 0 or scene.transforms_first:
                 # rviz loses a message without stamp that comes before the first transform.
                 self.wait_for_pictures()
-            self.publish(others)
+            self.publish(message for message in scene.steps[step] if not is_info(message))
             self.wait_for_pictures()
         self.live.set_time(scene.end_secs)
         self.wait_for_pictures()
@@ -158,6 +156,11 @@ class Performance:
                 program.end()
         for name in self.scene.parameters:
             self.live.stage.delete_parameter(name)
+
+
+def is_info(published):
+    _, message = published
+    return message._type == 'sensor_msgs/CameraInfo'
 
 
 def topic_of(camera, drawer):

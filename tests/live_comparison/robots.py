@@ -34,7 +34,12 @@ def robot_model(scene):
              'Link Tree Style': 'Links in Alphabetic Order', **links}
     more = {'Alpha': scene.alpha(), 'Visual Enabled': scene.chance(0.8), 'Collision Enabled': scene.chance(0.3),
             'Links': links}
-    scene.add_display('RobotModel', **add_robot(scene), **scene.some(more))
+    robot = add_robot(scene)
+    chosen = scene.some(more)
+    if chosen.get('Collision Enabled'):
+        # A link's shapes of both kinds may have the same origin, and the order of translucent ones is that of addresses then.
+        chosen['Visual Enabled'] = False
+    scene.add_display('RobotModel', **robot, **chosen)
 
 
 def grid(scene):

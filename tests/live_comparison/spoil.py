@@ -27,9 +27,14 @@ def spoil(scene, message):
         factor = scene.rng.choice([0.5, 1.01, 2.0] if message._type == 'nav_msgs/Path' else [0.0, 0.5, 1.01, 2.0])
         owner.x, owner.y, owner.z, owner.w = (factor * part for part in (owner.x, owner.y, owner.z, owner.w))
         return f'{path} times {factor}'
-    # Ogre refuses boxes around points that are not finite, which ends rviz.
-    finite_only = 'visualization_msgs/Marker' in path and '.points[' in path
+    # Ogre refuses boxes around what is not finite, which ends rviz. It looks at a marker's pose, and at no other number. And a
+    # map that is not finite moves the one before it to its own origin there.
+    is_marker = 'visualization_msgs/Marker' in path and '.pose.' not in path
+    finite_only = is_marker or message._type == 'nav_msgs/OccupancyGrid'
     value = scene.rng.choice([number for number in NUMBERS if math.isfinite(number) or not finite_only])
+    if is_marker and path.endswith('.scale.z'):
+        # So does a text of negative height.
+        value = abs(value)
     if isinstance(owner, list):
         owner[key] = value
     else:
