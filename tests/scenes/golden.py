@@ -62,8 +62,11 @@ def write_files(name):
 def expected_picture(name):
     """The picture that a case has, as an array, or None."""
     file = CASES / name / "expected.png"
-    if not file.exists():
-        return None
+    return read_picture(file) if file.exists() else None
+
+
+def read_picture(file):
+    """A picture file as an array of 8 or 16 bits."""
     with Image.open(file) as image:
         pixels = numpy.array(image)
     # Pillow reads 16 bits of grey as 32.
