@@ -227,6 +227,28 @@ def path_buffer_length_3_billboards_axes(scene):
 
 
 @case
+def path_invalid_leaves_the_axes_it_replaces(scene):
+    """three paths with Axes, Buffer Length 2, the third with a pose at infinity: the first's axes stay without their line"""
+    scene.show(display("Path", {"Buffer Length": 2, "Length": 0.12, "Pose Style": "Axes", "Radius": 0.01}))
+    invalid = oval_path_above()
+    invalid.poses[1].pose.position.z = math.inf
+    scene.publish("/p", oval_path(), oval_path_aside(), invalid)
+
+
+@case
+def path_arrows_quaternions_not_unit_length(scene):
+    """Path with Arrows, quaternions of several lengths other than 1"""
+    scene.show(
+        display("Path", {"Head Diameter": 0.06, "Pose Style": "Arrows", "Shaft Diameter": 0.02, "Shaft Length": 0.2})
+    )
+    path = oval_path()
+    for index, stamped in enumerate(path.poses):
+        q, factor = stamped.pose.orientation, 0.5 + 0.15 * index
+        q.x, q.y, q.z, q.w = (factor * part for part in (q.x, q.y, q.z, q.w))
+    scene.publish("/p", path)
+
+
+@case
 def path_lines(scene):
     """Path, Lines"""
     scene.camera(size=(640, 480), focal=(500, 500))

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Translation3, Vector3};
+use rcs_messages::geometry_msgs::PoseStamped;
 use rcs_messages::nav_msgs::Path;
 use rcs_messages::{AnyMessage, MessageKind, PlainTransform};
 use rcs_rviz_config::{LineStyle, PathSettings, PoseStyle};
@@ -78,7 +79,7 @@ impl PathDisplay {
         drawable(self.display, Translation3::from(origin).to_homogeneous(), geometry)
     }
 
-    fn symbols(&self, poses: &[Isometry3<f64>]) -> Vec<Drawable> {
+    fn symbols(&self, path: &Path, poses: &[Isometry3<f64>]) -> Vec<Drawable> {
         let settings = &self.settings;
         match settings.pose_style {
             PoseStyle::None => Vec::new(),
@@ -94,11 +95,25 @@ impl PathDisplay {
                     head_length_m: settings.head_length_m.into(),
                     head_diameter_m: settings.head_diameter_m.into(),
                 };
-                let pose = |pose: &Isometry3<f64>| arrow_pose(pose.translation.vector, &(pose.rotation * Vector3::x()));
-                arrows(self.display, &size, color, poses.iter().map(pose))
+                let pose = |(pose, stamped): (&Isometry3<f64>, &PoseStamped)| {
+                    arrow_pose(pose.translation.vector, &direction(pose, &PlainTransform::from(&stamped.pose)))
+                };
+                arrows(self.display, &size, color, poses.iter().zip(&path.poses).map(pose))
             }
         }
     }
+}
+
+/// Where an arrow points: along the pose's x, except that rviz turns by the quaternion as it is. One that is too long
+/// turns too far, one that is too short not far enough.
+fn direction(fixed_from_pose: &Isometry3<f64>, path_from_pose: &PlainTransform) -> Vector3<f64> {
+    let squared: f64 = path_from_pose.rotation_xyzw.iter().map(|part| part * part).sum();
+    let turned = fixed_from_pose.rotation * Vector3::x();
+    Vector3::x() + (turned - Vector3::x()) * squared
+}
+
+fn is_line(drawable: &Drawable) -> bool {
+    matches!(drawable.geometry, Geometry::Lines(_) | Geometry::Ribbons(_))
 }
 
 impl Display for PathDisplay {
@@ -124,11 +139,12 @@ impl Display for PathDisplay {
             let drawn: Vec<Drawable> = match self.poses(&path, &fixed_from_path) {
                 Some(poses) => {
                     self.statuses.remove("Message");
-                    std::iter::once(self.line(&poses)).chain(self.symbols(&poses)).collect()
+                    std::iter::once(self.line(&poses)).chain(self.symbols(&path, &poses)).collect()
                 }
                 None => {
                     self.statuses.set(Level::Error, "Message", InvalidFloats.to_string());
-                    Vec::new()
+                    // rviz clears the line that the path replaces before it looks at the numbers, the symbols after.
+                    self.history.next_to_go().iter().filter(|drawable| !is_line(drawable)).cloned().collect()
                 }
             };
             self.history.push(drawn);

@@ -39,6 +39,13 @@ impl History {
         self.drawables.as_slices().0
     }
 
+    /// What the next message will replace: what the oldest is drawn with where there are as many as are kept, else
+    /// nothing.
+    pub(crate) fn next_to_go(&self) -> &[Drawable] {
+        let count = self.counts.front().filter(|_| self.counts.len() >= self.length).copied().unwrap_or_default();
+        &self.drawables()[..count]
+    }
+
     /// Forgets all messages.
     pub(crate) fn clear(&mut self) {
         self.counts.clear();
@@ -77,5 +84,17 @@ mod tests {
         assert_eq!(shown(Some(4), &counts), [1, 1, 3, 3, 3, 4]);
         assert_eq!(shown(None, &counts), [0, 1, 1, 3, 3, 3, 4]);
         assert_eq!(shown(Some(1), &[2, 0]), [0_u32; 0]);
+    }
+
+    #[test]
+    fn the_next_to_go_is_the_oldest_message_once_there_are_as_many_as_are_kept() {
+        let material = Arc::new(Material::lit(Rgba::from_rgb8([255; 3], 1.0)));
+        let mut history = History::new(Some(2));
+        let mut next = Vec::new();
+        for (number, count) in [(0, 2), (1, 1), (2, 0), (3, 1)] {
+            next.push(history.next_to_go().iter().map(|drawable| drawable.display).collect::<Vec<_>>());
+            history.push((0..count).map(|_| solid(number, Shape::Cube, Matrix4::identity(), &material)));
+        }
+        assert_eq!(next, [vec![], vec![], vec![0, 0], vec![1]]);
     }
 }
