@@ -4,7 +4,7 @@
 # Cache variables:
 #   RVIZ_CAMERA_STREAM_PLUGIN  AUTO (default): built if rviz is found; ON: an error if it is not; OFF: never built
 #
-# Needs cargo_environment, rustc_program, workspace_root and the target folder of CMakeLists.txt.
+# Reads: prebuilt, or cargo_environment, rustc_program, workspace_root and the target folder of built_programs.cmake.
 set(RVIZ_CAMERA_STREAM_PLUGIN AUTO CACHE STRING "Build the rviz plugin CameraPub: AUTO, ON or OFF")
 set_property(CACHE RVIZ_CAMERA_STREAM_PLUGIN PROPERTY STRINGS AUTO ON OFF)
 
@@ -43,6 +43,9 @@ if(rviz_FOUND)
     endif()
   endif()
 endif()
+if(prebuilt AND NOT EXISTS "${prebuilt}/lib/rviz_camera_stream/librcs_capi.a")
+  list(APPEND plugin_missing "${prebuilt}/lib/rviz_camera_stream/librcs_capi.a")
+endif()
 if(plugin_missing)
   string(REPLACE ";" ", " plugin_missing "${plugin_missing}")
   if(RVIZ_CAMERA_STREAM_PLUGIN STREQUAL "ON")
@@ -56,15 +59,21 @@ message(STATUS "rviz_camera_stream: the rviz plugin is built for rviz ${rviz_VER
 
 # --- the Rust core as a static library --------------------------------------------------------------------------------
 
-set(plugin_core "${RVIZ_CAMERA_STREAM_TARGET_DIR}/release/librcs_capi.a")
-add_custom_target(rviz_camera_stream_core
-  COMMAND "${CMAKE_COMMAND}" -E env --unset=MAKEFLAGS --unset=MFLAGS --unset=MAKELEVEL ${cargo_environment}
-    "CARGO_TARGET_DIR=${RVIZ_CAMERA_STREAM_TARGET_DIR}" "RUSTC=${rustc_program}"
-    "${RVIZ_CAMERA_STREAM_CARGO}" build --release --locked -p rcs_capi --lib
-  BYPRODUCTS "${plugin_core}"
-  WORKING_DIRECTORY "${workspace_root}"
-  COMMENT "cargo builds the rviz plugin's core"
-  VERBATIM)
+if(prebuilt)
+  # An installed package has it beside the programs.
+  set(plugin_core "${prebuilt}/lib/rviz_camera_stream/librcs_capi.a")
+  add_custom_target(rviz_camera_stream_core)
+else()
+  set(plugin_core "${RVIZ_CAMERA_STREAM_TARGET_DIR}/release/librcs_capi.a")
+  add_custom_target(rviz_camera_stream_core
+    COMMAND "${CMAKE_COMMAND}" -E env --unset=MAKEFLAGS --unset=MFLAGS --unset=MAKELEVEL ${cargo_environment}
+      "CARGO_TARGET_DIR=${RVIZ_CAMERA_STREAM_TARGET_DIR}" "RUSTC=${rustc_program}"
+      "${RVIZ_CAMERA_STREAM_CARGO}" build --release --locked -p rcs_capi --lib
+    BYPRODUCTS "${plugin_core}"
+    WORKING_DIRECTORY "${workspace_root}"
+    COMMENT "cargo builds the rviz plugin's core"
+    VERBATIM)
+endif()
 
 # --- the plugin -------------------------------------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ mod catkin;
 mod demo;
 mod files;
 mod launch;
+mod packages;
 mod test_command;
 
 use std::path::Path;

@@ -1,6 +1,7 @@
 //! The programs, one folder each, and what they share: logging, and the life cycle of a ROS node.
 #![forbid(unsafe_code)]
 
+pub mod all_programs;
 pub mod camera_stream;
 mod frames;
 pub mod line_of_sight;

@@ -1,0 +1,78 @@
+# Finds the message definitions from which cargo generates the Rust types, and the environment in which it does.
+#
+# Sets: cargo_environment, the arguments of `cmake -E env` with which cargo is to be called.
+#
+#catkin_lint: ignore env_var
+
+# Only the folders that hold these packages are passed on: rosrust_msg reads everything below the folders that it is given,
+# and would be rebuilt whenever anything in the user's workspace changes.
+set(message_packages actionlib_msgs diagnostic_msgs geometry_msgs map_msgs nav_msgs rosgraph_msgs sensor_msgs std_msgs std_srvs
+  tf2_msgs visualization_msgs)
+string(REPLACE ":" ";" ros_package_path "$ENV{ROS_PACKAGE_PATH}")
+string(REPLACE ":" ";" environment_prefix_path "$ENV{CMAKE_PREFIX_PATH}")
+set(prefixes)
+set(package_folders)
+set(overlay_packages)
+foreach(package ${message_packages})
+  set(found)
+  foreach(prefix ${CMAKE_PREFIX_PATH} ${environment_prefix_path} /usr)
+    if(NOT found AND (EXISTS "${prefix}/share/${package}/msg" OR EXISTS "${prefix}/share/${package}/srv"))
+      set(found TRUE)
+      list(APPEND prefixes "${prefix}")
+    endif()
+  endforeach()
+  foreach(folder ${ros_package_path})
+    if(EXISTS "${folder}/${package}/msg" OR EXISTS "${folder}/${package}/srv")
+      set(found TRUE)
+      list(APPEND package_folders "${folder}")
+    endif()
+  endforeach()
+  if(NOT found)
+    # Built from source beside this package.
+    foreach(folder ${ros_package_path} ${CMAKE_SOURCE_DIR})
+      file(GLOB candidates "${folder}/${package}/package.xml" "${folder}/*/${package}/package.xml")
+      foreach(candidate ${candidates})
+        if(NOT found)
+          set(found TRUE)
+          get_filename_component(candidate_folder "${candidate}" DIRECTORY)
+          list(APPEND overlay_packages "${candidate_folder}")
+        endif()
+      endforeach()
+    endforeach()
+  endif()
+  if(NOT found)
+    string(REPLACE "_" "-" dashed "${package}")
+    message(FATAL_ERROR "The message definitions of ${package} are nowhere on CMAKE_PREFIX_PATH or ROS_PACKAGE_PATH. \
+Get them with: apt install ros-${dashed} (Debian) or apt install ros-$ROS_DISTRO-${dashed} (Ubuntu), \
+or source the setup file of the workspace that has them")
+  endif()
+endforeach()
+foreach(paths prefixes package_folders overlay_packages)
+  if("${${paths}}" MATCHES ".")
+    list(REMOVE_DUPLICATES ${paths})
+  endif()
+  string(REPLACE ";" ":" ${paths} "${${paths}}")
+endforeach()
+# A workspace's folders leave PKG_CONFIG_PATH: the Rust libraries that look there are compiled again whenever it changes.
+set(pkg_config_folders)
+string(REPLACE ":" ";" environment_pkg_config_path "$ENV{PKG_CONFIG_PATH}")
+foreach(folder ${environment_pkg_config_path})
+  foreach(prefix ${CMAKE_PREFIX_PATH} ${environment_prefix_path})
+    string(FIND "${folder}/" "${prefix}/lib/" position)
+    if(position EQUAL 0)
+      set(folder)
+    endif()
+  endforeach()
+  list(APPEND pkg_config_folders ${folder})
+endforeach()
+string(REPLACE ";" ":" pkg_config_folders "${pkg_config_folders}")
+set(cargo_environment "CMAKE_PREFIX_PATH=${prefixes}")
+foreach(variable_and_value "ROS_PACKAGE_PATH=${package_folders}" "ROSRUST_MSG_PATH=${overlay_packages}"
+    "PKG_CONFIG_PATH=${pkg_config_folders}")
+  if(variable_and_value MATCHES "=.")
+    list(APPEND cargo_environment "${variable_and_value}")
+  else()
+    string(REPLACE "=" "" variable "${variable_and_value}")
+    list(INSERT cargo_environment 0 "--unset=${variable}")
+  endif()
+endforeach()

@@ -1,0 +1,59 @@
+"""The distributions that packages are made for: where their ROS lies and what they call its packages."""
+
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+
+# Debian's Debian packages, where their names do not follow from ROS's: programs and Python modules of ROS's tools.
+DEBIAN_NAMES = {
+    'roslaunch': 'python3-roslaunch',
+    'rostopic': 'python3-rostopic',
+    'rospy': 'python3-rospy',
+    'genpy': 'python3-genpy',
+    'image_view': 'ros-image-view',
+}
+# What only one launch argument needs: installed with the package by default, which works without it.
+RECOMMENDED = {'image_view'}
+# What only rviz's plugin needs: a robot has neither.
+OF_THE_PLUGIN = {'image_transport', 'rviz'}
+LIBC = 'libc6 (>= 2.27)'
+# Videos, and drawing on a GPU.
+SUGGESTED = 'ffmpeg, libvulkan1, mesa-vulkan-drivers'
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """One of ROS's distributions on one of Linux's."""
+    package: str
+    prefix: str
+    python: str
+    # The name in the changelog.
+    suite: str
+    # For /opt/ros/DISTRO: what the packages' names begin with. Debian's own have none in common.
+    name_prefix: str = ''
+
+    def package_of(self, ros_package):
+        """The Debian package of a ROS package."""
+        dashed = ros_package.replace('_', '-')
+        if self.name_prefix:
+            return self.name_prefix + dashed
+        # Debian has the Python modules of messages in packages of their own: rostopic needs them, the programs nothing.
+        return DEBIAN_NAMES.get(ros_package) or 'python3-' + dashed
+
+    def relations(self, package_xml):
+        """The fields Depends, Recommends and Suggests for what a package.xml says that the package runs with."""
+        root = ElementTree.parse(package_xml).getroot()
+        names = sorted({tag.text.strip() for kind in ('exec_depend', 'depend') for tag in root.findall(kind)})
+        depends = [LIBC] + [self.package_of(name) for name in names if name not in RECOMMENDED | OF_THE_PLUGIN]
+        depends.append('python3' if self.python == '/usr/bin/python3' else 'python')
+        return {
+            'Depends': ', '.join(sorted(depends)),
+            'Recommends': ', '.join(self.package_of(name) for name in names if name in RECOMMENDED),
+            'Suggests': SUGGESTED,
+        }
+
+
+DISTRIBUTIONS = [
+    Distribution('ros-melodic-rviz-camera-stream', '/opt/ros/melodic', '/usr/bin/python2', 'bionic', 'ros-melodic-'),
+    Distribution('ros-noetic-rviz-camera-stream', '/opt/ros/noetic', '/usr/bin/python3', 'focal', 'ros-noetic-'),
+    Distribution('ros-rviz-camera-stream', '/usr', '/usr/bin/python3', 'bookworm'),
+]
