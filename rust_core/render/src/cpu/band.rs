@@ -111,6 +111,16 @@ impl Band<'_> {
         (begin, &mut self.color[range.clone()], &mut self.depth[range])
     }
 
+    /// The colour and the depth of one pixel, if it is one of the band's.
+    #[inline(always)]
+    pub(super) fn pixel(&mut self, x: i32, y: i32) -> Option<(&mut u32, &mut f32)> {
+        if x < 0 || x >= self.width || y < self.first_row || y >= self.end_row {
+            return None;
+        }
+        let at = (y - self.first_row) as usize * self.stride + x as usize;
+        Some((self.color.get_mut(at)?, self.depth.get_mut(at)?))
+    }
+
     /// [`LANES`] pixels from `begin` on of each row of a range. All must be the band's.
     #[inline(always)]
     pub(super) fn for_windows(&mut self, rows: Range<i32>, begin: i32, mut work: impl FnMut(Window<'_>)) {
