@@ -73,11 +73,13 @@ impl Solids {
 
 impl Solid {
     /// Its shape: the index in [`Solids::shapes`].
+    #[inline]
     pub fn shape(&self) -> usize {
         self.shape as usize
     }
 
     /// Whether it goes with the translucent drawables, as [`Material::lit`] decides it.
+    #[inline]
     pub fn is_translucent(&self) -> bool {
         self.color.a < Material::OPAQUE_FROM_ALPHA
     }

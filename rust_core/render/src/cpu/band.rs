@@ -111,6 +111,16 @@ impl Band<'_> {
         (begin, &mut self.color[range.clone()], &mut self.depth[range])
     }
 
+    /// The colour and the depth of one pixel, if it is one of the band's.
+    #[inline(always)]
+    pub(super) fn pixel(&mut self, x: i32, y: i32) -> Option<(&mut u32, &mut f32)> {
+        if x < 0 || x >= self.width || y < self.first_row || y >= self.end_row {
+            return None;
+        }
+        let at = (y - self.first_row) as usize * self.stride + x as usize;
+        Some((self.color.get_mut(at)?, self.depth.get_mut(at)?))
+    }
+
     /// [`LANES`] pixels from `begin` on of each row of a range. All must be the band's.
     #[inline(always)]
     pub(super) fn for_windows(&mut self, rows: Range<i32>, begin: i32, mut work: impl FnMut(Window<'_>)) {
@@ -181,6 +191,29 @@ impl Band<'_> {
         let (colors, depths) = (&mut self.color[range.clone()], &mut self.depth[range.clone()]);
         let pixels = colors.iter_mut().zip(depths).zip(&mut self.rank[range]);
         (begin, pixels.map(|((color, depth), rank)| (color, depth, rank)))
+    }
+
+    /// The smallest area with all pixels of an area of the band that are not nearer than a depth; `None` where all are.
+    #[inline(always)]
+    pub(super) fn area_from_depth<S: Simd>(&self, simd: S, area: Area, depth: f32) -> Option<Area> {
+        let mut seen: Option<Area> = None;
+        let mut at = (area.top - self.first_row) as usize * self.stride + area.left as usize;
+        for y in area.top..area.bottom {
+            for (begin, x) in (at..).step_by(LANES).zip((area.left..area.right).step_by(LANES)) {
+                // What sticks out of the area is nothing.
+                let there = u32::MAX >> (u32::BITS - (area.right - x).min(LANES as i32) as u32);
+                let depths = self.depth.get(begin..).and_then(<[f32]>::first_chunk)?;
+                let mask = F::load_array_ref(simd, depths).simd_ge(depth).to_bitmask() as u32 & there;
+                if mask != 0 {
+                    let seen = seen.get_or_insert(Area { left: i32::MAX, right: 0, top: y, bottom: y });
+                    seen.left = seen.left.min(x + mask.trailing_zeros() as i32);
+                    seen.right = seen.right.max(x + (u32::BITS - mask.leading_zeros()) as i32);
+                    seen.bottom = y + 1;
+                }
+            }
+            at += self.stride;
+        }
+        seen
     }
 
     /// How far away a tile's pixels are at most, as one depth or as a plane of these changes to the right and down, and

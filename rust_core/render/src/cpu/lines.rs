@@ -7,8 +7,12 @@
 
 use std::ops::Range;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, Simd};
+
 use super::band::{meet, unorm8, Band, Mode};
 use super::clip::{clip_line, ClipVertex};
+use super::lanes::{lane_indices, F, LANES};
 use super::screen::{snap, Screen, FARTHEST, SUBPIXELS};
 
 /// A line that is ready to be drawn. "Along" is the axis with one pixel a step: x for a flat line, y for a steep one.
@@ -133,37 +137,48 @@ impl Line {
 
     /// Draws the rows of a band.
     pub(super) fn draw(&self, band: &mut Band<'_>) {
+        dispatch!(band.simd_level, simd => self.draw_by_lanes(simd, band));
+    }
+
+    #[inline(always)]
+    fn draw_by_lanes<S: Simd>(&self, simd: S, band: &mut Band<'_>) {
         let length = (self.end.along - self.begin.along).max(f32::MIN_POSITIVE);
-        let (begin_w, end_w) = (self.begin.inverse_w, self.end.inverse_w);
-        let least_w = 0.5 * begin_w.min(end_w);
-        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
         // Of one colour at both ends.
         let single = self.begin.color.iter().zip(&self.end.color).all(|(a, b)| a == b);
         let single = single.then(|| self.begin.color.map(unorm8));
         let steps = self.steps(band);
-        for (along, across) in steps.clone().zip(Across::new(&self.ends, steps.start)) {
-            let (x, y) = if self.steep { (across, along) } else { (along, across) };
-            if y < band.first_row || y >= band.end_row {
-                continue;
-            }
-            let (_, colors, depths) = band.span(y, x, x + 1);
-            if let (Some(pixel), Some(depth)) = (colors.first_mut(), depths.first_mut()) {
-                let t = (along as f32 - self.begin.along) / length;
-                let depth_there = mix(self.begin.depth, self.end.depth, t).clamp(0.0, FARTHEST);
-                if self.mode.depth_test && depth_there > *depth {
+        let mut across = Across::new(&self.ends, steps.start);
+        for begin in steps.clone().step_by(LANES) {
+            let t = (lane_indices(simd).to_float::<F<S>>() + begin as f32 - self.begin.along) / length;
+            let depths = t * (self.end.depth - self.begin.depth) + self.begin.depth;
+            // NaN stays.
+            let depths = depths.simd_lt(0.0).select(F::splat(simd, 0.0), depths);
+            let depths = depths.simd_gt(FARTHEST).select(F::splat(simd, FARTHEST), depths);
+            let (t, depths) = (t.to_array(), depths.to_array());
+            for (lane, along) in (begin..steps.end).take(LANES).enumerate() {
+                let across = across.step();
+                let (x, y) = if self.steep { (across, along) } else { (along, across) };
+                let Some((pixel, depth)) = band.pixel(x, y) else { continue };
+                if self.mode.depth_test && depths[lane] > *depth {
                     continue;
                 }
-                let color = single.unwrap_or_else(|| {
-                    // A line that runs towards the eye within a pixel could be extended past it.
-                    let w = 1.0 / mix(begin_w, end_w, t).max(least_w);
-                    [0, 1, 2, 3].map(|i| {
-                        let (a, b) = (self.begin.color[i], self.end.color[i]);
-                        unorm8(if a == b { a } else { mix(a * begin_w, b * end_w, t) * w })
-                    })
-                });
-                meet(pixel, depth, depth_there, color, self.mode);
+                let color = single.unwrap_or_else(|| self.color(t[lane]));
+                meet(pixel, depth, depths[lane], color, self.mode);
             }
         }
+    }
+
+    /// The colour at a share of the way.
+    fn color(&self, t: f32) -> [u8; 4] {
+        let (begin_w, end_w) = (self.begin.inverse_w, self.end.inverse_w);
+        let least_w = 0.5 * begin_w.min(end_w);
+        let mix = |a: f32, b: f32| a + (b - a) * t;
+        // A line that runs towards the eye within a pixel could be extended past it.
+        let w = 1.0 / mix(begin_w, end_w).max(least_w);
+        [0, 1, 2, 3].map(|i| {
+            let (a, b) = (self.begin.color[i], self.end.color[i]);
+            unorm8(if a == b { a } else { mix(a * begin_w, b * end_w) * w })
+        })
     }
 }
 
@@ -196,11 +211,10 @@ impl Across {
     }
 }
 
-impl Iterator for Across {
-    type Item = i32;
-
-    #[inline]
-    fn next(&mut self) -> Option<i32> {
+impl Across {
+    /// The pixel across, and goes on to the next pixel along.
+    #[inline(always)]
+    fn step(&mut self) -> i32 {
         let across = self.across;
         self.across += self.step;
         self.rest += self.rest_step;
@@ -208,7 +222,7 @@ impl Iterator for Across {
             self.rest -= self.divisor;
             self.across -= 1;
         }
-        Some(across as i32)
+        across as i32
     }
 }
 
@@ -227,8 +241,9 @@ mod tests {
             let begin = [next(200_000), next(200_000)];
             let ends = [begin, [begin[0] + next(150_000).abs(), begin[1] + next(300_000)]];
             let first = next(700);
-            for (along, across) in (first..first + 300).zip(Across::new(&ends, first)) {
-                assert_eq!(across, Across::new(&ends, along).next().unwrap_or(0));
+            let mut across = Across::new(&ends, first);
+            for along in first..first + 300 {
+                assert_eq!(across.step(), Across::new(&ends, along).step());
             }
         }
     }

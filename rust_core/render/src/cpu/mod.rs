@@ -21,6 +21,7 @@ mod band;
 mod bins;
 mod clip;
 mod costs;
+mod cover;
 mod depths;
 mod fill;
 mod frame_plan;

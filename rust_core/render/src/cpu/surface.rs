@@ -103,7 +103,12 @@ impl Surface {
         let bytes = match &self.paint {
             Paint::Color => color.map(unorm8),
             Paint::Texture(texture) => {
-                let texel = texture.sample(uv, footprint);
+                let texel = if self.mode == Mode::TRANSLUCENT {
+                    // What is fully transparent leaves a pixel as it is.
+                    texture.sample_visible(uv, footprint)?
+                } else {
+                    texture.sample(uv, footprint)
+                };
                 [0, 1, 2, 3].map(|i| unorm8(color[i] * texel[i]))
             }
             Paint::Cells(sheet) => cell_color(sheet, uv),

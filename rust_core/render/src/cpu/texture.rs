@@ -46,17 +46,38 @@ impl MipTexture {
     /// The texture's colour, each channel 0 to 1. Where it matters, `footprint` gives the change of the texture
     /// coordinates to the next pixel along the row and along the column.
     #[inline]
-    pub(super) fn sample(&self, [u, v]: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> [f32; 4] {
+    pub(super) fn sample(&self, uv: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> [f32; 4] {
+        self.sample_unless(|_| false, uv, footprint).unwrap_or([1.0; 4])
+    }
+
+    /// As [`Self::sample`]; `None` where nothing of the texture is there: where all texels are transparent that the
+    /// colour is made of, as over most of a glyph.
+    #[inline]
+    pub(super) fn sample_visible(&self, uv: [f32; 2], footprint: impl Fn() -> [[f32; 2]; 2]) -> Option<[f32; 4]> {
+        self.sample_unless(|texels| texels.as_flattened().iter().all(|[.., alpha]| *alpha == 0), uv, footprint)
+    }
+
+    #[inline]
+    fn sample_unless(
+        &self,
+        is_nothing: impl Fn(&[[[u8; 4]; 2]; 2]) -> bool,
+        [u, v]: [f32; 2],
+        footprint: impl Fn() -> [[f32; 2]; 2],
+    ) -> Option<[f32; 4]> {
         let level = self.level(if self.smaller.is_empty() { 0 } else { self.level_for(footprint()) });
         let wrapping = self.full.wrapping;
         let (x, y) = (u * level.width as f32, v * level.height as f32);
         if self.full.filtering == Filtering::Nearest {
-            return level.texel(wrapping, floor(x).0, floor(y).0).map(|c| f32::from(c) / 255.0);
+            return Some(level.texel(wrapping, floor(x).0, floor(y).0).map(|c| f32::from(c) / 255.0));
         }
         let ((x0, fx), (y0, fy)) = (floor(x - 0.5), floor(y - 0.5));
-        let [[a, b], [c, d]] = level.four_texels(wrapping, x0, y0).map(|row| row.map(lanes));
+        let texels = level.four_texels(wrapping, x0, y0);
+        if is_nothing(&texels) {
+            return None;
+        }
+        let [[a, b], [c, d]] = texels.map(|row| row.map(lanes));
         let (top, bottom) = (a + (b - a) * f32x4::splat(fx), c + (d - c) * f32x4::splat(fx));
-        ((top + (bottom - top) * f32x4::splat(fy)) / f32x4::splat(255.0)).to_array()
+        Some(((top + (bottom - top) * f32x4::splat(fy)) / f32x4::splat(255.0)).to_array())
     }
 
     fn level(&self, index: usize) -> MipLevel<'_> {
@@ -186,6 +207,17 @@ mod tests {
         let texture = gradient(Filtering::BilinearMipmap, Wrapping::Repeat);
         assert!((red(&texture, 0.7, 0.7, 1.0) - 120.0).abs() < 1e-3);
         assert!((red(&texture, 0.25, 0.25, 0.5) - 40.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn nothing_is_seen_where_all_texels_around_are_transparent() {
+        let mut rgba = vec![[9, 9, 9, 0]; 16];
+        rgba[15] = [255; 4];
+        let (filtering, wrapping) = (Filtering::Bilinear, Wrapping::Clamp);
+        let texture = MipTexture::new(&Arc::new(Texture { width: 4, height: 4, rgba, filtering, wrapping }));
+        let at = |place: f32| texture.sample_visible([place; 2], || [[0.0; 2]; 2]);
+        assert_eq!((at(0.0), at(0.6)), (None, None));
+        assert_eq!(at(0.65), Some(texture.sample([0.65; 2], || [[0.0; 2]; 2])));
     }
 
     #[test]

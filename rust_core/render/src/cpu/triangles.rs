@@ -195,14 +195,34 @@ pub(super) fn draw(corners: [&Corner; 3], surface: &Surface, band: &mut Band<'_>
     });
 }
 
-/// Draws the rows of a band of a small opaque triangle in its colour, not in its turn but with its rank in it.
-pub(super) fn draw_among(corners: [&Corner; 3], surface: &Surface, rank: u32, band: &mut Band<'_>) {
+/// Draws the pixels of a small triangle, given the rows that it covers.
+pub(super) fn draw_rows(
+    corners: [&Corner; 3],
+    surface: &Surface,
+    rows: impl Iterator<Item = (i32, i32, i32)>,
+    band: &mut Band<'_>,
+) {
     let Some((corners, area)) = clockwise(corners) else { return };
-    let mut planes = None;
-    for_rows(corners.map(|corner| &corner.position), band, |y, first, after, band| {
-        let planes = planes.get_or_insert_with(|| Planes::new(corners, area, surface));
+    let planes = Planes::new(corners, area, surface);
+    for (y, first, after) in rows {
+        planes.draw_row(surface, y, first, after, band);
+    }
+}
+
+/// Draws the pixels of a small opaque triangle in its colour, given the rows that it covers, not in its turn but with
+/// its rank in it.
+pub(super) fn draw_among(
+    corners: [&Corner; 3],
+    surface: &Surface,
+    rows: impl Iterator<Item = (i32, i32, i32)>,
+    rank: u32,
+    band: &mut Band<'_>,
+) {
+    let Some((corners, area)) = clockwise(corners) else { return };
+    let planes = Planes::new(corners, area, surface);
+    for (y, first, after) in rows {
         planes.draw_row_among(y, first, after, rank, band);
-    });
+    }
 }
 
 /// The corners in the order in which the inside is on the right of each edge as the picture shows it, and twice the

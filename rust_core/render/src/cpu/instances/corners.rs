@@ -6,6 +6,7 @@ use rcs_scene::{Material, Mesh, Text, Vertex};
 use super::crowd::Turn;
 use super::shape::Shape;
 use crate::cpu::clip::Outside;
+use crate::cpu::cover::Cover;
 use crate::cpu::lanes::{load, map, store_whole, transform, whole, F, LANES};
 use crate::cpu::lighting::vertex_color;
 use crate::cpu::screen::{ObjectTransform, Screen, SUBPIXELS};
@@ -44,13 +45,16 @@ impl Source<'_> {
 /// The memory of a thread that makes things ready and draws them.
 #[derive(Debug, Default)]
 pub(in crate::cpu) struct InstanceScratch {
-    /// The snapped places of a solid's vertices, and the gaps between pixel centres that they are in.
+    /// The snapped places of a solid's corners, and the gaps between pixel centres that they are in.
     pub(super) x: Vec<i32>,
     pub(super) y: Vec<i32>,
     pub(super) gaps: Vec<i32>,
     /// Of a solid of a crowd, the triangles that may be seen.
     pub(super) seen: Vec<u32>,
-    /// A crowd's solids in a band, as [`Turn`] orders them.
+    /// What some of them cover.
+    pub(super) cover: Cover,
+    /// A crowd's solids in a band: their jobs and their numbers there, and how [`Turn`] orders them.
+    pub(super) listed: Vec<[u32; 2]>,
     pub(super) turns: Vec<Turn>,
     /// For each job of a crowd the first of its ranks.
     pub(super) ranks: Vec<u32>,
@@ -78,10 +82,10 @@ impl InstanceScratch {
         self.generation += 1;
     }
 
-    /// The snapped place of a vertex of the solid whose vertices were placed.
+    /// A snapped place of the solid whose vertices were placed.
     #[inline]
-    pub(super) fn place_of(&self, vertex: u32) -> [i32; 2] {
-        [&self.x, &self.y].map(|all| all.get(vertex as usize).copied().unwrap_or_default())
+    pub(super) fn place_of(&self, place: u32) -> [i32; 2] {
+        [&self.x, &self.y].map(|all| all.get(place as usize).copied().unwrap_or_default())
     }
 
     /// A corner; without its colour unless `light`.

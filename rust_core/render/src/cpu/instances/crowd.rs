@@ -8,7 +8,8 @@ use fearless_simd::dispatch;
 use rcs_scene::Material;
 
 use super::batch::{Batch, BatchPiece, BatchView};
-use super::corners::{place_vertices, InstanceScratch, Source, Vertices};
+use super::corners::{InstanceScratch, Source, Vertices};
+use super::covered::{self, for_covered};
 use super::reach::{reach, Footprint, Reach};
 use super::{sieve, Instances};
 use crate::cpu::band::Band;
@@ -20,16 +21,17 @@ use crate::cpu::triangles;
 /// A solid that may be seen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member {
-    /// The number of its first triangle.
+    /// The number of its first triangle, and how many it has.
     first: u32,
+    triangles: u32,
     batch: u32,
     /// Index of the solid.
     item: u32,
     footprint: Footprint,
 }
 
-/// A member in a band: by depth, then in any order.
-pub(super) type Turn = [u32; 3];
+/// A member in a band: the bits of its least depth, and below them its place in the band's list.
+pub(super) type Turn = u64;
 
 impl Instances {
     /// Works out where some solids are on the picture. Those that reach out of it are made ready as any others.
@@ -49,8 +51,9 @@ impl Instances {
                 Some(Reach::Inside(footprint)) if footprint.is_small() => {
                     let [top, bottom] = footprint.rows.map(|row| row.clamp(0, screen.height_px as i32) as u32);
                     self.member_bins.add(self.members.len() as u32, top, bottom);
-                    self.members.push(Member { first: self.next, batch, item, footprint });
-                    self.next += placed.shape.triangles.len() as u32;
+                    let (first, triangles) = (self.next, placed.shape.triangles.len() as u32);
+                    self.members.push(Member { first, triangles, batch, item, footprint });
+                    self.next += triangles;
                 }
                 _ => self.add_mesh(placed, [batch, item], view, screen, scratch),
             }
@@ -68,13 +71,16 @@ impl Instances {
     ) {
         let triangles = jobs.iter().map(|job| job.as_ref().next as usize).sum();
         let Some(first_rank) = ranked.begin_again_for(triangles, band) else { return };
-        let mut turns = std::mem::take(&mut scratch.turns);
+        let (mut turns, mut listed) = (std::mem::take(&mut scratch.turns), std::mem::take(&mut scratch.listed));
         turns.clear();
+        listed.clear();
         for (job, instances) in (0..).zip(jobs) {
             let instances = instances.as_ref();
-            let depth = |member: u32| instances.members.get(member as usize).map_or(0.0, |m| m.footprint.least_depth);
-            turns
-                .extend(instances.member_bins.band(index).iter().map(|&member| [depth(member).to_bits(), job, member]));
+            for &number in instances.member_bins.band(index) {
+                let Some(member) = instances.members.get(number as usize) else { continue };
+                turns.push(Turn::from(member.footprint.least_depth.to_bits()) << u32::BITS | listed.len() as Turn);
+                listed.push([job, number]);
+            }
         }
         // Of numbers that are not negative, the larger one has the larger bits.
         turns.sort_unstable();
@@ -84,13 +90,14 @@ impl Instances {
             *next += job.as_ref().next;
             Some(first)
         }));
-        for &[_, job, member] in &turns {
+        for &turn in &turns {
+            let Some(&[job, member]) = listed.get(turn as u32 as usize) else { continue };
             let instances = jobs.get(job as usize).map(AsRef::as_ref);
             let member = instances.and_then(|instances| instances.members.get(member as usize));
             let (Some(member), Some(&first_rank)) = (member, scratch.ranks.get(job as usize)) else { continue };
             member.draw(first_rank + member.first, (batches, view), screen, scratch, ranked, band);
         }
-        scratch.turns = turns;
+        (scratch.turns, scratch.listed) = (turns, listed);
         for (job, instances) in jobs.iter().enumerate() {
             let Some(&first_rank) = scratch.ranks.get(job) else { continue };
             let instances = instances.as_ref();
@@ -122,38 +129,12 @@ impl Member {
         if area.left >= area.right || area.top >= area.bottom {
             return;
         }
-        let Some(Batch::Solids(solids, shapes)) = batches.get(self.batch as usize) else { return };
-        let shape = solids.as_slice().get(self.item as usize).and_then(|solid| shapes.get(solid.shape()));
-        let Some(shape) = shape else { return };
-        let (nearest, last_rank) =
-            (DepthPlane::level(self.footprint.least_depth), first_rank + shape.triangles.len() as u32);
-        let occluders = &mut ranked.occluders;
-        if dispatch!(screen.simd_level, simd => occluders.hides(simd, &nearest, last_rank, area)) {
+        let (nearest, last_rank) = (DepthPlane::level(self.footprint.least_depth), first_rank + self.triangles);
+        if dispatch!(screen.simd_level, simd => ranked.occluders.hides(simd, &nearest, last_rank, area)) {
             return;
         }
-        let mut is_drawn = false;
-        self.with_source(batches, view, screen, scratch, band, |corners, source, triangle, scratch, band| {
-            let mut place = |key| scratch.corner(key, source, screen, true);
-            if let [Some((a, _)), Some((b, _)), Some((c, _))] = corners.map(&mut place) {
-                triangles::draw_among([&a, &b, &c], source.surface, first_rank + triangle, band);
-                is_drawn = true;
-            }
-        });
-        if is_drawn {
-            dispatch!(screen.simd_level, simd => occluders.look(simd, band, area));
-        }
-    }
-
-    /// Passes on the corners of each triangle that may be seen in the band, and its number.
-    fn with_source(
-        &self,
-        batches: &[Batch<'_>],
-        view: &BatchView<'_>,
-        screen: &Screen,
-        scratch: &mut InstanceScratch,
-        band: &mut Band<'_>,
-        mut work: impl FnMut([u32; 3], &Source<'_>, u32, &mut InstanceScratch, &mut Band<'_>),
-    ) {
+        let from = self.footprint.least_depth;
+        let Some(area) = dispatch!(screen.simd_level, simd => band.area_from_depth(simd, area, from)) else { return };
         let Some(Batch::Solids(solids, shapes)) = batches.get(self.batch as usize) else { return };
         let Some(solid) = solids.as_slice().get(self.item as usize) else { return };
         let (mesh, shape) = (solids.shapes().get(solid.shape()), shapes.get(solid.shape()));
@@ -161,19 +142,18 @@ impl Member {
         let transform = view.transform(&(view.view_from_fixed * solid.matrix()));
         let (material, surface) = (&Material::lit(solid.color), view.surface_of_solid(solid));
         let source = Source { vertices: Vertices::Mesh(mesh), material, transform: &transform, surface };
-        let rows = &transform.clip_from_object;
-        dispatch!(screen.simd_level, simd => place_vertices(simd, shape, rows, screen, scratch));
-        scratch.begin();
+        covered::place(shape, &source, screen, scratch);
         sieve(shape, surface, scratch);
-        let seen = std::mem::take(&mut scratch.seen);
-        for &triangle in &seen {
-            let Some(&corners) = shape.triangles.get(triangle as usize) else { continue };
-            let places = corners.map(|corner| scratch.place_of(corner));
-            let (begin, end) = triangles::between(places[0][1], places[1][1], places[2][1]);
-            if begin < band.end_row && end > band.first_row && triangles::covers_any_centre(places) {
-                work(corners, &source, triangle, scratch, band);
-            }
+        let (seen, mut cover) = (std::mem::take(&mut scratch.seen), std::mem::take(&mut scratch.cover));
+        let mut is_drawn = false;
+        let (numbers, view) = (seen.iter().copied(), (&source, area, screen));
+        for_covered((shape, numbers), view, scratch, &mut cover, |corners, triangle, rows| {
+            triangles::draw_among(corners, surface, rows, first_rank + triangle, band);
+            is_drawn = true;
+        });
+        (scratch.seen, scratch.cover) = (seen, cover);
+        if is_drawn {
+            dispatch!(screen.simd_level, simd => ranked.occluders.look(simd, band, area));
         }
-        scratch.seen = seen;
     }
 }

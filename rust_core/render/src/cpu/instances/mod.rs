@@ -17,6 +17,7 @@
 
 mod batch;
 mod corners;
+mod covered;
 mod crowd;
 mod reach;
 mod shape;
@@ -30,6 +31,7 @@ use rcs_scene::{CullMode, Drawable, Glyph, Material, Mesh, Text};
 pub(super) use self::batch::{Batch, BatchPiece, BatchView, SmallMesh};
 pub(super) use self::corners::InstanceScratch;
 use self::corners::{place_vertices, Source, Vertices};
+use self::covered::for_covered;
 use self::crowd::Member;
 use self::reach::{reach, Reach, ShapeBounds};
 use self::shape::Shape;
@@ -38,6 +40,8 @@ use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
 use crate::cpu::clip::{ClipVertex, Outside};
 use crate::cpu::fill::can_fill;
+use crate::cpu::lanes::LANES;
+use crate::cpu::occlusion::Area;
 use crate::cpu::ranked::{in_chunk, Extent, Load, RankedScratch};
 use crate::cpu::screen::{ObjectTransform, Screen};
 use crate::cpu::surface::{DepthBias, Surface};
@@ -56,6 +60,8 @@ struct Placed {
     item: u32,
     /// A triangle may have to be cut.
     may_be_cut: bool,
+    /// It is a solid inside the view and has a small footprint.
+    is_small: bool,
     transform: ObjectTransform,
 }
 
@@ -146,7 +152,8 @@ impl Instances {
         };
         if is_seen {
             let transform = view.transform(&view_from_object);
-            self.placed.push(Placed { first, batch, item, may_be_cut: !is_inside, transform });
+            let is_small = matches!(reach, Reach::Inside(footprint) if footprint.is_small());
+            self.placed.push(Placed { first, batch, item, may_be_cut: !is_inside, is_small, transform });
             self.next += shape.triangles.len() as u32;
         }
     }
@@ -157,8 +164,8 @@ impl Instances {
         sieve(shape, surface, scratch);
         let mut is_seen = false;
         for &triangle in &scratch.seen {
-            let Some(corners) = shape.triangles.get(triangle as usize) else { continue };
-            let places = corners.map(|corner| scratch.place_of(corner));
+            let Some(places) = shape.places.get(triangle as usize) else { continue };
+            let places = places.map(|place| scratch.place_of(place));
             if !triangles::covers_any_centre(places) {
                 continue;
             }
@@ -204,7 +211,7 @@ impl Instances {
             }
         }
         if is_seen {
-            self.placed.push(Placed { first, batch, item, may_be_cut: true, transform });
+            self.placed.push(Placed { first, batch, item, may_be_cut: true, is_small: false, transform });
             self.next += 2 * range.len() as u32;
         }
     }
@@ -274,6 +281,10 @@ impl Instances {
             // Numbers ascend, so that those of a thing lie side by side.
             let (these, rest) = numbers.split_at(numbers.partition_point(|&number| number < end));
             numbers = rest;
+            if placed.is_small && these.len() > LANES {
+                placed.draw_small(these, batches, view, screen, scratch, band);
+                continue;
+            }
             scratch.begin();
             placed.with_source(batches, view, |source, triangle| {
                 for number in these {
@@ -329,6 +340,39 @@ impl Instances {
 }
 
 impl Placed {
+    /// Draws a band's rows of triangles of a small solid inside the view.
+    fn draw_small(
+        &self,
+        numbers: &[u32],
+        batches: &[Batch<'_>],
+        view: &BatchView<'_>,
+        screen: &Screen,
+        scratch: &mut InstanceScratch,
+        band: &mut Band<'_>,
+    ) {
+        let Some(shape) = self.shape(batches) else { return };
+        let area = Area { left: 0, right: band.width, top: band.first_row, bottom: band.end_row };
+        let triangles = numbers.iter().map(|number| number - self.first);
+        let mut cover = std::mem::take(&mut scratch.cover);
+        self.with_source(batches, view, |source, _| {
+            covered::place(shape, source, screen, scratch);
+            for_covered((shape, triangles), (source, area, screen), scratch, &mut cover, |corners, _, rows| {
+                triangles::draw_rows(corners, source.surface, rows, band);
+            });
+        });
+        scratch.cover = cover;
+    }
+
+    /// The shape of a solid or a mesh.
+    fn shape<'b>(&self, batches: &'b [Batch<'_>]) -> Option<&'b Shape> {
+        match batches.get(self.batch as usize)? {
+            Batch::Solids(solids, shapes) => shapes.get(solids.as_slice().get(self.item as usize)?.shape()),
+            Batch::Mesh(SmallMesh { shape, .. }) => Some(shape),
+            Batch::Text(..) => None,
+        }
+        .map(AsRef::as_ref)
+    }
+
     /// Passes on where the corners come from, and which of them make a triangle of this thing.
     #[inline]
     fn with_source(
@@ -398,15 +442,18 @@ fn sieve(shape: &Shape, surface: &Surface, scratch: &mut InstanceScratch) {
     let InstanceScratch { x, y, gaps, seen, .. } = scratch;
     let (x, y, gaps) = (x.as_slice(), y.as_slice(), gaps.as_slice());
     seen.clear();
-    seen.resize(shape.triangles.len() + 1, 0);
+    seen.resize(2 * shape.pairs.len() + 1, 0);
     let mut count = 0;
-    for (triangle, corners) in (0..).zip(&shape.triangles) {
-        let [a, b, c] = corners.map(|corner| gaps.get(corner as usize).copied().unwrap_or_default());
-        let differences = (a ^ b) | (a ^ c);
-        if let Some(place) = seen.get_mut(count) {
-            *place = triangle;
+    for pair in &shape.pairs {
+        let [a, b, c, d] = pair.places.map(|place| gaps.get(place as usize).copied().unwrap_or_default());
+        let common = b ^ c;
+        for (other, triangle) in [(a, pair.triangles[0]), (d, pair.triangles[1])] {
+            let differences = common | (other ^ b);
+            if let Some(place) = seen.get_mut(count) {
+                *place = triangle;
+            }
+            count += usize::from((differences & 0xffff != 0) & (differences >> 16 != 0));
         }
-        count += usize::from((differences & 0xffff != 0) & (differences >> 16 != 0));
     }
     // Of the few that are left, those that show their front.
     let [keeps_clockwise, keeps_other] = match surface.cull {
@@ -417,8 +464,8 @@ fn sieve(shape: &Shape, surface: &Surface, scratch: &mut InstanceScratch) {
     let mut kept = 0;
     for i in 0..count {
         let triangle = seen[i];
-        let Some(corners) = shape.triangles.get(triangle as usize) else { continue };
-        let doubled_area = triangles::doubled_area_of(corners.map(|corner| [x[corner as usize], y[corner as usize]]));
+        let Some(places) = shape.places.get(triangle as usize) else { continue };
+        let doubled_area = triangles::doubled_area_of(places.map(|place| [x[place as usize], y[place as usize]]));
         seen[kept] = triangle;
         kept += usize::from((keeps_clockwise & (doubled_area > 0)) | (keeps_other & (doubled_area < 0)));
     }
