@@ -163,9 +163,9 @@ impl Cover {
 mod tests {
     use fearless_simd::dispatch;
     use proptest::prelude::*;
+    use rcs_camera::simd_levels::levels;
 
     use super::*;
-    use crate::simd_levels::levels;
 
     /// Whether a pixel's centre is inside a triangle or on a left or top edge of it.
     fn covers(corners: [[i32; 2]; 3], x: i32, y: i32) -> bool {
