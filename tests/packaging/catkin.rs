@@ -145,7 +145,7 @@ fn without_rviz_cmake_says_in_one_line_that_the_plugin_is_left_out() {
         (output.status.success(), printed_by(&output))
     };
     let (succeeded, printed) = configure("-DCMAKE_DISABLE_FIND_PACKAGE_rviz=ON");
-    let about: Vec<_> = printed.lines().filter(|line| line.contains("plugin")).collect();
+    let about: Vec<_> = printed.lines().filter(|line| line.contains("the rviz plugin")).collect();
     assert!(succeeded && about.len() == 1, "{printed}");
     assert!(about[0].ends_with("the rviz plugin is not built, as these were not found: rviz"), "{printed}");
     let (succeeded, printed) = configure("-DCMAKE_DISABLE_FIND_PACKAGE_rviz=ON -DRVIZ_CAMERA_STREAM_PLUGIN=ON");

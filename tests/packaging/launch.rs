@@ -15,7 +15,7 @@ fn nodes(launch: &str) -> Vec<String> {
 }
 
 /// The package as it lies in the repository.
-fn from_source() -> String {
+pub(crate) fn from_source() -> String {
     format!("export ROS_PACKAGE_PATH={}:${{ROS_PACKAGE_PATH:-/usr/share}}", repository().join("ros_pkg").display())
 }
 

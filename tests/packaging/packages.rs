@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use rcs_tests::programs::{program, repository};
 
 use crate::catkin::PROGRAMS;
+use crate::launch::from_source;
 use crate::{bash, printed_by, succeed};
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -223,16 +224,17 @@ fn the_start_up_examples_name_arguments_that_there_are() {
 
 #[test]
 fn a_program_that_ends_is_started_again_where_that_is_asked() {
-    let printed = succeed(
-        "roslaunch --dump-params ros_pkg/launch/projection.launch respawn:=true >/dev/null
-         python3 - <<'EOF'
+    let printed = succeed(&format!(
+        "{}
+python3 - <<'EOF'
 import roslaunch.config, roslaunch.xmlloader
 config = roslaunch.config.ROSLaunchConfig()
 loader = roslaunch.xmlloader.XmlLoader()
 loader.load('launch/projection.launch', config, argv=['respawn:=true'], verbose=False)
 print(sorted((node.name, node.respawn) for node in config.nodes))
 EOF",
-    );
+        from_source()
+    ));
     for name in ["camera_stream", "projector", "projector_window", "clusters"] {
         assert!(printed.contains(&format!("('{name}', True)")), "{name}: {printed}");
     }
