@@ -12,7 +12,7 @@ const COARSE_BITS: u32 = 5;
 /// Smooth errors of the depth at 1 m, metres.
 const SMOOTH_M: [f64; 3] = [0.0, 0.001, 0.002];
 
-/// How often something was said.
+/// How often a keystone correction was reported.
 #[derive(Default)]
 struct Counts {
     rooms: u32,

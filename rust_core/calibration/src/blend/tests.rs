@@ -1,3 +1,5 @@
+//! Tests of the shares of several projectors on one surface.
+
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Tests of masks, keep-out frames, shares and orientations of finished pictures.
+
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use rcs_scene::{Camera, Encoding, Intrinsics, PixelMap};

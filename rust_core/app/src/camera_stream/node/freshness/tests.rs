@@ -1,3 +1,5 @@
+//! Tests of what the node leaves out because it is too old.
+
 use std::collections::HashSet;
 use std::sync::Arc;
 
