@@ -47,11 +47,6 @@ class Flow:
             each.close()
 
 
-def resident_bytes(pid):
-    with open(f"/proc/{pid}/statm") as file:
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
-
 def threads(pid):
     return len(os.listdir(f"/proc/{pid}/task"))
 
@@ -122,14 +117,15 @@ class Cycle(unittest.TestCase):
                     operator.remove(name)
                 rviz.frames(3)
                 time.sleep(0.2)
-                measured.append((rviz.resources(), threads(rviz.program.pid), resident_bytes(rviz.program.pid)))
+                measured.append((rviz.resources(), threads(rviz.program.pid), rviz.allocated_bytes()))
             # The first stretch fills caches; after that nothing grows.
             first, last = measured[1], measured[-1]
             self.assertEqual(first[0], last[0])
             self.assertEqual(first[1], last[1])
             growth = last[2] - first[2]
-            print(f"memory: {[each[2] >> 20 for each in measured]} MiB", flush=True)
-            self.assertLess(growth, 16 << 20)
+            print(f"allocated: {[each[2] >> 10 for each in measured]} KiB", flush=True)
+            # At the moment of counting, a picture of 1.2 MB may still be on its way.
+            self.assertLess(growth, 4 << 20)
             for name in NAMES:
                 operator.create(name)
         finally:

@@ -98,6 +98,10 @@ class Rviz:
         words = self.command("resources").split()
         return {name: int(number) for name, number in zip(words[::2], words[1::2])}
 
+    def allocated_bytes(self):
+        """The bytes that rviz's process has allocated and not freed."""
+        return int(self.command("allocated"))
+
     def frames(self, count):
         """Waits until the window has been drawn so often."""
         end = int(self.command("frames")) + count

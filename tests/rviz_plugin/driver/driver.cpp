@@ -1,5 +1,7 @@
 #include "driver.h"
 
+#include <malloc.h>
+
 #include <stdexcept>
 
 #include <OgreResourceManager.h>
@@ -72,6 +74,14 @@ QString resources(const Ogre::SceneManager& scene)
       .arg(Ogre::TextureManager::getSingleton().getMemoryUsage())
       .arg(scene.getCameras().size());
 }
+
+/// The bytes that are allocated in all of the process's arenas and mappings; not what was freed and is kept for reuse, which
+/// depends on the order of events.
+QString allocatedBytes()
+{
+  const struct mallinfo2 heap = mallinfo2();
+  return QString::number(heap.uordblks + heap.hblkhd);
+}
 }  // namespace
 
 void Driver::onInitialize()
@@ -136,7 +146,7 @@ rviz::Display& Driver::display(const QString& name)
   throw fault("no display " + name);
 }
 
-/// create NAME CLASS · reset · config · resources · frames · busy, or a command for the display that comes first.
+/// create NAME CLASS · reset · config · resources · allocated · frames · busy, or a command for the display that comes first.
 QString Driver::obey(const QString& command, const QStringList& words)
 {
   if (command == "create")
@@ -157,6 +167,8 @@ QString Driver::obey(const QString& command, const QStringList& words)
   }
   if (command == "resources")
     return resources(*context_->getSceneManager());
+  if (command == "allocated")
+    return allocatedBytes();
   if (command == "busy")
   {
     // The frames since the last time, and the seconds that rviz's main thread spent on them.
