@@ -64,20 +64,20 @@ impl MipTexture {
         [u, v]: [f32; 2],
         footprint: impl Fn() -> [[f32; 2]; 2],
     ) -> Option<[f32; 4]> {
-        let level = self.level(if self.smaller.is_empty() { 0 } else { self.level_for(footprint()) });
-        let wrapping = self.full.wrapping;
-        let (x, y) = (u * level.width as f32, v * level.height as f32);
+        let sampler = self.sampler(footprint);
         if self.full.filtering == Filtering::Nearest {
-            return Some(level.texel(wrapping, floor(x).0, floor(y).0).map(|c| f32::from(c) / 255.0));
+            return Some(sampler.nearest([u, v]).map(|c| f32::from(c) / 255.0));
         }
-        let ((x0, fx), (y0, fy)) = (floor(x - 0.5), floor(y - 0.5));
-        let texels = level.four_texels(wrapping, x0, y0);
-        if is_nothing(&texels) {
-            return None;
-        }
-        let [[a, b], [c, d]] = texels.map(|row| row.map(lanes));
-        let (top, bottom) = (a + (b - a) * f32x4::splat(fx), c + (d - c) * f32x4::splat(fx));
-        Some(((top + (bottom - top) * f32x4::splat(fy)) / f32x4::splat(255.0)).to_array())
+        let (column, row) = (sampler.column(u), sampler.row(v));
+        let texels = sampler.texels(column, row);
+        (!is_nothing(&texels)).then(|| sampler.mix(texels, column, row))
+    }
+
+    /// The texture in the size for a footprint, as in [`Self::sample`].
+    #[inline]
+    pub(super) fn sampler(&self, footprint: impl Fn() -> [[f32; 2]; 2]) -> Sampler<'_> {
+        let level = self.level(if self.smaller.is_empty() { 0 } else { self.level_for(footprint()) });
+        Sampler { level, wrapping: self.full.wrapping }
     }
 
     fn level(&self, index: usize) -> MipLevel<'_> {
@@ -95,6 +95,64 @@ impl MipTexture {
         let texels = footprint.map(|[du, dv]| (du * width).hypot(dv * height));
         let level = (texels[0].max(texels[1]).max(1e-6).log2() + 0.5).floor();
         (level.max(0.0) as usize).min(self.smaller.len())
+    }
+}
+
+/// A texture in one of its sizes.
+#[derive(Clone, Copy)]
+pub(super) struct Sampler<'a> {
+    level: MipLevel<'a>,
+    wrapping: Wrapping,
+}
+
+/// A place between the middles of two texels of a row or a column: the first one, and the way from it to the next.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Between {
+    texel: i32,
+    way: f32,
+}
+
+impl Sampler<'_> {
+    /// Where a texture coordinate is along the rows.
+    #[inline]
+    pub(super) fn column(&self, u: f32) -> Between {
+        Between::new(u * self.level.width as f32)
+    }
+
+    /// Where a texture coordinate is along the columns.
+    #[inline]
+    pub(super) fn row(&self, v: f32) -> Between {
+        Between::new(v * self.level.height as f32)
+    }
+
+    /// The texels around a place: the upper two and the lower two.
+    #[inline]
+    pub(super) fn texels(&self, column: Between, row: Between) -> [[[u8; 4]; 2]; 2] {
+        self.level.four_texels(self.wrapping, column.texel, row.texel)
+    }
+
+    /// The colour between four texels, each channel 0 to 1.
+    #[inline]
+    pub(super) fn mix(&self, texels: [[[u8; 4]; 2]; 2], column: Between, row: Between) -> [f32; 4] {
+        let [[a, b], [c, d]] = texels;
+        let (a, b, c, d) = (lanes(a), lanes(b), lanes(c), lanes(d));
+        let (right, down) = (f32x4::splat(column.way), f32x4::splat(row.way));
+        let (top, bottom) = (a + (b - a) * right, c + (d - c) * right);
+        ((top + (bottom - top) * down) / f32x4::splat(255.0)).to_array()
+    }
+
+    #[inline]
+    fn nearest(&self, [u, v]: [f32; 2]) -> [u8; 4] {
+        let (x, y) = (u * self.level.width as f32, v * self.level.height as f32);
+        self.level.texel(self.wrapping, floor(x).0, floor(y).0)
+    }
+}
+
+impl Between {
+    #[inline]
+    fn new(place: f32) -> Self {
+        let (texel, way) = floor(place - 0.5);
+        Self { texel, way }
     }
 }
 
@@ -144,9 +202,9 @@ impl MipLevel<'_> {
 }
 
 /// A texel's channels as numbers.
-#[inline]
-fn lanes(texel: [u8; 4]) -> f32x4 {
-    f32x4::new(texel.map(f32::from))
+#[inline(always)]
+fn lanes([r, g, b, a]: [u8; 4]) -> f32x4 {
+    f32x4::new([f32::from(r), f32::from(g), f32::from(b), f32::from(a)])
 }
 
 /// The whole number below and the rest; huge numbers end at the range of `i32`.

@@ -228,7 +228,7 @@ pub(super) fn draw_among(
 /// The corners in the order in which the inside is on the right of each edge as the picture shows it, and twice the
 /// area; none where that is zero.
 #[inline]
-fn clockwise([a, b, c]: [&Corner; 3]) -> Option<([&Corner; 3], i64)> {
+pub(super) fn clockwise([a, b, c]: [&Corner; 3]) -> Option<([&Corner; 3], i64)> {
     match doubled_area([&a.position, &b.position, &c.position]) {
         0 => None,
         area if area < 0 => Some(([a, c, b], -area)),
@@ -239,7 +239,7 @@ fn clockwise([a, b, c]: [&Corner; 3]) -> Option<([&Corner; 3], i64)> {
 /// Passes on the pixels of each of the band's rows that a triangle covers: the row, the first one, and the one after
 /// the last.
 #[inline(always)]
-fn for_rows(
+pub(super) fn for_rows(
     positions: [&ScreenPosition; 3],
     band: &mut Band<'_>,
     mut draw_row: impl FnMut(i32, i32, i32, &mut Band<'_>),
@@ -369,7 +369,7 @@ pub(super) struct Planes {
 
 impl Planes {
     /// Of corners whose inside is on the right of each edge as the picture shows it.
-    fn new(corners: [&Corner; 3], doubled_area: i64, surface: &Surface) -> Self {
+    pub(super) fn new(corners: [&Corner; 3], doubled_area: i64, surface: &Surface) -> Self {
         let [(a, color_a, uv_a), (b, color_b, uv_b), (c, color_c, uv_c)] =
             corners.map(|corner| (&corner.position, &corner.color, &corner.uv));
         let scale = SUBPIXELS as f32;

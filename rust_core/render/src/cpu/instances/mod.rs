@@ -19,6 +19,7 @@ mod batch;
 mod corners;
 mod covered;
 mod crowd;
+mod glyphs;
 mod reach;
 mod shape;
 #[cfg(test)]
@@ -33,6 +34,7 @@ pub(super) use self::corners::InstanceScratch;
 use self::corners::{place_vertices, Source, Vertices};
 use self::covered::for_covered;
 use self::crowd::Member;
+use self::glyphs::{are_upright, GlyphRect, Ink, Place};
 use self::reach::{reach, Reach, ShapeBounds};
 use self::shape::Shape;
 pub(super) use self::shape::Shapes;
@@ -196,15 +198,26 @@ impl Instances {
         let range = piece.range.clone();
         let (batch, item) = (piece.batch as u32, range.start as u32);
         self.load.in_order = true;
-        let (first, mut is_seen) = (self.next, false);
+        let (first, mut is_seen, is_upright) = (self.next, false, are_upright(surface, &transform));
         for begin in range.clone().step_by(GLYPHS_IN_GROUP) {
             let group = begin..range.end.min(begin + GLYPHS_IN_GROUP);
             let glyphs = text.glyphs().get(group.clone()).unwrap_or(&[]);
             if reach(&bounds_of_glyphs(glyphs, text.height_m()), &transform.clip_from_object, screen) == Reach::Unseen {
                 continue;
             }
-            for glyph in group {
+            for (glyph, placed) in group.zip(glyphs) {
                 let number = first + 2 * (glyph - range.start) as u32;
+                if is_upright {
+                    match GlyphRect::place(text, placed, &transform, screen) {
+                        Place::Unseen => continue,
+                        Place::Seen(rect) => {
+                            self.add_rect(number, &rect, screen);
+                            is_seen = true;
+                            continue;
+                        }
+                        Place::Cut => {}
+                    }
+                }
                 for (number, corners) in (number..).zip(glyph_triangles(glyph as u32)) {
                     is_seen |= self.add_triangle(number, corners, &source, screen, scratch);
                 }
@@ -214,6 +227,15 @@ impl Instances {
             self.placed.push(Placed { first, batch, item, may_be_cut: true, is_small: false, transform });
             self.next += 2 * range.len() as u32;
         }
+    }
+
+    /// Makes a glyph ready, under the number of the first of its triangles.
+    fn add_rect(&mut self, number: u32, rect: &GlyphRect, screen: &Screen) {
+        let (begin, end) = rect.rows();
+        let extent = rect.extent(screen);
+        self.load.add(extent);
+        self.load.add(extent);
+        self.bin(number, begin, end, screen);
     }
 
     /// Makes a triangle ready. Returns whether it may be seen.
@@ -287,7 +309,11 @@ impl Instances {
             }
             scratch.begin();
             placed.with_source(batches, view, |source, triangle| {
+                let rects = placed.rects(source, screen);
                 for number in these {
+                    if rects.as_ref().is_some_and(|rects| rects(number - placed.first, band)) {
+                        continue;
+                    }
                     if let Some(corners) = triangle(number - placed.first) {
                         draw_triangle(corners, source, placed.may_be_cut, screen, scratch, band);
                     }
@@ -361,6 +387,28 @@ impl Placed {
             });
         });
         scratch.cover = cover;
+    }
+
+    /// Of a text whose glyphs are upright, what draws the glyph that begins with a triangle, if it has not to be cut;
+    /// says whether it did.
+    fn rects<'s>(
+        &self,
+        source: &'s Source<'_>,
+        screen: &'s Screen,
+    ) -> Option<impl Fn(u32, &mut Band<'_>) -> bool + use<'s>> {
+        let Vertices::Text(text) = source.vertices else { return None };
+        let color = source.color(&source.vertex(4 * self.item)?);
+        let ink = are_upright(source.surface, source.transform).then(|| Ink::new(source.surface, color))??;
+        let first = self.item;
+        Some(move |triangle: u32, band: &mut Band<'_>| {
+            let Some(glyph) = text.glyphs().get((first + triangle / 2) as usize) else { return false };
+            match GlyphRect::place(text, glyph, source.transform, screen) {
+                Place::Seen(rect) => rect.draw(&ink, band),
+                Place::Unseen => {}
+                Place::Cut => return false,
+            }
+            true
+        })
     }
 
     /// The shape of a solid or a mesh.
