@@ -78,6 +78,15 @@ bool isReadable()
   return bound != 0;
 }
 
+/// Clears errors of what was done before. There is one for each kind, but a lost context may report its own for ever.
+void forgetErrors()
+{
+  const int most = 16;
+  for (int i = 0; i < most && glGetError() != GL_NO_ERROR; ++i)
+  {
+  }
+}
+
 /// Sets how pixels are stored in memory to "without gaps", and restores it.
 class TightPacking
 {
@@ -185,9 +194,7 @@ void PixelReader::begin(Ogre::RenderTexture& drawn, bool with_depths)
     return;
   }
 
-  while (glGetError() != GL_NO_ERROR)
-  {
-  }
+  forgetErrors();
   {
     const TightPacking packing;
     const GLsizei width = static_cast<GLsizei>(layout_.width), height = static_cast<GLsizei>(layout_.height);

@@ -24,20 +24,21 @@ mod reach;
 mod shape;
 #[cfg(test)]
 mod tests;
+mod text;
 
 use fearless_simd::dispatch;
-use nalgebra::{Matrix4, Vector3};
-use rcs_scene::{CullMode, Drawable, Glyph, Material, Mesh, Text};
+use nalgebra::Matrix4;
+use rcs_scene::{CullMode, Material, Mesh};
 
 pub(super) use self::batch::{Batch, BatchPiece, BatchView, SmallMesh};
 pub(super) use self::corners::InstanceScratch;
 use self::corners::{place_vertices, Source, Vertices};
 use self::covered::for_covered;
 use self::crowd::Member;
-use self::glyphs::{are_upright, GlyphRect, Ink, Place};
-use self::reach::{reach, Reach, ShapeBounds};
+use self::reach::{reach, Reach};
 use self::shape::Shape;
 pub(super) use self::shape::Shapes;
+use self::text::glyph_triangles;
 use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
 use crate::cpu::clip::{ClipVertex, Outside};
@@ -48,9 +49,6 @@ use crate::cpu::ranked::{in_chunk, Extent, Load, RankedScratch};
 use crate::cpu::screen::{ObjectTransform, Screen};
 use crate::cpu::surface::{DepthBias, Surface};
 use crate::cpu::triangles::{self, Corner, ScreenPosition};
-
-/// Glyphs that are sieved together.
-const GLYPHS_IN_GROUP: usize = 64;
 
 /// The triangles of a solid or a text that are ready to be drawn.
 #[derive(Clone, Debug)]
@@ -178,64 +176,6 @@ impl Instances {
             is_seen = true;
         }
         is_seen
-    }
-
-    fn add_text(
-        &mut self,
-        text: &Text,
-        drawable: &Drawable,
-        piece: &BatchPiece,
-        view: &BatchView<'_>,
-        screen: &Screen,
-        scratch: &mut InstanceScratch,
-    ) {
-        let Some(surface) = view.surface_of_text(text) else { return };
-        let view_from_object = view.view.camera.view_from_facing(&drawable.fixed_from_object).cast();
-        let transform = view.transform(&view_from_object);
-        let source =
-            Source { vertices: Vertices::Text(text), material: text.material(), transform: &transform, surface };
-        scratch.begin();
-        let range = piece.range.clone();
-        let (batch, item) = (piece.batch as u32, range.start as u32);
-        self.load.in_order = true;
-        let (first, mut is_seen, is_upright) = (self.next, false, are_upright(surface, &transform));
-        for begin in range.clone().step_by(GLYPHS_IN_GROUP) {
-            let group = begin..range.end.min(begin + GLYPHS_IN_GROUP);
-            let glyphs = text.glyphs().get(group.clone()).unwrap_or(&[]);
-            if reach(&bounds_of_glyphs(glyphs, text.height_m()), &transform.clip_from_object, screen) == Reach::Unseen {
-                continue;
-            }
-            for (glyph, placed) in group.zip(glyphs) {
-                let number = first + 2 * (glyph - range.start) as u32;
-                if is_upright {
-                    match GlyphRect::place(text, placed, &transform, screen) {
-                        Place::Unseen => continue,
-                        Place::Seen(rect) => {
-                            self.add_rect(number, &rect, screen);
-                            is_seen = true;
-                            continue;
-                        }
-                        Place::Cut => {}
-                    }
-                }
-                for (number, corners) in (number..).zip(glyph_triangles(glyph as u32)) {
-                    is_seen |= self.add_triangle(number, corners, &source, screen, scratch);
-                }
-            }
-        }
-        if is_seen {
-            self.placed.push(Placed { first, batch, item, may_be_cut: true, is_small: false, transform });
-            self.next += 2 * range.len() as u32;
-        }
-    }
-
-    /// Makes a glyph ready, under the number of the first of its triangles.
-    fn add_rect(&mut self, number: u32, rect: &GlyphRect, screen: &Screen) {
-        let (begin, end) = rect.rows();
-        let extent = rect.extent(screen);
-        self.load.add(extent);
-        self.load.add(extent);
-        self.bin(number, begin, end, screen);
     }
 
     /// Makes a triangle ready. Returns whether it may be seen.
@@ -387,28 +327,6 @@ impl Placed {
             });
         });
         scratch.cover = cover;
-    }
-
-    /// Of a text whose glyphs are upright, what draws the glyph that begins with a triangle, if it has not to be cut;
-    /// says whether it did.
-    fn rects<'s>(
-        &self,
-        source: &'s Source<'_>,
-        screen: &'s Screen,
-    ) -> Option<impl Fn(u32, &mut Band<'_>) -> bool + use<'s>> {
-        let Vertices::Text(text) = source.vertices else { return None };
-        let color = source.color(&source.vertex(4 * self.item)?);
-        let ink = are_upright(source.surface, source.transform).then(|| Ink::new(source.surface, color))??;
-        let first = self.item;
-        Some(move |triangle: u32, band: &mut Band<'_>| {
-            let Some(glyph) = text.glyphs().get((first + triangle / 2) as usize) else { return false };
-            match GlyphRect::place(text, glyph, source.transform, screen) {
-                Place::Seen(rect) => rect.draw(&ink, band),
-                Place::Unseen => {}
-                Place::Cut => return false,
-            }
-            true
-        })
     }
 
     /// The shape of a solid or a mesh.
@@ -577,25 +495,4 @@ fn cut(keys: [u32; 3], source: &Source<'_>, screen: &Screen, out: impl FnMut(&[C
     if let [Some(a), Some(b), Some(c)] = keys.map(vertex) {
         triangles::cut([&a, &b, &c], source.surface, screen, out);
     }
-}
-
-/// The corners of both triangles of a glyph.
-fn glyph_triangles(glyph: u32) -> [[u32; 3]; 2] {
-    let [a, b, c, d, e, f] = Text::QUAD_INDICES.map(|corner| 4 * glyph + corner as u32);
-    [[a, b, c], [d, e, f]]
-}
-
-/// The box around glyphs; not finite where one of them is not.
-fn bounds_of_glyphs(glyphs: &[Glyph], height_m: f32) -> ShapeBounds {
-    let infinity = Vector3::repeat(f32::INFINITY);
-    let (mut low, mut high) = (infinity, -infinity);
-    let mut poison = 0.0;
-    for glyph in glyphs {
-        let bottom_m = glyph.top_m - height_m;
-        // Edges change sides in text of a negative height.
-        low = low.inf(&Vector3::new(glyph.left_m.min(glyph.right_m), glyph.top_m.min(bottom_m), 0.0));
-        high = high.sup(&Vector3::new(glyph.left_m.max(glyph.right_m), glyph.top_m.max(bottom_m), 0.0));
-        poison += (glyph.left_m + glyph.right_m + glyph.top_m + bottom_m) * 0.0;
-    }
-    ShapeBounds::new(low.add_scalar(poison), high)
 }

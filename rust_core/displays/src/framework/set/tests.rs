@@ -1,0 +1,184 @@
+//! Displays come, stay and go with a config that is read again.
+
+use super::*;
+use rcs_messages::nav_msgs::Path;
+use rcs_messages::sensor_msgs::PointField;
+use rcs_messages::{MessageKind, PointCloud2};
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_transforms::{RawTransform, TransformTree};
+
+/// Drawables of each display that a camera with these tick boxes shows, in the scene's order.
+fn shown(set: &DisplaySet, mask: &DisplayMask) -> Vec<DisplayId> {
+    let scene = set.scene();
+    scene.drawables.iter().map(|drawable| drawable.display).filter(|id| mask.shows(*id)).collect()
+}
+
+fn config(displays: &str) -> Config {
+    let text = format!("Visualization Manager:\n  Displays:\n{displays}  Global Options: {{Fixed Frame: map}}\n");
+    rcs_rviz_config::parse(&text, "test").unwrap()
+}
+
+const PATH: &str = "  - {Class: rviz/Path, Name: path, Enabled: true, Topic: /p}\n";
+const RED_PATH: &str = "  - {Class: rviz/Path, Name: path, Enabled: true, Topic: /p, Color: 255; 0; 0}\n";
+const GRID: &str = "  - {Class: rviz/Grid, Name: grid, Enabled: true}\n";
+const CAMERA: &str = "  - {Class: rviz_camera_stream/CameraPub, Name: eye, Enabled: true, Image Topic: /i, \
+     Visibility: {Value: true, grid: false}}\n";
+
+/// A path of two poses on `/p`, in the fixed frame.
+fn path() -> AnyMessage {
+    let mut path = Path { poses: vec![Default::default(); 2], ..Path::default() };
+    path.header.frame_id = "map".to_owned();
+    for (x, pose) in path.poses.iter_mut().enumerate() {
+        pose.pose.position.x = x as f64;
+        pose.pose.orientation.w = 1.0;
+    }
+    AnyMessage::Path(Arc::new(path))
+}
+
+/// Runs a test with a set of a config's displays that has received a path, and the world that it is in.
+fn with_set(first: &str, test: impl FnOnce(DisplaySet, World<'_>)) {
+    let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
+    let world = World {
+        transforms: &transforms,
+        fixed_frame: "map",
+        now: Time::from_secs_f64(10.0),
+        prediction: None,
+        meshes: &meshes,
+    };
+    let mut set = DisplaySet::new(&config(first));
+    set.take("/p", &path(), &world);
+    set.update(&world);
+    test(set, world);
+}
+
+#[test]
+fn a_display_that_stays_keeps_what_it_shows_wherever_it_is_listed() {
+    with_set(&format!("{PATH}{CAMERA}"), |mut set, world| {
+        let changed = set.reconfigure(&config(&format!("{GRID}{CAMERA}{PATH}")), &world);
+        assert_eq!(changed, Reconfigured { kept: 1, added: 1, removed: 0 });
+        // Before the next update, so nothing was placed again.
+        let everything = DisplayMask::all();
+        let paths = shown(&set, &everything);
+        assert_eq!(paths.len(), 1);
+        set.update(&world);
+        let mask = &set.cameras()[0].visible;
+        assert_eq!(shown(&set, mask), paths, "the camera hides the grid, whatever number it has");
+        assert!(shown(&set, &everything).len() > 1);
+        assert_eq!(shown(&set, &everything).last(), paths.last(), "in the new order");
+    });
+}
+
+#[test]
+fn a_display_with_other_settings_shows_the_last_message_in_them() {
+    with_set(&format!("{PATH}{GRID}"), |mut set, world| {
+        let changed = set.reconfigure(&config(&format!("{RED_PATH}{GRID}")), &world);
+        assert_eq!(changed, Reconfigured { kept: 1, added: 1, removed: 1 });
+        set.update(&world);
+        assert!(!shown(&set, &set.mask(&hiding("grid"))).is_empty());
+    });
+}
+
+/// Tick boxes that hide one display.
+fn hiding(hidden: &str) -> Visibility {
+    let mut visibility = Visibility::default();
+    visibility.set(&[hidden], false);
+    visibility
+}
+
+#[test]
+fn a_display_that_was_switched_off_gets_no_message_from_before() {
+    with_set(PATH, |mut set, world| {
+        let off = PATH.replace("true", "false");
+        assert_eq!(set.reconfigure(&config(&off), &world), Reconfigured { kept: 0, added: 0, removed: 1 });
+        assert!(set.topics().is_empty());
+        assert_eq!(set.reconfigure(&config(PATH), &world), Reconfigured { kept: 0, added: 1, removed: 0 });
+        set.update(&world);
+        assert!(shown(&set, &DisplayMask::all()).is_empty(), "it gets the messages from now on");
+        assert_eq!(set.topics()[0].kind, MessageKind::Path);
+    });
+}
+
+/// rviz shows Axes to every camera, whatever its tick boxes.
+#[test]
+fn axes_are_hidden_by_their_tick_box() {
+    let axes = "  - {Class: rviz/Axes, Name: axes, Enabled: true}\n";
+    with_set(&format!("{axes}{GRID}"), |set, _| {
+        let with_axes = shown(&set, &DisplayMask::all());
+        let without = shown(&set, &set.mask(&hiding("axes")));
+        assert!(without.len() < with_axes.len() && !without.is_empty(), "{without:?} of {with_axes:?}");
+        assert_eq!(shown(&set, &set.mask(&hiding("grid"))).len(), with_axes.len() - without.len());
+    });
+}
+
+#[test]
+fn points_that_are_left_out_are_counted_in_the_status() {
+    let cloud = "  - {Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /c, Color Transformer: FlatColor}\n";
+    with_set(cloud, |mut set, world| {
+        let mut points = PointCloud2::default();
+        points.header.frame_id = "map".to_owned();
+        points.fields = [("x", 0), ("y", 4), ("z", 8)]
+            .map(|(name, offset)| PointField { name: name.to_owned(), offset, datatype: PointField::FLOAT32, count: 1 })
+            .to_vec();
+        (points.height, points.width, points.point_step, points.row_step) = (1, 3, 12, 36);
+        let values = [0.0_f32, 0.0, 1.0, f32::NAN, 0.0, 1.0, 0.0, f32::INFINITY, 1.0];
+        points.set_data(values.iter().flat_map(|value| value.to_le_bytes()).collect());
+        set.take("/c", &AnyMessage::PointCloud2(Arc::new(points)), &world);
+        set.update(&world);
+        let report = set.reports().next().unwrap();
+        let status = report.statuses.get("Points").map(|status| (status.level, status.text.as_str()));
+        assert_eq!(status, Some((Level::Ok, "Showing 1 points, 2 without a finite position left out")));
+    });
+}
+
+#[test]
+fn a_message_counts_as_shown_from_when_its_frame_is_known() {
+    let meshes = MeshStore::new(PackageIndex::new([]));
+    let mut transforms = TransformTree::new();
+    let mut set = DisplaySet::new(&config(&format!("{PATH}{GRID}")));
+    let AnyMessage::Path(path) = path() else { return };
+    let mut path = Arc::unwrap_or_clone(path);
+    (path.header.frame_id, path.header.stamp.sec) = ("arm".to_owned(), 7);
+    let (message, received) = (AnyMessage::Path(Arc::new(path)), Some(Instant::now()));
+    let mut newly_shown = |transforms: &TransformTree, message: Option<&AnyMessage>| {
+        let world =
+            World { transforms, fixed_frame: "map", now: Time::from_secs_f64(10.0), prediction: None, meshes: &meshes };
+        message.into_iter().for_each(|message| set.take_received("/p", message, received, &world));
+        set.update(&world);
+        (set.newly_shown().to_vec(), set.reports().next().unwrap().shown)
+    };
+    assert_eq!(newly_shown(&transforms, Some(&message)), (Vec::new(), None));
+    let (translation, rotation_xyzw) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0]);
+    let stamp = Time::from_secs_nanos(7, 0);
+    let place = RawTransform { parent: "map", child: "arm", stamp, translation, rotation_xyzw };
+    transforms.insert(&place, true, "/a").unwrap();
+    let shown = ShownMessage { stamp, received };
+    assert_eq!(newly_shown(&transforms, None), (vec![(0, shown)], Some(shown)));
+    assert_eq!(newly_shown(&transforms, None), (Vec::new(), Some(shown)), "reported once");
+}
+
+#[test]
+fn a_camera_sees_the_changes_of_the_displays_that_it_shows() {
+    with_set(&format!("{PATH}{GRID}"), |mut set, world| {
+        let (all, without_path) = (DisplayMask::all(), set.mask(&hiding("path")));
+        let before = (set.version(), set.version_shown(&all), set.version_shown(&without_path));
+        set.update(&world);
+        let unchanged = (set.version(), set.version_shown(&all), set.version_shown(&without_path));
+        assert_eq!(unchanged, before);
+        set.take("/p", &path(), &world);
+        assert!(set.update(&world));
+        assert!(set.version_shown(&all) > before.1);
+        assert_eq!(set.version_shown(&without_path), before.2);
+        set.reset();
+        assert!(set.version_shown(&without_path) > before.2, "time jumped back for all");
+    });
+}
+
+#[test]
+fn equal_displays_are_kept_one_for_one() {
+    with_set(&format!("{GRID}{GRID}"), |mut set, world| {
+        let changed = set.reconfigure(&config(&format!("{GRID}{GRID}{GRID}")), &world);
+        assert_eq!(changed, Reconfigured { kept: 2, added: 1, removed: 0 });
+        let ids: HashSet<DisplayId> = set.entries.iter().map(|entry| entry.id).collect();
+        assert_eq!(ids.len(), 3);
+    });
+}
