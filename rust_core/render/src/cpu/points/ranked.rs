@@ -25,6 +25,21 @@ use crate::shading::DISC_RADIUS_SQUARED;
 /// After so many chunks it is asked again how far away a band is covered everywhere.
 const CHUNKS_TO_ASK: usize = 128;
 
+/// How many points were looked at, and how many of them were not too far away.
+#[derive(Default)]
+struct LookedAt {
+    all: u32,
+    near: u32,
+}
+
+impl LookedAt {
+    /// Whether most points are hidden by what scattered ones have covered. The others may come in any order then: in
+    /// that of memory they come several times as fast.
+    fn are_mostly_hidden(&self) -> bool {
+        self.near < self.all / 8
+    }
+}
+
 /// The points of a cloud that touch a band.
 pub(super) struct Run<'a, I> {
     pub cloud: &'a Cloud<'a>,
@@ -107,19 +122,33 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         let (mut indices, mut ranks, mut count) = ([0; BLOCK], [0; BLOCK], 0);
         let range = Range::of(self.cloud);
         let mut hidden_from = f32::INFINITY;
-        for drawn in 0..ranked.order.len() {
-            let at = ranked.order[drawn] as usize;
-            if drawn % CHUNKS_TO_ASK == CHUNKS_TO_ASK - 1 {
+        let mut looked_at = LookedAt::default();
+        // Once chunks come in the order in which they lie in memory, how many had come before.
+        let mut scattered = None;
+        let mut come = 0;
+        loop {
+            let next = match scattered {
+                None => ranked.order.get(come).map(|&at| at as usize),
+                Some(before) => Some(come - before),
+            };
+            let Some((at, chunk)) = next.and_then(|at| Some((at, *ranked.chunks.get(at)?))) else { break };
+            come += 1;
+            if come % CHUNKS_TO_ASK == 0 {
                 let farthest = |range: &Range| range.hidden_from(ranked.occluders.farthest());
                 hidden_from = range.as_ref().map_or(f32::INFINITY, farthest);
+                if scattered.is_none() && std::mem::take(&mut looked_at).are_mostly_hidden() {
+                    scattered = Some(come);
+                }
             }
             if count + CHUNK > BLOCK {
                 self.draw_block::<S, PAINT>(simd, &indices[..count], &ranks, &view, screen, scratch, ranked, band);
                 count = 0;
             }
-            let Some(&chunk) = ranked.chunks.get(at) else { continue };
             for (index, rank) in in_chunk(&self.indices, chunk, self.first_rank, at) {
-                if self.is_needed(index, rank, hidden_from, ranked) {
+                looked_at.all += 1;
+                let Some(position) = self.nearer_than(index, hidden_from) else { continue };
+                looked_at.near += 1;
+                if self.is_needed(index, position, rank, ranked) {
                     (indices[count % BLOCK], ranks[count % BLOCK]) = (index, rank);
                     count += 1;
                 }
@@ -128,16 +157,19 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         self.draw_block::<S, PAINT>(simd, &indices[..count], &ranks, &view, screen, scratch, ranked, band);
     }
 
-    /// Whether a point is not too faint or too far away, and no later one lies in the same place.
+    /// The position of a point, unless it is too far away.
     #[inline(always)]
-    fn is_needed(&self, index: u32, rank: u32, hidden_from: f32, ranked: &mut RankedScratch) -> bool {
-        let buffer = &self.cloud.points.buffer;
-        let Some(position) = buffer.positions.get(index as usize) else { return false };
+    fn nearer_than(&self, index: u32, hidden_from: f32) -> Option<[f32; 3]> {
+        let position = *self.cloud.points.buffer.positions.get(index as usize)?;
         let [.., [x, y, z, w]] = self.cloud.transform.clip_from_object;
-        if position[0] * x + position[1] * y + position[2] * z + w > hidden_from {
-            return false;
-        }
-        let [.., alpha] = buffer.colors.get(index as usize);
+        let is_hidden = position[0] * x + position[1] * y + position[2] * z + w > hidden_from;
+        (!is_hidden).then_some(position)
+    }
+
+    /// Whether a point is not too faint, and no later one lies in the same place.
+    #[inline(always)]
+    fn is_needed(&self, index: u32, position: [f32; 3], rank: u32, ranked: &mut RankedScratch) -> bool {
+        let [.., alpha] = self.cloud.points.buffer.colors.get(index as usize);
         self.cloud.opacities[usize::from(alpha)].is_some()
             && !ranked.recent_points.covers(&position.map(f32::to_bits), rank)
     }
