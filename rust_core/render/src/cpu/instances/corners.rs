@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use rcs_scene::{Material, Mesh, Text, Vertex};
 
-use super::crowd::Turn;
+use super::crowd::{Listed, Turn};
 use super::shape::Shape;
 use crate::cpu::clip::Outside;
 use crate::cpu::cover::Cover;
@@ -53,8 +53,8 @@ pub(in crate::cpu) struct InstanceScratch {
     pub(super) seen: Vec<u32>,
     /// What some of them cover.
     pub(super) cover: Cover,
-    /// A crowd's solids in a band: their jobs and their numbers there, and how [`Turn`] orders them.
-    pub(super) listed: Vec<[u32; 2]>,
+    /// A crowd's solids in a band, and how [`Turn`] orders them.
+    pub(super) listed: Vec<Listed>,
     pub(super) turns: Vec<Turn>,
     /// For each job of a crowd the first of its ranks.
     pub(super) ranks: Vec<u32>,

@@ -33,6 +33,29 @@ pub(super) struct Member {
 /// A member in a band: the bits of its least depth, and below them its place in the band's list.
 pub(super) type Turn = u64;
 
+/// All that is needed of a member that is hidden: the members themselves lie anywhere in memory, as they come from near
+/// to far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Listed {
+    job: u32,
+    number: u32,
+    /// Its pixels in the band: left, right, top and bottom.
+    area: [u16; 4],
+}
+
+impl Listed {
+    fn new(job: u32, number: u32, area: Area) -> Self {
+        // Pictures have at most 16384 columns and rows.
+        let area = [area.left, area.right, area.top, area.bottom].map(|place| place as u16);
+        Self { job, number, area }
+    }
+
+    fn area(&self) -> Area {
+        let [left, right, top, bottom] = self.area.map(i32::from);
+        Area { left, right, top, bottom }
+    }
+}
+
 impl Instances {
     /// Works out where some solids are on the picture. Those that reach out of it are made ready as any others.
     pub(in crate::cpu) fn add_members(
@@ -78,8 +101,11 @@ impl Instances {
             let instances = instances.as_ref();
             for &number in instances.member_bins.band(index) {
                 let Some(member) = instances.members.get(number as usize) else { continue };
-                turns.push(Turn::from(member.footprint.least_depth.to_bits()) << u32::BITS | listed.len() as Turn);
-                listed.push([job, number]);
+                let area = member.area(band);
+                if area.left < area.right && area.top < area.bottom {
+                    turns.push(Turn::from(member.footprint.least_depth.to_bits()) << u32::BITS | listed.len() as Turn);
+                    listed.push(Listed::new(job, number, area));
+                }
             }
         }
         // Of numbers that are not negative, the larger one has the larger bits.
@@ -91,11 +117,17 @@ impl Instances {
             Some(first)
         }));
         for &turn in &turns {
-            let Some(&[job, member]) = listed.get(turn as u32 as usize) else { continue };
-            let instances = jobs.get(job as usize).map(AsRef::as_ref);
-            let member = instances.and_then(|instances| instances.members.get(member as usize));
-            let (Some(member), Some(&first_rank)) = (member, scratch.ranks.get(job as usize)) else { continue };
-            member.draw(first_rank + member.first, (batches, view), screen, scratch, ranked, band);
+            let Some(listed) = listed.get(turn as u32 as usize) else { continue };
+            // Of the same depth it is not hidden here: its rank is not known yet.
+            let nearest = DepthPlane::level(f32::from_bits((turn >> u32::BITS) as u32));
+            let area = listed.area();
+            if dispatch!(screen.simd_level, simd => ranked.occluders.hides(simd, &nearest, u32::MAX, area)) {
+                continue;
+            }
+            let instances = jobs.get(listed.job as usize).map(AsRef::as_ref);
+            let member = instances.and_then(|instances| instances.members.get(listed.number as usize));
+            let (Some(member), Some(&first_rank)) = (member, scratch.ranks.get(listed.job as usize)) else { continue };
+            member.draw(area, first_rank + member.first, (batches, view), screen, scratch, ranked, band);
         }
         (scratch.turns, scratch.listed) = (turns, listed);
         for (job, instances) in jobs.iter().enumerate() {
@@ -115,9 +147,11 @@ impl Member {
         Area { left: left.max(0), right: right.min(band.width), top: rows.start, bottom: rows.end }
     }
 
-    /// Draws what may be seen of it; `first_rank` is that of its first triangle.
+    /// Draws what may be seen of it in an area; `first_rank` is that of its first triangle.
+    #[expect(clippy::too_many_arguments, reason = "it is a part of the loop above")]
     fn draw(
         &self,
+        area: Area,
         first_rank: u32,
         (batches, view): (&[Batch<'_>], &BatchView<'_>),
         screen: &Screen,
@@ -125,10 +159,6 @@ impl Member {
         ranked: &mut RankedScratch,
         band: &mut Band<'_>,
     ) {
-        let area = self.area(band);
-        if area.left >= area.right || area.top >= area.bottom {
-            return;
-        }
         let (nearest, last_rank) = (DepthPlane::level(self.footprint.least_depth), first_rank + self.triangles);
         if dispatch!(screen.simd_level, simd => ranked.occluders.hides(simd, &nearest, last_rank, area)) {
             return;
