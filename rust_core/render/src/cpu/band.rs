@@ -314,24 +314,31 @@ pub(super) struct RankedWindow<'a> {
 
 impl RankedWindow<'_> {
     /// As [`Window::meet`] for opaque fragments, which need not come in their order: of equal depths that of the higher
-    /// rank wins.
+    /// rank wins. Returns whether any does.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(self, mask: M<S>, depths: F<S>, rank: u32, shade: impl FnOnce(M<S>) -> (M<S>, U<S>)) {
+    pub(super) fn meet<S: Simd>(
+        self,
+        mask: M<S>,
+        depths: F<S>,
+        rank: u32,
+        shade: impl FnOnce(M<S>) -> (M<S>, U<S>),
+    ) -> bool {
         let simd = depths.token();
         let behind = F::load_array_ref(simd, self.depths);
         let wins = mask & depths.simd_le(behind);
         if !wins.any_true() {
-            return;
+            return false;
         }
         let ranks = U::load_array_ref(simd, self.ranks);
         let wins = wins & (depths.simd_lt(behind) | ranks.simd_le(rank));
         if !wins.any_true() {
-            return;
+            return false;
         }
         let (wins, colors) = shade(wins);
         wins.select(depths, behind).store_array(self.depths);
         wins.select(colors, U::load_array_ref(simd, self.colors)).store_array(self.colors);
         wins.select(U::splat(simd, rank), ranks).store_array(self.ranks);
+        true
     }
 }
 

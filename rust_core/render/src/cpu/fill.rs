@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 
 use super::band::{channel_shift, pack, unorm8, Band};
 use super::lanes::{lane_indices, map, F, I, LANES, M, U};
-use super::occlusion::{rounding, Area, DepthPlane, Drawn, Occluders, TILE_PX};
+use super::occlusion::{rounding, Area, Cell, DepthPlane, Drawn, Occluders, TILE_PX};
 use super::screen::{FARTHEST, SUBPIXELS};
 use super::surface::{Paint, Surface};
 use super::triangles::{Edge, Plane, Planes};
@@ -139,7 +139,8 @@ impl<'a, S: Simd> Fill<'a, S> {
         }
     }
 
-    /// Draws the pixels within an area that are not hidden, in the order that ranks give.
+    /// Draws the pixels within an area that are not hidden, in the order that ranks give; if tiles are given, only in
+    /// these.
     ///
     /// No fragment's depth is below `least`, but for rounding.
     #[inline(always)]
@@ -147,7 +148,7 @@ impl<'a, S: Simd> Fill<'a, S> {
         &self,
         edges: &[Edge; 3],
         least: f32,
-        area: Area,
+        (area, tiles): (Area, Option<&[Cell]>),
         rank: u32,
         band: &mut Band<'_>,
         occluders: &mut Occluders,
@@ -160,7 +161,7 @@ impl<'a, S: Simd> Fill<'a, S> {
             self.simd,
             &plane,
             rank,
-            area,
+            (area, tiles),
             #[inline(always)]
             |tile| {
                 let is_inside = edges.iter().all(|edge| edge.covers(tile));
@@ -169,6 +170,7 @@ impl<'a, S: Simd> Fill<'a, S> {
                 }
                 let columns = self.columns(tile.left);
                 let (mut y, bottom) = (tile.top.max(area.top), tile.bottom.min(area.bottom));
+                let mut is_seen = false;
                 let mut edges_at = map(
                     in_steps,
                     #[inline(always)]
@@ -182,7 +184,7 @@ impl<'a, S: Simd> Fill<'a, S> {
                         let row = y as f32;
                         let [a, b, c] = edges_at;
                         let mask = (a | b | c).simd_ge(I::splat(self.simd, 0));
-                        window.meet(
+                        is_seen |= window.meet(
                             mask,
                             self.depths(columns, row),
                             rank,
@@ -195,7 +197,9 @@ impl<'a, S: Simd> Fill<'a, S> {
                         y += 1;
                     },
                 );
-                if is_inside && (!is_disc || self.disc_covers(tile)) {
+                if !is_seen {
+                    Drawn::Nothing
+                } else if is_inside && (!is_disc || self.disc_covers(tile)) {
                     Drawn::Covered
                 } else {
                     band.farthest(self.simd, tile, [plane.dx, plane.dy])

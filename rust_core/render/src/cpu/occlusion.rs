@@ -192,6 +192,8 @@ pub(super) struct Occluders {
     farthest: f32,
     /// How many faces may come before that is asked again.
     until_asked: u32,
+    /// Memory for the tiles of a face.
+    listed: Vec<Cell>,
 }
 
 /// Pixels from left to before right and from top to before bottom.
@@ -204,10 +206,17 @@ pub(super) struct Area {
 }
 
 /// A cell of which something may be seen.
-#[derive(Clone, Copy, Debug)]
-struct Cell {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Cell {
     row: i32,
     column: i32,
+}
+
+impl Cell {
+    /// The block that a tile is in.
+    fn block(self) -> Self {
+        Self { row: self.row / TILES, column: self.column / TILES }
+    }
 }
 
 impl Occluders {
@@ -339,21 +348,36 @@ impl Occluders {
         }
     }
 
-    /// Draws a face within an area: `draw` is given this, and the pixels of each tile of which something may be seen,
-    /// and says what is known of them then. `covers` says whether the face covers other pixels.
+    /// Draws a face within an area: `draw` is given the pixels of each tile of which something may be seen, and says
+    /// what is known of them then. `covers` says whether the face covers other pixels. These tiles are found here, unless
+    /// they are [known](Self::list_seen).
     #[inline(always)]
     pub(super) fn draw<S: Simd>(
         &mut self,
         simd: S,
         plane: &DepthPlane,
         rank: u32,
-        area: Area,
-        mut draw: impl FnMut(Area) -> Drawn,
+        (area, tiles): (Area, Option<&[Cell]>),
+        draw: impl FnMut(Area) -> Drawn,
         covers: impl Fn(Area) -> bool,
     ) {
         if area.left >= area.right || area.top >= area.bottom {
             return;
         }
+        let mut listed = std::mem::take(&mut self.listed);
+        let tiles = tiles.unwrap_or_else(|| {
+            listed.clear();
+            self.list_seen(simd, plane, rank, area, &mut listed);
+            &listed
+        });
+        self.draw_listed(plane, rank, tiles, draw, covers);
+        self.listed = listed;
+    }
+
+    /// Lists the tiles of an area, which lies in the band, where something of a face may be seen: those of a block one
+    /// after the other.
+    #[inline(always)]
+    pub(super) fn list_seen<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, area: Area, list: &mut Vec<Cell>) {
         let [top, bottom] = [area.top, area.bottom - 1].map(|y| (y - self.first_row) / BLOCK_PX);
         let [left, right] = [area.left, area.right - 1].map(|x| x / BLOCK_PX);
         for row in top..=bottom {
@@ -362,32 +386,57 @@ impl Occluders {
                 while seen != 0 {
                     let block = Cell { row, column: column + seen.trailing_zeros() as i32 };
                     seen &= seen - 1;
-                    let mut is_drawn = false;
                     for (i, tiles) in self.seen_tiles(simd, plane, rank, area, block).into_iter().enumerate() {
                         let mut tiles = tiles;
                         while tiles != 0 {
                             let column = block.column * TILES + tiles.trailing_zeros() as i32;
                             tiles &= tiles - 1;
-                            let tile = Cell { row: row * TILES + i as i32, column };
-                            let is_nearer = match draw(self.area(tile, TILE_PX)) {
-                                Drawn::Nothing => false,
-                                Drawn::Covered => self.tiles.offer(plane, rank, tile.row, tile.column),
-                                Drawn::Partly { bound, first_rank } => {
-                                    self.tiles.offer(&bound, first_rank, tile.row, tile.column)
-                                }
-                            };
-                            is_drawn |= is_nearer;
-                        }
-                    }
-                    if is_drawn {
-                        if covers(self.area(block, BLOCK_PX)) {
-                            self.blocks.offer(plane, rank, block.row, block.column);
-                        } else {
-                            self.join_tiles(block, [plane.dx, plane.dy]);
+                            list.push(Cell { row: row * TILES + i as i32, column });
                         }
                     }
                 }
             }
+        }
+    }
+
+    #[inline(always)]
+    fn draw_listed(
+        &mut self,
+        plane: &DepthPlane,
+        rank: u32,
+        tiles: &[Cell],
+        mut draw: impl FnMut(Area) -> Drawn,
+        covers: impl Fn(Area) -> bool,
+    ) {
+        // What is drawn is compiled for this place, so that no closure may come between.
+        for of_block in tiles.chunk_by(|a, b| a.block() == b.block()) {
+            let mut is_drawn = false;
+            for tile in of_block {
+                is_drawn |= self.draw_tile(plane, rank, *tile, &mut draw);
+            }
+            if let (true, Some(tile)) = (is_drawn, of_block.first()) {
+                self.join(plane, rank, tile.block(), &covers);
+            }
+        }
+    }
+
+    /// Draws a face in a tile. Returns whether what is known of the tile is nearer then.
+    #[inline(always)]
+    fn draw_tile(&mut self, plane: &DepthPlane, rank: u32, tile: Cell, draw: &mut impl FnMut(Area) -> Drawn) -> bool {
+        match draw(self.area(tile, TILE_PX)) {
+            Drawn::Nothing => false,
+            Drawn::Covered => self.tiles.offer(plane, rank, tile.row, tile.column),
+            Drawn::Partly { bound, first_rank } => self.tiles.offer(&bound, first_rank, tile.row, tile.column),
+        }
+    }
+
+    /// Takes what is known of a block's tiles for the block, after a face was drawn there.
+    #[inline(always)]
+    fn join(&mut self, plane: &DepthPlane, rank: u32, block: Cell, covers: &impl Fn(Area) -> bool) {
+        if covers(self.area(block, BLOCK_PX)) {
+            self.blocks.offer(plane, rank, block.row, block.column);
+        } else {
+            self.join_tiles(block, [plane.dx, plane.dy]);
         }
     }
 }

@@ -5,15 +5,14 @@
 //! over each other a thousandfold are drawn in an order of their own: after a few of them each part of the picture is
 //! covered by one that is nearer than most, and the [`Occluders`] hide the others.
 //!
-//! Triangles come from near to far, and of equally near ones the last comes first. Tilted ones may each be nearer than
-//! those before it wherever they lie over each other, so a few scattered ones come before all others. A cloud's faces
-//! all come scattered: they are small, so that from near to far a part of the picture would be covered only by and by,
-//! and until it is, nothing is hidden there.
+//! They come from near to far, and of equally near ones the last comes first. Tilted ones may each be nearer than those
+//! before it wherever they lie over each other, so a few scattered ones come before all others. Solids made of meshes
+//! come scattered.
 //!
 //! A face that has exactly the corners of one with a higher rank is not drawn at all.
 
 use super::band::Band;
-use super::occlusion::Occluders;
+use super::occlusion::{Cell, Occluders};
 use super::screen::{Screen, SUBPIXELS};
 use super::triangles::Corner;
 
@@ -34,8 +33,9 @@ pub(super) struct RankedScratch {
     pub recent_triangles: Recent<12>,
     /// The points that were drawn last, by their positions.
     pub recent_points: Recent<3>,
-    /// Memory for the triangles of a face.
+    /// Memory for the triangles of a face, and for the tiles in which something of it may be seen.
     pub cut: Vec<[Corner; 3]>,
+    pub tiles: Vec<Cell>,
     /// The first rank that is free in this band.
     next_rank: u32,
 }

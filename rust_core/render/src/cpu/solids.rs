@@ -246,7 +246,7 @@ impl Primitives {
         let has_bias = solid.surface.depth_bias != DepthBias::NONE;
         let key = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3], c[0], c[1], c[2], c[3]];
         if has_bias || !scratch.recent_triangles.covers(&key, rank) {
-            triangles::draw_ranked(corners, &solid.surface, rank, band, &mut scratch.occluders);
+            triangles::draw_ranked(corners, &solid.surface, rank, None, band, &mut scratch.occluders);
         }
     }
 

@@ -15,7 +15,7 @@ use wide::{f32x4, i32x4};
 use super::band::{meet, pack, unorm8, Band};
 use super::clip::{ClipVertex, Outside, Polygon};
 use super::fill::{can_fill, Fill};
-use super::occlusion::{Area, Occluders};
+use super::occlusion::{Area, Cell, Occluders};
 use super::ranked::Extent;
 use super::screen::{first_pixel, snap_lanes, Screen, FARTHEST, SUBPIXELS};
 use super::surface::{DepthBias, Paint, Surface};
@@ -271,11 +271,12 @@ pub(super) fn for_rows(
 }
 
 /// Draws the rows of a band of an opaque triangle, not in its turn but with its rank in it; the surface is one that
-/// [`can_fill`].
+/// [`can_fill`]. If it is known in which tiles something of it may be seen, only these are drawn.
 pub(super) fn draw_ranked(
     corners: [&Corner; 3],
     surface: &Surface,
     rank: u32,
+    tiles: Option<&[Cell]>,
     band: &mut Band<'_>,
     occluders: &mut Occluders,
 ) {
@@ -287,13 +288,13 @@ pub(super) fn draw_ranked(
     let pixels = Area { left: left.max(0), right: right.min(band.width), top, bottom };
     if pixels.left < pixels.right && pixels.top < pixels.bottom {
         let least = least_depth(positions, surface);
-        if occluders.hides_from(least) {
+        if tiles.is_none() && occluders.hides_from(least) {
             return;
         }
         let planes = Planes::new(corners, area, surface);
         let edges = Edge::around(positions);
         dispatch!(band.simd_level, simd => {
-            Fill::new(simd, &planes, surface).ranked(&edges, least, pixels, rank, band, occluders);
+            Fill::new(simd, &planes, surface).ranked(&edges, least, (pixels, tiles), rank, band, occluders);
         });
     }
 }

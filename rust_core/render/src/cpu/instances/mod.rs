@@ -469,7 +469,7 @@ fn draw_triangle_ranked(
     let clipped = [a, b, c].map(|vertex| (vertex, source.transform.clip(vertex.position)));
     if clipped.iter().any(|(_, position)| Outside::new(*position).guard != 0) {
         return cut(corners, source, screen, |corners| {
-            triangles::draw_ranked(corners.each_ref(), source.surface, rank, band, &mut ranked.occluders);
+            triangles::draw_ranked(corners.each_ref(), source.surface, rank, None, band, &mut ranked.occluders);
         });
     }
     let positions = clipped.map(|(_, position)| ScreenPosition::new(position, screen));
@@ -482,7 +482,7 @@ fn draw_triangle_ranked(
         let (vertex, _) = &clipped[i];
         Corner { position: positions[i], color: source.color(vertex), uv: vertex.uv }
     });
-    triangles::draw_ranked([&a, &b, &c], source.surface, rank, band, &mut ranked.occluders);
+    triangles::draw_ranked([&a, &b, &c], source.surface, rank, None, band, &mut ranked.occluders);
 }
 
 /// Clips a triangle that reaches far out of the picture, and passes on the parts that are to be drawn.

@@ -117,6 +117,11 @@ pub(super) fn draw_ranked<'i>(
     let Some(first_rank) = ranked.list_chunks(&indices, jobs, band) else {
         return (0..jobs).for_each(|job| draw(cloud, indices(job), screen, scratch, band));
     };
+    let (eye, positions) = (cloud.faces.eye(), &cloud.points.buffer.positions);
+    ranked.order_chunks(&indices, |_, index| match positions.get(index as usize) {
+        Some([x, y, z]) => (x - eye[0]).powi(2) + (y - eye[1]).powi(2) + (z - eye[2]).powi(2),
+        None => f32::INFINITY,
+    });
     let run = ranked::Run { cloud, indices, first_rank };
     match cloud.points.style {
         PointStyle::Points { .. } => {}

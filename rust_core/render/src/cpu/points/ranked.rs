@@ -238,23 +238,27 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         ranked: &mut RankedScratch,
         band: &mut Band<'_>,
     ) {
-        let mut seen = 0;
         for number in 0..self.cloud.faces.count() {
-            let is_seen = match rough.face(number, lane) {
+            ranked.tiles.clear();
+            let known = rough.face(number, lane);
+            let is_seen = match &known {
                 Some((_, area)) if area.left >= area.right || area.top >= area.bottom => false,
-                Some((plane, area)) => !ranked.occluders.hides(simd, &plane, rank, area),
+                Some((plane, area)) => {
+                    ranked.occluders.list_seen(simd, plane, rank, *area, &mut ranked.tiles);
+                    !ranked.tiles.is_empty()
+                }
                 None => rough.may_be_front(number, lane),
             };
-            seen |= u32::from(is_seen) << number;
-        }
-        if seen == 0 {
-            return;
-        }
-        ranked.cut.clear();
-        make_triangles(self.cloud, index, seen, screen, ranked);
-        for corners in &ranked.cut {
-            let surface = &self.cloud.surface;
-            triangles::draw_ranked(corners.each_ref(), surface, rank, band, &mut ranked.occluders);
+            if !is_seen {
+                continue;
+            }
+            ranked.cut.clear();
+            make_triangles(self.cloud, index, 1 << number, screen, ranked);
+            let tiles = known.is_some().then_some(ranked.tiles.as_slice());
+            for corners in &ranked.cut {
+                let surface = &self.cloud.surface;
+                triangles::draw_ranked(corners.each_ref(), surface, rank, tiles, band, &mut ranked.occluders);
+            }
         }
     }
 }
@@ -315,7 +319,7 @@ fn draw_small<S: Simd, const PAINT: u8>(
         simd,
         &plane,
         rank,
-        area,
+        (area, None),
         #[inline(always)]
         |tile| {
             let columns = lane_indices(simd) + (tile.left - left);
@@ -339,6 +343,7 @@ fn draw_small<S: Simd, const PAINT: u8>(
             for _ in top..tile.top {
                 to_next_row(&mut edges_at, &mut depth_from_first, &mut places_at);
             }
+            let mut is_seen = false;
             band.for_ranked_windows(
                 tile.top.max(top)..tile.bottom.min(bottom),
                 tile.left,
@@ -346,7 +351,7 @@ fn draw_small<S: Simd, const PAINT: u8>(
                 |window| {
                     let [e0, e1, e2, e3] = edges_at;
                     let mask = ((e0 | e1) | (e2 | e3)).simd_ge(I::splat(simd, 0));
-                    window.meet(
+                    is_seen |= window.meet(
                         mask,
                         depth_from_first + depth,
                         rank,
@@ -356,7 +361,9 @@ fn draw_small<S: Simd, const PAINT: u8>(
                     to_next_row(&mut edges_at, &mut depth_from_first, &mut places_at);
                 },
             );
-            if covers(tile) {
+            if !is_seen {
+                Drawn::Nothing
+            } else if covers(tile) {
                 Drawn::Covered
             } else {
                 band.farthest(simd, tile, [depth_right, depth_down])
