@@ -44,8 +44,8 @@ if(rviz_FOUND)
     endif()
   endif()
 endif()
-if(prebuilt AND NOT EXISTS "${prebuilt}/lib/rviz_camera_stream/librcs_capi.a")
-  list(APPEND plugin_missing "${prebuilt}/lib/rviz_camera_stream/librcs_capi.a")
+if(prebuilt AND NOT EXISTS "${prebuilt}/lib/rviz_camera_stream/librcs_capi.tar.xz")
+  list(APPEND plugin_missing "${prebuilt}/lib/rviz_camera_stream/librcs_capi.tar.xz")
 endif()
 if(plugin_missing)
   string(REPLACE ";" ", " plugin_missing "${plugin_missing}")
@@ -61,8 +61,15 @@ message(STATUS "rviz_camera_stream: the rviz plugin is built for rviz ${rviz_VER
 # --- the Rust core as a static library --------------------------------------------------------------------------------
 
 if(prebuilt)
-  # An installed package has it beside the programs.
-  set(plugin_core "${prebuilt}/lib/rviz_camera_stream/librcs_capi.a")
+  # An installed package has it beside the programs, packed.
+  set(plugin_core "${CMAKE_CURRENT_BINARY_DIR}/librcs_capi.a")
+  set(packed_core "${prebuilt}/lib/rviz_camera_stream/librcs_capi.tar.xz")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${packed_core}")
+  execute_process(COMMAND "${CMAKE_COMMAND}" -E tar xf "${packed_core}"
+    WORKING_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}" RESULT_VARIABLE plugin_unpacked)
+  if(plugin_unpacked)
+    message(FATAL_ERROR "${packed_core} cannot be unpacked; install the package again")
+  endif()
   add_custom_target(rviz_camera_stream_core)
 else()
   set(plugin_core "${RVIZ_CAMERA_STREAM_TARGET_DIR}/release/librcs_capi.a")

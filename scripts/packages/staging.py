@@ -29,7 +29,7 @@ def install(built, prefix, python, tree, plugin=False):
         quietly(['make', 'install'], build, environment)
     # So that a build from source finds the programs, and the plugin's its core.
     place = tree / prefix.lstrip('/')
-    core = Path(built) / 'lib' / PACKAGE / 'librcs_capi.a'
+    core = Path(built) / 'lib' / PACKAGE / 'librcs_capi.tar.xz'
     shutil.copy(core, place / 'lib' / PACKAGE / core.name)
     shutil.copy(Path(built) / 'share' / PACKAGE / 'prebuilt', place / 'share' / PACKAGE / 'prebuilt')
     # rviz reads the description of each plugin that a manifest exports, and this package has none.

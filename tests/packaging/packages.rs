@@ -26,7 +26,7 @@ fn stand_in(version: &str) -> tempfile::TempDir {
     for name in PROGRAMS {
         symlink("all_programs", programs.join(name)).unwrap();
     }
-    fs::write(programs.join("librcs_capi.a"), "").unwrap();
+    fs::write(programs.join("librcs_capi.tar.xz"), "").unwrap();
     fs::write(share.join("prebuilt"), format!("{version}\n")).unwrap();
     folder
 }
@@ -61,7 +61,7 @@ fn packages_hold_all_that_is_installed_where_their_distribution_has_it() {
         let has = |path: &str| assert!(paths.iter().any(|found| found == path), "{name}: no {path} in {paths:#?}");
         for program in PROGRAMS.iter().chain(&[
             "all_programs",
-            "librcs_capi.a",
+            "librcs_capi.tar.xz",
             "paper_scene",
             "simulated_turret",
             "image_view_overlay",
