@@ -79,8 +79,14 @@ QString resources(const Ogre::SceneManager& scene)
 /// depends on the order of events.
 QString allocatedBytes()
 {
+#if __GLIBC_PREREQ(2, 33)
   const struct mallinfo2 heap = mallinfo2();
   return QString::number(heap.uordblks + heap.hblkhd);
+#else
+  // Numbers of 32 bits.
+  const struct mallinfo heap = mallinfo();
+  return QString::number(qulonglong(unsigned(heap.uordblks)) + unsigned(heap.hblkhd));
+#endif
 }
 }  // namespace
 

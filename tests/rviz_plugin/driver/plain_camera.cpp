@@ -118,7 +118,11 @@ void PlainCamera::publish()
   image.step = 3 * image.width;
   image.data.resize(size_t(image.step) * image.height);
   const Ogre::PixelBox box(image.width, image.height, 1, Ogre::PF_BYTE_RGB, image.data.data());
+#if OGRE_VERSION < ((1 << 16) | (10 << 8))
+  target_->copyContentsToMemory(box, Ogre::RenderTarget::FB_AUTO);
+#else
   target_->copyContentsToMemory(Ogre::Box(0, 0, image.width, image.height), box, Ogre::RenderTarget::FB_AUTO);
+#endif
   sensor_msgs::CameraInfo info = *info_;
   info.header = image.header;
   publisher_.publish(image, info);
