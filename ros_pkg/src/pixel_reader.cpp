@@ -87,6 +87,27 @@ void forgetErrors()
   }
 }
 
+/// Reads colours from the bound frame buffer's texture, and restores what was read from before: Ogre 1.9 leaves its frame
+/// buffers without anything to read colours from.
+class ReadingColours
+{
+public:
+  ReadingColours()
+  {
+    glGetIntegerv(GL_READ_BUFFER, &before_);
+    glReadBuffer(GL_COLOR_ATTACHMENT0);
+  }
+  ~ReadingColours()
+  {
+    glReadBuffer(static_cast<GLenum>(before_));
+  }
+  ReadingColours(const ReadingColours&) = delete;
+  ReadingColours& operator=(const ReadingColours&) = delete;
+
+private:
+  GLint before_ = GL_NONE;
+};
+
 /// Sets how pixels are stored in memory to "without gaps", and restores it.
 class TightPacking
 {
@@ -196,6 +217,7 @@ void PixelReader::begin(Ogre::RenderTexture& drawn, bool with_depths)
 
   forgetErrors();
   {
+    const ReadingColours colours;
     const TightPacking packing;
     const GLsizei width = static_cast<GLsizei>(layout_.width), height = static_cast<GLsizei>(layout_.height);
     buffers_->copy(0, width, height, GL_BGRA, GL_UNSIGNED_BYTE);
@@ -223,6 +245,7 @@ void PixelReader::copyNow(Ogre::RenderTexture& drawn)
   layout_.depths.clear();
   if (isReadable())
   {
+    const ReadingColours colours;
     const TightPacking packing;
     const GLsizei w = static_cast<GLsizei>(width), h = static_cast<GLsizei>(height);
     glReadPixels(0, 0, w, h, GL_BGRA, GL_UNSIGNED_BYTE, layout_.bgra.data());
