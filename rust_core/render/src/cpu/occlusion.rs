@@ -349,8 +349,8 @@ impl Occluders {
     }
 
     /// Draws a face within an area: `draw` is given the pixels of each tile of which something may be seen, and says
-    /// what is known of them then. `covers` says whether the face covers other pixels. These tiles are found here, unless
-    /// they are [known](Self::list_seen).
+    /// what is known of them then. `covers` says whether the face covers other pixels. These tiles are found here,
+    /// unless they are [known](Self::list_seen).
     #[inline(always)]
     pub(super) fn draw<S: Simd>(
         &mut self,
