@@ -33,8 +33,8 @@ struct LookedAt {
 }
 
 impl LookedAt {
-    /// Whether most points are hidden by what scattered ones have covered. The others may come in any order then: in
-    /// that of memory they come several times as fast.
+    /// Whether most points are hidden by those that came before. The others may come in any order then: in that of
+    /// memory they come several times as fast.
     fn are_mostly_hidden(&self) -> bool {
         self.near < self.all / 8
     }
@@ -124,10 +124,10 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         let mut hidden_from = f32::INFINITY;
         let mut looked_at = LookedAt::default();
         // Once chunks come in the order in which they lie in memory, how many had come before.
-        let mut scattered = None;
+        let mut in_memory_order = None;
         let mut come = 0;
         loop {
-            let next = match scattered {
+            let next = match in_memory_order {
                 None => ranked.order.get(come).map(|&at| at as usize),
                 Some(before) => Some(come - before),
             };
@@ -136,8 +136,8 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
             if come % CHUNKS_TO_ASK == 0 {
                 let farthest = |range: &Range| range.hidden_from(ranked.occluders.farthest());
                 hidden_from = range.as_ref().map_or(f32::INFINITY, farthest);
-                if scattered.is_none() && std::mem::take(&mut looked_at).are_mostly_hidden() {
-                    scattered = Some(come);
+                if in_memory_order.is_none() && std::mem::take(&mut looked_at).are_mostly_hidden() {
+                    in_memory_order = Some(come);
                 }
             }
             if count + CHUNK > BLOCK {
