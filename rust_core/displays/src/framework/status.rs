@@ -1,6 +1,7 @@
 //! The statuses of a display, as rviz's tree shows them.
 
 use std::collections::BTreeMap;
+use std::ops::Bound;
 
 /// How bad a status is; a display is as bad as the worst of its statuses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -107,6 +108,12 @@ impl Statuses {
     /// Takes a status away.
     pub fn remove(&mut self, name: &str) {
         self.by_name.remove(name);
+    }
+
+    /// Whether there may be statuses whose names begin so; `false` only where there are none.
+    pub(crate) fn may_begin_with(&self, begin: &str) -> bool {
+        let from = (Bound::Included(begin), Bound::Unbounded);
+        self.by_name.range::<str, _>(from).next().is_some_and(|(name, _)| name.starts_with(begin))
     }
 
     /// Takes all statuses away.

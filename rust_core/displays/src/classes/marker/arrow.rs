@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix4, Vector3};
 use rcs_messages::visualization_msgs::Marker;
-use rcs_scene::Material;
+use rcs_scene::{Material, Rgba};
 use std::sync::Arc;
 
 use super::message_fields::{position, rgba, scale};
@@ -24,17 +24,27 @@ const HEAD_SHARE: f64 = 0.23;
 pub(super) struct Arrow {
     start: Vector3<f64>,
     scale: [f64; 3],
+    /// The colour that is shown, if the arrow is one by pose.
+    by_pose: Option<Rgba>,
 }
 
 impl Default for Arrow {
     fn default() -> Self {
-        Self { start: Vector3::zeros(), scale: [1.0; 3] }
+        Self { start: Vector3::zeros(), scale: [1.0; 3], by_pose: None }
     }
 }
 
 impl Arrow {
+    /// Whether a message asks for the arrow by pose that is shown.
+    pub(super) fn is_unchanged(&self, marker: &Marker) -> bool {
+        let asks = (marker.points.len() != 2, scale(marker), Some(rgba(&marker.color)));
+        self.by_pose.is_some() && asks == (true, self.scale, self.by_pose)
+    }
+
     /// Shaft and head.
     pub(super) fn primitives(&mut self, marker: &Marker) -> Vec<Primitive> {
+        let color = rgba(&marker.color);
+        self.by_pose = None;
         let (direction, size) = match marker.points.as_slice() {
             [start, end] => {
                 let [start, end] = [start, end].map(|point| Vector3::from(position(point)).cast::<f64>());
@@ -42,7 +52,7 @@ impl Arrow {
                 (end - start, size_by_points(marker, (end - start).norm()))
             }
             _ => {
-                self.scale = scale(marker);
+                (self.scale, self.by_pose) = (scale(marker), Some(color));
                 (Vector3::x(), BY_POSE)
             }
         };
@@ -50,7 +60,7 @@ impl Arrow {
         let [length, sideways, upwards] = self.scale;
         let marker_from_arrow = arrow_pose(self.start, &direction)
             * Matrix4::new_nonuniform_scaling(&Vector3::new(upwards, sideways, length));
-        let material = Arc::new(Material::lit(rgba(&marker.color)));
+        let material = Arc::new(Material::lit(color));
         let parts = arrow(0, &marker_from_arrow, &size, &material, &material);
         parts.map(|part| Primitive::new(part.fixed_from_object, part.geometry)).into()
     }

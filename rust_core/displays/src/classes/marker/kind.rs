@@ -8,8 +8,9 @@ use rcs_resources::MeshStore;
 use super::arrow::Arrow;
 use super::mesh::{MeshMarker, NotShown};
 use super::primitive::Primitive;
+use super::shape::Solid;
 use super::triangles::Triangles;
-use super::{lines, point_lists, shape, text};
+use super::{lines, point_lists, text};
 use crate::framework::world::isometry;
 use crate::Shape;
 
@@ -17,7 +18,7 @@ use crate::Shape;
 #[derive(Clone, Debug)]
 pub(super) enum Kind {
     Arrow(Arrow),
-    Shape(Shape),
+    Solid(Solid),
     LineStrip,
     LineList,
     Points,
@@ -31,9 +32,9 @@ impl Kind {
     pub(super) fn of(marker: &Marker) -> Option<Self> {
         Some(match u8::try_from(marker.type_).ok()? {
             Marker::ARROW => Self::Arrow(Arrow::default()),
-            Marker::CUBE => Self::Shape(Shape::Cube),
-            Marker::SPHERE => Self::Shape(Shape::Sphere),
-            Marker::CYLINDER => Self::Shape(Shape::Cylinder),
+            Marker::CUBE => Self::Solid(Solid::new(Shape::Cube)),
+            Marker::SPHERE => Self::Solid(Solid::new(Shape::Sphere)),
+            Marker::CYLINDER => Self::Solid(Solid::new(Shape::Cylinder)),
             Marker::LINE_STRIP => Self::LineStrip,
             Marker::LINE_LIST => Self::LineList,
             Marker::CUBE_LIST | Marker::SPHERE_LIST | Marker::POINTS => Self::Points,
@@ -44,6 +45,15 @@ impl Kind {
         })
     }
 
+    /// Whether a message is sure to show what the last one did, if elsewhere.
+    pub(super) fn is_unchanged(&self, marker: &Marker) -> bool {
+        match self {
+            Self::Arrow(arrow) => arrow.is_unchanged(marker),
+            Self::Solid(solid) => solid.is_unchanged(marker),
+            _ => false,
+        }
+    }
+
     /// Builds what a message of this kind shows.
     ///
     /// # Errors
@@ -51,7 +61,7 @@ impl Kind {
     pub(super) fn primitives(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, NotShown> {
         Ok(match self {
             Self::Arrow(arrow) => arrow.primitives(marker),
-            Self::Shape(shape) => shape::primitives(marker, *shape),
+            Self::Solid(solid) => solid.primitives(marker),
             Self::LineStrip => lines::strip(marker),
             Self::LineList => lines::list(marker),
             Self::Points => point_lists::primitives(marker),

@@ -77,6 +77,11 @@ pub(super) struct SolidPart {
 }
 
 impl Parts {
+    /// Nothing.
+    pub(super) fn none() -> Self {
+        Self::Primitives(Box::default())
+    }
+
     /// The same as these primitives.
     pub(super) fn of(primitives: Vec<Primitive>) -> Self {
         if let [Primitive { marker_from_part, geometry: Geometry::Text(text), sort_point: SortPoint::Origin }] =

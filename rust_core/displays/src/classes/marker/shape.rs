@@ -4,23 +4,45 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use rcs_messages::visualization_msgs::Marker;
-use rcs_scene::Material;
+use rcs_scene::{Material, Rgba};
 
 use super::message_fields::{rgba, scale};
 use super::primitive::Primitive;
 use crate::Shape;
 
-/// The solid, stood up so that a cylinder's axis is z.
-pub(super) fn primitives(marker: &Marker, shape: Shape) -> Vec<Primitive> {
-    #[rustfmt::skip]
-    let upright = Matrix3::new(
-        1.0, 0.0, 0.0,
-        0.0, 0.0, -1.0,
-        0.0, 1.0, 0.0,
-    );
-    let scale = turned(scale(marker).map(|length| length as f32)).map(f64::from);
-    let marker_from_solid = upright.to_homogeneous() * Matrix4::new_nonuniform_scaling(&scale.into());
-    vec![Primitive::mesh(marker_from_solid, shape.mesh(), Material::lit(rgba(&marker.color)))]
+/// A solid marker from message to message.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    shape: Shape,
+    /// The scale and colour that are shown.
+    shown: Option<([f64; 3], Rgba)>,
+}
+
+impl Solid {
+    /// Of a shape, before its first message.
+    pub(super) fn new(shape: Shape) -> Self {
+        Self { shape, shown: None }
+    }
+
+    /// Whether a message asks for the solid that is shown.
+    pub(super) fn is_unchanged(&self, marker: &Marker) -> bool {
+        self.shown == Some((scale(marker), rgba(&marker.color)))
+    }
+
+    /// The solid, stood up so that a cylinder's axis is z.
+    pub(super) fn primitives(&mut self, marker: &Marker) -> Vec<Primitive> {
+        #[rustfmt::skip]
+        let upright = Matrix3::new(
+            1.0, 0.0, 0.0,
+            0.0, 0.0, -1.0,
+            0.0, 1.0, 0.0,
+        );
+        let (scale, color) = (scale(marker), rgba(&marker.color));
+        self.shown = Some((scale, color));
+        let turned = turned(scale.map(|length| length as f32)).map(f64::from);
+        let marker_from_solid = upright.to_homogeneous() * Matrix4::new_nonuniform_scaling(&turned.into());
+        vec![Primitive::mesh(marker_from_solid, self.shape.mesh(), Material::lit(color))]
+    }
 }
 
 /// The scale in the solid's own axes. rviz turns it as if it were a vector, by 90° about x, and so mirrors the solid:

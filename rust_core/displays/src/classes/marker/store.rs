@@ -3,6 +3,7 @@
 //! There may be a hundred thousand of them. So each keeps little more than its numbers, an update looks only at those
 //! that can change by themselves, and a frame that many markers share is looked up once.
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -175,53 +176,36 @@ impl MarkerStore {
         statuses: &mut Statuses,
     ) {
         self.changed = true;
-        let old = self.take(id).filter(|old| old.marker_type == marker.type_);
-        let (number, kind) = match old {
-            Some(old) => (old.number, Some(old.kind)),
-            None => {
-                self.made += 1;
-                (self.made, Kind::of(marker))
-            }
-        };
-        let Some(mut kind) = kind else { return };
-        let (parts, missing) = match kind.primitives(marker, places.world.meshes) {
-            Ok(parts) => (parts, None),
-            Err(not_shown) => {
-                let missing = not_shown.status();
-                set_status(id, Some(missing.clone()), statuses);
-                (Vec::new(), Some(Box::new(missing)))
-            }
-        };
-        // Points may have a pose that is not finite; they are not drawn.
-        let Some(frame_from_marker) = kind.frame_from_marker(marker) else { return };
-        let mut shown = Shown {
-            number,
-            marker_type: marker.type_,
-            kind,
-            parts: Parts::of(parts),
-            frame: self.frame(&marker.header.frame_id),
-            stamp: (!marker.frame_locked).then(|| stamp(&marker.header)),
-            frame_locked: marker.frame_locked,
-            frame_from_marker,
-            fixed_from_marker: None,
-            expires: lifetime(marker).map(|lifetime| places.world.now.saturating_add(lifetime)),
-            finding: finding.map(Box::new),
-            missing,
-        };
-        match shown.locate(places) {
-            Ok(place) => shown.fixed_from_marker = Some(place),
-            Err(error) => set_error(id, problem(&error, places.world.fixed_frame), statuses),
+        let frame = self.frame(&marker.header.frame_id);
+        let (namespace, number) = id;
+        if !self.markers.contains_key(namespace) {
+            self.markers.insert(namespace.to_owned(), BTreeMap::new());
         }
-        self.locked += usize::from(shown.frame_locked);
-        self.first_expiry = self.first_expiry.into_iter().chain(shown.expires).min();
-        let (namespace, id) = id;
-        match self.markers.get_mut(namespace) {
-            Some(markers) => {
-                markers.insert(id, shown);
+        let Some(markers) = self.markers.get_mut(namespace) else { return };
+        // A marker that is sent again is changed where it is: most have only moved.
+        let shown = match markers.entry(number) {
+            Entry::Occupied(known) if known.get().marker_type == marker.type_ => known.into_mut(),
+            entry => {
+                let Some(kind) = Kind::of(marker) else { return drop(self.take(id)) };
+                self.made += 1;
+                let shown = Shown::new(self.made, marker.type_, kind, frame.clone());
+                match entry {
+                    Entry::Occupied(mut other) => {
+                        self.locked -= usize::from(other.insert(shown).frame_locked);
+                        other.into_mut()
+                    }
+                    Entry::Vacant(place) => place.insert(shown),
+                }
             }
-            None => {
-                self.markers.insert(namespace.to_owned(), BTreeMap::from([(id, shown)]));
-            }
+        };
+        let was_locked = shown.frame_locked;
+        (shown.frame, shown.finding) = (frame, finding.map(Box::new));
+        let is_shown = shown.show(id, marker, places, statuses);
+        self.locked = self.locked + usize::from(shown.frame_locked) - usize::from(was_locked);
+        if is_shown {
+            self.first_expiry = self.first_expiry.into_iter().chain(shown.expires).min();
+        } else {
+            self.take(id);
         }
     }
 
@@ -348,6 +332,50 @@ impl MarkerStore {
 }
 
 impl Shown {
+    /// A marker without a message.
+    fn new(number: u64, marker_type: i32, kind: Kind, frame: Arc<str>) -> Self {
+        Self {
+            number,
+            marker_type,
+            kind,
+            parts: Parts::none(),
+            frame,
+            stamp: None,
+            frame_locked: false,
+            frame_from_marker: Isometry3::identity(),
+            fixed_from_marker: None,
+            expires: None,
+            finding: None,
+            missing: None,
+        }
+    }
+
+    /// Takes what a message says; its frame and what is wrong with it are set already. Returns whether it may be drawn.
+    fn show(&mut self, id: MarkerId<'_>, marker: &Marker, places: &mut Places<'_>, statuses: &mut Statuses) -> bool {
+        if !self.kind.is_unchanged(marker) {
+            (self.parts, self.missing) = match self.kind.primitives(marker, places.world.meshes) {
+                Ok(parts) => (Parts::of(parts), None),
+                Err(not_shown) => {
+                    let missing = not_shown.status();
+                    set_status(id, Some(missing.clone()), statuses);
+                    (Parts::none(), Some(Box::new(missing)))
+                }
+            };
+        }
+        // Points may have a pose that is not finite; they are not drawn.
+        let Some(frame_from_marker) = self.kind.frame_from_marker(marker) else { return false };
+        self.frame_from_marker = frame_from_marker;
+        self.frame_locked = marker.frame_locked;
+        self.stamp = (!marker.frame_locked).then(|| stamp(&marker.header));
+        self.expires = lifetime(marker).map(|lifetime| places.world.now.saturating_add(lifetime));
+        let place = self.locate(places);
+        if let Err(error) = &place {
+            set_error(id, problem(error, places.world.fixed_frame), statuses);
+        }
+        self.fixed_from_marker = place.ok();
+        true
+    }
+
     /// Its status once it is placed.
     fn status(&self) -> Option<(Level, String)> {
         self.missing.as_deref().or(self.finding.as_deref()).cloned()
@@ -374,10 +402,11 @@ fn status_name((namespace, id): MarkerId<'_>) -> String {
 }
 
 fn set_status(id: MarkerId<'_>, status: Option<(Level, String)>, statuses: &mut Statuses) {
-    let name = status_name(id);
     match status {
-        Some((level, text)) => statuses.set(level, &name, text),
-        None => statuses.remove(&name),
+        Some((level, text)) => statuses.set(level, &status_name(id), text),
+        // Most namespaces have no status, and then no name is needed.
+        None if !statuses.may_begin_with(id.0) => {}
+        None => statuses.remove(&status_name(id)),
     }
 }
 

@@ -205,6 +205,45 @@ fn an_arrow_keeps_what_its_new_form_does_not_set() {
 }
 
 #[test]
+fn a_marker_sent_again_in_any_order_looks_as_one_sent_for_the_first_time() {
+    let mut all = Vec::new();
+    for marker_type in [Marker::ARROW, Marker::SPHERE, Marker::CUBE, Marker::ARROW] {
+        for (scale, red, alpha, x) in [
+            (1.0, 1.0, 1.0, 0.0),
+            (1.0, 1.0, 1.0, 2.0),
+            (3.0, 1.0, 1.0, 2.0),
+            (3.0, 0.5, 1.0, 2.0),
+            (3.0, 0.5, 0.5, 2.0),
+        ] {
+            let mut marker = marker(marker_type, 1);
+            (marker.scale.y, marker.color, marker.pose.position.x) = (scale, color(red, 0.5, 0.0, alpha), x);
+            all.push(marker);
+        }
+    }
+    let mut by_points = marker(Marker::ARROW, 1);
+    by_points.points = points(&[[0.0; 3], [0.0, 2.0, 0.0]]);
+    all.insert(2, by_points);
+    let looks = |drawn: &[Drawable]| -> Vec<_> {
+        let mesh = |drawable: &Drawable| match &drawable.geometry {
+            Geometry::Mesh { mesh, .. } => Arc::as_ptr(mesh),
+            other => panic!("{other:?}"),
+        };
+        drawn.iter().map(|one| (one.fixed_from_object, one.sort_point, diffuse(one), mesh(one))).collect()
+    };
+    for first in &all {
+        for second in &all {
+            let mut bench = Bench::new();
+            bench.show(std::slice::from_ref(first));
+            let shown = bench.show(std::slice::from_ref(second));
+            let expected = Bench::new().show(std::slice::from_ref(second));
+            // An arrow by two points keeps the scale of one by pose.
+            let keeps = second.points.len() == 2 && first.type_ == second.type_ && first.scale.y != 1.0;
+            assert_eq!(looks(&shown) == looks(&expected), !keeps, "{first:?}, then {second:?}");
+        }
+    }
+}
+
+#[test]
 fn lines_blend_by_the_markers_alpha_and_sort_by_the_middle_of_their_own_box() {
     let mut strip = marker(Marker::LINE_STRIP, 1);
     strip.points = points(&[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [f64::NAN, 0.0, 0.0], [2.0, 4.0, 0.0]]);
