@@ -281,8 +281,9 @@ class Probe:
         """Subscribes to these topics instead of the previous ones."""
         for subscriber in self.subscribers:
             subscriber.unregister()
-        self.forget()
-        self.topics = topics
+        with self.changed:
+            self.forget()
+            self.topics = topics
         self.subscribers = [
             rospy.Subscriber(topic, Image, self.take, topic, queue_size=1, buff_size=2 ** 26, tcp_nodelay=True)
             for topic in topics]
@@ -307,6 +308,9 @@ class Probe:
     def note(self, colour, topic, now):
         """A picture with this colour in its middle (None: without the cloud) arrived."""
         with self.changed:
+            if topic not in self.topics:
+                # It was under way when its topic was given up.
+                return
             self.arrivals.append(now)
             if colour is not None and self.shown.get(topic) != colour:
                 self.shown[topic] = colour
