@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Vector3};
 use rcs_calibration::Lens;
 use rcs_files::blend_file::BlendFile;
 use rcs_files::projector::ProjectorFile;
-use rcs_tests::programs::program;
+use rcs_tests::programs::{program, repository};
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
@@ -23,7 +23,12 @@ fn write_projector(folder: &Path, name: &str, x: f64) -> String {
 /// A projector's file, which places it somewhere in this frame.
 fn write_projector_in(folder: &Path, name: &str, parent: &str, [x, y, z]: [f64; 3]) -> String {
     let lens = Lens::pinhole(SIZE, [120.0, 121.0], [64.0, 40.0]);
-    let mut file = ProjectorFile::calibrated(&lens, parent, &Isometry3::from(Vector3::new(x, y, z)));
+    write_file(folder, name, parent, &lens, &Isometry3::from(Vector3::new(x, y, z)))
+}
+
+/// The file of a projector with this lens, at a pose in a frame.
+fn write_file(folder: &Path, name: &str, parent: &str, lens: &Lens, pose: &Isometry3<f64>) -> String {
+    let mut file = ProjectorFile::calibrated(lens, parent, pose);
     // Two files must not place one frame.
     file.camera_info.header.frame_id = format!("{name}_frame");
     file.frames[0].child = format!("{name}_frame");
@@ -33,17 +38,28 @@ fn write_projector_in(folder: &Path, name: &str, parent: &str, [x, y, z]: [f64; 
     path.display().to_string()
 }
 
+/// The points of an upright rectangle so far before the wall, so far apart; all in metres.
+fn rectangle([left, right]: [f64; 2], [top, bottom]: [f64; 2], before: f64, step: f64) -> Vec<[f64; 3]> {
+    let places = |begin: f64, end: f64| {
+        let count = ((end - begin) / step).round() as i32;
+        (0..=count).map(move |i| begin + step * f64::from(i))
+    };
+    places(left, right).flat_map(|x| places(top, bottom).map(move |y| [x, y, -before])).collect()
+}
+
 /// A wall as a PCD file.
 fn write_wall(path: &Path) {
-    let points: Vec<[f64; 2]> =
-        (-100..=100).flat_map(|x| (-60..=60).map(move |y| [0.02 * f64::from(x), 0.02 * f64::from(y)])).collect();
+    write_cloud(path, &rectangle([-2.0, 2.0], [-1.2, 1.2], 0.0, 0.02));
+}
+
+fn write_cloud(path: &Path, points: &[[f64; 3]]) {
     let mut text = format!(
         "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n\
          POINTS {0}\nDATA ascii\n",
         points.len()
     );
-    for [x, y] in points {
-        let _ = writeln!(text, "{x} {y} 0");
+    for [x, y, z] in points {
+        let _ = writeln!(text, "{x} {y} {z}");
     }
     std::fs::write(path, text).unwrap();
 }
@@ -78,6 +94,41 @@ fn the_shares_of_two_projectors_add_up_on_the_wall_and_are_files_for_each() {
     assert!(image::open(&preview).unwrap().width() > 500);
     let refused = run(&[&left, &left, "--cloud", &wall]);
     assert!(String::from_utf8_lossy(&refused.stderr).contains("rename one"), "{refused:?}");
+}
+
+/// The picture of docs/light.md, as it says. `UPDATE_GALLERY=1` writes it again.
+#[test]
+fn the_documented_picture_is_that_of_two_projectors_a_wall_and_a_box() {
+    const STEP_M: f64 = 0.005;
+    const TURN: f64 = 0.06;
+    let folder = tempfile::tempdir().unwrap();
+    let lens = Lens::pinhole([480, 300], [500.0, 500.0], [240.0, 150.0]);
+    let [left, right] = [("left", -0.5, TURN), ("right", 0.5, -TURN)].map(|(name, x, turn)| {
+        let pose = Isometry3::new(Vector3::new(x, 0.0, -2.0), Vector3::y() * turn);
+        write_file(folder.path(), name, "map", &lens, &pose)
+    });
+    let mut points = rectangle([-2.0, 2.0], [-1.2, 1.2], 0.0, STEP_M);
+    points.extend(rectangle([-0.2, 0.2], [0.1, 1.2], 0.4, STEP_M));
+    // The sides of the box, and its top.
+    let depths = (0..80).map(|i| STEP_M * f64::from(i));
+    points.extend(depths.flat_map(|before| {
+        let sides = [-0.2, 0.2].into_iter().flat_map(move |x| rectangle([x, x], [0.1, 1.2], before, STEP_M));
+        sides.chain(rectangle([-0.2, 0.2], [0.1, 0.1], before, STEP_M))
+    }));
+    let [cloud, preview] = ["wall.pcd", "preview.png"].map(|name| folder.path().join(name));
+    write_cloud(&cloud, &points);
+    let mut command = Command::new(program("projector_blend"));
+    command.args([&left, &right, "--frame", "map", "-o"]).arg(folder.path());
+    let output = command.arg("--cloud").arg(&cloud).arg("--preview").arg(&preview).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let documented = repository().join("docs/images/blend.png");
+    if std::env::var_os("UPDATE_GALLERY").is_some() {
+        std::fs::copy(&preview, &documented).unwrap();
+    }
+    let [drawn, documented] = [&preview, &documented].map(|path| image::open(path).unwrap().to_luma8());
+    assert_eq!(drawn.dimensions(), documented.dimensions());
+    let differ = drawn.iter().zip(documented.iter()).filter(|(a, b)| a.abs_diff(**b) > 1).count();
+    assert!(differ * 1000 < drawn.len(), "{differ} pixels differ: run this test with UPDATE_GALLERY=1");
 }
 
 #[test]
