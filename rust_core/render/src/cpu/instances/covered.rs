@@ -3,6 +3,7 @@
 use fearless_simd::dispatch;
 
 use super::corners::{place_vertices, InstanceScratch, Source};
+use super::lit::PlainLight;
 use super::shape::Shape;
 use crate::cpu::cover::Cover;
 use crate::cpu::lanes::LANES;
@@ -21,15 +22,19 @@ pub(super) fn for_covered(
     cover: &mut Cover,
     mut draw: impl FnMut([&Corner; 3], u32, &mut dyn Iterator<Item = (i32, i32, i32)>),
 ) {
-    scratch.begin();
+    let light = PlainLight::of(shape, source);
+    let mut is_lit = false;
+    if light.is_none() {
+        scratch.begin();
+    }
     let mut numbers = numbers.peekable();
     while numbers.peek().is_some() {
         let mut triangles = [0; LANES];
         for (lane, triangle) in triangles.iter_mut().enumerate() {
             let next = numbers.next();
             let places = next.and_then(|number| shape.places.get(number as usize)).copied();
-            match places.map(|places| places.map(|place| scratch.place_of(place))) {
-                Some(places) => cover.set(lane, places),
+            match places {
+                Some([a, b, c]) => cover.set(lane, [scratch.place_of(a), scratch.place_of(b), scratch.place_of(c)]),
                 None => cover.clear(lane),
             }
             *triangle = next.unwrap_or_default();
@@ -38,7 +43,18 @@ pub(super) fn for_covered(
         while covering != 0 {
             let lane = covering.trailing_zeros() as usize % LANES;
             covering &= covering - 1;
-            let Some(&corners) = shape.triangles.get(triangles[lane] as usize) else { continue };
+            let number = triangles[lane] as usize;
+            let (Some(&corners), Some(&places)) = (shape.triangles.get(number), shape.places.get(number)) else {
+                continue;
+            };
+            if let Some(light) = &light {
+                if !std::mem::replace(&mut is_lit, true) {
+                    dispatch!(screen.simd_level, simd => light.light(simd, shape, scratch));
+                }
+                let corner = |i: usize| scratch.lit_corner(corners[i], places[i], light.alpha());
+                draw([&corner(0), &corner(1), &corner(2)], triangles[lane], &mut cover.rows(lane));
+                continue;
+            }
             let mut place = |key| scratch.corner(key, source, screen, true);
             if let [Some((a, _)), Some((b, _)), Some((c, _))] = corners.map(&mut place) {
                 draw([&a, &b, &c], triangles[lane], &mut cover.rows(lane));

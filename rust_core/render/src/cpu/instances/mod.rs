@@ -20,6 +20,7 @@ mod corners;
 mod covered;
 mod crowd;
 mod glyphs;
+mod lit;
 mod reach;
 mod shape;
 #[cfg(test)]

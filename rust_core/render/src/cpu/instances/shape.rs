@@ -14,6 +14,8 @@ use crate::cpu::lanes::LANES;
 pub(in crate::cpu) struct Shape {
     /// The coordinates of the places of vertices, each place once, filled up to a whole number of lanes.
     pub(super) coordinates: [Vec<f32>; 3],
+    /// The normals of the vertices, filled up to a whole number of lanes; none where one is not finite.
+    pub(super) normals: [Vec<f32>; 3],
     /// The corners of each triangle, which all exist.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The places of each triangle's corners.
@@ -56,7 +58,7 @@ impl Pair {
 }
 
 impl Shape {
-    fn new(mesh: &Mesh) -> Self {
+    pub(super) fn new(mesh: &Mesh) -> Self {
         let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
         let mut coordinates: [Vec<f32>; 3] = Default::default();
         let place_of_vertex: Vec<u32> = mesh
@@ -83,8 +85,25 @@ impl Shape {
         let low = positions().reduce(|low, position| low.inf(&position));
         let high = positions().reduce(|high, position| high.sup(&position));
         let bounds = low.zip(high).filter(|_| is_finite).map(|(low, high)| ShapeBounds::new(low, high));
-        Self { coordinates, triangles, pairs: pairs(&places), places, bounds }
+        Self { coordinates, normals: normals(mesh), triangles, pairs: pairs(&places), places, bounds }
     }
+
+    /// Whether the normals are there.
+    pub(super) fn has_normals(&self) -> bool {
+        !self.normals[0].is_empty()
+    }
+}
+
+/// As [`Shape::normals`].
+fn normals(mesh: &Mesh) -> [Vec<f32>; 3] {
+    let mut normals: [Vec<f32>; 3] = Default::default();
+    if mesh.vertices.iter().all(|vertex| vertex.normal.iter().all(|coordinate| coordinate.is_finite())) {
+        for (all, i) in normals.iter_mut().zip(0..) {
+            all.extend(mesh.vertices.iter().map(|vertex| vertex.normal[i]));
+            all.resize(all.len().next_multiple_of(LANES), 0.0);
+        }
+    }
+    normals
 }
 
 /// Pairs of neighbours with a common side, given the places of each triangle's corners.
