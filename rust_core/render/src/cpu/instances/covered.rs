@@ -2,7 +2,7 @@
 
 use fearless_simd::dispatch;
 
-use super::corners::{place_vertices, InstanceScratch, Source};
+use super::corners::{InstanceScratch, Source};
 use super::lit::PlainLight;
 use super::shape::Shape;
 use crate::cpu::cover::Cover;
@@ -61,10 +61,4 @@ pub(super) fn for_covered(
             }
         }
     }
-}
-
-/// Places the vertices of a solid inside the view.
-pub(super) fn place(shape: &Shape, source: &Source<'_>, screen: &Screen, scratch: &mut InstanceScratch) {
-    let rows = &source.transform.clip_from_object;
-    dispatch!(screen.simd_level, simd => place_vertices(simd, shape, rows, screen, scratch));
 }

@@ -8,10 +8,11 @@ use fearless_simd::dispatch;
 use rcs_scene::Material;
 
 use super::batch::{Batch, BatchPiece, BatchView};
-use super::corners::{InstanceScratch, Source, Vertices};
-use super::covered::{self, for_covered};
+use super::corners::{place_vertices, InstanceScratch, Source, Vertices};
+use super::covered::for_covered;
 use super::reach::{reach, Footprint, Reach};
-use super::{sieve, Instances};
+use super::sieve::{sieve, Facing};
+use super::Instances;
 use crate::cpu::band::Band;
 use crate::cpu::occlusion::{Area, DepthPlane};
 use crate::cpu::ranked::RankedScratch;
@@ -172,8 +173,12 @@ impl Member {
         let transform = view.transform(&(view.view_from_fixed * solid.matrix()));
         let (material, surface) = (&Material::lit(solid.color), view.surface_of_solid(solid));
         let source = Source { vertices: Vertices::Mesh(mesh), material, transform: &transform, surface };
-        covered::place(shape, &source, screen, scratch);
-        sieve(shape, surface, scratch);
+        let rows = &transform.clip_from_object;
+        let facing = Facing::of(shape, surface, rows, &self.footprint, screen);
+        dispatch!(screen.simd_level, simd => {
+            place_vertices(simd, shape, rows, screen, scratch);
+            sieve(simd, shape, surface, facing.as_ref(), scratch);
+        });
         let (seen, mut cover) = (std::mem::take(&mut scratch.seen), std::mem::take(&mut scratch.cover));
         let mut is_drawn = false;
         let (numbers, view) = (seen.iter().copied(), (&source, area, screen));

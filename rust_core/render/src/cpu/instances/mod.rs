@@ -6,9 +6,9 @@
 //! computed again, for these few triangles alone, where their band is drawn. A solid goes through three sieves:
 //!
 //! 1. Its box in clip coordinates: beyond a side of the view, or between the pixels' centres, it is not looked at.
-//! 2. Its vertices, eight at a time, as the rows and columns of pixel centres between which they lie. A triangle whose
+//! 2. Its triangles, eight at a time: those that are sure to turn their hidden side to the eye are left out.
+//! 3. Its vertices, eight at a time, as the rows and columns of pixel centres between which they lie. A triangle whose
 //!    corners are all in one gap covers no centre, which is true of most triangles of a small solid.
-//! 3. Which way the rest of its triangles face.
 //!
 //! Solids that reach out of the view take the longer way, vertex by vertex, with the arithmetic of [`solids`]; the
 //! picture is the same on both. Text is a solid whose triangles are its glyphs' quads; the glyphs are sieved in groups.
@@ -23,13 +23,14 @@ mod glyphs;
 mod lit;
 mod reach;
 mod shape;
+mod sieve;
 #[cfg(test)]
 mod tests;
 mod text;
 
 use fearless_simd::dispatch;
 use nalgebra::Matrix4;
-use rcs_scene::{CullMode, Material, Mesh};
+use rcs_scene::{Material, Mesh};
 
 pub(super) use self::batch::{Batch, BatchPiece, BatchView, SmallMesh};
 pub(super) use self::corners::InstanceScratch;
@@ -39,6 +40,7 @@ use self::crowd::Member;
 use self::reach::{reach, Reach};
 use self::shape::Shape;
 pub(super) use self::shape::Shapes;
+use self::sieve::{sieve, Facing};
 use self::text::glyph_triangles;
 use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
@@ -138,9 +140,13 @@ impl Instances {
         self.load.in_order |= surface.mode != Mode::OPAQUE || !can_fill(surface);
         let first = self.next;
         let is_inside = matches!(reach, Reach::Inside(_));
-        let is_seen = if is_inside {
-            dispatch!(screen.simd_level, simd => place_vertices(simd, shape, &rows, screen, scratch));
-            self.add_inside(shape, surface, screen, scratch)
+        let is_seen = if let Reach::Inside(footprint) = reach {
+            let facing = Facing::of(shape, surface, &rows, &footprint, screen);
+            dispatch!(screen.simd_level, simd => {
+                place_vertices(simd, shape, &rows, screen, scratch);
+                sieve(simd, shape, surface, facing.as_ref(), scratch);
+            });
+            self.add_inside(shape, screen, scratch)
         } else {
             let transform = view.transform(&view_from_object);
             let source = Source { vertices: Vertices::Mesh(mesh), material, transform: &transform, surface };
@@ -159,10 +165,8 @@ impl Instances {
         }
     }
 
-    /// Makes the triangles of a solid inside the view ready whose vertices were placed. Returns whether any may be
-    /// seen.
-    fn add_inside(&mut self, shape: &Shape, surface: &Surface, screen: &Screen, scratch: &mut InstanceScratch) -> bool {
-        sieve(shape, surface, scratch);
+    /// Makes the triangles of a solid inside the view ready that are left of it. Returns whether any may be seen.
+    fn add_inside(&mut self, shape: &Shape, screen: &Screen, scratch: &InstanceScratch) -> bool {
         let mut is_seen = false;
         for &triangle in &scratch.seen {
             let Some(places) = shape.places.get(triangle as usize) else { continue };
@@ -322,7 +326,8 @@ impl Placed {
         let triangles = numbers.iter().map(|number| number - self.first);
         let mut cover = std::mem::take(&mut scratch.cover);
         self.with_source(batches, view, |source, _| {
-            covered::place(shape, source, screen, scratch);
+            let rows = &source.transform.clip_from_object;
+            dispatch!(screen.simd_level, simd => place_vertices(simd, shape, rows, screen, scratch));
             for_covered((shape, triangles), (source, area, screen), scratch, &mut cover, |corners, _, rows| {
                 triangles::draw_rows(corners, source.surface, rows, band);
             });
@@ -398,45 +403,6 @@ fn for_each_mesh(
         }
         Some(Batch::Text(..)) | None => {}
     }
-}
-
-/// Lists the triangles of a solid inside the view that may be seen, given where its vertices were placed.
-///
-/// Which they are looks random to a processor, so that there is nothing to predict here: each is written down, and the
-/// next one over it unless it is kept.
-#[inline]
-fn sieve(shape: &Shape, surface: &Surface, scratch: &mut InstanceScratch) {
-    let InstanceScratch { x, y, gaps, seen, .. } = scratch;
-    let (x, y, gaps) = (x.as_slice(), y.as_slice(), gaps.as_slice());
-    seen.clear();
-    seen.resize(2 * shape.pairs.len() + 1, 0);
-    let mut count = 0;
-    for pair in &shape.pairs {
-        let [a, b, c, d] = pair.places.map(|place| gaps.get(place as usize).copied().unwrap_or_default());
-        let common = b ^ c;
-        for (other, triangle) in [(a, pair.triangles[0]), (d, pair.triangles[1])] {
-            let differences = common | (other ^ b);
-            if let Some(place) = seen.get_mut(count) {
-                *place = triangle;
-            }
-            count += usize::from((differences & 0xffff != 0) & (differences >> 16 != 0));
-        }
-    }
-    // Of the few that are left, those that show their front.
-    let [keeps_clockwise, keeps_other] = match surface.cull {
-        CullMode::None => [true, true],
-        CullMode::Back => [false, true],
-        CullMode::Front => [true, false],
-    };
-    let mut kept = 0;
-    for i in 0..count {
-        let triangle = seen[i];
-        let Some(places) = shape.places.get(triangle as usize) else { continue };
-        let doubled_area = triangles::doubled_area_of(places.map(|place| [x[place as usize], y[place as usize]]));
-        seen[kept] = triangle;
-        kept += usize::from((keeps_clockwise & (doubled_area > 0)) | (keeps_other & (doubled_area < 0)));
-    }
-    seen.truncate(kept);
 }
 
 fn draw_triangle(

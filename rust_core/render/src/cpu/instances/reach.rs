@@ -38,9 +38,18 @@ pub(super) struct Footprint {
     pub rows: [i32; 2],
     /// Not more than the depth of any fragment of a solid in the box, see [`FARTHEST`].
     pub least_depth: f32,
+    /// Between which values w is.
+    pub w: [f32; 2],
+    /// How far a snapped place may be from the exact one, in pixels to each side.
+    pub error_px: f32,
 }
 
 impl Footprint {
+    /// Its width and height in pixels, together.
+    pub(super) fn width_and_height_px(&self) -> f32 {
+        [self.columns, self.rows].iter().map(|[first, after]| (after - first) as f32).sum()
+    }
+
     /// Whether it is as small as the least depth holds for, and as a crowd's solids are.
     pub(super) fn is_small(&self) -> bool {
         const MAX_PX: i32 = 64;
@@ -62,6 +71,8 @@ fn least_depth([near, far]: [f32; 2]) -> f32 {
 pub(super) fn reach(bounds: &ShapeBounds, rows: &[[f32; 4]; 4], screen: &Screen) -> Reach {
     // Far more than what rounding does to a sum of four products.
     const SLACK: f32 = 1e-5;
+    // What it does to such a sum, to its quotient with another one, and to what is made of that.
+    const ROUNDING: f32 = 2e-6;
     // Snapping moves a vertex by half of a subpixel.
     const SNAP_PX: f32 = 1.0 / SUBPIXELS as f32;
     let (middle, half) = (bounds.middle, bounds.half);
@@ -115,5 +126,13 @@ pub(super) fn reach(bounds: &ShapeBounds, rows: &[[f32; 4]; 4], screen: &Screen)
     let rest = [0, 1, 2, 3].map(|i| rows[2][i] - share * w[i]);
     let reach = (extent(rest) + (size(rows[2]) + size(w)) * SLACK) / least_w;
     let depths = [share - reach, share + reach].map(|depth| (depth * 0.5 + 0.5) * FARTHEST);
-    Reach::Inside(Footprint { columns, rows: rows_of_pixels, least_depth: least_depth(depths) })
+    let (half_width, half_height) = screen.half_size();
+    let rounding = ((size(rows[0]) + size(w)) * half_width).max((size(rows[1]) + size(w)) * half_height) / least_w;
+    Reach::Inside(Footprint {
+        columns,
+        rows: rows_of_pixels,
+        least_depth: least_depth(depths),
+        w: [least_w, most_w],
+        error_px: SNAP_PX + rounding * ROUNDING,
+    })
 }

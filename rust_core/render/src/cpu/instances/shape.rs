@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use rcs_scene::Mesh;
 
 use super::reach::ShapeBounds;
@@ -20,41 +20,12 @@ pub(in crate::cpu) struct Shape {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The places of each triangle's corners.
     pub(super) places: Vec<[u32; 3]>,
-    /// All triangles in their order.
-    pub(super) pairs: Vec<Pair>,
+    /// Of each triangle the [`minors`] of its corners, filled up to a whole number of lanes: the plane that it lies in.
+    pub(super) planes: [Vec<f32>; 4],
+    /// The most that a triangle reaches along one of the axes, over what the box does.
+    pub(super) longest: f32,
     /// The box around the vertices; `None` where one is not finite.
     pub(super) bounds: Option<ShapeBounds>,
-}
-
-/// A triangle and the next one, which shares a side with it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
-    /// The first one's other place, the two that are shared, and the second one's other place.
-    pub(super) places: [u32; 4],
-    /// The numbers of both; the second one's is [`Self::NONE`] where there is none.
-    pub(super) triangles: [u32; 2],
-}
-
-impl Pair {
-    /// No triangle's number.
-    pub(super) const NONE: u32 = u32::MAX;
-
-    /// Of the first triangle, and of the second one if it shares a side.
-    fn of(number: u32, first: [u32; 3], second: Option<[u32; 3]>) -> Self {
-        let both = second.and_then(|second| {
-            let other = |of: [u32; 3], than: [u32; 3]| of.into_iter().find(|place| !than.contains(place));
-            let (a, d) = (other(first, second)?, other(second, first)?);
-            let shared = |of: [u32; 3], without: u32| {
-                let at = of.iter().position(|&place| place == without).unwrap_or(0);
-                [of[(at + 1) % 3], of[(at + 2) % 3]]
-            };
-            let ([b, c], [e, f]) = (shared(first, a), shared(second, d));
-            let is_side = (b != c) & ([b, c] == [e, f] || [b, c] == [f, e]);
-            is_side.then_some(Self { places: [a, b, c, d], triangles: [number, number + 1] })
-        });
-        let [a, b, c] = first;
-        both.unwrap_or(Self { places: [a, b, c, b], triangles: [number, Self::NONE] })
-    }
 }
 
 impl Shape {
@@ -85,7 +56,9 @@ impl Shape {
         let low = positions().reduce(|low, position| low.inf(&position));
         let high = positions().reduce(|high, position| high.sup(&position));
         let bounds = low.zip(high).filter(|_| is_finite).map(|(low, high)| ShapeBounds::new(low, high));
-        Self { coordinates, normals: normals(mesh), triangles, pairs: pairs(&places), places, bounds }
+        let planes = planes(&coordinates, &places);
+        let longest = longest(&coordinates, &places);
+        Self { coordinates, normals: normals(mesh), triangles, places, planes, longest, bounds }
     }
 
     /// Whether the normals are there.
@@ -106,16 +79,47 @@ fn normals(mesh: &Mesh) -> [Vec<f32>; 3] {
     normals
 }
 
-/// Pairs of neighbours with a common side, given the places of each triangle's corners.
-fn pairs(places: &[[u32; 3]]) -> Vec<Pair> {
-    let mut pairs = Vec::with_capacity(places.len().div_ceil(2));
-    let mut next = 0;
-    while let Some(&first) = places.get(next) {
-        let pair = Pair::of(next as u32, first, places.get(next + 1).copied());
-        next += if pair.triangles[1] == Pair::NONE { 1 } else { 2 };
-        pairs.push(pair);
+/// The corners of each triangle, given the coordinates of the places and its own places.
+fn corners<'a>(coordinates: &'a [Vec<f32>; 3], places: &'a [[u32; 3]]) -> impl Iterator<Item = [[f32; 3]; 3]> + 'a {
+    let coordinate = |axis: usize, place: u32| coordinates[axis].get(place as usize).copied().unwrap_or_default();
+    places.iter().map(move |places| places.map(|place| [0, 1, 2].map(|axis| coordinate(axis, place))))
+}
+
+/// As [`Shape::planes`].
+fn planes(coordinates: &[Vec<f32>; 3], places: &[[u32; 3]]) -> [Vec<f32>; 4] {
+    let mut planes: [Vec<f32>; 4] = Default::default();
+    for corners in corners(coordinates, places) {
+        let plane = minors(corners.map(|[x, y, z]| [x, y, z, 1.0].map(f64::from)));
+        planes.iter_mut().zip(plane).for_each(|(all, number)| all.push(number as f32));
     }
-    pairs
+    planes.iter_mut().for_each(|all| all.resize(all.len().next_multiple_of(LANES), 0.0));
+    planes
+}
+
+/// As [`Shape::longest`].
+fn longest(coordinates: &[Vec<f32>; 3], places: &[[u32; 3]]) -> f32 {
+    let between = |values: [f32; 3]| {
+        let [least, most] = [f32::min, f32::max].map(|choose| values.into_iter().reduce(choose).unwrap_or_default());
+        most - least
+    };
+    let (mut low, mut high, mut longest) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3], [0.0_f32; 3]);
+    for [a, b, c] in corners(coordinates, places) {
+        for axis in 0..3 {
+            let values = [a[axis], b[axis], c[axis]];
+            low[axis] = values.into_iter().fold(low[axis], f32::min);
+            high[axis] = values.into_iter().fold(high[axis], f32::max);
+            longest[axis] = longest[axis].max(between(values));
+        }
+    }
+    let share = |axis: usize| if longest[axis] > 0.0 { longest[axis] / (high[axis] - low[axis]) } else { 0.0 };
+    [0, 1, 2].map(share).into_iter().fold(0.0, f32::max)
+}
+
+/// Of three rows of four numbers the determinants of what is left without the first column, without the second one, and
+/// so on.
+pub(super) fn minors(rows: [[f64; 4]; 3]) -> [f64; 4] {
+    [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]
+        .map(|columns| Matrix3::from_fn(|row, column| rows[row][columns[column]]).determinant())
 }
 
 /// The shapes that are alive.
@@ -145,7 +149,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_is_there_once_and_neighbours_with_a_common_side_are_a_pair() {
+    fn a_place_is_there_once_and_triangles_have_corners_that_exist() {
         let vertex = |x: f32, y: f32| Vertex::new([x, y, 0.0], [0.0, 0.0, 1.0]);
         let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (5.0, 5.0)];
         let vertices = corners.map(|(x, y)| vertex(x, y)).to_vec();
@@ -154,8 +158,9 @@ mod tests {
         assert_eq!(shape.coordinates[0], [0.0, 1.0, 0.0, 1.0, 5.0, 0.0, 0.0, 0.0]);
         assert_eq!(shape.triangles, [[0, 1, 2], [3, 4, 5], [6, 6, 6], [0, 1, 2], [6, 0, 1]]);
         assert_eq!(shape.places, [[0, 1, 2], [2, 1, 3], [4, 4, 4], [0, 1, 2], [4, 0, 1]]);
-        let pairs: Vec<_> = shape.pairs.iter().map(|pair| (pair.places, pair.triangles)).collect();
-        let single = ([4, 4, 4, 4], [2, Pair::NONE]);
-        assert_eq!(pairs, [([0, 1, 2, 3], [0, 1]), single, ([2, 0, 1, 4], [3, 4])]);
+        // The triangle that is a point has no plane, and the others lie in z = 0; the last one is the largest.
+        assert_eq!(shape.planes.each_ref().map(Vec::len), [8; 4]);
+        assert_eq!(shape.planes[2][..5], [1.0, 1.0, 0.0, 1.0, 5.0]);
+        assert_eq!(shape.longest, 1.0);
     }
 }

@@ -13,7 +13,7 @@ use rcs_scene::{
 use crate::{CpuRenderer, Culling, Renderer, View};
 
 /// A ball of diameter 1, or with few rings and segments something with flat sides.
-fn ball(rings: u32, segments: u32) -> Arc<Mesh> {
+pub(super) fn ball(rings: u32, segments: u32) -> Arc<Mesh> {
     let mut mesh = Mesh::default();
     for ring in 0..=rings {
         for segment in 0..=segments {
