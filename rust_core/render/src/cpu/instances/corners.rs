@@ -133,9 +133,9 @@ impl InstanceScratch {
     }
 }
 
-/// Where the vertices of a solid inside the view are: their snapped places with depths and one over w, and for each the
-/// gaps between the columns and the rows of pixel centres that it is in, each as an odd number (an even one is a centre),
-/// packed into one.
+/// Where the vertices of a solid inside the view are: their snapped places with depths and one over w, and for each
+/// the gaps between the columns and the rows of pixel centres that it is in, each as an odd number (an even one is a
+/// centre), packed into one.
 #[inline(always)]
 pub(super) fn place_vertices<S: Simd>(
     simd: S,

@@ -1,7 +1,7 @@
 //! The light on a solid's vertices, several at once.
 //!
-//! Of a small solid that is seen, most vertices that face the eye are a corner of what is drawn. So it is faster to light
-//! all of them side by side than each one where it is met. The arithmetic is that of
+//! Of a small solid that is seen, most vertices that face the eye are a corner of what is drawn. So it is faster to
+//! light all of them side by side than each one where it is met. The arithmetic is that of
 //! [`vertex_color`](crate::cpu::lighting::vertex_color), in the same order.
 
 use fearless_simd::prelude::*;

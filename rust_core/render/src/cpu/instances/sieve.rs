@@ -2,10 +2,10 @@
 //!
 //! A triangle turns its front or its back to the eye by the side of its plane that the eye is on. In coordinates before
 //! the division by w, twice its area on the picture is the determinant of its corners' x, y and w, over the product of
-//! their w; and that determinant is, by Cauchy and Binet, the scalar product of two vectors of four [`minors`]: those of
-//! the corners, which a shape keeps for each triangle, and those of the matrix's rows for x, y and w, which stand for
-//! the eye. So that takes eight triangles a few steps. It leaves open what rounding and snapping may turn round: where
-//! the product is small, the snapped places decide, as they do for all where perspective is strong.
+//! their w; and that determinant is, by Cauchy and Binet, the scalar product of two vectors of four [`minors`]: those
+//! of the corners, which a shape keeps for each triangle, and those of the matrix's rows for x, y and w, which stand
+//! for the eye. So that takes eight triangles a few steps. It leaves open what rounding and snapping may turn round:
+//! where the product is small, the snapped places decide, as they do for all where perspective is strong.
 
 use fearless_simd::prelude::*;
 use rcs_scene::CullMode;
@@ -58,7 +58,8 @@ impl Facing {
         Some(Self { eye, unsure: unsure_area * most_w * most_w * most_w })
     }
 
-    /// Of eight triangles a bit for each: whether it is sure to be seen from the side that is drawn, and from the other.
+    /// Of eight triangles a bit for each: whether it is sure to be seen from the side that is drawn, and from the
+    /// other.
     #[inline(always)]
     fn sides<S: Simd>(&self, simd: S, shape: &Shape, begin: usize) -> [u32; 2] {
         // Of the sum of four products, several times.
@@ -137,11 +138,12 @@ mod tests {
 
     /// Of a solid's triangles how many there are, and of how many it is sure which side is seen; none where it is not
     /// in the view. What is sure must be so.
-    fn sure(shape: &Shape, view_from_solid: &Matrix4<f64>, cull: CullMode) -> Option<[usize; 2]> {
+    fn sure(shape: &Shape, optical_from_solid: &Matrix4<f64>, cull: CullMode) -> Option<[usize; 2]> {
         let p = [300.0, 0.0, 150.0, 0.0, 0.0, 310.0, 100.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let camera = Camera::new(Intrinsics::from_p(301, 203, &p).unwrap(), &Isometry3::identity(), 0.01);
         let screen = Screen::new(301, 203);
-        let rows = ObjectTransform::clip_rows(&camera, view_from_solid);
+        let view_from_solid = camera.fixed_from_view().inverse().to_homogeneous() * optical_from_solid;
+        let rows = ObjectTransform::clip_rows(&camera, &view_from_solid);
         let Reach::Inside(footprint) = reach(&shape.bounds.unwrap(), &rows, &screen) else { return None };
         let surface = Surface { cull, ..Surface::of(&Material::unlit(false), None) };
         let facing = Facing::of(shape, &surface, &rows, &footprint, &screen);
@@ -178,9 +180,9 @@ mod tests {
         ) {
             let shape = Shape::new(&[ball(6, 12), ball(2, 4), ball(16, 30)][kind]);
             let pose = Isometry3::new(Vector3::from(place), Vector3::from(turn)).to_homogeneous();
-            let view_from_solid = pose * Matrix4::new_nonuniform_scaling(&Vector3::from(scale));
+            let optical_from_solid = pose * Matrix4::new_nonuniform_scaling(&Vector3::from(scale));
             let cull = if is_turned_round { CullMode::Front } else { CullMode::Back };
-            sure(&shape, &view_from_solid, cull);
+            sure(&shape, &optical_from_solid, cull);
         }
     }
 
