@@ -109,9 +109,10 @@ pub(super) fn sieve<S: Simd>(
             let (Some(gap_a), Some(gap_b), Some(gap_c)) = (gaps.get(a), gaps.get(b), gaps.get(c)) else { continue };
             let differences = (gap_a ^ gap_b) | (gap_a ^ gap_c);
             let mut is_kept = (differences & 0xffff != 0) & (differences >> 16 != 0);
-            if shown >> lane & 1 == 0 {
+            // Of what is left here, most is sure to be seen.
+            if is_kept && shown >> lane & 1 == 0 {
                 let doubled_area = triangles::doubled_area_of([[x[a], y[a]], [x[b], y[b]], [x[c], y[c]]]);
-                is_kept &= (keeps_clockwise & (doubled_area > 0)) | (keeps_other & (doubled_area < 0));
+                is_kept = (keeps_clockwise & (doubled_area > 0)) | (keeps_other & (doubled_area < 0));
             }
             if let Some(place) = seen.get_mut(kept) {
                 *place = (begin + lane) as u32;
