@@ -4,7 +4,7 @@
 //! `cargo run --release -p rcs_tests --example many_solids [-- FILTER]` prints a table; `RCS_RENDERER` chooses the
 //! renderer. Each row is measured in a process of its own. The *first picture* includes decoding the message, the
 //! display and the scene, the *next one* shows the same scene again, and the *changed one* a new message with all of
-//! it moved; both are the fastest of five. Memory is what the process uses beyond that of the message's bytes.
+//! it moved; both are the fastest of five. Memory is what the process uses beyond that of the messages' bytes.
 
 use std::error::Error;
 use std::io::Write;
@@ -76,6 +76,7 @@ fn millis(duration: Duration) -> f64 {
 
 fn measure(name: &str, solids: ManySolids) -> Result<(), Box<dyn Error>> {
     let bytes = solids.bytes(0.0);
+    let changed_bytes: Vec<_> = (1..=5).map(|number| solids.bytes(f64::from(number) * 1e-3)).collect();
     let mut rendering = Rendering::new(Vec::new(), many_solids_camera()?, renderer()?);
     let mut pipeline = DisplayPipeline::new(&solids.config());
     rendering.draw()?;
@@ -98,8 +99,8 @@ fn measure(name: &str, solids: ManySolids) -> Result<(), Box<dyn Error>> {
     let next = next.collect::<Result<Vec<_>, _>>()?.into_iter().min().unwrap_or_default();
     drop(message);
     let mut changed: Option<(Duration, Duration)> = None;
-    for number in 1..=5 {
-        let message = solids.kind().decode(&solids.bytes(f64::from(number) * 1e-3))?;
+    for bytes in &changed_bytes {
+        let message = solids.kind().decode(bytes)?;
         let start = Instant::now();
         pipeline.receive("/many", &message);
         let shown = start.elapsed();

@@ -5,11 +5,12 @@ use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 
 use super::band::{channel_shift, pack, unorm8, Band};
+use super::edges::Edge;
 use super::lanes::{lane_indices, map, F, I, LANES, M, U};
 use super::occlusion::{rounding, Area, Cell, DepthPlane, Drawn, Occluders, TILE_PX};
 use super::screen::{FARTHEST, SUBPIXELS};
 use super::surface::{Paint, Surface};
-use super::triangles::{Edge, Plane, Planes};
+use super::triangles::{Plane, Planes};
 use crate::shading::{box_brightness, disc_brightness, edge_contrast, inside, with_edge, DISC_RADIUS_SQUARED};
 
 /// Whether a surface's fragments can be made here. Textures and cells are looked up pixel by pixel.
@@ -34,7 +35,7 @@ fn value<S: Simd>(plane: &Plane, x: F<S>, y: f32) -> F<S> {
 
 /// 0 to 1 as a byte in the place of a channel.
 #[inline(always)]
-fn in_channel<S: Simd>(value: F<S>, channel: usize) -> U<S> {
+pub(super) fn in_channel<S: Simd>(value: F<S>, channel: usize) -> U<S> {
     // As `unorm8`.
     const NO_FRACTION: f32 = 8_388_608.0;
     let level = value.simd_gt(0.0).select(value.min(1.0) * 255.0, F::splat(value.token(), 0.0));

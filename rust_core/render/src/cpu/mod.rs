@@ -23,6 +23,7 @@ mod clip;
 mod costs;
 mod cover;
 mod depths;
+mod edges;
 mod fill;
 mod frame_plan;
 mod instances;

@@ -149,7 +149,9 @@ impl ObjectTransform {
     /// Clip coordinates of a position in the object's frame.
     #[inline]
     pub(super) fn clip(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
-        self.clip_from_object.map(|r| r[0] * x + r[1] * y + r[2] * z + r[3])
+        let row = |r: &[f32; 4]| r[0] * x + r[1] * y + r[2] * z + r[3];
+        let [a, b, c, d] = &self.clip_from_object;
+        [row(a), row(b), row(c), row(d)]
     }
 }
 

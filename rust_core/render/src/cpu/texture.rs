@@ -4,7 +4,7 @@
 //! whose texels are nearest in size to a pixel, by the larger of the distances that the place in the texture moves
 //! from a pixel to the next in its row and in its column.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rcs_scene::{Filtering, Texture, Wrapping};
 use wide::f32x4;
@@ -14,6 +14,18 @@ use wide::f32x4;
 pub(super) struct MipTexture {
     full: Arc<Texture>,
     smaller: Vec<Texels>,
+    /// Its sizes without colours, once they were asked for; `None` for a texture that has some.
+    grey: OnceLock<Option<Vec<GreyTexels>>>,
+}
+
+/// One size of a texture that has no colours and ends at its edges ([`Wrapping::Clamp`]).
+#[derive(Debug)]
+pub(super) struct GreyTexels {
+    /// The last row and column.
+    pub last: [i32; 2],
+    /// Of each texel its brightness, its opacity, and those of the next in its row, from the lowest byte on. Each row
+    /// begins with the first texel twice, and ends with the last one twice.
+    pub pairs: Vec<u32>,
 }
 
 #[derive(Debug)]
@@ -34,7 +46,7 @@ struct MipLevel<'a> {
 impl MipTexture {
     /// Makes the mipmaps where the texture's filtering asks for them.
     pub(super) fn new(texture: &Arc<Texture>) -> Self {
-        let mut mips = Self { full: texture.clone(), smaller: Vec::new() };
+        let mut mips = Self { full: texture.clone(), smaller: Vec::new(), grey: OnceLock::new() };
         if texture.filtering == Filtering::BilinearMipmap {
             while let Some(next) = mips.level(mips.smaller.len()).halved() {
                 mips.smaller.push(next);
@@ -76,8 +88,22 @@ impl MipTexture {
     /// The texture in the size for a footprint, as in [`Self::sample`].
     #[inline]
     pub(super) fn sampler(&self, footprint: impl Fn() -> [[f32; 2]; 2]) -> Sampler<'_> {
-        let level = self.level(if self.smaller.is_empty() { 0 } else { self.level_for(footprint()) });
-        Sampler { level, wrapping: self.full.wrapping }
+        let index = if self.smaller.is_empty() { 0 } else { self.level_for(footprint()) };
+        Sampler { level: self.level(index), index, wrapping: self.full.wrapping }
+    }
+
+    /// The size that a sampler reads, if the texture has no colours and ends at its edges.
+    #[inline]
+    pub(super) fn grey(&self, sampler: &Sampler<'_>) -> Option<&GreyTexels> {
+        let levels = || {
+            let levels = (0..=self.smaller.len()).map(|index| self.level(index).grey());
+            if self.full.wrapping == Wrapping::Clamp {
+                levels.collect()
+            } else {
+                None
+            }
+        };
+        self.grey.get_or_init(levels).as_ref()?.get(sampler.index)
     }
 
     fn level(&self, index: usize) -> MipLevel<'_> {
@@ -102,17 +128,27 @@ impl MipTexture {
 #[derive(Clone, Copy)]
 pub(super) struct Sampler<'a> {
     level: MipLevel<'a>,
+    /// Which of the sizes that is.
+    index: usize,
     wrapping: Wrapping,
 }
 
 /// A place between the middles of two texels of a row or a column: the first one, and the way from it to the next.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Between {
-    texel: i32,
-    way: f32,
+    /// The first texel.
+    pub texel: i32,
+    /// From 0 at its middle to 1 at that of the next.
+    pub way: f32,
 }
 
 impl Sampler<'_> {
+    /// Texels in a row and in a column.
+    #[inline]
+    pub(super) fn size(&self) -> [f32; 2] {
+        [self.level.width as f32, self.level.height as f32]
+    }
+
     /// Where a texture coordinate is along the rows.
     #[inline]
     pub(super) fn column(&self, u: f32) -> Between {
@@ -174,6 +210,21 @@ impl MipLevel<'_> {
             }
         }
         Some(Texels { width, height, rgba })
+    }
+
+    /// The texels without colours; `None` where one has a colour.
+    fn grey(&self) -> Option<GreyTexels> {
+        let bytes = |[r, g, b, a]: [u8; 4]| (r == g && g == b).then(|| u32::from(r) | u32::from(a) << 8);
+        let mut pairs = Vec::with_capacity((self.width as usize + 1) * self.height as usize);
+        for y in 0..self.height {
+            let mut before = bytes(self.texel(Wrapping::Clamp, 0, y))?;
+            for x in 0..=self.width {
+                let texel = bytes(self.texel(Wrapping::Clamp, x, y))?;
+                pairs.push(before | texel << 16);
+                before = texel;
+            }
+        }
+        Some(GreyTexels { last: [self.height - 1, self.width - 1], pairs })
     }
 
     /// A texel, the one to the right of it, and those below both.
@@ -276,6 +327,26 @@ mod tests {
         let at = |place: f32| texture.sample_visible([place; 2], || [[0.0; 2]; 2]);
         assert_eq!((at(0.0), at(0.6)), (None, None));
         assert_eq!(at(0.65), Some(texture.sample([0.65; 2], || [[0.0; 2]; 2])));
+    }
+
+    #[test]
+    fn without_colours_each_texel_is_kept_with_the_next() {
+        let rgba = [[9, 9, 9, 1], [8, 8, 8, 2], [7, 7, 7, 3], [6, 6, 6, 4]];
+        let texture = |rgba: [[u8; 4]; 4], wrapping| {
+            let filtering = Filtering::BilinearMipmap;
+            MipTexture::new(&Arc::new(Texture { width: 2, height: 2, rgba: rgba.to_vec(), filtering, wrapping }))
+        };
+        let grey = |texture: &MipTexture, footprint: f32| {
+            let sampler = texture.sampler(|| [[footprint, 0.0], [0.0, footprint]]);
+            texture.grey(&sampler).map(|texels| (texels.last, texels.pairs.clone()))
+        };
+        let plain = texture(rgba, Wrapping::Clamp);
+        let rows = vec![0x0109_0109, 0x0208_0109, 0x0208_0208, 0x0307_0307, 0x0406_0307, 0x0406_0406];
+        assert_eq!(grey(&plain, 0.0), Some(([1, 1], rows)));
+        assert_eq!(grey(&plain, 1.0), Some(([0, 0], vec![0x0308_0308, 0x0308_0308])));
+        assert_eq!(grey(&texture(rgba, Wrapping::Repeat), 0.0), None);
+        let coloured = [rgba[0], rgba[1], rgba[2], [6, 6, 5, 4]];
+        assert_eq!(grey(&texture(coloured, Wrapping::Clamp), 0.0), None);
     }
 
     #[test]

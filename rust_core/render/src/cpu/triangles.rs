@@ -10,10 +10,11 @@ use std::ops::Range;
 
 use fearless_simd::{dispatch, Simd};
 use rcs_scene::CullMode;
-use wide::{f32x4, i32x4};
+use wide::f32x4;
 
 use super::band::{meet, pack, unorm8, Band};
 use super::clip::{ClipVertex, Outside, Polygon};
+use super::edges::{Edge, EdgeRows, SmallEdges};
 use super::fill::{can_fill, Fill};
 use super::occlusion::{Area, Cell, Occluders};
 use super::ranked::Extent;
@@ -356,6 +357,45 @@ impl Wide {
     }
 }
 
+/// How a triangle lies in the picture, for what is linear over it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slopes {
+    along: [f32; 4],
+    per_area: f32,
+    first: [f32; 2],
+}
+
+impl Slopes {
+    /// Of corners whose inside is on the right of each edge as the picture shows it.
+    #[inline]
+    pub(super) fn new([a, b, c]: [&ScreenPosition; 3], doubled_area: i64) -> Self {
+        let scale = SUBPIXELS as f32;
+        let along = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(|d| d as f32 / scale);
+        let per_area = (scale as f64 * scale as f64 / doubled_area as f64) as f32;
+        Self { along, per_area, first: [a.x as f32 / scale, a.y as f32 / scale] }
+    }
+
+    /// What has these values at the corners.
+    #[inline]
+    pub(super) fn plane(&self, [va, vb, vc]: [f32; 3]) -> Plane {
+        let ([dx1, dy1, dx2, dy2], [x, y]) = (self.along, self.first);
+        let dx = ((vb - va) * dy2 - (vc - va) * dy1) * self.per_area;
+        let dy = ((vc - va) * dx1 - (vb - va) * dx2) * self.per_area;
+        Plane { at: va - dx * x - dy * y, dx, dy }
+    }
+
+    /// The depth, nearer by a surface's bias.
+    #[inline]
+    pub(super) fn depth(&self, depths: [f32; 3], surface: &Surface) -> Plane {
+        let mut depth = self.plane(depths);
+        if surface.depth_bias != DepthBias::NONE {
+            let DepthBias { steps, slopes } = surface.depth_bias;
+            depth.at -= steps + slopes * depth.dx.abs().max(depth.dy.abs());
+        }
+        depth
+    }
+}
+
 /// The values that are interpolated over a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Planes {
@@ -373,20 +413,9 @@ impl Planes {
     pub(super) fn new(corners: [&Corner; 3], doubled_area: i64, surface: &Surface) -> Self {
         let [(a, color_a, uv_a), (b, color_b, uv_b), (c, color_c, uv_c)] =
             corners.map(|corner| (&corner.position, &corner.color, &corner.uv));
-        let scale = SUBPIXELS as f32;
-        let [dx1, dy1, dx2, dy2] = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(|d| d as f32 / scale);
-        let per_area = (scale as f64 * scale as f64 / doubled_area as f64) as f32;
-        let (x, y) = (a.x as f32 / scale, a.y as f32 / scale);
-        let plane = |va: f32, vb: f32, vc: f32| {
-            let dx = ((vb - va) * dy2 - (vc - va) * dy1) * per_area;
-            let dy = ((vc - va) * dx1 - (vb - va) * dx2) * per_area;
-            Plane { at: va - dx * x - dy * y, dx, dy }
-        };
-        let mut depth = plane(a.depth, b.depth, c.depth);
-        if surface.depth_bias != DepthBias::NONE {
-            let DepthBias { steps, slopes } = surface.depth_bias;
-            depth.at -= steps + slopes * depth.dx.abs().max(depth.dy.abs());
-        }
+        let slopes = Slopes::new([a, b, c], doubled_area);
+        let plane = |va, vb, vc| slopes.plane([va, vb, vc]);
+        let depth = slopes.depth([a.depth, b.depth, c.depth], surface);
         let flat = color_a == color_b && color_a == color_c;
         let color = if flat {
             color_a.map(|at| Plane { at, dx: 0.0, dy: 0.0 })
@@ -463,122 +492,6 @@ impl Planes {
             if let Some(color) = surface.fragment(color, uv, footprint) {
                 meet(pixel, depth, fragment_depth, color, surface.mode);
             }
-        }
-    }
-}
-
-/// The edges of a small triangle, where to try each pixel is faster than the divisions that find the ends of a row. As
-/// [`Edge`], one in a lane, the last without meaning; places are measured from the bounding box's first pixel, so that
-/// all fits into 32 bits.
-struct SmallEdges {
-    c: i32x4,
-    dx: i32x4,
-    dy: i32x4,
-}
-
-impl SmallEdges {
-    const MAX_WIDTH_PX: i32 = 6;
-    const MAX_HEIGHT_PX: i32 = 64;
-
-    #[inline]
-    fn around([a, b, c]: [&ScreenPosition; 3], left: i32, top: i32) -> Self {
-        let (x, y) = (i32x4::splat(left * SUBPIXELS), i32x4::splat(top * SUBPIXELS));
-        let (from_x, from_y) = (i32x4::new([a.x, b.x, c.x, a.x]) - x, i32x4::new([a.y, b.y, c.y, a.y]) - y);
-        let along_x = i32x4::new([b.x, c.x, a.x, a.x]) - x - from_x;
-        let along_y = i32x4::new([b.y, c.y, a.y, a.y]) - y - from_y;
-        let owns = along_y.simd_lt(i32x4::ZERO) | (along_y.simd_eq(i32x4::ZERO) & along_x.simd_gt(i32x4::ZERO));
-        // A mask is -1 where it holds, so that one is taken off where the edge does not own the pixels on it.
-        Self {
-            c: along_y * from_x - along_x * from_y - i32x4::ONE - owns,
-            dx: -along_y * i32x4::splat(SUBPIXELS),
-            dy: along_x * i32x4::splat(SUBPIXELS),
-        }
-    }
-
-    /// The pixels of a row, from 0 to before `width`, that are on the inner side of all edges: the first and the one
-    /// after the last.
-    #[inline]
-    fn row(&self, y: i32, width: i32) -> (i32, i32) {
-        const EDGES: u32 = 0b111;
-        let mut at = self.c + self.dy * i32x4::splat(y);
-        let mut inside = 0u32;
-        for x in 0..width {
-            inside |= u32::from(at.to_bitmask() & EDGES == 0) << x;
-            at += self.dx;
-        }
-        // They lie side by side.
-        let first = inside.trailing_zeros().min(width as u32) as i32;
-        (first, first + inside.count_ones() as i32)
-    }
-}
-
-/// A straight edge: a pixel (x, y) is on its inner side where `c + x · dx + y · dy` is not negative.
-pub(super) struct Edge {
-    pub c: i64,
-    pub dx: i64,
-    pub dy: i64,
-}
-
-impl Edge {
-    fn around([a, b, c]: [&ScreenPosition; 3]) -> [Self; 3] {
-        [(a, b), (b, c), (c, a)].map(|(from, to)| Self::new([from.x, from.y], [to.x, to.y]))
-    }
-
-    fn new([ax, ay]: [i32; 2], [bx, by]: [i32; 2]) -> Self {
-        let (along_x, along_y) = (i64::from(bx - ax), i64::from(by - ay));
-        // Left edges go up, top edges go right: these own the pixels on them.
-        let owns = along_y < 0 || (along_y == 0 && along_x > 0);
-        Self {
-            c: along_y * i64::from(ax) - along_x * i64::from(ay) - i64::from(!owns),
-            dx: -along_y * i64::from(SUBPIXELS),
-            dy: along_x * i64::from(SUBPIXELS),
-        }
-    }
-}
-
-/// Where an edge crosses one row after another. Its value grows by the same from row to row, so that it is divided only
-/// once.
-struct EdgeRows {
-    /// The value at the row's beginning, divided by the change per pixel without its sign: the quotient, rounded down,
-    /// and what is left.
-    quotient: i64,
-    rest: i64,
-    /// The same of the change from row to row.
-    step: i64,
-    rest_step: i64,
-    divisor: i64,
-    /// Whether the inner side is on the right; an edge along the rows has none.
-    is_left: Option<bool>,
-}
-
-impl EdgeRows {
-    fn new(edge: &Edge, row: i32) -> Self {
-        let here = edge.c + edge.dy * i64::from(row);
-        let divisor = edge.dx.abs().max(1);
-        Self {
-            quotient: here.div_euclid(divisor),
-            rest: here.rem_euclid(divisor),
-            step: edge.dy.div_euclid(divisor),
-            rest_step: edge.dy.rem_euclid(divisor),
-            divisor,
-            is_left: (edge.dx != 0).then_some(edge.dx > 0),
-        }
-    }
-
-    /// Narrows `first..after` to the pixels of the row on the inner side, and goes on to the next row.
-    #[inline]
-    fn narrow(&mut self, first: &mut i32, after: &mut i32) {
-        match self.is_left {
-            None if self.quotient < 0 => *after = *first,
-            None => {}
-            Some(true) => *first = i64::from(*first).max(-self.quotient).min(i64::from(*after)) as i32,
-            Some(false) => *after = i64::from(*after).min(self.quotient + 1).max(i64::from(*first)) as i32,
-        }
-        self.quotient += self.step;
-        self.rest += self.rest_step;
-        if self.rest >= self.divisor {
-            self.rest -= self.divisor;
-            self.quotient += 1;
         }
     }
 }

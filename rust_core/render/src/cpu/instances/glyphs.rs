@@ -2,18 +2,26 @@
 //!
 //! Text turns to the eye. Unless the projection is skewed, the quad of a glyph is then a rectangle of pixels with one
 //! depth, over which one texture coordinate changes along a row and the other along a column. So the level of the
-//! texture is chosen once for a triangle, its columns are found once for all rows, and nothing is divided by w. The
-//! pixels are those of the quad's two [triangles], with the same arithmetic.
+//! texture is chosen once for a triangle, its columns are found once for all rows, and nothing is divided by w. Of a
+//! small glyph, both triangles are drawn together, eight pixels of a row at once. The pixels are those of the quad's
+//! two [triangles], with the same arithmetic.
 
+use std::ops::Range;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, Simd};
 use rcs_scene::{Glyph, Text};
 
 use crate::cpu::band::{meet, unorm8, Band, Mode};
 use crate::cpu::clip::Outside;
+use crate::cpu::edges::SmallEdges;
+use crate::cpu::fill::in_channel;
+use crate::cpu::lanes::{lane_indices, map, whole, F, I, LANES, M, U};
 use crate::cpu::ranked::Extent;
 use crate::cpu::screen::{ObjectTransform, Screen, FARTHEST};
 use crate::cpu::surface::{Paint, Surface};
-use crate::cpu::texture::{Between, MipTexture, Sampler};
-use crate::cpu::triangles::{self, Corner, Planes, ScreenPosition};
+use crate::cpu::texture::{Between, GreyTexels, MipTexture, Sampler};
+use crate::cpu::triangles::{self, Corner, Plane, ScreenPosition, Slopes};
 
 /// Columns that are found at once.
 const COLUMNS: usize = 32;
@@ -64,8 +72,8 @@ impl GlyphRect {
     /// Finds a glyph of a text whose quads [are upright](are_upright).
     pub(super) fn place(text: &Text, glyph: &Glyph, transform: &ObjectTransform, screen: &Screen) -> Place {
         let bottom_m = glyph.top_m - text.height_m();
-        let corners = [[glyph.left_m, glyph.top_m, 0.0], [glyph.right_m, bottom_m, 0.0]];
-        let [first, last] = corners.map(|corner| transform.clip(corner));
+        let first = transform.clip([glyph.left_m, glyph.top_m, 0.0]);
+        let last = transform.clip([glyph.right_m, bottom_m, 0.0]);
         let outside = [Outside::new(first), Outside::new(last)];
         if outside[0].guard | outside[1].guard != 0 {
             return Place::Cut;
@@ -73,7 +81,7 @@ impl GlyphRect {
         if outside[0].view & outside[1].view != 0 {
             return Place::Unseen;
         }
-        let [first, last] = [first, last].map(|corner| ScreenPosition::new(corner, screen));
+        let (first, last) = (ScreenPosition::new(first, screen), ScreenPosition::new(last, screen));
         let corners = [first, ScreenPosition { y: last.y, ..first }, ScreenPosition { x: last.x, ..first }, last];
         let rect = Self { corners, uv: glyph.uv() };
         let touches = |(first, after): (i32, i32), end: u32| first.max(0) < after.min(end as i32);
@@ -105,11 +113,16 @@ impl GlyphRect {
     /// Draws the rows of a band.
     pub(super) fn draw(&self, ink: &Ink<'_>, band: &mut Band<'_>) {
         let [u1, v1, u2, v2] = self.uv;
-        let uv = [[u1, v1], [u1, v2], [u2, v1], [u2, v2]];
-        let corner = |i: usize| Corner { position: self.corners[i], color: ink.color, uv: uv[i] };
-        let [a, b, c, d, e, f] = Text::QUAD_INDICES.map(corner);
-        draw_half([&a, &b, &c], ink, band);
-        draw_half([&d, &e, &f], ink, band);
+        let [a, b, c, d] = self.corners;
+        let corner = |position, uv| Corner { position, color: ink.color, uv };
+        let quad = [corner(a, [u1, v1]), corner(b, [u1, v2]), corner(c, [u2, v1]), corner(d, [u2, v2])];
+        let [a, b, c, d, e, f] = Text::QUAD_INDICES;
+        let halves = [[&quad[a], &quad[b], &quad[c]], [&quad[d], &quad[e], &quad[f]]];
+        if let Some(small) = SmallGlyph::new(self, halves, ink, band) {
+            dispatch!(band.simd_level, simd => small.draw(simd, band));
+            return;
+        }
+        halves.into_iter().for_each(|half| draw_half(half, ink, band));
     }
 }
 
@@ -118,7 +131,7 @@ fn draw_half(corners: [&Corner; 3], ink: &Ink<'_>, band: &mut Band<'_>) {
     let Some((corners, area)) = triangles::clockwise(corners) else { return };
     let positions = corners.map(|corner| &corner.position);
     let (left, right) = triangles::between(positions[0].x, positions[1].x, positions[2].x);
-    let half = Half::new(Planes::new(corners, area, ink.surface), ink);
+    let half = Half::new(corners, area, ink);
     for begin in (left.max(0)..right.min(band.width)).step_by(COLUMNS) {
         let end = right.min(band.width).min(begin + COLUMNS as i32);
         let mut columns = [Between::default(); COLUMNS];
@@ -135,36 +148,274 @@ fn draw_half(corners: [&Corner; 3], ink: &Ink<'_>, band: &mut Band<'_>) {
     }
 }
 
+/// A small glyph, whose two triangles are drawn together: of each row eight pixels at once, each from the triangle that
+/// covers it.
+struct SmallGlyph<'a> {
+    halves: [Half<'a>; 2],
+    edges: [SmallEdges; 2],
+    texels: &'a GreyTexels,
+    /// Its columns in the picture, and its rows in the band.
+    columns: Range<i32>,
+    rows: Range<i32>,
+    /// The pixel from which the edges are measured.
+    origin: (i32, i32),
+}
+
+impl<'a> SmallGlyph<'a> {
+    const MAX_WIDTH_PX: i32 = 64;
+
+    /// Of the triangles of a rectangle. `None` where it is not small, and where the texture has colours or is read in
+    /// two sizes.
+    #[inline]
+    fn new(rect: &GlyphRect, halves: [[&Corner; 3]; 2], ink: &'a Ink<'a>, band: &Band<'_>) -> Option<Self> {
+        let ((left, right), (top, bottom)) = (rect.columns(), rect.rows());
+        if right - left > Self::MAX_WIDTH_PX || bottom - top > SmallEdges::MAX_HEIGHT_PX {
+            return None;
+        }
+        let ((a, area_a), (b, area_b)) = (triangles::clockwise(halves[0])?, triangles::clockwise(halves[1])?);
+        let around = |[a, b, c]: [&Corner; 3]| SmallEdges::around([&a.position, &b.position, &c.position], left, top);
+        let edges = [around(a), around(b)];
+        let halves = [Half::new(a, area_a, ink), Half::new(b, area_b, ink)];
+        let (texels, others) = (ink.texture.grey(&halves[0].sampler)?, ink.texture.grey(&halves[1].sampler)?);
+        if !std::ptr::eq(texels, others) {
+            return None;
+        }
+        let (columns, rows) = (left.max(0)..right.min(band.width), band.rows(top, bottom));
+        Some(Self { halves, edges, texels, columns, rows, origin: (left, top) })
+    }
+
+    #[inline(always)]
+    fn draw<S: Simd>(&self, simd: S, band: &mut Band<'_>) {
+        let halves = [&self.halves[0], &self.halves[1]];
+        for begin in self.columns.clone().step_by(LANES) {
+            let x = lane_indices(simd) + begin;
+            let columns = map(
+                halves,
+                #[inline(always)]
+                |half| half.columns(x.to_float(), self.texels),
+            );
+            for top in self.rows.clone().step_by(LANES) {
+                let y = lane_indices(simd) + top;
+                let rows = map(
+                    halves,
+                    #[inline(always)]
+                    |half| half.rows(y.to_float(), self.texels),
+                );
+                let edges = map(
+                    [&self.edges[0], &self.edges[1]],
+                    #[inline(always)]
+                    |edges| RowEdges::new(edges, x - self.origin.0, top - self.origin.1),
+                );
+                let rows = Rows { range: top..self.rows.end.min(top + LANES as i32), places: rows, edges };
+                self.draw_block(simd, x.simd_lt(self.columns.end), columns, rows, begin, band);
+            }
+        }
+    }
+
+    /// Draws [`LANES`] columns of as many rows.
+    #[inline(always)]
+    fn draw_block<S: Simd>(
+        &self,
+        simd: S,
+        is_there: M<S>,
+        columns: [(I<S>, F<S>); 2],
+        rows: Rows<S>,
+        begin: i32,
+        band: &mut Band<'_>,
+    ) {
+        const OPACITIES: u32 = 0xff00_ff00;
+        let ink = self.halves[0].ink;
+        let Rows { range, places: [rows, other_rows], mut edges } = rows;
+        let mut row = 0;
+        band.for_windows(
+            range,
+            begin,
+            #[inline(always)]
+            |window| {
+                let at = row % LANES;
+                row += 1;
+                let [first, second] = [edges[0].next(), edges[1].next()];
+                let mask = (first | second) & is_there;
+                let pairs = map(
+                    [0, 1],
+                    #[inline(always)]
+                    |side: usize| {
+                        let texels = columns[0].0 + rows.begin[side][at];
+                        let texels = first.select(texels, columns[1].0 + other_rows.begin[side][at]);
+                        let pairs = map(
+                            texels.to_array(),
+                            #[inline(always)]
+                            |texel| self.texels.pairs.get(texel as usize).copied().unwrap_or_default(),
+                        );
+                        U::load_array(simd, pairs)
+                    },
+                );
+                let [upper, lower] = pairs;
+                // What is fully transparent leaves a pixel as it is.
+                let is_seen = mask & ((upper | lower) & OPACITIES).simd_gt(0);
+                if ink.surface.mode == Mode::TRANSLUCENT && !is_seen.any_true() {
+                    return;
+                }
+                let right = first.select(columns[0].1, columns[1].1);
+                let down = first.select(F::splat(simd, rows.way[at]), F::splat(simd, other_rows.way[at]));
+                let depths = first.select(F::splat(simd, self.halves[0].depth), F::splat(simd, self.halves[1].depth));
+                window.meet(
+                    mask,
+                    depths,
+                    ink.surface.mode,
+                    #[inline(always)]
+                    |seen| {
+                        let brightness = mix(pairs, 0, right, down);
+                        let opacity = mix(pairs, 8, right, down);
+                        let [r, g, b, a] = ink.color;
+                        let color = in_channel(brightness * r, 0)
+                            | in_channel(brightness * g, 1)
+                            | in_channel(brightness * b, 2)
+                            | in_channel(opacity * a, 3);
+                        (seen, color)
+                    },
+                );
+            },
+        );
+    }
+}
+
+/// Rows of a small glyph.
+struct Rows<S: Simd> {
+    range: Range<i32>,
+    /// Where they are in the texture, in each of the triangles.
+    places: [RowPlaces; 2],
+    edges: [RowEdges<S>; 2],
+}
+
+/// Where rows of pixels are in a texture.
+#[derive(Clone, Copy)]
+struct RowPlaces {
+    /// Where in [`GreyTexels::pairs`] the row of texels above each begins, and that below.
+    begin: [[i32; LANES]; 2],
+    /// The way from the upper to the lower.
+    way: [f32; LANES],
+}
+
+/// As [`Sampler::mix`], of one of the two numbers in each half of the pairs.
+#[inline(always)]
+fn mix<S: Simd>(rows: [U<S>; 2], shift: u32, right: F<S>, down: F<S>) -> F<S> {
+    let [top, bottom] = map(
+        rows,
+        #[inline(always)]
+        |pairs| {
+            let [a, b] = map(
+                [shift, shift + 16],
+                #[inline(always)]
+                |shift| ((pairs >> shift) & 255).bitcast::<I<S>>().to_float::<F<S>>(),
+            );
+            a + (b - a) * right
+        },
+    );
+    (top + (bottom - top) * down) / 255.0
+}
+
+/// The texels before some places, and the ways to the next, as in [`Sampler`].
+#[inline(always)]
+fn between<S: Simd>(place: F<S>) -> (I<S>, F<S>) {
+    let place = place - 0.5;
+    let cut = whole(place);
+    let texel = cut.to_float::<F<S>>().simd_gt(place).select(cut - 1, cut);
+    (texel, place - texel.to_float::<F<S>>())
+}
+
+/// The edges of a triangle at pixels side by side, row by row.
+#[derive(Clone, Copy)]
+struct RowEdges<S: Simd> {
+    at: [I<S>; 3],
+    down: [i32; 3],
+}
+
+impl<S: Simd> RowEdges<S> {
+    #[inline(always)]
+    fn new(edges: &SmallEdges, x: I<S>, y: i32) -> Self {
+        let (c, dx, down) = (edges.c.to_array(), edges.dx.to_array(), edges.dy.to_array());
+        let at = map(
+            [0, 1, 2],
+            #[inline(always)]
+            |i: usize| x * dx[i] + (c[i] + down[i] * y),
+        );
+        Self { at, down: [down[0], down[1], down[2]] }
+    }
+
+    /// Which pixels of the row are inside; goes on to the next row.
+    #[inline(always)]
+    fn next(&mut self) -> M<S> {
+        let [a, b, c] = self.at;
+        self.at = [a + self.down[0], b + self.down[1], c + self.down[2]];
+        (a | b | c).simd_ge(0)
+    }
+}
+
 /// A triangle of a glyph, ready to be drawn.
 struct Half<'a> {
-    planes: Planes,
     /// One for all fragments.
+    depth: f32,
     w: f32,
+    /// Divided by w.
+    u: Plane,
+    v: Plane,
     sampler: Sampler<'a>,
     ink: &'a Ink<'a>,
 }
 
 impl<'a> Half<'a> {
-    fn new(planes: Planes, ink: &'a Ink<'a>) -> Self {
-        let w = 1.0 / planes.inverse_w.at;
-        let [u, v] = &planes.uv;
+    /// Of corners whose inside is on the right of each edge as the picture shows it.
+    #[inline]
+    fn new(corners: [&Corner; 3], doubled_area: i64, ink: &'a Ink<'a>) -> Self {
+        let [a, b, c] = corners;
+        let slopes = Slopes::new([&a.position, &b.position, &c.position], doubled_area);
+        let of = |value: fn(&Corner) -> f32| slopes.plane([value(a), value(b), value(c)]);
+        let depths = [a.position.depth, b.position.depth, c.position.depth];
+        let depth = slopes.depth(depths, ink.surface).at.clamp(0.0, FARTHEST);
+        let w = 1.0 / of(|corner| corner.position.inverse_w).at;
+        let u = of(|corner| corner.uv[0] * corner.position.inverse_w);
+        let v = of(|corner| corner.uv[1] * corner.position.inverse_w);
         let sampler = ink.texture.sampler(|| [[u.dx * w, 0.0], [0.0, v.dy * w]]);
-        Self { planes, w, sampler, ink }
+        Self { depth, w, u, v, sampler, ink }
     }
 
     /// Where a column of pixels is in the texture.
     #[inline]
     fn column(&self, x: i32) -> Between {
-        self.sampler.column(self.planes.uv[0].value(x as f32, 0.0) * self.w)
+        self.sampler.column(self.u.value(x as f32, 0.0) * self.w)
+    }
+
+    /// As [`Self::column`], of several where they are in a row of [`GreyTexels::pairs`], and the ways.
+    #[inline(always)]
+    fn columns<S: Simd>(&self, x: F<S>, texels: &GreyTexels) -> (I<S>, F<S>) {
+        let Plane { at, dx, .. } = self.u;
+        let (texel, way) = between((x * dx + at) * self.w * self.sampler.size()[0]);
+        (texel.max(-1).min(texels.last[1]) + 1, way)
+    }
+
+    /// As [`Self::row`], of several.
+    #[inline(always)]
+    fn rows<S: Simd>(&self, y: F<S>, texels: &GreyTexels) -> RowPlaces {
+        let Plane { at, dy, .. } = self.v;
+        let (texel, way) = between((y * dy + at) * self.w * self.sampler.size()[1]);
+        let [last, stride] = [texels.last[0], texels.last[1] + 2];
+        let (upper, lower) = (texel.max(0).min(last), texel.max(-1).min(last - 1) + 1);
+        RowPlaces { begin: [(upper * stride).to_array(), (lower * stride).to_array()], way: way.to_array() }
+    }
+
+    /// Where a row of pixels is in the texture.
+    #[inline]
+    fn row(&self, y: i32) -> Between {
+        self.sampler.row(self.v.value(0.0, y as f32) * self.w)
     }
 
     /// Draws the pixels of a row whose columns were found, from the first of them on.
     #[inline]
     fn draw_row(&self, columns: &[Between], y: i32, first: i32, after: i32, band: &mut Band<'_>) {
-        let Self { planes, sampler, ink, .. } = self;
-        let mode = ink.surface.mode;
-        let depth = planes.depth.at.clamp(0.0, FARTHEST);
-        let row = sampler.row(planes.uv[1].value(0.0, y as f32) * self.w);
+        let Self { depth, sampler, ink, .. } = self;
+        let (mode, depth) = (ink.surface.mode, *depth);
+        let row = self.row(y);
         let (_, colors, depths) = band.span(y, first, after);
         for ((pixel, pixel_depth), &column) in colors.iter_mut().zip(depths).zip(columns) {
             if mode.depth_test && depth > *pixel_depth {

@@ -245,8 +245,9 @@ impl Instances {
     ) {
         let mut numbers = self.bins.band(index);
         while let Some((placed, end)) = numbers.first().and_then(|&number| self.placed(number)) {
-            // Numbers ascend, so that those of a thing lie side by side.
-            let (these, rest) = numbers.split_at(numbers.partition_point(|&number| number < end));
+            // Numbers ascend, so that those of a thing lie side by side; mostly they are few of very many.
+            let after = numbers.iter().position(|&number| number >= end);
+            let (these, rest) = numbers.split_at(after.unwrap_or(numbers.len()));
             numbers = rest;
             if placed.is_small && these.len() > LANES {
                 placed.draw_small(these, batches, view, screen, scratch, band);
