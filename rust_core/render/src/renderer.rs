@@ -1,5 +1,6 @@
 //! The interface of the renderers, and the choice between them.
 
+use std::any::Any;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -40,6 +41,14 @@ pub enum RenderError {
         /// wgpu's message.
         reason: String,
     },
+    /// Something in the renderer panicked. What it kept for the next pictures is dropped, and it can draw again.
+    #[error("{renderer} panicked: {reason}")]
+    Panicked {
+        /// Which renderer.
+        renderer: String,
+        /// The panic's message.
+        reason: String,
+    },
     /// The picture is larger than this renderer can draw.
     #[error("a picture of {width_px}×{height_px} is larger than the {limit_px} that {renderer} can draw")]
     TooLarge {
@@ -52,6 +61,12 @@ pub enum RenderError {
         /// Which renderer.
         renderer: String,
     },
+}
+
+/// The message of a panic.
+pub(crate) fn panic_text(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<&str>().copied();
+    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
 }
 
 /// Draws pictures of scenes. It may keep what it derived from a geometry for as long as that geometry's `Arc` lives.

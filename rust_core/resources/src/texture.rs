@@ -2,11 +2,12 @@
 
 use std::{
     io::Cursor,
+    panic::catch_unwind,
     path::Path,
     sync::{Arc, OnceLock},
 };
 
-use image::{ImageDecoder, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use rcs_scene::{Filtering, Texture, Wrapping};
 
 use crate::{ResourceError, ResourceOptions};
@@ -24,32 +25,40 @@ const MAX_DECODED_BYTES: u64 = 512 << 20;
 /// [`ResourceError::BadImage`], and those of reading the file.
 pub(crate) fn load(options: &ResourceOptions, path: &Path) -> Result<Arc<Texture>, ResourceError> {
     let bytes = options.read(path)?;
-    let bad = |reason: String| ResourceError::BadImage { path: path.to_owned(), reason };
-    let mut reader = ImageReader::new(Cursor::new(&bytes))
-        .with_guessed_format()
-        .map_err(|source| ResourceError::io(path, source))?;
+    // Some damaged images make the decoder of JPEG panic. The mesh that they are on is shown all the same.
+    let decoded = catch_unwind(|| decode(&bytes, path)).unwrap_or_else(|_| Err("its decoder panicked".to_owned()));
+    decoded.map(Arc::new).map_err(|reason| ResourceError::BadImage { path: path.to_owned(), reason })
+}
+
+/// The texture of an image file's bytes.
+///
+/// # Errors
+/// What is wrong with them.
+fn decode(bytes: &[u8], path: &Path) -> Result<Texture, String> {
+    let unreadable = |error: ImageError| error.to_string();
+    let guessed = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+    let mut reader = guessed.map_err(|error| error.to_string())?;
     if reader.format().is_none() {
         // TGA has no signature.
-        let format = ImageFormat::from_path(path).map_err(|error| bad(error.to_string()))?;
-        reader.set_format(format);
+        reader.set_format(ImageFormat::from_path(path).map_err(unreadable)?);
     }
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_DECODED_BYTES);
     reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(|error| bad(error.to_string()))?;
+    let decoder = reader.into_decoder().map_err(unreadable)?;
     let (width, height) = decoder.dimensions();
     if u64::from(width) * u64::from(height) > MAX_TEXELS {
-        return Err(bad(format!("{width} × {height} pixels are too many")));
+        return Err(format!("{width} × {height} pixels are too many"));
     }
-    let image = image::DynamicImage::from_decoder(decoder).map_err(|error| bad(error.to_string()))?.into_rgba8();
+    let image = DynamicImage::from_decoder(decoder).map_err(unreadable)?.into_rgba8();
     let (width, height) = image.dimensions();
     if width == 0 || height == 0 {
-        return Err(bad("it has no pixels".to_owned()));
+        return Err("it has no pixels".to_owned());
     }
     let rgba = image.pixels().map(|pixel| pixel.0).collect();
-    Ok(Arc::new(Texture { width, height, rgba, filtering: Filtering::BilinearMipmap, wrapping: Wrapping::Repeat }))
+    Ok(Texture { width, height, rgba, filtering: Filtering::BilinearMipmap, wrapping: Wrapping::Repeat })
 }
 
 /// What Ogre puts where a texture cannot be loaded: 8 × 8 texels of yellow and black diagonal stripes.

@@ -130,7 +130,7 @@ fn a_files_transparency_does_not_show_in_rviz() {
 }
 
 #[test]
-fn a_missing_texture_is_reported_and_shows_ogres_stripes() {
+fn a_missing_or_damaged_texture_is_reported_and_shows_ogres_stripes() {
     let dir = obj_folder();
     fs::remove_file(dir.path().join("red.png")).unwrap();
     let mesh = load(&dir.path().join("thing.obj")).unwrap();
@@ -141,9 +141,14 @@ fn a_missing_texture_is_reported_and_shows_ogres_stripes() {
     assert!(warning.to_string().contains("red.png"), "{warning}");
     assert_eq!(mesh.parts.len(), 2);
 
-    fs::write(dir.path().join("red.png"), b"\x89PNG\r\n\x1a\n damaged").unwrap();
-    let mesh = load(&dir.path().join("thing.obj")).unwrap();
-    assert!(matches!(mesh.warnings.as_slice(), [ResourceError::BadImage { .. }]), "{:?}", mesh.warnings);
+    // The last is a JPEG on which its decoder panics, after the byte that chooses a format for the fuzzer.
+    let jpeg = include_bytes!("../../../fuzz/regressions/compressed_image/jpeg_whose_decoder_panics");
+    for damaged in [&b"\x89PNG\r\n\x1a\n damaged"[..], &jpeg[1..]] {
+        fs::write(dir.path().join("red.png"), damaged).unwrap();
+        let mesh = load(&dir.path().join("thing.obj")).unwrap();
+        assert!(matches!(mesh.warnings.as_slice(), [ResourceError::BadImage { .. }]), "{:?}", mesh.warnings);
+        assert_eq!(**mesh.parts[0].material.texture.as_ref().unwrap(), *warning_texture());
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Invalid messages and configs are logged once and do not end the node.
 
+use rcs_tests::programs::repository;
 use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
@@ -19,6 +20,34 @@ fn a_cloud_with_too_little_data_is_dropped_and_logged_once() {
     fixture.wait_for("viewer.middle() == (0, 0, 255)");
     assert_eq!(warnings(), 1, "{}", fixture.log());
     assert_eq!(fixture.python("(0, 255, 0) in viewer.colors"), "False");
+}
+
+/// Thirty a second, each of which the decoder of JPEG panics on.
+#[test]
+fn damaged_jpegs_are_logged_and_neither_end_the_node_nor_stop_the_picture() {
+    const DEPTH: &str = "{Class: rviz/DepthCloud, Name: depth, Enabled: true, Depth Map Topic: /d/image, \
+                         Color Image Topic: /c/image, Color Transport Hint: compressed}";
+    let fixture = RosFixture::start(&config(&[CLOUD, DEPTH], &[CameraPub::default()]), &[]).unwrap();
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture
+        .python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')");
+    fixture.wait_for("viewer.middle() == (255, 0, 0)");
+    let input = repository().join("fuzz/regressions/compressed_image/jpeg_whose_decoder_panics");
+    // The input's first byte chooses the format.
+    fixture.python(format!("jpeg = open('{}', 'rb').read()[1:]", input.display()));
+    fixture.python("from sensor_msgs.msg import CompressedImage");
+    fixture.python("bad = CompressedImage(format='rgb8; jpeg compressed bgr8', data=jpeg)");
+    fixture.python("repeated = PublishRepeatedly(30, lambda i: bad, '/c/image/compressed')");
+    let panics = || fixture.log_lines(&["ERROR", "panicked at", "zune-jpeg"]);
+    let is_counted = || fixture.log_lines(&["panicked at", "more like this before"]) > 1;
+    assert!(wait_until(PATIENCE, is_counted), "{}", fixture.log());
+    // Once a second, from the second on with a count.
+    assert!(panics() < 6, "{}", fixture.log());
+    let status = ["display depth", "Cannot decode an image of /c/image/compressed: the Jpeg decoder panicked"];
+    assert!(wait_until(PATIENCE, || fixture.log_lines(&status) > 0), "{}", fixture.log());
+    fixture.python("latch('/cloud', cloud(0x0000ff))");
+    fixture.wait_for("viewer.middle() == (0, 0, 255)");
+    fixture.python("repeated.stop()");
 }
 
 #[test]

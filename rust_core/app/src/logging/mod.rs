@@ -6,12 +6,14 @@
 //! leave out the time.
 //!
 //! A node logs each cause once a second at most, see [`throttle`], so that a stream of bad messages fills no disk.
+//! Panics are among them: those of a decoder of images are caught, and each damaged image may cause one.
 //!
 //! This project's crates log information and worse, all other crates only errors. The environment variable `RUST_LOG`
 //! overrides that, in env_logger's syntax: `RUST_LOG=rcs_ros=debug`; the node's service `~set_logger_level` overrides
 //! both.
 
 mod format;
+mod panics;
 mod throttle;
 
 use std::fs::{File, OpenOptions};
@@ -24,6 +26,7 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 use rcs_ros::{log_line, node_time, LogLine, Loggers};
 
 use format::{Format, Line};
+use panics::while_logging;
 use throttle::{cause_of, LeftOut, Throttle};
 
 /// What the names of this project's crates begin with.
@@ -112,6 +115,7 @@ pub fn start_node(debug: bool) {
         None => {}
     }
     install(console);
+    panics::log_all();
     if let Some(failure) = failure {
         log::warn!("{failure}");
     }
@@ -258,14 +262,16 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 pub fn report_left_out() {
     let Some(console) = CONSOLE.get() else { return };
     // Printed without the lock: whoever prints may log.
-    let left_out = lock(&console.throttle).take_left_out(Instant::now());
-    for LeftOut { last, count } in left_out {
-        let text = match count {
-            1 => last.text,
-            _ => format!("{} ({} more like this before)", last.text, count - 1),
-        };
-        console.print(&Kept { text, ..last });
-    }
+    while_logging(|| {
+        let left_out = lock(&console.throttle).take_left_out(Instant::now());
+        for LeftOut { last, count } in left_out {
+            let text = match count {
+                1 => last.text,
+                _ => format!("{} ({} more like this before)", last.text, count - 1),
+            };
+            console.print(&Kept { text, ..last });
+        }
+    });
 }
 
 impl Log for Console {
@@ -277,6 +283,14 @@ impl Log for Console {
     }
 
     fn log(&self, record: &Record<'_>) {
+        while_logging(|| self.log_record(record));
+    }
+
+    fn flush(&self) {}
+}
+
+impl Console {
+    fn log_record(&self, record: &Record<'_>) {
         let is_chosen = self.chosen(record.target()).is_some();
         if !self.enabled(record.metadata()) || (!is_chosen && !self.filter.matches(record)) {
             return;
@@ -302,8 +316,6 @@ impl Log for Console {
             None => {}
         }
     }
-
-    fn flush(&self) {}
 }
 
 /// An error with its causes in one line; a cause that is part of the text before it is left out.

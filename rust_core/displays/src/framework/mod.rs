@@ -4,6 +4,7 @@ pub(crate) mod ages;
 pub(crate) mod arrivals;
 pub(crate) mod display;
 pub(crate) mod frame;
+pub(crate) mod guarded;
 pub(crate) mod in_view;
 pub(crate) mod message_cache;
 pub(crate) mod message_display;

@@ -16,6 +16,7 @@ use crate::classes::create;
 use crate::framework::ages::DisplayAge;
 use crate::framework::arrivals::{Arrivals, ShownMessage};
 use crate::framework::display::Display;
+use crate::framework::guarded::GuardedDisplay;
 use crate::framework::in_view::InView;
 use crate::framework::message_cache::MessageCache;
 use crate::framework::report::DisplayReport;
@@ -50,7 +51,7 @@ struct Entry {
     id: DisplayId,
     listed: ListedDisplay,
     settings: DisplaySettings,
-    display: Box<dyn Display>,
+    display: GuardedDisplay,
     /// How many messages it was given since the start or the last reset.
     received: u64,
     /// Which of them it shows.
@@ -129,8 +130,8 @@ impl DisplaySet {
         set
     }
 
-    /// Applies another config. A display of the same class, name, groups and settings stays as it is; another one
-    /// is recreated and gets the last messages of its topics.
+    /// Applies another config. A display of the same class, name, groups and settings stays as it is; another one, and
+    /// one that panicked, is recreated and gets the last messages of its topics.
     pub fn reconfigure(&mut self, config: &Config, world: &World<'_>) -> Reconfigured {
         let before = self.entries.len();
         let added = self.arrange(config);
@@ -148,7 +149,10 @@ impl DisplaySet {
         let mut old = std::mem::take(&mut self.entries);
         let mut fits = |path: &[&str], placed: &DisplayConfig| {
             let same = |entry: &Entry| {
-                entry.listed.class == placed.class && entry.listed.path == path && entry.settings == placed.settings
+                let is_same = entry.listed.class == placed.class
+                    && entry.listed.path == path
+                    && entry.settings == placed.settings;
+                is_same && !entry.display.has_failed()
             };
             old.iter().position(same).map(|index| old.remove(index))
         };
@@ -161,7 +165,7 @@ impl DisplaySet {
         for (placed, entry) in found {
             let new = || {
                 let id = free.next()?;
-                let display = create(id, &placed.display.settings)?;
+                let display = guarded(id, &placed.display.settings)?;
                 let listed = ListedDisplay {
                     path: owned(&placed.path),
                     class: placed.display.class.clone(),
@@ -403,9 +407,15 @@ impl DisplaySet {
     pub fn reports(&self) -> impl Iterator<Item = DisplayReport<'_>> {
         self.entries.iter().map(|entry| {
             let shown = entry.arrivals.shown();
-            DisplayReport::new(entry.id, &entry.listed, entry.display.as_ref(), entry.received, shown)
+            DisplayReport::new(entry.id, &entry.listed, &entry.display, entry.received, shown)
         })
     }
+}
+
+/// A display of these settings; `None` for what is no display in the scene.
+fn guarded(id: DisplayId, settings: &DisplaySettings) -> Option<GuardedDisplay> {
+    let settings = settings.clone();
+    GuardedDisplay::new(Box::new(move || create(id, &settings)))
 }
 
 fn owned(path: &[&str]) -> Vec<String> {

@@ -5,9 +5,10 @@
 //! numbers that grow with the inverse of the depth, with two parameters before the data.
 
 use std::io::Cursor;
+use std::panic::catch_unwind;
 use std::sync::Arc;
 
-use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use rcs_messages::sensor_msgs::CompressedImage;
 use rcs_messages::Image;
 
@@ -15,8 +16,11 @@ use super::encoding::Pixel;
 
 /// The longest side of an image, in pixels.
 const MAX_SIDE_PX: u32 = 16_384;
-/// The most pixels of an RVL image: a run of zeros of any length takes some bytes, so that the data do not limit it.
-const MAX_RVL_PX: usize = 1 << 25;
+/// The most pixels of an image: a run of equal ones takes some bytes in each of the formats, so that the length of the
+/// data does not limit them.
+const MAX_PX: u64 = 1 << 25;
+/// The most memory that a decoder of JPEG or PNG may take; those of JPEG take no account of it.
+const MAX_DECODED_BYTES: u64 = 512 << 20;
 
 /// Bytes before the data of `compressedDepth`: a number of the format, and the two parameters.
 const HEADER_LEN: usize = 12;
@@ -61,7 +65,7 @@ fn unpack(message: &CompressedImage) -> Result<Image, String> {
             (if is_swapped { "bgr16" } else { "rgb16" }, little_endian(&color.into_raw()))
         }
         DynamicImage::ImageRgba8(color) => (if is_swapped { "bgra8" } else { "rgba8" }, color.into_raw()),
-        other => (if is_swapped { "bgr8" } else { "rgb8" }, other.to_rgb8().into_raw()),
+        other => (if is_swapped { "bgr8" } else { "rgb8" }, other.into_rgb8().into_raw()),
     };
     let step = bytes.len().checked_div(size_px[1] as usize).unwrap_or(0) as u32;
     Ok(Image::new(message.header.clone(), size_px, encoding, step, Arc::new(bytes)))
@@ -93,10 +97,16 @@ fn unpack_depth(message: &CompressedImage) -> Result<Image, String> {
     }
 }
 
-fn limits() -> Limits {
-    let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE_PX), Some(MAX_SIDE_PX));
-    limits
+/// Refuses an image that a few bytes can claim to be, and that would take gigabytes.
+fn check_size(size_px: [u32; 2]) -> Result<(), String> {
+    let [width, height] = size_px;
+    if width.max(height) > MAX_SIDE_PX {
+        return Err(format!("an image of {width}x{height}, at most {MAX_SIDE_PX} a side"));
+    }
+    if u64::from(width) * u64::from(height) > MAX_PX {
+        return Err(format!("an image of {width}x{height}, at most {MAX_PX} pixels"));
+    }
+    Ok(())
 }
 
 fn read(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
@@ -104,9 +114,19 @@ fn read(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, Strin
     let Some(format) = format.filter(|format| matches!(format, ImageFormat::Jpeg | ImageFormat::Png)) else {
         return Err("neither JPEG nor PNG".to_owned());
     };
+    // Some damaged images make the decoder of JPEG panic, which must not end the thread that draws.
+    catch_unwind(|| decode(bytes, format)).unwrap_or_else(|_| Err(format!("the {format:?} decoder panicked")))
+}
+
+fn decode(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, String> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    reader.limits(limits());
-    reader.decode().map_err(|error| error.to_string())
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
+    let (width, height) = decoder.dimensions();
+    check_size([width, height])?;
+    DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())
 }
 
 fn read_png(bytes: &[u8]) -> Result<([u32; 2], Vec<u16>), String> {
@@ -122,13 +142,8 @@ fn read_rvl(bytes: &[u8]) -> Result<([u32; 2], Vec<u16>), String> {
     let (size, stream) = bytes.split_at_checked(8).ok_or_else(too_short)?;
     let side = |at: usize| size.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, u32::from_le_bytes);
     let size_px = [side(0), side(4)];
-    if size_px[0].max(size_px[1]) > MAX_SIDE_PX {
-        return Err(format!("an image of {}x{}, at most {MAX_SIDE_PX} a side", size_px[0], size_px[1]));
-    }
+    check_size(size_px)?;
     let count = size_px[0] as usize * size_px[1] as usize;
-    if count > MAX_RVL_PX {
-        return Err(format!("an image of {}x{}, at most {MAX_RVL_PX} pixels", size_px[0], size_px[1]));
-    }
     // Words of 32 bits with the first nibble on top.
     let words = stream.chunks_exact(4).filter_map(|word| Some(u32::from_le_bytes(word.try_into().ok()?)));
     let mut nibbles = words.flat_map(|word| (0..8).rev().map(move |i| (word >> (4 * i)) & 15));

@@ -36,11 +36,14 @@ mod ranked;
 mod screen;
 mod solids;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod texture;
 mod triangles;
 
 use std::collections::VecDeque;
 use std::ops::Range;
+use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -58,6 +61,7 @@ use self::points::PointScratch;
 use self::ranked::{Load, RankedScratch};
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
+use crate::renderer::panic_text;
 use crate::{RenderError, Renderer, View};
 
 /// From how many opaque solids on those that others hide are looked for.
@@ -84,6 +88,9 @@ pub struct CpuRenderer {
     depth_before_lens: DepthPicture,
     /// Whose the jobs of the last picture were.
     job_displays: Vec<DisplayId>,
+    /// The next picture's first job panics.
+    #[cfg(test)]
+    panics_next: bool,
 }
 
 /// When faces that others hide are looked for. The picture does not depend on it.
@@ -199,7 +206,23 @@ impl CpuRenderer {
         drawn
     }
 
+    /// Draws a picture. A panic is an error: what the renderer kept for the next pictures is dropped, and those go on.
     fn draw(
+        &mut self,
+        view: &View<'_>,
+        picture: &mut Picture,
+        depth: Option<&mut DepthPicture>,
+    ) -> Result<(), RenderError> {
+        let drawn = catch_unwind(AssertUnwindSafe(|| self.draw_unguarded(view, picture, depth)));
+        drawn.unwrap_or_else(|panic| {
+            let (simd_level, culling) = (self.simd_level, self.culling);
+            let finished = std::mem::take(&mut self.finished);
+            *self = Self { simd_level, culling, finished, ..Self::with_threads(self.workers.len()) };
+            Err(RenderError::Panicked { renderer: self.describe(), reason: panic_text(panic.as_ref()).to_owned() })
+        })
+    }
+
+    fn draw_unguarded(
         &mut self,
         view: &View<'_>,
         picture: &mut Picture,
@@ -258,9 +281,13 @@ impl CpuRenderer {
         }
 
         self.workers.iter_mut().for_each(|worker| worker.costs.reset(jobs));
+        #[cfg(test)]
+        let panics = std::mem::take(&mut self.panics_next);
         let jobs = plan.jobs.iter().zip(&mut self.outcomes).enumerate();
         in_parallel(&mut self.workers, jobs, |worker, (index, (job, outcome))| {
             worker.costs.begin();
+            #[cfg(test)]
+            assert!(!panics, "a test's panic");
             outcome.prepare(job, &plan, &screen, worker);
             worker.costs.add(index..index + 1);
         });

@@ -42,6 +42,7 @@ mod triangles;
 mod uniforms;
 
 use std::collections::VecDeque;
+use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -59,6 +60,7 @@ use self::target::{Target, Targets};
 use self::text::{TextDraw, TextPipelines};
 use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
+use crate::renderer::panic_text;
 use crate::shading::to_light;
 use crate::{CpuRenderer, RenderError, Renderer, View};
 
@@ -145,9 +147,12 @@ impl GpuRenderer {
         self.gpu.as_ref().map(|gpu| gpu.device.stats()).unwrap_or_default()
     }
 
-    /// Does something on the device, which is closed where that fails.
+    /// Does something on the device, which is closed where that fails or panics.
     fn on<T>(&mut self, mut gpu: Gpu, work: impl FnOnce(&mut Gpu) -> Result<T, RenderError>) -> Result<T, RenderError> {
-        let result = work(&mut gpu);
+        let result = catch_unwind(AssertUnwindSafe(|| work(&mut gpu))).unwrap_or_else(|panic| {
+            let reason = format!("panicked: {}", panic_text(panic.as_ref()));
+            Err(RenderError::Gpu { adapter: self.name.clone(), reason })
+        });
         if !matches!(result, Err(RenderError::Gpu { .. })) {
             self.gpu = Some(gpu);
         }

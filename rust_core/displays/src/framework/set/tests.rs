@@ -7,6 +7,8 @@ use rcs_messages::{MessageKind, PointCloud2};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_transforms::{RawTransform, TransformTree};
 
+use crate::Statuses;
+
 /// Drawables of each display that a camera with these tick boxes shows, in the scene's order.
 fn shown(set: &DisplaySet, mask: &DisplayMask) -> Vec<DisplayId> {
     let scene = set.scene();
@@ -180,5 +182,51 @@ fn equal_displays_are_kept_one_for_one() {
         assert_eq!(changed, Reconfigured { kept: 2, added: 1, removed: 0 });
         let ids: HashSet<DisplayId> = set.entries.iter().map(|entry| entry.id).collect();
         assert_eq!(ids.len(), 3);
+    });
+}
+
+/// Panics with each message.
+#[derive(Default)]
+struct Panicking(Statuses);
+
+impl Display for Panicking {
+    fn topics(&self) -> Vec<TopicRequest> {
+        TopicRequest::new("/p", MessageKind::Path, 1).into_iter().collect()
+    }
+
+    fn take(&mut self, _message: &AnyMessage, _world: &World<'_>) {
+        panic!("a test's panic");
+    }
+
+    fn update(&mut self, _world: &World<'_>) -> bool {
+        false
+    }
+
+    fn drawables(&self) -> &[rcs_scene::Drawable] {
+        &[]
+    }
+
+    fn statuses(&self) -> &Statuses {
+        &self.0
+    }
+}
+
+#[test]
+fn a_display_that_panics_harms_no_other_and_is_made_again_with_the_config() {
+    let displays = format!("{PATH}{GRID}");
+    with_set(&displays, |mut set, world| {
+        let make = || -> Option<Box<dyn Display>> { Some(Box::<Panicking>::default()) };
+        set.entries[0].display = GuardedDisplay::new(Box::new(make)).unwrap();
+        let ids = [set.entries[0].id, set.entries[1].id];
+        set.take("/p", &path(), &world);
+        assert!(set.update(&world));
+        assert_eq!(shown(&set, &DisplayMask::all()), [ids[1]]);
+        let status = |set: &DisplaySet| set.reports().next().unwrap().statuses.get(Statuses::FAULT).cloned();
+        assert_eq!(status(&set).map(|status| status.level), Some(Level::Error));
+
+        assert_eq!(set.reconfigure(&config(&displays), &world), Reconfigured { kept: 1, added: 1, removed: 1 });
+        set.update(&world);
+        let path = set.entries[0].id;
+        assert_eq!((shown(&set, &DisplayMask::all()), status(&set)), (vec![path, ids[1]], None));
     });
 }

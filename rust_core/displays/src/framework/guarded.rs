@@ -1,0 +1,232 @@
+//! A display whose panics end neither the other displays nor the program.
+//!
+//! What a display keeps after a panic cannot be relied on. So all of it is dropped, it shows nothing, and it begins
+//! anew with its next message.
+
+use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::sync::Arc;
+
+use rcs_messages::AnyMessage;
+use rcs_scene::Drawable;
+use rcs_transforms::Time;
+
+use crate::framework::display::{Display, Follows};
+use crate::{Level, Statuses, TopicRequest, World};
+
+/// What its status reports after a panic.
+const FAILED: &str = "This display panicked, see the log. It begins anew with its next message.";
+
+/// Makes a display with its settings; each time or never.
+type Make = Box<dyn Fn() -> Option<Box<dyn Display>> + Send>;
+
+/// A display that is guarded.
+pub(crate) struct GuardedDisplay {
+    make: Make,
+    display: Box<dyn Display>,
+    /// Its statuses since it panicked, until it takes a message.
+    failed: Option<Statuses>,
+    /// What it showed is gone, which its next update reports.
+    is_emptied: bool,
+}
+
+impl GuardedDisplay {
+    /// The display that `make` makes, if it does.
+    pub(crate) fn new(make: Make) -> Option<Self> {
+        Some(Self { display: make()?, make, failed: None, is_emptied: false })
+    }
+
+    /// Whether it panicked and has taken no message since then.
+    pub(crate) fn has_failed(&self) -> bool {
+        self.failed.is_some()
+    }
+
+    /// Does something with the display; `None` if it panics.
+    fn guard<T>(&mut self, work: impl FnOnce(&mut dyn Display) -> T) -> Option<T> {
+        let Self { display, make, .. } = self;
+        if let Ok(result) = catch_unwind(AssertUnwindSafe(|| work(display.as_mut()))) {
+            return Some(result);
+        }
+        if let Some(new) = make() {
+            let broken = std::mem::replace(display, new);
+            // To drop what is broken may panic, too.
+            let _ = catch_unwind(AssertUnwindSafe(|| drop(broken)));
+        }
+        let mut statuses = Statuses::default();
+        statuses.set(Level::Error, Statuses::FAULT, FAILED);
+        (self.failed, self.is_emptied) = (Some(statuses), true);
+        None
+    }
+
+    /// As [`Self::guard`] with something that it takes: if that goes well, it is not failed any more.
+    fn take_guarded(&mut self, take: impl FnOnce(&mut dyn Display)) {
+        if self.guard(take).is_some() {
+            self.failed = None;
+        }
+    }
+}
+
+impl Display for GuardedDisplay {
+    fn topics(&self) -> Vec<TopicRequest> {
+        self.display.topics()
+    }
+
+    fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
+        self.take_guarded(|display| display.take(message, world));
+    }
+
+    fn take_from(&mut self, topic: &str, message: &AnyMessage, world: &World<'_>) {
+        self.take_guarded(|display| display.take_from(topic, message, world));
+    }
+
+    fn is_waiting(&self, stamp: Time) -> bool {
+        self.display.is_waiting(stamp)
+    }
+
+    fn follows(&self) -> Follows<'_> {
+        self.display.follows()
+    }
+
+    fn publisher_left(&mut self, topic: &str) {
+        self.guard(|display| display.publisher_left(topic));
+    }
+
+    fn is_replaced_by_newest(&self) -> bool {
+        self.display.is_replaced_by_newest()
+    }
+
+    fn forget_shown(&mut self) {
+        self.guard(|display| display.forget_shown());
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        self.display.parameters()
+    }
+
+    fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
+        self.take_guarded(|display| display.take_parameter(name, text, world));
+    }
+
+    fn update(&mut self, world: &World<'_>) -> bool {
+        let has_changed = self.guard(|display| display.update(world)).unwrap_or_default();
+        has_changed | std::mem::take(&mut self.is_emptied)
+    }
+
+    fn drawables(&self) -> &[Drawable] {
+        self.display.drawables()
+    }
+
+    fn next_change(&self) -> Option<Time> {
+        self.display.next_change()
+    }
+
+    fn reset(&mut self) {
+        self.take_guarded(|display| display.reset());
+    }
+
+    fn statuses(&self) -> &Statuses {
+        self.failed.as_ref().unwrap_or_else(|| self.display.statuses())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix4;
+    use rcs_messages::{geometry_msgs, nav_msgs, MessageKind};
+    use rcs_scene::{Geometry, Material, Mesh};
+
+    use super::*;
+    use crate::framework::test_world::TestWorld;
+    use crate::parts::solids::drawable;
+
+    const TOPIC: &str = "/path";
+
+    /// Shows something since it took a Path. It panics when it takes one with poses, in an update once the time is
+    /// later than two seconds, and when it is dropped with something that it took later than after one.
+    #[derive(Default)]
+    struct Fragile {
+        drawables: Vec<Drawable>,
+        statuses: Statuses,
+        now: Time,
+    }
+
+    fn secs(secs: i64) -> Time {
+        Time::from_nanos(secs * 1_000_000_000)
+    }
+
+    impl Display for Fragile {
+        fn topics(&self) -> Vec<TopicRequest> {
+            TopicRequest::new(TOPIC, MessageKind::Path, 1).into_iter().collect()
+        }
+
+        fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
+            self.now = world.now;
+            let AnyMessage::Path(path) = message else { return };
+            assert!(path.poses.is_empty(), "a test's panic");
+            let mesh = Geometry::Mesh { mesh: Arc::new(Mesh::default()), material: Arc::new(Material::unlit(false)) };
+            self.drawables = vec![drawable(0, Matrix4::identity(), mesh)];
+            self.statuses.set(Level::Ok, "Path", "Shown");
+        }
+
+        fn update(&mut self, world: &World<'_>) -> bool {
+            assert!(world.now <= secs(2), "a test's panic");
+            false
+        }
+
+        fn drawables(&self) -> &[Drawable] {
+            &self.drawables
+        }
+
+        fn statuses(&self) -> &Statuses {
+            &self.statuses
+        }
+    }
+
+    impl Drop for Fragile {
+        fn drop(&mut self) {
+            assert!(self.drawables.is_empty() || self.now <= secs(1), "a test's panic");
+        }
+    }
+
+    fn path(poses: usize) -> AnyMessage {
+        let poses = vec![geometry_msgs::PoseStamped::default(); poses];
+        AnyMessage::Path(Arc::new(nav_msgs::Path { poses, ..nav_msgs::Path::default() }))
+    }
+
+    fn fragile() -> GuardedDisplay {
+        GuardedDisplay::new(Box::new(|| Some(Box::new(Fragile::default())))).unwrap()
+    }
+
+    #[test]
+    fn a_display_that_panics_is_emptied_and_begins_anew_with_its_next_message() {
+        let world = TestWorld::at(secs(1));
+        let world = world.get();
+        let mut display = fragile();
+        display.take_from(TOPIC, &path(0), &world);
+        assert!(!display.update(&world) && !display.has_failed());
+        assert_eq!((display.drawables().len(), display.statuses().level()), (1, Level::Ok));
+
+        display.take_from(TOPIC, &path(1), &world);
+        assert!(display.has_failed() && display.drawables().is_empty());
+        assert!(display.update(&world), "what it showed is gone");
+        assert!(!display.update(&world), "once");
+        assert_eq!(display.statuses().get(Statuses::FAULT).map(|status| status.level), Some(Level::Error));
+        assert_eq!(display.topics().len(), 1, "it goes on to listen");
+
+        display.take_from(TOPIC, &path(0), &world);
+        assert!(!display.has_failed());
+        assert_eq!((display.drawables().len(), display.statuses().level()), (1, Level::Ok));
+    }
+
+    #[test]
+    fn panics_in_an_update_and_while_what_is_broken_is_dropped_are_caught() {
+        let mut world = TestWorld::at(secs(2));
+        let mut display = fragile();
+        display.take_from(TOPIC, &path(0), &world.get());
+        world.now = secs(3);
+        for _ in 0..3 {
+            assert!(display.update(&world.get()) && display.has_failed() && display.drawables().is_empty());
+        }
+        display.reset();
+        assert!(!display.has_failed());
+    }
+}

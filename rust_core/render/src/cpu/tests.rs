@@ -1,0 +1,49 @@
+//! A renderer that has panicked.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Matrix4, Point3};
+use rcs_scene::{
+    Camera, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Material, Mesh, Picture, RenderGroup, Scene, Vertex,
+};
+
+use super::CpuRenderer;
+use crate::{RenderError, Renderer, View};
+
+/// A triangle over the picture's middle.
+fn triangle() -> Scene {
+    let vertices = [[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [0.0, 1.0, 2.0]].map(|at| Vertex::new(at, [0.0, 0.0, -1.0]));
+    let mesh = Arc::new(Mesh { vertices: vertices.to_vec(), indices: vec![0, 2, 1, 0, 1, 2] });
+    let material = Arc::new(Material::unlit(false));
+    let geometry = Geometry::Mesh { mesh, material };
+    let (fixed_from_object, sort_point) = (Matrix4::identity(), Point3::origin());
+    let drawable = Drawable { display: 0, fixed_from_object, sort_point, group: RenderGroup::Main, geometry };
+    Scene { drawables: vec![drawable], light: None }
+}
+
+#[test]
+fn a_panic_is_an_error_and_the_next_picture_is_drawn() {
+    for threads in [1, 2] {
+        let p = [20.0, 0.0, 16.0, 0.0, 0.0, 20.0, 12.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let camera = Camera::new(Intrinsics::from_p(32, 24, &p).unwrap(), &Isometry3::identity(), 0.01);
+        let (scene, visible) = (triangle(), DisplayMask::all());
+        let view =
+            View { scene: &scene, camera: &camera, visible: &visible, background: [9; 3], encoding: Encoding::Rgb8 };
+        let mut renderer = CpuRenderer::with_threads(threads);
+        let (mut before, mut after) = (Picture::default(), Picture::default());
+        renderer.render(&view, &mut before).unwrap();
+        assert_ne!(before.data, [9].repeat(32 * 24 * 3));
+
+        // One that was drawn before is still to be had.
+        renderer.submit(&view).unwrap();
+        renderer.panics_next = true;
+        let error = renderer.submit(&view).unwrap_err();
+        assert!(matches!(error, RenderError::Panicked { .. }));
+        assert!(error.to_string().starts_with(&format!("cpu ({threads} thread")), "{error}");
+        assert!(renderer.finish(&mut after).unwrap() && after.data == before.data);
+        assert!(!renderer.finish(&mut after).unwrap());
+
+        renderer.render(&view, &mut after).unwrap();
+        assert_eq!(after.data, before.data);
+    }
+}
