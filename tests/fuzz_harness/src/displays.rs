@@ -19,10 +19,14 @@ use rcs_scene::{Camera, DisplayMask, Encoding, Intrinsics, Picture};
 use rcs_transforms::Time;
 
 use crate::first_byte;
+use crate::resources::{is_large, is_large_image};
 use crate::stream::Record;
 
 /// The one of the conformance cases, so that their messages are shown.
 pub(crate) const FIXED_FRAME: &str = "base_link";
+
+/// What `compressedDepth` has before the image, bytes.
+const DEPTH_HEADER_LEN: usize = 12;
 
 /// The displays of each target, one in each config.
 const CONFIGS: [(&str, &[&str]); 7] = [
@@ -283,12 +287,10 @@ pub(crate) fn show(target: &str, data: &[u8]) {
     shown.draw_some(data);
 }
 
-/// Whether an RVL image says that it has so many pixels that reading it takes a second: thirty bytes can. Only those of
-/// fewer pixels, and of more than are allowed, are tried.
-fn is_long_rvl(data: &[u8]) -> bool {
-    const MANY_PX: std::ops::RangeInclusive<u64> = 1 << 14..=1 << 25;
+/// Whether an RVL image [is large](is_large): thirty bytes can be.
+fn is_large_rvl(data: &[u8]) -> bool {
     let side = |at: usize| data.get(at..at + 4).and_then(|bytes| Some(u32::from_le_bytes(bytes.try_into().ok()?)));
-    side(12).zip(side(16)).is_some_and(|(width, height)| MANY_PX.contains(&(u64::from(width) * u64::from(height))))
+    side(0).zip(side(4)).is_some_and(is_large)
 }
 
 /// An image of the transports `compressed` and `compressedDepth`: the first byte chooses the format.
@@ -307,7 +309,10 @@ pub(crate) fn compressed_image(data: &[u8]) {
     let Some(config) = configs.last() else { return };
     let (choice, data) = first_byte(data);
     let (topic, format) = FORMATS[usize::from(choice) % FORMATS.len()];
-    if format.ends_with("rvl") && is_long_rvl(data) {
+    let header_len = if topic.starts_with("/d") { DEPTH_HEADER_LEN } else { 0 };
+    let packed = data.get(header_len..).unwrap_or_default();
+    let is_large = if format.ends_with("rvl") { is_large_rvl(packed) } else { is_large_image(packed, None) };
+    if is_large {
         return;
     }
     let mut shown = Shown::new(config);

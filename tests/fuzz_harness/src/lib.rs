@@ -21,6 +21,7 @@ pub use displays::display_topics;
 pub use stream::Record;
 
 use std::alloc::System;
+use std::panic::PanicHookInfo;
 
 use stats_alloc::{Region, StatsAlloc, INSTRUMENTED_SYSTEM};
 
@@ -72,6 +73,7 @@ macro_rules! targets {
     };
 }
 
+// `display_depth` may allocate as much as `compressed_image`, because it takes the same images.
 targets! {
     MESSAGES: "messages", "messages of every type, and requests of services", 32 MiB, messages::read;
     DISPLAY_CLOUDS: "display_clouds", "clouds and scans, in all styles", 256 MiB, |data| displays::show("clouds", data);
@@ -81,7 +83,7 @@ targets! {
     DISPLAY_MAPS: "display_maps", "OccupancyGrid with updates, GridCells", 256 MiB, |data| displays::show("maps", data);
     DISPLAY_POSES: "display_poses", "poses, paths, covariances, screws, ranges and the like", 256 MiB,
         |data| displays::show("poses", data);
-    DISPLAY_DEPTH: "display_depth", "Image and CompressedImage with CameraInfo", 256 MiB,
+    DISPLAY_DEPTH: "display_depth", "Image and CompressedImage with CameraInfo", 1024 MiB,
         |data| displays::show("depth", data);
     DISPLAY_FRAMES: "display_frames", "TFMessage, and a camera's CameraInfo", 256 MiB,
         |data| displays::show("frames", data);
@@ -101,6 +103,26 @@ targets! {
     TCPROS_HEADER: "tcpros_header", "connection headers of TCPROS", 32 MiB, wire::tcpros_header;
     HTTP: "http", "HTTP messages of XML-RPC", 32 MiB, wire::http;
     XMLRPC: "xmlrpc", "XML-RPC calls and answers", 64 MiB, wire::xmlrpc;
+}
+
+/// Whether a panic is one of the decoders of images, some of which panic on damaged ones. The node expects these.
+pub fn is_of_decoder(panic: &PanicHookInfo<'_>) -> bool {
+    const DECODERS: [&str; 8] = ["image", "zune-jpeg", "png", "tiff", "gif", "weezl", "fdeflate", "miniz_oxide"];
+    // …/registry/src/INDEX/NAME-VERSION/src/…
+    let file = panic.location().map(|location| location.file()).unwrap_or_default();
+    let package = file.split_once("/registry/src/").and_then(|(_, path)| path.split('/').nth(1));
+    package.and_then(|package| package.rsplit_once('-')).is_some_and(|(name, _)| DECODERS.contains(&name))
+}
+
+/// Lets the panics of decoders be caught as in the node: libFuzzer's hook ends the process at every panic. To be called
+/// once that hook is set.
+pub fn catch_decoder_panics() {
+    let end = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !is_of_decoder(panic) {
+            end(panic);
+        }
+    }));
 }
 
 /// Splits off the first byte; 0 where there is none.

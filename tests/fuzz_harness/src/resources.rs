@@ -3,9 +3,12 @@
 //! Each input becomes files of a package in a temporary folder, because meshes name other files. The folder is kept
 //! for the next input: making and removing one takes longer than reading most inputs.
 
+use std::io::Cursor;
+use std::panic::catch_unwind;
 use std::path::Path;
 use std::task::Poll;
 
+use image::{ImageFormat, ImageReader};
 use rcs_resources::{MeshStore, PackageIndex, Retry};
 use tempfile::TempDir;
 
@@ -101,14 +104,38 @@ pub(crate) fn obj(data: &[u8]) {
         Some(at) => (data.get(..at).unwrap_or_default(), data.get(at + BETWEEN_FILES.len()..).unwrap_or_default()),
         None => (data, &[][..]),
     };
+    // One that names itself as its texture, and is a GIF of 8192×8192: textures have a target of their own.
+    if [obj, mtl].iter().any(|file| image::guess_format(file).is_ok()) {
+        return;
+    }
     load(&[("a.obj", obj), ("a.mtl", mtl)], "a.obj");
+}
+
+/// Whether an image of this width and height has so many pixels that most of the time goes into memory for them: a
+/// few bytes can claim that. Only smaller ones, and those of more than any reader allows, are tried.
+pub(crate) fn is_large((width, height): (u32, u32)) -> bool {
+    const MANY_PX: u64 = 1 << 16;
+    const MOST_PX: u64 = 1 << 26;
+    (MANY_PX..=MOST_PX).contains(&(u64::from(width) * u64::from(height)))
+}
+
+/// Whether an image file [is large](is_large). Its format is that of its contents, else the given one.
+pub(crate) fn is_large_image(bytes: &[u8], otherwise: Option<ImageFormat>) -> bool {
+    let Some(format) = image::guess_format(bytes).ok().or(otherwise) else { return false };
+    // Some decoders panic on damaged headers, too.
+    catch_unwind(|| ImageReader::with_format(Cursor::new(bytes), format).into_dimensions())
+        .is_ok_and(|size| size.is_ok_and(is_large))
 }
 
 /// A texture; the first byte chooses its file's extension.
 pub(crate) fn texture(data: &[u8]) {
     let (choice, bytes) = first_byte(data);
     let extensions = ["png", "jpg", "bmp", "tga", "tif", "gif"];
-    let name = format!("t.{}", extensions[usize::from(choice) % extensions.len()]);
+    let extension = extensions[usize::from(choice) % extensions.len()];
+    if is_large_image(bytes, ImageFormat::from_extension(extension)) {
+        return;
+    }
+    let name = format!("t.{extension}");
     let mtl = format!("newmtl m\nmap_Kd {name}\n");
     let files = [("a.obj", TEXTURED), ("a.mtl", mtl.as_bytes()), (&*name, bytes)];
     load(&files, "a.obj");
