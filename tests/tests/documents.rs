@@ -1,4 +1,5 @@
 //! The links of the repository's pages lead somewhere: to a file or folder, and to a heading where they name one.
+//! Source files that the pages name exist.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -86,6 +87,39 @@ fn each_fault_has_a_test_of_the_name_that_is_given() {
     assert!(names.len() > 10, "only {names:?} were found");
     let missing: Vec<_> = names.iter().filter(|name| !functions.contains(&format!("fn {name}("))).collect();
     assert!(missing.is_empty(), "there is no test {missing:?}");
+}
+
+/// `CRATE/src/…` or such a path from the root, and behind it in the same line `FILE.rs` in the same folder. Those of
+/// THIRD_PARTY.md are files of others; `CLASS.rs` stands for many.
+#[test]
+fn source_files_that_pages_name_exist() {
+    let rust_core = repository().join("rust_core");
+    let (mut wrong, mut checked) = (Vec::new(), 0);
+    for page in pages().iter().filter(|page| !page.ends_with("THIRD_PARTY.md")) {
+        let prose = prose(page);
+        for line in prose.lines() {
+            let mut folder: Option<PathBuf> = None;
+            for code in line.split('`').skip(1).step_by(2) {
+                let is_path =
+                    code.chars().all(|c| c.is_ascii_alphanumeric() || "_/.".contains(c)) && !code.contains("CLASS");
+                let path = match &folder {
+                    _ if is_path && code.contains("/src") && repository().join(code).exists() => {
+                        repository().join(code)
+                    }
+                    _ if is_path && code.contains("/src") => rust_core.join(code),
+                    Some(folder) if is_path && code.ends_with(".rs") && !code.contains('/') => folder.join(code),
+                    _ => continue,
+                };
+                if !path.exists() {
+                    wrong.push(format!("{}: {code}", page.display()));
+                }
+                folder = path.parent().map(Path::to_path_buf);
+                checked += 1;
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "files that do not exist:\n{}", wrong.join("\n"));
+    assert!(checked > 20, "only {checked} files were found");
 }
 
 #[test]
