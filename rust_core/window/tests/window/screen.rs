@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{
-    AtomEnum, ConfigureWindowAux, ConnectionExt as _, CreateWindowAux, ImageFormat, PropMode, WindowClass,
+    AtomEnum, ConfigureWindowAux, ConnectionExt as _, CreateWindowAux, ImageFormat, MapState, PropMode, WindowClass,
     KEY_PRESS_EVENT, KEY_RELEASE_EVENT,
 };
 use x11rb::protocol::xtest::ConnectionExt as _;
@@ -101,6 +101,7 @@ impl Screen {
         let started = Self { display, connection, root, _manager: manager, server };
         if with_manager {
             wait_for("openbox to manage the screen", || started.is_managed().then_some(()));
+            started.wait_for_manager();
         }
         started
     }
@@ -117,6 +118,17 @@ impl Screen {
         let any = x11rb::protocol::xproto::AtomEnum::ANY;
         let property = self.connection.get_property(false, self.root, atom, any, 0, 1).unwrap();
         property.reply().unwrap().value_len > 0
+    }
+
+    /// Waits until openbox maps windows: while it starts, it loses requests for that.
+    fn wait_for_manager(&self) {
+        let window = self.unmapped_window((30, 20));
+        wait_for("openbox to map a window", || {
+            self.connection.map_window(window).unwrap().check().unwrap();
+            let attributes = self.connection.get_window_attributes(window).unwrap().reply().unwrap();
+            (attributes.map_state == MapState::VIEWABLE).then_some(())
+        });
+        self.connection.destroy_window(window).unwrap().check().unwrap();
     }
 
     pub(crate) fn show(&self, arguments: &[&str]) -> Shown {
@@ -152,15 +164,20 @@ impl Screen {
     }
 
     /// Opens a window as any program does.
-    pub(crate) fn plain_window(&self, title: &str, (width, height): (u16, u16)) -> u32 {
+    pub(crate) fn plain_window(&self, title: &str, size: (u16, u16)) -> u32 {
+        let window = self.unmapped_window(size);
+        let (name, kind) = (AtomEnum::WM_NAME, AtomEnum::STRING);
+        self.connection.change_property8(PropMode::REPLACE, window, name, kind, title.as_bytes()).unwrap();
+        self.connection.map_window(window).unwrap().check().unwrap();
+        window
+    }
+
+    fn unmapped_window(&self, (width, height): (u16, u16)) -> u32 {
         let window = self.connection.generate_id().unwrap();
         let (class, attributes) = (WindowClass::INPUT_OUTPUT, CreateWindowAux::new().background_pixel(0xff));
         let root = self.root;
         let create = self.connection.create_window(24, window, root, 5, 5, width, height, 0, class, 0, &attributes);
         create.unwrap().check().unwrap();
-        let (name, kind) = (AtomEnum::WM_NAME, AtomEnum::STRING);
-        self.connection.change_property8(PropMode::REPLACE, window, name, kind, title.as_bytes()).unwrap();
-        self.connection.map_window(window).unwrap().check().unwrap();
         window
     }
 
