@@ -82,7 +82,8 @@ impl Screen {
         assert!(wait_until(PATIENCE, || !server.lines().is_empty()), "{:?}", server.errors());
         let display = format!(":{}", server.lines()[0].trim());
         let manager = Running::start(Command::new("openbox").env("DISPLAY", &display)).unwrap();
-        let is_managed = || Command::new("wmctrl").arg("-m").env("DISPLAY", &display).output().unwrap().status.success();
+        let is_managed =
+            || Command::new("wmctrl").arg("-m").env("DISPLAY", &display).output().unwrap().status.success();
         assert!(wait_until(PATIENCE, is_managed), "{:?}", manager.errors());
         Self { display, folder, _manager: manager, server }
     }
