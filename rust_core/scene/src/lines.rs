@@ -1,5 +1,7 @@
 //! Lines of one pixel, as OpenGL draws them (`OT_LINE_LIST`, `OT_LINE_STRIP` in Ogre).
 
+use std::ops::Range;
+
 use crate::Blending;
 
 /// How the vertices of [`Lines`] are joined.
@@ -30,12 +32,21 @@ impl Lines {
         self.colors.get(index).or_else(|| self.colors.first()).copied().unwrap_or([255; 4])
     }
 
-    /// The pairs of vertex indices that are joined.
-    pub fn segments(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let (count, stride) = match self.topology {
-            LineTopology::List => (self.positions.len() / 2, 2),
-            LineTopology::Strip => (self.positions.len().saturating_sub(1), 1),
+    /// How many lines there are.
+    pub fn segment_count(&self) -> usize {
+        match self.topology {
+            LineTopology::List => self.positions.len() / 2,
+            LineTopology::Strip => self.positions.len().saturating_sub(1),
+        }
+    }
+
+    /// The pairs of vertex indices that some of the lines join.
+    pub fn segments(&self, range: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
+        let stride = match self.topology {
+            LineTopology::List => 2,
+            LineTopology::Strip => 1,
         };
-        (0..count).map(move |i| (i * stride, i * stride + 1))
+        let end = range.end.min(self.segment_count());
+        (range.start..end).map(move |i| (i * stride, i * stride + 1))
     }
 }

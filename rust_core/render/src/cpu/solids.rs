@@ -43,7 +43,7 @@ impl Shape<'_> {
     pub(super) fn primitive_count(&self) -> usize {
         match self {
             Self::Mesh(mesh, _) => mesh.indices.len() / 3,
-            Self::Lines(lines) => lines.segments().size_hint().0,
+            Self::Lines(lines) => lines.segment_count(),
         }
     }
 }
@@ -121,7 +121,7 @@ impl Primitives {
             }
             Shape::Lines(lines) => {
                 self.load.in_order = true;
-                for (a, b) in lines.segments().skip(range.start).take(range.len()) {
+                for (a, b) in lines.segments(range) {
                     let vertex = |i: usize| {
                         Some(ClipVertex {
                             position: solid.transform.clip(*lines.positions.get(i)?),

@@ -107,7 +107,7 @@ impl LinesDraw {
 
 fn upload(device: &Device, lines: &Lines) -> Vec<Instances> {
     let segments: Vec<Segment> = lines
-        .segments()
+        .segments(0..lines.segment_count())
         .filter_map(|(start, end)| {
             let [a, b] = [lines.positions.get(start)?, lines.positions.get(end)?];
             (is_finite(a) && is_finite(b)).then(|| Segment {
