@@ -158,9 +158,19 @@ impl Text {
 }
 
 impl Glyph {
+    /// The character, below [`GLYPH_COUNT`](crate::GLYPH_COUNT).
+    pub fn code(&self) -> u16 {
+        self.code
+    }
+
     /// Texture coordinates of its left, upper, right and lower edge.
     pub fn uv(&self) -> [f32; 4] {
-        let glyph = char::from_u32(self.code.into()).and_then(|character| glyph_atlas().glyph(character));
+        Self::uv_of(self.code)
+    }
+
+    /// As [`Self::uv`], given the [code](Self::code).
+    pub fn uv_of(code: u16) -> [f32; 4] {
+        let glyph = char::from_u32(code.into()).and_then(|character| glyph_atlas().glyph(character));
         glyph.map_or([0.0; 4], |glyph| glyph.uv)
     }
 }

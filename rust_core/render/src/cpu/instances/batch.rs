@@ -108,8 +108,9 @@ impl<'a> BatchView<'a> {
         &self.surfaces[usize::from(solid.is_translucent())][usize::from(solid.is_mirrored())]
     }
 
-    pub(super) fn surface_of_text(&self, text: &Text) -> Option<&Surface> {
-        self.text_surfaces.as_ref().map(|surfaces| &surfaces[usize::from(!text.material().depth_test)])
+    /// Of texts that are tested against the depth, or are on top of everything.
+    pub(super) fn surface_of_texts(&self, are_on_top: bool) -> Option<&Surface> {
+        self.text_surfaces.as_ref().map(|surfaces| &surfaces[usize::from(are_on_top)])
     }
 
     pub(super) fn transform(&self, view_from_object: &Matrix4<f64>) -> ObjectTransform {

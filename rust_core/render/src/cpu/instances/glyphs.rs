@@ -11,6 +11,7 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, Simd};
 use rcs_scene::{Glyph, Text};
+use wide::f32x4;
 
 use crate::cpu::band::{meet, unorm8, Band, Mode};
 use crate::cpu::clip::Outside;
@@ -18,7 +19,7 @@ use crate::cpu::edges::SmallEdges;
 use crate::cpu::fill::in_channel;
 use crate::cpu::lanes::{lane_indices, map, whole, F, I, LANES, M, U};
 use crate::cpu::ranked::Extent;
-use crate::cpu::screen::{ObjectTransform, Screen, FARTHEST};
+use crate::cpu::screen::{snap_lanes, ObjectTransform, Screen, FARTHEST};
 use crate::cpu::surface::{Paint, Surface};
 use crate::cpu::texture::{Between, GreyTexels, MipTexture, Sampler};
 use crate::cpu::triangles::{self, Corner, Plane, ScreenPosition, Slopes};
@@ -33,29 +34,46 @@ pub(super) fn are_upright(surface: &Surface, transform: &ObjectTransform) -> boo
     [x[1], y[0], z[0], z[1], w[0], w[1]] == [0.0; 6] && matches!(surface.paint, Paint::Texture(_))
 }
 
+/// What the glyphs of an upright text share on the picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    /// One over w.
+    inverse_w: f32,
+    /// Of the quads, before the surface's bias.
+    depth: f32,
+    /// Each channel 0 to 1.
+    color: [f32; 4],
+}
+
 /// How the glyphs of a text are painted.
 pub(super) struct Ink<'a> {
     surface: &'a Surface,
     texture: &'a MipTexture,
-    color: [f32; 4],
+    line: Line,
+    /// One for all fragments.
+    depth: f32,
+    w: f32,
 }
 
 impl<'a> Ink<'a> {
-    /// Of the surface and the colour of a text, each channel 0 to 1; `None` where it is not painted with a texture.
-    pub(super) fn new(surface: &'a Surface, color: [f32; 4]) -> Option<Self> {
+    /// Of a text with this surface; `None` where that is not painted with a texture.
+    pub(super) fn new(surface: &'a Surface, line: Line) -> Option<Self> {
         let Paint::Texture(texture) = &surface.paint else { return None };
-        Some(Self { surface, texture, color })
+        // No depth changes from pixel to pixel.
+        let depth = (line.depth - surface.depth_bias.steps).clamp(0.0, FARTHEST);
+        Some(Self { surface, texture, line, depth, w: 1.0 / line.inverse_w })
     }
 }
 
 /// A glyph on the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GlyphRect {
-    /// The upper left, lower left, upper right and lower right corner of its quad; text of a negative size has them
-    /// elsewhere.
-    corners: [ScreenPosition; 4],
-    /// Texture coordinates of its left, upper, right and lower edge.
-    uv: [f32; 4],
+    /// The snapped columns and rows of the upper left and the lower right corner of its quad; text of a negative size
+    /// has them elsewhere.
+    x: [i32; 2],
+    y: [i32; 2],
+    /// Of the character.
+    code: u16,
 }
 
 /// Where a glyph of an upright text is.
@@ -68,12 +86,37 @@ pub(super) enum Place {
     Seen(GlyphRect),
 }
 
-impl GlyphRect {
-    /// Finds a glyph of a text whose quads [are upright](are_upright).
-    pub(super) fn place(text: &Text, glyph: &Glyph, transform: &ObjectTransform, screen: &Screen) -> Place {
-        let bottom_m = glyph.top_m - text.height_m();
-        let first = transform.clip([glyph.left_m, glyph.top_m, 0.0]);
-        let last = transform.clip([glyph.right_m, bottom_m, 0.0]);
+/// Finds the glyphs of a text whose quads [are upright](are_upright).
+pub(super) struct Placer<'a> {
+    transform: &'a ObjectTransform,
+    screen: &'a Screen,
+    height_m: f32,
+    /// Of all quads.
+    z: f32,
+    w: f32,
+    inverse_w: f32,
+}
+
+impl<'a> Placer<'a> {
+    pub(super) fn new(text: &Text, transform: &'a ObjectTransform, screen: &'a Screen) -> Self {
+        let [.., z, w] = transform.clip([0.0; 3]);
+        Self { transform, screen, height_m: text.height_m(), z, w, inverse_w: 1.0 / w }
+    }
+
+    /// What the glyphs share, in the text's colour.
+    pub(super) fn line(&self, color: [f32; 4]) -> Line {
+        let depth = ScreenPosition::new([0.0, 0.0, self.z, self.w], self.screen).depth;
+        Line { inverse_w: self.inverse_w, depth, color }
+    }
+
+    /// Where a glyph is.
+    #[inline]
+    pub(super) fn place(&self, glyph: &Glyph) -> Place {
+        let bottom_m = glyph.top_m - self.height_m;
+        let [a, b, ..] = &self.transform.clip_from_object;
+        let row = |r: &[f32; 4], x: f32, y: f32| r[0] * x + r[1] * y + r[2] * 0.0 + r[3];
+        let clip = |x: f32, y: f32| [row(a, x, y), row(b, x, y), self.z, self.w];
+        let (first, last) = (clip(glyph.left_m, glyph.top_m), clip(glyph.right_m, bottom_m));
         let outside = [Outside::new(first), Outside::new(last)];
         if outside[0].guard | outside[1].guard != 0 {
             return Place::Cut;
@@ -81,41 +124,57 @@ impl GlyphRect {
         if outside[0].view & outside[1].view != 0 {
             return Place::Unseen;
         }
-        let (first, last) = (ScreenPosition::new(first, screen), ScreenPosition::new(last, screen));
-        let corners = [first, ScreenPosition { y: last.y, ..first }, ScreenPosition { x: last.x, ..first }, last];
-        let rect = Self { corners, uv: glyph.uv() };
+        let both = f32x4::new([first[0], first[1], last[0], last[1]]) * f32x4::splat(self.inverse_w);
+        let [left, top, right, bottom] = snap_lanes(self.screen.window_twice(both)).to_array();
+        let rect = GlyphRect { x: [left, right], y: [top, bottom], code: glyph.code() };
         let touches = |(first, after): (i32, i32), end: u32| first.max(0) < after.min(end as i32);
-        if touches(rect.columns(), screen.width_px) && touches(rect.rows(), screen.height_px) {
+        if touches(rect.columns(), self.screen.width_px) && touches(rect.rows(), self.screen.height_px) {
             Place::Seen(rect)
         } else {
             Place::Unseen
         }
     }
+}
+
+impl GlyphRect {
+    /// In the place of a glyph that is not drawn as a rectangle.
+    pub(super) const NONE: Self = Self { x: [0; 2], y: [0; 2], code: u16::MAX };
+
+    /// Whether it is drawn as a rectangle.
+    pub(super) fn is_some(&self) -> bool {
+        self.code != u16::MAX
+    }
 
     /// Columns that it reaches over: the first one and the one after the last; may lie outside of the picture.
     fn columns(&self) -> (i32, i32) {
-        let [first, .., last] = &self.corners;
-        triangles::between(first.x, last.x, last.x)
+        let [first, last] = self.x;
+        triangles::between(first, last, last)
     }
 
     /// Rows that it reaches over: the first one and the one after the last; may lie outside of the picture.
     pub(super) fn rows(&self) -> (i32, i32) {
-        let [first, .., last] = &self.corners;
-        triangles::between(first.y, last.y, last.y)
+        let [first, last] = self.y;
+        triangles::between(first, last, last)
     }
 
     /// How large each of its two triangles is.
     pub(super) fn extent(&self, screen: &Screen) -> Extent {
-        let [a, b, c, _] = &self.corners;
-        triangles::extent([a, b, c], screen)
+        let ([left, right], [top, bottom]) = (self.x, self.y);
+        let area = triangles::doubled_area_of([[left, top], [left, bottom], [right, top]]);
+        Extent::of_triangle(self.columns(), self.rows(), area, screen)
     }
 
     /// Draws the rows of a band.
     pub(super) fn draw(&self, ink: &Ink<'_>, band: &mut Band<'_>) {
-        let [u1, v1, u2, v2] = self.uv;
-        let [a, b, c, d] = self.corners;
-        let corner = |position, uv| Corner { position, color: ink.color, uv };
-        let quad = [corner(a, [u1, v1]), corner(b, [u1, v2]), corner(c, [u2, v1]), corner(d, [u2, v2])];
+        let ([left, right], [top, bottom], [u1, v1, u2, v2]) = (self.x, self.y, Glyph::uv_of(self.code));
+        let Line { inverse_w, depth, color } = ink.line;
+        let corner = |x, y, uv| Corner { position: ScreenPosition { x, y, depth, inverse_w }, color, uv };
+        let quad = [
+            corner(left, top, [u1, v1]),
+            corner(left, bottom, [u1, v2]),
+            corner(right, top, [u2, v1]),
+            corner(right, bottom, [u2, v2]),
+        ];
         let [a, b, c, d, e, f] = Text::QUAD_INDICES;
         let halves = [[&quad[a], &quad[b], &quad[c]], [&quad[d], &quad[e], &quad[f]]];
         if let Some(small) = SmallGlyph::new(self, halves, ink, band) {
@@ -258,7 +317,7 @@ impl<'a> SmallGlyph<'a> {
                 }
                 let right = first.select(columns[0].1, columns[1].1);
                 let down = first.select(F::splat(simd, rows.way[at]), F::splat(simd, other_rows.way[at]));
-                let depths = first.select(F::splat(simd, self.halves[0].depth), F::splat(simd, self.halves[1].depth));
+                let depths = F::splat(simd, ink.depth);
                 window.meet(
                     mask,
                     depths,
@@ -267,7 +326,7 @@ impl<'a> SmallGlyph<'a> {
                     |seen| {
                         let brightness = mix(pairs, 0, right, down);
                         let opacity = mix(pairs, 8, right, down);
-                        let [r, g, b, a] = ink.color;
+                        let [r, g, b, a] = ink.line.color;
                         let color = in_channel(brightness * r, 0)
                             | in_channel(brightness * g, 1)
                             | in_channel(brightness * b, 2)
@@ -354,9 +413,6 @@ impl<S: Simd> RowEdges<S> {
 
 /// A triangle of a glyph, ready to be drawn.
 struct Half<'a> {
-    /// One for all fragments.
-    depth: f32,
-    w: f32,
     /// Divided by w.
     u: Plane,
     v: Plane,
@@ -371,26 +427,23 @@ impl<'a> Half<'a> {
         let [a, b, c] = corners;
         let slopes = Slopes::new([&a.position, &b.position, &c.position], doubled_area);
         let of = |value: fn(&Corner) -> f32| slopes.plane([value(a), value(b), value(c)]);
-        let depths = [a.position.depth, b.position.depth, c.position.depth];
-        let depth = slopes.depth(depths, ink.surface).at.clamp(0.0, FARTHEST);
-        let w = 1.0 / of(|corner| corner.position.inverse_w).at;
         let u = of(|corner| corner.uv[0] * corner.position.inverse_w);
         let v = of(|corner| corner.uv[1] * corner.position.inverse_w);
-        let sampler = ink.texture.sampler(|| [[u.dx * w, 0.0], [0.0, v.dy * w]]);
-        Self { depth, w, u, v, sampler, ink }
+        let sampler = ink.texture.sampler(|| [[u.dx * ink.w, 0.0], [0.0, v.dy * ink.w]]);
+        Self { u, v, sampler, ink }
     }
 
     /// Where a column of pixels is in the texture.
     #[inline]
     fn column(&self, x: i32) -> Between {
-        self.sampler.column(self.u.value(x as f32, 0.0) * self.w)
+        self.sampler.column(self.u.value(x as f32, 0.0) * self.ink.w)
     }
 
     /// As [`Self::column`], of several where they are in a row of [`GreyTexels::pairs`], and the ways.
     #[inline(always)]
     fn columns<S: Simd>(&self, x: F<S>, texels: &GreyTexels) -> (I<S>, F<S>) {
         let Plane { at, dx, .. } = self.u;
-        let (texel, way) = between((x * dx + at) * self.w * self.sampler.size()[0]);
+        let (texel, way) = between((x * dx + at) * self.ink.w * self.sampler.size()[0]);
         (texel.max(-1).min(texels.last[1]) + 1, way)
     }
 
@@ -398,7 +451,7 @@ impl<'a> Half<'a> {
     #[inline(always)]
     fn rows<S: Simd>(&self, y: F<S>, texels: &GreyTexels) -> RowPlaces {
         let Plane { at, dy, .. } = self.v;
-        let (texel, way) = between((y * dy + at) * self.w * self.sampler.size()[1]);
+        let (texel, way) = between((y * dy + at) * self.ink.w * self.sampler.size()[1]);
         let [last, stride] = [texels.last[0], texels.last[1] + 2];
         let (upper, lower) = (texel.max(0).min(last), texel.max(-1).min(last - 1) + 1);
         RowPlaces { begin: [(upper * stride).to_array(), (lower * stride).to_array()], way: way.to_array() }
@@ -407,14 +460,14 @@ impl<'a> Half<'a> {
     /// Where a row of pixels is in the texture.
     #[inline]
     fn row(&self, y: i32) -> Between {
-        self.sampler.row(self.v.value(0.0, y as f32) * self.w)
+        self.sampler.row(self.v.value(0.0, y as f32) * self.ink.w)
     }
 
     /// Draws the pixels of a row whose columns were found, from the first of them on.
     #[inline]
     fn draw_row(&self, columns: &[Between], y: i32, first: i32, after: i32, band: &mut Band<'_>) {
-        let Self { depth, sampler, ink, .. } = self;
-        let (mode, depth) = (ink.surface.mode, *depth);
+        let Self { sampler, ink, .. } = self;
+        let (mode, depth) = (ink.surface.mode, ink.depth);
         let row = self.row(y);
         let (_, colors, depths) = band.span(y, first, after);
         for ((pixel, pixel_depth), &column) in colors.iter_mut().zip(depths).zip(columns) {
@@ -426,7 +479,7 @@ impl<'a> Half<'a> {
             if mode == Mode::TRANSLUCENT && texels.as_flattened().iter().all(|[.., alpha]| *alpha == 0) {
                 continue;
             }
-            let ([r, g, b, a], [ink_r, ink_g, ink_b, ink_a]) = (sampler.mix(texels, column, row), ink.color);
+            let ([r, g, b, a], [ink_r, ink_g, ink_b, ink_a]) = (sampler.mix(texels, column, row), ink.line.color);
             let color = [unorm8(ink_r * r), unorm8(ink_g * g), unorm8(ink_b * b), unorm8(ink_a * a)];
             meet(pixel, pixel_depth, depth, color, mode);
         }

@@ -37,11 +37,12 @@ pub(super) use self::corners::InstanceScratch;
 use self::corners::{place_vertices, Source, Vertices};
 use self::covered::for_covered;
 use self::crowd::Member;
+use self::glyphs::GlyphRect;
 use self::reach::{reach, Reach};
 use self::shape::Shape;
 pub(super) use self::shape::Shapes;
 use self::sieve::{sieve, Facing};
-use self::text::glyph_triangles;
+use self::text::{glyph_triangles, UprightText};
 use crate::cpu::band::{Band, Mode};
 use crate::cpu::bins::Bins;
 use crate::cpu::clip::{ClipVertex, Outside};
@@ -65,13 +66,20 @@ struct Placed {
     may_be_cut: bool,
     /// It is a solid inside the view and has a small footprint.
     is_small: bool,
-    transform: ObjectTransform,
+    /// Index of its transform; of a text that has rectangles alone there is none.
+    transform: Option<u32>,
+    /// Index of what is known of an upright text.
+    upright: Option<u32>,
 }
 
 /// Things that are ready to be drawn.
 #[derive(Debug, Default)]
 pub(super) struct Instances {
     placed: Vec<Placed>,
+    transforms: Vec<ObjectTransform>,
+    upright: Vec<UprightText>,
+    /// Those of upright texts, a place for each of their glyphs.
+    rects: Vec<GlyphRect>,
     /// The numbers of triangles: all those of the first thing, seen or not, then all those of the second, and so on.
     bins: Bins,
     next: u32,
@@ -95,6 +103,9 @@ impl Instances {
     /// Forgets everything.
     pub(super) fn clear(&mut self, screen: &Screen) {
         self.placed.clear();
+        self.transforms.clear();
+        self.upright.clear();
+        self.rects.clear();
         self.bins.reset(screen);
         self.members.clear();
         self.member_bins.reset(screen);
@@ -160,9 +171,20 @@ impl Instances {
         if is_seen {
             let transform = view.transform(&view_from_object);
             let is_small = matches!(reach, Reach::Inside(footprint) if footprint.is_small());
-            self.placed.push(Placed { first, batch, item, may_be_cut: !is_inside, is_small, transform });
+            let transform = Some(self.keep(transform));
+            self.placed.push(Placed { first, batch, item, may_be_cut: !is_inside, is_small, transform, upright: None });
             self.next += shape.triangles.len() as u32;
         }
+    }
+
+    /// Keeps a transform; returns its index.
+    fn keep(&mut self, transform: ObjectTransform) -> u32 {
+        self.transforms.push(transform);
+        self.transforms.len() as u32 - 1
+    }
+
+    fn transform_of(&self, placed: &Placed) -> Option<&ObjectTransform> {
+        self.transforms.get(placed.transform? as usize)
     }
 
     /// Makes the triangles of a solid inside the view ready that are left of it. Returns whether any may be seen.
@@ -249,15 +271,23 @@ impl Instances {
             let after = numbers.iter().position(|&number| number >= end);
             let (these, rest) = numbers.split_at(after.unwrap_or(numbers.len()));
             numbers = rest;
+            let glyphs = self.upright_glyphs(placed, view);
+            let Some(transform) = self.transform_of(placed) else {
+                if let Some(glyphs) = glyphs {
+                    for number in these {
+                        glyphs.draw(number - placed.first, band);
+                    }
+                }
+                continue;
+            };
             if placed.is_small && these.len() > LANES {
-                placed.draw_small(these, batches, view, screen, scratch, band);
+                placed.draw_small(these, transform, batches, view, screen, scratch, band);
                 continue;
             }
             scratch.begin();
-            placed.with_source(batches, view, |source, triangle| {
-                let rects = placed.rects(source, screen);
+            placed.with_source(transform, batches, view, |source, triangle| {
                 for number in these {
-                    if rects.as_ref().is_some_and(|rects| rects(number - placed.first, band)) {
+                    if glyphs.as_ref().is_some_and(|glyphs| glyphs.draw(number - placed.first, band)) {
                         continue;
                     }
                     if let Some(corners) = triangle(number - placed.first) {
@@ -303,7 +333,8 @@ impl Instances {
         band: &mut Band<'_>,
     ) {
         let Some((placed, _)) = self.placed(number) else { return };
-        placed.with_source(batches, view, |source, triangle| {
+        let Some(transform) = self.transform_of(placed) else { return };
+        placed.with_source(transform, batches, view, |source, triangle| {
             if let Some(corners) = triangle(number - placed.first) {
                 draw_triangle_ranked(corners, source, rank, screen, ranked, band);
             }
@@ -316,6 +347,7 @@ impl Placed {
     fn draw_small(
         &self,
         numbers: &[u32],
+        transform: &ObjectTransform,
         batches: &[Batch<'_>],
         view: &BatchView<'_>,
         screen: &Screen,
@@ -326,7 +358,7 @@ impl Placed {
         let area = Area { left: 0, right: band.width, top: band.first_row, bottom: band.end_row };
         let triangles = numbers.iter().map(|number| number - self.first);
         let mut cover = std::mem::take(&mut scratch.cover);
-        self.with_source(batches, view, |source, _| {
+        self.with_source(transform, batches, view, |source, _| {
             let rows = &source.transform.clip_from_object;
             dispatch!(screen.simd_level, simd => place_vertices(simd, shape, rows, screen, scratch));
             for_covered((shape, triangles), (source, area, screen), scratch, &mut cover, |corners, _, rows| {
@@ -350,11 +382,11 @@ impl Placed {
     #[inline]
     fn with_source(
         &self,
+        transform: &ObjectTransform,
         batches: &[Batch<'_>],
         view: &BatchView<'_>,
         work: impl FnOnce(&Source<'_>, &dyn Fn(u32) -> Option<[u32; 3]>),
     ) {
-        let transform = &self.transform;
         match batches.get(self.batch as usize) {
             Some(Batch::Solids(solids, shapes)) => {
                 let Some(solid) = solids.as_slice().get(self.item as usize) else { return };
@@ -369,8 +401,9 @@ impl Placed {
                 work(&source, &|triangle| shape.triangles.get(triangle as usize).copied());
             }
             Some(Batch::Text(text, _)) => {
-                let Some(surface) = view.surface_of_text(text) else { return };
-                let source = Source { vertices: Vertices::Text(text), material: text.material(), transform, surface };
+                let material = text.material();
+                let Some(surface) = view.surface_of_texts(!material.depth_test) else { return };
+                let source = Source { vertices: Vertices::Text(text), material, transform, surface };
                 work(&source, &|triangle| {
                     glyph_triangles(self.item + triangle / 2).get(triangle as usize % 2).copied()
                 });

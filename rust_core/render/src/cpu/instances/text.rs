@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 use rcs_scene::{Drawable, Glyph, Text};
 
-use super::glyphs::{are_upright, GlyphRect, Ink, Place};
+use super::glyphs::{are_upright, GlyphRect, Ink, Line, Place, Placer};
 use super::reach::{reach, Reach, ShapeBounds};
 use super::{BatchPiece, BatchView, InstanceScratch, Instances, Placed, Source, Vertices};
 use crate::cpu::band::Band;
@@ -24,7 +24,8 @@ impl Instances {
         screen: &Screen,
         scratch: &mut InstanceScratch,
     ) {
-        let Some(surface) = view.surface_of_text(text) else { return };
+        let is_on_top = !text.material().depth_test;
+        let Some(surface) = view.surface_of_texts(is_on_top) else { return };
         let view_from_object = view.view.camera.view_from_facing(&drawable.fixed_from_object).cast();
         let transform = view.transform(&view_from_object);
         let source =
@@ -33,7 +34,12 @@ impl Instances {
         let range = piece.range.clone();
         let (batch, item) = (piece.batch as u32, range.start as u32);
         self.load.in_order = true;
-        let (first, mut is_seen, is_upright) = (self.next, false, are_upright(surface, &transform));
+        let placer = are_upright(surface, &transform).then(|| Placer::new(text, &transform, screen));
+        let (first, first_rect) = (self.next, self.rects.len());
+        if placer.is_some() {
+            self.rects.resize(first_rect + range.len(), GlyphRect::NONE);
+        }
+        let (mut is_seen, mut has_triangles) = (false, false);
         for begin in range.clone().step_by(GLYPHS_IN_GROUP) {
             let group = begin..range.end.min(begin + GLYPHS_IN_GROUP);
             let glyphs = text.glyphs().get(group.clone()).unwrap_or(&[]);
@@ -41,60 +47,80 @@ impl Instances {
                 continue;
             }
             for (glyph, placed) in group.zip(glyphs) {
-                let number = first + 2 * (glyph - range.start) as u32;
-                if is_upright {
-                    match GlyphRect::place(text, placed, &transform, screen) {
-                        Place::Unseen => continue,
-                        Place::Seen(rect) => {
-                            self.add_rect(number, &rect, screen);
-                            is_seen = true;
-                            continue;
-                        }
-                        Place::Cut => {}
+                let index = glyph - range.start;
+                let number = first + 2 * index as u32;
+                match placer.as_ref().map(|placer| placer.place(placed)) {
+                    Some(Place::Unseen) => continue,
+                    Some(Place::Seen(rect)) => {
+                        self.add_rect(number, first_rect + index, rect, screen);
+                        is_seen = true;
+                        continue;
                     }
+                    Some(Place::Cut) | None => {}
                 }
                 for (number, corners) in (number..).zip(glyph_triangles(glyph as u32)) {
-                    is_seen |= self.add_triangle(number, corners, &source, screen, scratch);
+                    has_triangles |= self.add_triangle(number, corners, &source, screen, scratch);
                 }
             }
         }
-        if is_seen {
-            self.placed.push(Placed { first, batch, item, may_be_cut: true, is_small: false, transform });
-            self.next += 2 * range.len() as u32;
+        if !is_seen && !has_triangles {
+            self.rects.truncate(first_rect);
+            return;
         }
+        let color = source.vertex(4 * item).map_or([1.0; 4], |vertex| source.color(&vertex));
+        let upright = placer.map(|placer| {
+            self.upright.push(UprightText { first_rect: first_rect as u32, line: placer.line(color), is_on_top });
+            self.upright.len() as u32 - 1
+        });
+        let transform = has_triangles.then(|| self.keep(transform));
+        self.placed.push(Placed { first, batch, item, may_be_cut: true, is_small: false, transform, upright });
+        self.next += 2 * range.len() as u32;
     }
 
     /// Makes a glyph ready, under the number of the first of its triangles.
-    fn add_rect(&mut self, number: u32, rect: &GlyphRect, screen: &Screen) {
+    fn add_rect(&mut self, number: u32, place: usize, rect: GlyphRect, screen: &Screen) {
         let (begin, end) = rect.rows();
         let extent = rect.extent(screen);
         self.load.add(extent);
         self.load.add(extent);
         self.bin(number, begin, end, screen);
+        if let Some(place) = self.rects.get_mut(place) {
+            *place = rect;
+        }
+    }
+
+    /// What draws the glyphs of a text that stand upright.
+    pub(super) fn upright_glyphs<'s>(&'s self, placed: &Placed, view: &'s BatchView<'_>) -> Option<UprightGlyphs<'s>> {
+        let text = self.upright.get(placed.upright? as usize)?;
+        let ink = Ink::new(view.surface_of_texts(text.is_on_top)?, text.line)?;
+        Some(UprightGlyphs { ink, rects: self.rects.get(text.first_rect as usize..)? })
     }
 }
 
-impl Placed {
-    /// Of a text whose glyphs are upright, what draws the glyph that begins with a triangle, if it has not to be cut;
-    /// says whether it did.
-    pub(super) fn rects<'s>(
-        &self,
-        source: &'s Source<'_>,
-        screen: &'s Screen,
-    ) -> Option<impl Fn(u32, &mut Band<'_>) -> bool + use<'s>> {
-        let Vertices::Text(text) = source.vertices else { return None };
-        let color = source.color(&source.vertex(4 * self.item)?);
-        let ink = are_upright(source.surface, source.transform).then(|| Ink::new(source.surface, color))??;
-        let first = self.item;
-        Some(move |triangle: u32, band: &mut Band<'_>| {
-            let Some(glyph) = text.glyphs().get((first + triangle / 2) as usize) else { return false };
-            match GlyphRect::place(text, glyph, source.transform, screen) {
-                Place::Seen(rect) => rect.draw(&ink, band),
-                Place::Unseen => {}
-                Place::Cut => return false,
-            }
-            true
-        })
+/// A text, or a part of one, whose glyphs stand upright.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UprightText {
+    /// Where its glyphs begin.
+    first_rect: u32,
+    line: Line,
+    is_on_top: bool,
+}
+
+/// The glyphs of an [`UprightText`].
+pub(super) struct UprightGlyphs<'a> {
+    ink: Ink<'a>,
+    rects: &'a [GlyphRect],
+}
+
+impl UprightGlyphs<'_> {
+    /// Draws a band's rows of the glyph that begins with a triangle, if it has not to be cut; says whether it did.
+    #[inline]
+    pub(super) fn draw(&self, triangle: u32, band: &mut Band<'_>) -> bool {
+        let rect = self.rects.get(triangle as usize / 2).filter(|rect| rect.is_some());
+        if let Some(rect) = rect {
+            rect.draw(&self.ink, band);
+        }
+        rect.is_some()
     }
 }
 
