@@ -338,7 +338,7 @@ impl RankedWindow<'_> {
         wins.select(depths, behind).store_array(self.depths);
         wins.select(colors, U::load_array_ref(simd, self.colors)).store_array(self.colors);
         wins.select(U::splat(simd, rank), ranks).store_array(self.ranks);
-        true
+        wins.any_true()
     }
 }
 

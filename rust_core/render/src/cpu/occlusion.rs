@@ -365,11 +365,15 @@ impl Occluders {
             return;
         }
         let mut listed = std::mem::take(&mut self.listed);
-        let tiles = tiles.unwrap_or_else(|| {
-            listed.clear();
-            self.list_seen(simd, plane, rank, area, &mut listed);
-            &listed
-        });
+        // No closure, which would be compiled for the oldest processor.
+        let tiles = match tiles {
+            Some(tiles) => tiles,
+            None => {
+                listed.clear();
+                self.list_seen(simd, plane, rank, area, &mut listed);
+                &listed
+            }
+        };
         self.draw_listed(plane, rank, tiles, draw, covers);
         self.listed = listed;
     }

@@ -183,7 +183,7 @@ pub(super) struct PointScratch {
     /// A block's points.
     points: PointBlock,
     /// Their faces.
-    faces: Vec<FaceBlock>,
+    faces: Box<[FaceBlock; place::SIDES]>,
     /// Their large faces.
     rough: RoughFaces,
 }

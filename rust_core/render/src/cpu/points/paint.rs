@@ -8,7 +8,7 @@ use fearless_simd::Simd;
 use rcs_scene::PointStyle;
 
 use super::place::{
-    set_up_boxes, set_up_tiles, set_up_upright, BandView, Batch, FaceBlock, AXES, DEPTH, EDGES, PLACE, SIDES,
+    place_boxes, place_tiles, place_upright, BandView, Batch, FaceBlock, Plane, Quads, AXES, DEPTH, EDGES, PLACE, SIDES,
 };
 use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::band::{channel_shift, pack, Band};
@@ -40,8 +40,6 @@ pub(super) fn draw<S: Simd, const PAINT: u8>(
     band: &mut Band<'_>,
 ) {
     let PointScratch { points, faces, .. } = scratch;
-    let sides = if PAINT == BOX_SIDE { SIDES } else { 1 };
-    let sides = faces.get_mut(..sides).unwrap_or(&mut []);
     let view = BandView {
         width_px: screen.width_px as f32,
         rows: [band.first_row as f32, band.end_row as f32],
@@ -49,18 +47,17 @@ pub(super) fn draw<S: Simd, const PAINT: u8>(
     };
     for indices in indices.chunks(BLOCK) {
         points.gather(cloud, indices);
-        sides.iter_mut().for_each(FaceBlock::clear);
+        faces.iter_mut().take(sides_of::<PAINT>()).for_each(FaceBlock::clear);
         for begin in (0..points.len).step_by(LANES) {
             let batch = Batch { simd, cloud, view: &view, points, begin };
-            if PAINT == BOX_SIDE {
-                set_up_boxes(&batch, sides);
-            } else if let Some(faces) = sides.first_mut() {
-                match cloud.points.style {
-                    PointStyle::Tiles { .. } => set_up_tiles(&batch, faces),
-                    _ => set_up_upright(&batch, PAINT != PLAIN, faces),
+            let quads = place_faces::<S, PAINT>(&batch, faces);
+            for side in 0..sides_of::<PAINT>() {
+                if (faces[side].small >> begin) & ((1 << LANES) - 1) != 0 {
+                    faces[side].trace(simd, &quads[side], begin);
                 }
             }
         }
+        let sides = &faces[..sides_of::<PAINT>()];
         let there = (!0u32).checked_shr(u32::BITS - points.len as u32).unwrap_or(0);
         let general = sides.iter().fold(0, |any, faces| any | faces.general) & there;
         let mut seen = sides.iter().fold(general, |any, faces| any | faces.small) & there;
@@ -78,6 +75,32 @@ pub(super) fn draw<S: Simd, const PAINT: u8>(
             }
         }
     }
+}
+
+/// How many faces of a point may be seen.
+pub(super) const fn sides_of<const PAINT: u8>() -> usize {
+    if PAINT == BOX_SIDE {
+        SIDES
+    } else {
+        1
+    }
+}
+
+/// Places a batch's faces, so many of a point as there [may be seen](sides_of).
+#[inline(always)]
+pub(super) fn place_faces<S: Simd, const PAINT: u8>(
+    batch: &Batch<'_, S>,
+    faces: &mut [FaceBlock; SIDES],
+) -> [Quads<S>; SIDES] {
+    if PAINT == BOX_SIDE {
+        return place_boxes(batch, faces);
+    }
+    let [faces, ..] = faces;
+    let quads = match batch.cloud.points.style {
+        PointStyle::Tiles { .. } => place_tiles(batch, faces),
+        _ => place_upright(batch, PAINT != PLAIN, faces),
+    };
+    [quads; SIDES]
 }
 
 /// Draws a band's rows of a cloud as triangles.
@@ -120,16 +143,9 @@ fn draw_face<S: Simd, const PAINT: u8>(
             |[at, dx, _]| columns * dx + at,
         );
         let columns = columns.to_float::<F<S>>();
-        // A depth's steps are whole numbers: fractions would be lost in adding up from row to row.
-        let mut depth_from_first = columns * depth_right;
-        let mut places_at = [F::splat(simd, 0.0); 3];
-        if PAINT != PLAIN {
-            places_at = map(
-                places,
-                #[inline(always)]
-                |[at, dx, _]| columns * dx + at,
-            );
-        }
+        let from_first = columns * depth_right;
+        let mut row = 0.0;
+        let first_places = first_row_of::<S, PAINT>(simd, places, columns);
         band.for_windows(
             top..bottom,
             begin,
@@ -139,23 +155,48 @@ fn draw_face<S: Simd, const PAINT: u8>(
                 let mask = ((e0 | e1) | (e2 | e3)).simd_ge(I::splat(simd, 0));
                 window.meet(
                     mask,
-                    depth_from_first + depth,
+                    // A depth's steps are whole numbers: fractions would be lost in sums with it.
+                    (from_first + depth_down * row) + depth,
                     mode,
                     #[inline(always)]
-                    |seen| (paint.mask(places_at, seen), paint.colors(places_at)),
+                    |seen| {
+                        let places_at = in_row::<S, PAINT>(first_places, places, row);
+                        (paint.mask(places_at, seen), paint.colors(places_at))
+                    },
                 );
                 for k in 0..EDGES {
                     edges_at[k] += edges[k][2];
                 }
-                depth_from_first += depth_down;
-                if PAINT != PLAIN {
-                    for k in 0..3 {
-                        places_at[k] += places[k][2];
-                    }
-                }
+                row += 1.0;
             },
         );
     }
+}
+
+/// The places of a face's pixels in its first row, for faces whose colour depends on them.
+#[inline(always)]
+pub(super) fn first_row_of<S: Simd, const PAINT: u8>(simd: S, places: [Plane<f32>; 3], columns: F<S>) -> [F<S>; 3] {
+    if PAINT == PLAIN {
+        return [F::splat(simd, 0.0); 3];
+    }
+    map(
+        places,
+        #[inline(always)]
+        |[at, dx, _]| columns * dx + at,
+    )
+}
+
+/// As [`first_row_of`], so many rows below.
+#[inline(always)]
+pub(super) fn in_row<S: Simd, const PAINT: u8>(first: [F<S>; 3], places: [Plane<f32>; 3], row: f32) -> [F<S>; 3] {
+    if PAINT == PLAIN {
+        return first;
+    }
+    let mut at = first;
+    for k in 0..3 {
+        at[k] = first[k] + places[k][2] * row;
+    }
+    at
 }
 
 /// How a face is painted.

@@ -2,9 +2,10 @@
 //!
 //! A cloud's faces are mostly small: a square of some pixels, the three sides of a box that are seen. Such a face is
 //! drawn as one quadrangle, without going through the general way of triangles: its four edges, its depth and its
-//! place (u, v) are linear in the window, set up here for several points at once and then evaluated for several pixels
+//! place (u, v) are linear in the window, found here for several points at once and then evaluated for several pixels
 //! at once by [`paint`](super::paint). The corners are those of [`faces`](super::faces), snapped as everywhere, and the
-//! edges own the pixels on them by the same rule, so that the pixels are the same.
+//! edges own the pixels on them by the same rule, so that the pixels are the same. Depths come first, because of a face
+//! that is hidden nothing else is needed.
 //!
 //! Rectangles of a fixed orientation are seen from both sides; their corners go round the other way from behind.
 //!
@@ -30,8 +31,8 @@ pub(super) const SIDES: usize = 3;
 /// The axes that they are across, in the order in which they are drawn.
 pub(super) const AXES: [usize; SIDES] = [2, 0, 1];
 
-/// A face up to this size, in pixels, is small: then its edges' values fit into 32 bits.
-const SMALL_PX: f32 = 64.0;
+/// A face up to this size, in pixels, is small: then its edges' values fit into 32 bits, in whole pixels.
+const SMALL_PX: f32 = 512.0;
 
 /// Snapped places to a pixel.
 const SUB: f32 = SUBPIXELS as f32;
@@ -68,8 +69,8 @@ const _: () = assert!(BLOCK <= u32::BITS as usize && BLOCK.is_multiple_of(LANES)
 
 impl FaceBlock {
     /// Room for the faces of a block of boxes.
-    pub(super) fn of_boxes() -> Vec<Self> {
-        let none = Self {
+    pub(super) fn of_boxes() -> Box<[Self; SIDES]> {
+        let none = || Self {
             small: 0,
             general: 0,
             along: 0,
@@ -77,7 +78,7 @@ impl FaceBlock {
             edges: [[[0; BLOCK]; 3]; EDGES],
             planes: [[[0.0; BLOCK]; 3]; PLANES],
         };
-        vec![none; SIDES]
+        Box::new([none(), none(), none()])
     }
 
     /// Forgets all faces.
@@ -102,7 +103,7 @@ impl FaceBlock {
 
 /// A corner of several faces on the picture.
 #[derive(Clone, Copy)]
-struct Corner<S: Simd> {
+pub(super) struct Corner<S: Simd> {
     /// Snapped.
     x: F<S>,
     /// Snapped.
@@ -165,6 +166,42 @@ fn greatest<S: Simd>([a, b, c, d]: [F<S>; 4]) -> F<S> {
     a.max(b).max(c.max(d))
 }
 
+/// Which way three corners go round.
+#[derive(Clone, Copy)]
+struct Turn<S: Simd> {
+    /// Of the triangle between them, in snapped places; negative where they turn left.
+    doubled_area: F<S>,
+    /// By how much that may be off.
+    noise: F<S>,
+}
+
+impl<S: Simd> Turn<S> {
+    /// From the two products whose difference is the doubled area.
+    #[inline(always)]
+    fn new(one: F<S>, other: F<S>) -> Self {
+        // Up to this the products of whole numbers are exact.
+        const EXACT: f32 = 16_777_216.0;
+        let reach = one.abs() + other.abs();
+        let noise = reach.simd_lt(EXACT).select(F::splat(reach.token(), 0.0), reach * (1.0 / (1 << 22) as f32));
+        Self { doubled_area: one - other, noise }
+    }
+
+    #[inline(always)]
+    fn is_right(&self) -> M<S> {
+        self.doubled_area.simd_gt(self.noise)
+    }
+
+    #[inline(always)]
+    fn is_left(&self) -> M<S> {
+        self.doubled_area.simd_lt(-self.noise)
+    }
+
+    #[inline(always)]
+    fn is_left_or_none(&self) -> M<S> {
+        self.doubled_area.simd_le(-self.noise)
+    }
+}
+
 /// What a kind of faces has in common.
 #[derive(Clone, Copy)]
 struct FaceKind {
@@ -187,11 +224,45 @@ pub(super) struct BandView {
     pub half_size: (f32, f32),
 }
 
-impl FaceBlock {
-    /// Sets up the faces of the points from `begin` on, given by their corners counter-clockwise from the lower left.
+/// Some points' faces on the picture.
+#[derive(Clone, Copy)]
+pub(super) struct Quads<S: Simd> {
+    /// Counter-clockwise from the lower left.
+    corners: [Corner<S>; 4],
+    /// The first pixels' columns and rows.
+    left: F<S>,
+    top: F<S>,
+    per_spread: F<S>,
+    with_place: bool,
+}
+
+impl<S: Simd> Quads<S> {
+    /// What is linear in the window and changes from the first corner to its neighbours by so much, in the first pixel,
+    /// and its changes by a pixel.
     #[inline(always)]
-    fn set_up<S: Simd>(&mut self, simd: S, corners: [&Corner<S>; 4], view: &BandView, begin: usize, kind: FaceKind) {
-        let [a, b, c, d] = corners;
+    fn plane(&self, at: F<S>, along_right: F<S>, along_up: F<S>) -> Plane<F<S>> {
+        let [a, b, _, d] = &self.corners;
+        let (x1, y1, x3, y3) = (b.x - a.x, b.y - a.y, d.x - a.x, d.y - a.y);
+        let (dx, dy) = (self.left * SUB - a.x, self.top * SUB - a.y);
+        let slope_x = (along_right * y3 - along_up * y1) * self.per_spread;
+        let slope_y = (along_up * x1 - along_right * x3) * self.per_spread;
+        [at + (slope_x * dx + slope_y * dy), slope_x * SUB, slope_y * SUB]
+    }
+}
+
+impl FaceBlock {
+    /// Finds the pixels and the depths of the faces of the points from `begin` on, given by their corners
+    /// counter-clockwise from the lower left. What else they need is [traced](Self::trace) from the result.
+    #[inline(always)]
+    fn place<S: Simd>(
+        &mut self,
+        simd: S,
+        corners: [Corner<S>; 4],
+        view: &BandView,
+        begin: usize,
+        kind: FaceKind,
+    ) -> Quads<S> {
+        let [a, b, c, d] = &corners;
         let (xs, ys) = ([a.x, b.x, c.x, d.x], [a.y, b.y, c.y, d.y]);
         let (x_low, x_high, y_low, y_high) = (least(xs), greatest(xs), least(ys), greatest(ys));
         let is_between_the_planes =
@@ -207,57 +278,62 @@ impl FaceBlock {
         let bottom = (floor(y_high * per_sub) + 1.0).min(view.rows[1]);
         let is_seen = left.simd_lt(right) & top.simd_lt(bottom);
 
-        // The products of small faces fit into 32 bits; those of the others are not used.
-        let (xs, ys) = (map(xs, whole), map(ys, whole));
         let side = inlined(
             #[inline(always)]
-            |a: usize, b: usize, c: usize| (xs[b] - xs[a]) * (ys[c] - ys[a]) - (xs[c] - xs[a]) * (ys[b] - ys[a]),
+            |a: usize, b: usize, c: usize| {
+                Turn::new((xs[b] - xs[a]) * (ys[c] - ys[a]), (xs[c] - xs[a]) * (ys[b] - ys[a]))
+            },
         );
         let (half_a, half_b, spread) = (side(0, 3, 2), side(0, 2, 1), side(0, 1, 3));
-        let none = I::splat(simd, 0);
-        let is_convex = half_a.simd_gt(none) & half_b.simd_gt(none) & spread.simd_lt(none);
-        let is_back = half_a.simd_le(none) & half_b.simd_le(none);
+        let is_convex = half_a.is_right() & half_b.is_right() & spread.is_left();
+        let is_back = half_a.is_left_or_none() & half_b.is_left_or_none();
         let small = (is_small & is_convex & is_seen).to_bitmask() as u32;
         let is_done = if kind.is_one_sided { is_convex | is_back } else { is_convex };
         let is_done = is_small & is_done;
         self.small |= small << begin;
         self.general |= (!is_done.to_bitmask() as u32 & ((1 << LANES) - 1)) << begin;
-        if small == 0 {
-            return;
+        let per_spread = 1.0 / spread.doubled_area;
+        let quads = Quads { corners, left, top, per_spread, with_place: kind.with_place };
+        if small != 0 {
+            for (all, value) in self.bounds.iter_mut().zip([left, right, top, bottom]) {
+                store_whole(all, begin, whole(value));
+            }
+            let [a, b, _, d] = &quads.corners;
+            self.store_plane(DEPTH, begin, quads.plane(a.depth, b.depth - a.depth, d.depth - a.depth));
         }
-        for (all, value) in self.bounds.iter_mut().zip([left, right, top, bottom]) {
-            store_whole(all, begin, whole(value));
-        }
+        quads
+    }
 
-        let (px, py) = (whole(left * SUB), whole(top * SUB));
+    /// Finds the edges of faces that were placed, and the places on them.
+    #[inline(always)]
+    pub(super) fn trace<S: Simd>(&mut self, simd: S, quads: &Quads<S>, begin: usize) {
+        let [a, b, c, d] = &quads.corners;
+        // In whole pixels, whose fractions decide nothing: an edge's changes are whole numbers of them.
+        let (left, top) = (whole(quads.left), whole(quads.top));
+        let (xs, ys) = (map([a.x, b.x, c.x, d.x], whole), map([a.y, b.y, c.y, d.y], whole));
+        let none = I::splat(simd, 0);
         for (plane, (a, b)) in self.edges.iter_mut().zip([(0, 3), (3, 2), (2, 1), (1, 0)]) {
             let (along_x, along_y) = (xs[b] - xs[a], ys[b] - ys[a]);
             // Left edges go up, top edges go right: these own the pixels on them.
             let owns = along_y.simd_lt(none) | (along_y.simd_eq(none) & along_x.simd_gt(none));
-            let at = along_x * (py - ys[a]) - along_y * (px - xs[a]) - owns.select(none, I::splat(simd, 1));
-            store_whole(&mut plane[0], begin, at);
-            store_whole(&mut plane[1], begin, along_y * -SUBPIXELS);
-            store_whole(&mut plane[2], begin, along_x * SUBPIXELS);
+            let fraction = along_y * (xs[a] & (SUBPIXELS - 1)) - along_x * (ys[a] & (SUBPIXELS - 1));
+            let fraction = (fraction - owns.select(none, I::splat(simd, 1))) >> SUBPIXELS.ilog2();
+            let (right, down) = (left - (xs[a] >> SUBPIXELS.ilog2()), top - (ys[a] >> SUBPIXELS.ilog2()));
+            store_whole(&mut plane[0], begin, along_x * down - along_y * right + fraction);
+            store_whole(&mut plane[1], begin, -along_y);
+            store_whole(&mut plane[2], begin, along_x);
         }
-        let (x1, y1, x3, y3) = (b.x - a.x, b.y - a.y, d.x - a.x, d.y - a.y);
-        let per_spread = 1.0 / spread.to_float::<F<S>>();
-        let (dx, dy) = (left * SUB - a.x, top * SUB - a.y);
-        let mut plane = inlined(
-            #[inline(always)]
-            |plane: usize, at: F<S>, along_right: F<S>, along_up: F<S>| {
-                let slope_x = (along_right * y3 - along_up * y1) * per_spread;
-                let slope_y = (along_up * x1 - along_right * x3) * per_spread;
-                let plane = &mut self.planes[plane];
-                store(&mut plane[0], begin, at + (slope_x * dx + slope_y * dy));
-                store(&mut plane[1], begin, slope_x * SUB);
-                store(&mut plane[2], begin, slope_y * SUB);
-            },
-        );
-        plane(DEPTH, a.depth, b.depth - a.depth, d.depth - a.depth);
-        if kind.with_place {
-            plane(PLACE, a.q, b.q - a.q, d.q - a.q);
-            plane(PLACE + 1, a.q * -0.5, (b.q + a.q) * 0.5, (a.q - d.q) * 0.5);
-            plane(PLACE + 2, a.q * -0.5, (a.q - b.q) * 0.5, (d.q + a.q) * 0.5);
+        if quads.with_place {
+            self.store_plane(PLACE, begin, quads.plane(a.q, b.q - a.q, d.q - a.q));
+            self.store_plane(PLACE + 1, begin, quads.plane(a.q * -0.5, (b.q + a.q) * 0.5, (a.q - d.q) * 0.5));
+            self.store_plane(PLACE + 2, begin, quads.plane(a.q * -0.5, (a.q - b.q) * 0.5, (d.q + a.q) * 0.5));
+        }
+    }
+
+    #[inline(always)]
+    fn store_plane<S: Simd>(&mut self, plane: usize, begin: usize, values: Plane<F<S>>) {
+        for (all, value) in self.planes[plane].iter_mut().zip(values) {
+            store(all, begin, value);
         }
     }
 }
@@ -287,9 +363,9 @@ fn positions<S: Simd>(batch: &Batch<'_, S>) -> ([F<S>; 3], F<S>, [F<S>; 4]) {
     (position, factor, transform(&cloud.transform.clip_from_object, position))
 }
 
-/// Sets up faces that face the eye and stand upright.
+/// Places faces that face the eye and stand upright.
 #[inline(always)]
-pub(super) fn set_up_upright<S: Simd>(batch: &Batch<'_, S>, with_place: bool, faces: &mut FaceBlock) {
+pub(super) fn place_upright<S: Simd>(batch: &Batch<'_, S>, with_place: bool, faces: &mut FaceBlock) -> Quads<S> {
     let Batch { simd, cloud, view, begin, .. } = *batch;
     let ([x, y, z], factor, middle) = positions(batch);
     let [eye_x, eye_y, eye_z] = cloud.faces.eye();
@@ -307,16 +383,15 @@ pub(super) fn set_up_upright<S: Simd>(batch: &Batch<'_, S>, with_place: bool, fa
         #[inline(always)]
         |row| up[0] * row[0] + up[1] * row[1] + up[2] * row[2],
     );
-    let [lower_left, lower_right, upper_right, upper_left] = corners(middle, right, up, view);
-    let around = [&lower_left, &lower_right, &upper_right, &upper_left];
-    faces.set_up(simd, around, view, begin, FaceKind { is_one_sided: true, with_place });
+    let around = corners(middle, right, up, view);
+    faces.place(simd, around, view, begin, FaceKind { is_one_sided: true, with_place })
 }
 
-/// Sets up rectangles of a fixed orientation, which are seen from both sides.
+/// Places rectangles of a fixed orientation, which are seen from both sides.
 #[inline(always)]
-pub(super) fn set_up_tiles<S: Simd>(batch: &Batch<'_, S>, faces: &mut FaceBlock) {
+pub(super) fn place_tiles<S: Simd>(batch: &Batch<'_, S>, faces: &mut FaceBlock) -> Quads<S> {
     let Batch { simd, cloud, view, begin, .. } = *batch;
-    let Some([right, up]) = cloud.faces.tile_sides() else { return };
+    let [right, up] = cloud.faces.tile_sides().unwrap_or_default();
     let (position, _, middle) = positions(batch);
     let across = cross(right, up);
     let [x, y, z] = cloud.faces.eye();
@@ -336,8 +411,8 @@ pub(super) fn set_up_tiles<S: Simd>(batch: &Batch<'_, S>, faces: &mut FaceBlock)
     let [lower_left, right, upper_right, up] = corners(middle, along(right), along(up), view);
     let lower_right = Corner::select(is_turned, &up, &right);
     let upper_left = Corner::select(is_turned, &right, &up);
-    let around = [&lower_left, &lower_right, &upper_right, &upper_left];
-    faces.set_up(simd, around, view, begin, FaceKind { is_one_sided: false, with_place: true });
+    let around = [lower_left, lower_right, upper_right, upper_left];
+    faces.place(simd, around, view, begin, FaceKind { is_one_sided: false, with_place: true })
 }
 
 /// The corners of faces by their middles and half sides in clip coordinates: lower left, lower right, upper right and
@@ -358,11 +433,11 @@ fn corners<S: Simd>(middle: [F<S>; 4], right: [F<S>; 4], up: [F<S>; 4], view: &B
     [corner(false, false), corner(true, false), corner(true, true), corner(false, true)]
 }
 
-/// Sets up the sides of boxes that are turned to the eye.
+/// Places the sides of boxes that are turned to the eye.
 #[inline(always)]
-pub(super) fn set_up_boxes<S: Simd>(batch: &Batch<'_, S>, sides: &mut [FaceBlock]) {
+pub(super) fn place_boxes<S: Simd>(batch: &Batch<'_, S>, sides: &mut [FaceBlock; SIDES]) -> [Quads<S>; SIDES] {
     let Batch { simd, cloud, view, begin, .. } = *batch;
-    let PointStyle::Boxes { size_m } = cloud.points.style else { return };
+    let size_m = if let PointStyle::Boxes { size_m } = cloud.points.style { size_m } else { [0.0; 3] };
     let (position, factor, middle) = positions(batch);
     let (zero, one) = (F::splat(simd, 0.0), F::splat(simd, 1.0));
     let eye = cloud.faces.eye();
@@ -404,13 +479,18 @@ pub(super) fn set_up_boxes<S: Simd>(batch: &Batch<'_, S>, sides: &mut [FaceBlock
     // Where an odd number of axes point away from the eye, the sides' corners go round the other way.
     let is_turned = !(along[0] ^ along[1] ^ along[2]);
     let is_inside_out = (factor.simd_lt(zero).to_bitmask() as u32) << begin;
-    for (side, axis) in sides.iter_mut().zip(AXES) {
-        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-        let (right, up) = (&without[last], &without[next]);
-        let lower_right = Corner::select(is_turned, up, right);
-        let upper_left = Corner::select(is_turned, right, up);
-        side.along |= (along[axis].to_bitmask() as u32) << begin;
-        side.general |= is_inside_out;
-        side.set_up(simd, [&only[axis], &lower_right, &near, &upper_left], view, begin, SIDE_OF_BOX);
-    }
+    let mut place = inlined(
+        #[inline(always)]
+        |side: usize| {
+            let (side, axis) = (&mut sides[side], AXES[side]);
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let (right, up) = (&without[last], &without[next]);
+            let lower_right = Corner::select(is_turned, up, right);
+            let upper_left = Corner::select(is_turned, right, up);
+            side.along |= (along[axis].to_bitmask() as u32) << begin;
+            side.general |= is_inside_out;
+            side.place(simd, [only[axis], lower_right, near, upper_left], view, begin, SIDE_OF_BOX)
+        },
+    );
+    [place(0), place(1), place(2)]
 }

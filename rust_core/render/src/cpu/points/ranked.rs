@@ -6,17 +6,14 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, Simd};
-use rcs_scene::PointStyle;
 
-use super::paint::{FacePaint, BOX_SIDE, DISC, PLAIN};
-use super::place::{
-    set_up_boxes, set_up_tiles, set_up_upright, BandView, Batch, FaceBlock, AXES, DEPTH, EDGES, PLACE, SIDES,
-};
+use super::paint::{first_row_of, in_row, place_faces, sides_of, FacePaint, DISC};
+use super::place::{BandView, Batch, FaceBlock, AXES, DEPTH, EDGES, PLACE, SIDES};
 use super::rough::RoughFaces;
 use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::band::Band;
 use crate::cpu::lanes::{lane_indices, map, F, I, LANES};
-use crate::cpu::occlusion::{rounding, Area, DepthPlane, Drawn};
+use crate::cpu::occlusion::{rounding, Area, DepthPlane, Drawn, TILE_PX};
 use crate::cpu::ranked::{in_chunk, RankedScratch, CHUNK};
 use crate::cpu::screen::{Screen, FARTHEST};
 use crate::cpu::triangles;
@@ -189,26 +186,19 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
     ) {
         let cloud = self.cloud;
         let PointScratch { points, faces, rough } = scratch;
-        let sides = if PAINT == BOX_SIDE { SIDES } else { 1 };
-        let sides = faces.get_mut(..sides).unwrap_or(&mut []);
         points.gather(cloud, indices);
-        sides.iter_mut().for_each(FaceBlock::clear);
+        faces.iter_mut().take(sides_of::<PAINT>()).for_each(FaceBlock::clear);
         for begin in (0..points.len).step_by(LANES) {
             let batch = Batch { simd, cloud, view, points, begin };
-            if PAINT == BOX_SIDE {
-                set_up_boxes(&batch, sides);
-            } else if let Some(faces) = sides.first_mut() {
-                match cloud.points.style {
-                    PointStyle::Tiles { .. } => set_up_tiles(&batch, faces),
-                    _ => set_up_upright(&batch, PAINT != PLAIN, faces),
-                }
-            }
+            let quads = place_faces::<S, PAINT>(&batch, faces);
+            let mut is_traced = [false; SIDES];
             let there = ((1 << (points.len - begin).min(LANES)) - 1) << begin;
-            let general = sides.iter().fold(0, |any, faces| any | faces.general) & there;
+            let sides = 0..sides_of::<PAINT>();
+            let general = faces[sides.clone()].iter().fold(0, |any, faces| any | faces.general) & there;
             if general != 0 {
                 rough.set_up(&batch);
             }
-            let mut seen = sides.iter().fold(general, |any, faces| any | faces.small) & there;
+            let mut seen = faces[sides.clone()].iter().fold(general, |any, faces| any | faces.small) & there;
             while seen != 0 {
                 let i = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
@@ -216,10 +206,23 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
                     self.draw_large(simd, rough, i - begin, points.indices[i], ranks[i], screen, ranked, band);
                     continue;
                 }
-                for (faces, axis) in sides.iter().zip(AXES) {
-                    if faces.small & 1 << i != 0 {
-                        draw_small::<S, PAINT>(simd, faces, i, (axis, points.colors[i]), ranks[i], ranked, band);
+                for side in sides.clone() {
+                    let faces = &mut faces[side];
+                    if faces.small & 1 << i == 0 {
+                        continue;
                     }
+                    let (plane, area) = depths_of(faces, i);
+                    ranked.tiles.clear();
+                    ranked.occluders.list_seen(simd, &plane, ranks[i], area, &mut ranked.tiles);
+                    if ranked.tiles.is_empty() {
+                        continue;
+                    }
+                    if !is_traced[side] {
+                        faces.trace(simd, &quads[side], begin);
+                        is_traced[side] = true;
+                    }
+                    let color = (AXES[side], points.colors[i]);
+                    draw_small::<S, PAINT>(simd, faces, i, (&plane, area), color, ranks[i], ranked, band);
                 }
             }
         }
@@ -271,29 +274,41 @@ fn make_triangles(cloud: &Cloud<'_>, index: u32, faces: u32, screen: &Screen, ra
     });
 }
 
+/// A bound of a small face's depths, and its pixels.
 #[inline(always)]
+fn depths_of(faces: &FaceBlock, i: usize) -> (DepthPlane, Area) {
+    let [left, right, top, bottom] = faces.bounds.each_ref().map(|all| all[i]);
+    let area = Area { left, right, top, bottom };
+    let [at, dx, dy] = faces.plane(DEPTH, i);
+    let (columns, rows) = ((right - left) as f32, (bottom - top) as f32);
+    let noise = if dx == 0.0 && dy == 0.0 {
+        0.0
+    } else {
+        let (right, down) = (dx.abs() * columns, dy.abs() * rows);
+        let from_first = right + down;
+        let depth = (at.abs() + from_first).min(2.0 * FARTHEST);
+        1.01 * (rounding(right) + rounding(down) + rounding(from_first) + rounding(depth))
+    };
+    // At the nearest corner of its pixels.
+    let least = at + dx.min(0.0) * (columns - 1.0) + dy.min(0.0) * (rows - 1.0) - noise;
+    (DepthPlane { at, dx, dy, x: left as f32, y: top as f32, noise, least }, area)
+}
+
+/// Draws a small face in the tiles that are listed.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "it is a part of the loop above")]
 fn draw_small<S: Simd, const PAINT: u8>(
     simd: S,
     faces: &FaceBlock,
     i: usize,
+    (plane, area): (&DepthPlane, Area),
     (axis, color): (usize, u32),
     rank: u32,
     ranked: &mut RankedScratch,
     band: &mut Band<'_>,
 ) {
-    let [left, right, top, bottom] = faces.bounds.each_ref().map(|all| all[i]);
-    let area = Area { left, right, top, bottom };
+    let Area { left, right, top, bottom } = area;
     let [depth, depth_right, depth_down] = faces.plane(DEPTH, i);
-    let noise = if depth_right == 0.0 && depth_down == 0.0 {
-        0.0
-    } else {
-        let (width, height) = ((right - left + TILE) as f32, (bottom - top) as f32);
-        let reach = depth_right.abs() * width + depth_down.abs() * height;
-        // Each row adds to the depth, from the first one on.
-        rounding(reach) * (height + 2.0) + rounding(FARTHEST) * 1.01 + rounding(depth.abs() + reach)
-    };
-    let least = f32::NEG_INFINITY;
-    let plane = DepthPlane { at: depth, dx: depth_right, dy: depth_down, x: left as f32, y: top as f32, noise, least };
     let edges = [faces.edge(0, i), faces.edge(1, i), faces.edge(2, i), faces.edge(3, i)];
     let places = [faces.plane(PLACE, i), faces.plane(PLACE + 1, i), faces.plane(PLACE + 2, i)];
     let paint = FacePaint::<S, PAINT>::new(simd, color, axis, faces.along & 1 << i != 0);
@@ -317,11 +332,14 @@ fn draw_small<S: Simd, const PAINT: u8>(
     };
     ranked.occluders.draw(
         simd,
-        &plane,
+        plane,
         rank,
-        (area, None),
+        (area, Some(&ranked.tiles)),
         #[inline(always)]
         |tile| {
+            if PAINT == DISC && is_beside_disc(&places, [tile.left - left, tile.top - top]) {
+                return Drawn::Nothing;
+            }
             let columns = lane_indices(simd) + (tile.left - left);
             let mut edges_at = map(
                 edges,
@@ -329,20 +347,13 @@ fn draw_small<S: Simd, const PAINT: u8>(
                 |[at, dx, _]| columns * dx + at,
             );
             let columns = columns.to_float::<F<S>>();
-            let mut depth_from_first = columns * depth_right;
-            let mut places_at = [F::splat(simd, 0.0); 3];
-            if PAINT != PLAIN {
-                places_at = map(
-                    places,
-                    #[inline(always)]
-                    |[at, dx, _]| columns * dx + at,
-                );
+            let from_first = columns * depth_right;
+            let first_places = first_row_of::<S, PAINT>(simd, places, columns);
+            let rows = tile.top.max(top) - top;
+            for k in 0..EDGES {
+                edges_at[k] += edges[k][2] * rows;
             }
-            // From the face's first row on, as depths add up.
-            let mut to_next_row = inlined_step::<S, PAINT>(edges, depth_down, places);
-            for _ in top..tile.top {
-                to_next_row(&mut edges_at, &mut depth_from_first, &mut places_at);
-            }
+            let mut row = rows as f32;
             let mut is_seen = false;
             band.for_ranked_windows(
                 tile.top.max(top)..tile.bottom.min(bottom),
@@ -353,12 +364,18 @@ fn draw_small<S: Simd, const PAINT: u8>(
                     let mask = ((e0 | e1) | (e2 | e3)).simd_ge(I::splat(simd, 0));
                     is_seen |= window.meet(
                         mask,
-                        depth_from_first + depth,
+                        (from_first + depth_down * row) + depth,
                         rank,
                         #[inline(always)]
-                        |seen| (paint.mask(places_at, seen), paint.colors(places_at)),
+                        |seen| {
+                            let places_at = in_row::<S, PAINT>(first_places, places, row);
+                            (paint.mask(places_at, seen), paint.colors(places_at))
+                        },
                     );
-                    to_next_row(&mut edges_at, &mut depth_from_first, &mut places_at);
+                    for k in 0..EDGES {
+                        edges_at[k] += edges[k][2];
+                    }
+                    row += 1.0;
                 },
             );
             if !is_seen {
@@ -373,30 +390,19 @@ fn draw_small<S: Simd, const PAINT: u8>(
     );
 }
 
-const TILE: i32 = crate::cpu::occlusion::TILE_PX;
-
-/// What leads from a row of a face to the next one.
-#[expect(clippy::type_complexity, reason = "the names of lanes are as short as they can be")]
+/// Whether a tile, given by its first pixel from the face's first one, surely is beside its disc: beyond a line that
+/// touches the disc where it is nearest to the tile's middle.
 #[inline(always)]
-fn inlined_step<S: Simd, const PAINT: u8>(
-    edges: [[i32; 3]; EDGES],
-    depth_down: f32,
-    places: [[f32; 3]; 3],
-) -> impl FnMut(&mut [I<S>; EDGES], &mut F<S>, &mut [F<S>; 3]) {
-    crate::cpu::lanes::inlined(
-        #[inline(always)]
-        move |edges_at: &mut [I<S>; EDGES], depth: &mut F<S>, places_at: &mut [F<S>; 3]| {
-            for k in 0..EDGES {
-                edges_at[k] += edges[k][2];
-            }
-            *depth += depth_down;
-            if PAINT != PLAIN {
-                for k in 0..3 {
-                    places_at[k] += places[k][2];
-                }
-            }
-        },
-    )
+fn is_beside_disc(places: &[[f32; 3]; 3], [x, y]: [i32; 2]) -> bool {
+    const HALF: f32 = (TILE_PX - 1) as f32 * 0.5;
+    let (x, y) = (x as f32 + HALF, y as f32 + HALF);
+    let [q, u, v] = places.map(|[at, dx, dy]| at + dx * x + dy * y);
+    let distance = (u * u + v * v).sqrt();
+    // How far the tile's middle lies beyond the line, and how much nearer its corners may be; times 1/w.
+    let (along_u, along_v, radius) = (u / distance, v / distance, DISC_RADIUS_SQUARED.sqrt());
+    let change = |i: usize| (along_u * places[1][i] + along_v * places[2][i] - radius * places[0][i]).abs();
+    let beyond = distance - radius * q - (change(1) + change(2)) * HALF;
+    beyond > (distance + q.abs()) * 1e-4
 }
 
 /// Whether a place on a face, given by its pixel from the first one, surely is in its disc.

@@ -1,4 +1,5 @@
-//! The picture of a cloud does not depend on the processor's instruction set.
+//! The picture of a cloud does not depend on the processor's instruction set, nor on whether its faces are drawn as
+//! quadrangles or as triangles.
 
 use std::sync::Arc;
 
@@ -9,6 +10,9 @@ use rcs_scene::{
     Points, RenderGroup, Scene,
 };
 
+use super::{draw, paint, Cloud, PointScratch};
+use crate::cpu::band::{pack, BandBuffers};
+use crate::cpu::screen::{ObjectTransform, Screen};
 use crate::{CpuRenderer, Renderer, View};
 use rcs_camera::simd_levels::levels;
 
@@ -75,4 +79,47 @@ fn all_instruction_sets_draw_the_same_picture() {
         }
     }
     println!("{names:?}");
+}
+
+#[test]
+fn faces_of_any_size_cover_the_pixels_of_their_triangles() {
+    let p = [500.0, 0.0, 320.0, 0.0, 0.0, 500.0, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let camera = Camera::new(Intrinsics::from_p(640, 480, &p).unwrap(), &Isometry3::identity(), 0.05);
+    let screen = Screen::new(640, 480);
+    let object = Isometry3::new(Vector3::new(0.0, 0.0, 1.3), Vector3::new(0.5, -0.4, 0.7)).to_homogeneous();
+    let view_from_object = camera.fixed_from_view().inverse().to_homogeneous() * object;
+    let mut scratch = PointScratch::default();
+    let (mut one_way, mut other_way) = (BandBuffers::default(), BandBuffers::default());
+    // From 3 to 700 pixels, and of each size at several places.
+    for number in 0..300_u16 {
+        let at = |step: f32| (f32::from(number) * step).fract() - 0.5;
+        let side_m = 0.008 * 233.0_f32.powf(f32::from(number) / 300.0);
+        let position = [at(0.754_877), at(0.569_84), at(0.324_5) * 0.2];
+        let buffer = Arc::new(PointBuffer { positions: vec![position], colors: PointColors::Uniform([200; 4]) });
+        for style in [
+            PointStyle::FlatSquares { side_m },
+            PointStyle::Tiles { size_m: [side_m, side_m * 0.7], normal: [0.0, 0.6, -0.8], up: [0.0, 0.8, 0.6] },
+            PointStyle::Boxes { size_m: [side_m * 0.5, side_m * 0.3, side_m * 0.2] },
+        ] {
+            let points = Points { buffer: buffer.clone(), style, alpha: 1.0, blended: false, auto_size: false };
+            let transform = ObjectTransform::new(&camera, &view_from_object, None);
+            let cloud = Cloud::new(&points, transform, &camera, &object);
+            for index in 0..screen.bands() {
+                let background = pack([1, 2, 3, 255]);
+                let mut band = one_way.begin(&screen, index, background);
+                draw(&cloud, &[0], &screen, &mut scratch, &mut band);
+                let mut other_band = other_way.begin(&screen, index, background);
+                paint::draw_exactly(&cloud, &[0], &screen, &mut other_band);
+                let covered = |pixel: &[u8; 4]| *pixel != [1, 2, 3, 255];
+                for (row, other_row) in band.pixel_rows().zip(other_band.pixel_rows()) {
+                    let differs = row.iter().zip(other_row).position(|(a, b)| covered(a) != covered(b));
+                    assert_eq!(differs, None, "{style:?} at {position:?}, band {index}");
+                }
+                for (row, other_row) in band.depth_rows().zip(other_band.depth_rows()) {
+                    let apart = row.iter().zip(other_row).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                    assert!(apart <= 16.0, "{style:?} at {position:?}, band {index}: {apart} steps of depth");
+                }
+            }
+        }
+    }
 }
