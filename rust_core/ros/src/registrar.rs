@@ -409,7 +409,8 @@ impl Registrar {
     }
 
     /// Compares with the master's list: what is not on it is registered again, and so is a subscription that has fewer
-    /// publishers than the master knows, since what the master tells may be lost on the way.
+    /// publishers than the master knows, since what the master tells may be lost on the way. What is wanted no more
+    /// stays registered until it is unregistered.
     fn repair(&self) {
         let Some(system) = self.query() else { return };
         let publications = self.publications().unwrap_or_default();
@@ -420,7 +421,7 @@ impl Registrar {
         };
         let mut state = lock(&self.state);
         let is_lost = |entry: &&Entry| !entry.is_in(&system) || has_lost_publishers(entry, &state);
-        let lost: Vec<Entry> = state.registered.iter().filter(is_lost).cloned().collect();
+        let lost: Vec<Entry> = state.registered.intersection(&state.wanted).filter(is_lost).cloned().collect();
         for entry in lost {
             log::debug!("registering again: {entry:?}");
             state.registered.remove(&entry);
@@ -449,6 +450,11 @@ mod tests {
     }
 
     fn start() -> TestMaster {
+        start_with(|| Answer::Value(Value::Array(vec![Value::Int(0), "".into(), Value::Int(0)])))
+    }
+
+    /// A master whose list `system_state` answers.
+    fn start_with(system_state: impl Fn() -> Answer + Send + Sync + 'static) -> TestMaster {
         let (sender, calls) = channel();
         let (sender, known) = (Mutex::new(sender), Arc::new(Mutex::new(false)));
         let is_known = Arc::clone(&known);
@@ -459,9 +465,10 @@ mod tests {
                 "lookupNode" if !*lock(&is_known) => {
                     Answer::Value(Value::Array(vec![Value::Int(-1), "unknown node".into(), "".into()]))
                 }
-                // This node's own address, and no list.
+                // This node's own address.
                 "lookupNode" => answer("http://127.0.0.1:1/".into()),
-                "getSystemState" => Answer::Value(Value::Array(vec![Value::Int(0), "".into(), Value::Int(0)])),
+                "getSystemState" => system_state(),
+                "getTopicTypes" => answer(Value::Array(Vec::new())),
                 _ => {
                     *lock(&is_known) = true;
                     let line = format!("{method} {}", params[1].as_str().unwrap());
@@ -503,5 +510,29 @@ mod tests {
         assert_eq!(next(&master), "registerService /s");
         master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
         assert_eq!(next(&master), "unregisterService /s");
+    }
+
+    #[test]
+    fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
+        let entry = Entry::Subscriber { topic: "/a".to_owned(), ros_type: "a/B".to_owned(), number: 1 };
+        let list = |nodes: &str| {
+            let topic = vec!["/a".into(), Value::Array(vec![nodes.into()])];
+            Value::Array(vec![Value::Array(topic)])
+        };
+        let state = Value::Array(vec![list("/talker"), list("/node"), Value::Array(Vec::new())]);
+        let registrar: Arc<Mutex<Option<Arc<Registrar>>>> = Arc::default();
+        let (shared, removed) = (Arc::clone(&registrar), entry.clone());
+        let master = start_with(move || {
+            let registrar = lock(&shared).clone();
+            if let Some(registrar) = registrar.filter(|one| lock(&one.state).registered.contains(&removed)) {
+                registrar.remove(&removed);
+            }
+            Answer::Value(Value::Array(vec![Value::Int(1), "".into(), state.clone()]))
+        });
+        *lock(&registrar) = Some(Arc::clone(&master.registrar));
+        master.registrar.add(entry);
+        assert_eq!(next(&master), "registerSubscriber /a");
+        assert_eq!(next(&master), "unregisterSubscriber /a");
+        master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
     }
 }
