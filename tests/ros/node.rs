@@ -94,6 +94,17 @@ fn a_terminated_node_is_unregistered_at_once() {
 }
 
 #[test]
+fn a_node_that_ends_with_an_error_is_unregistered() {
+    let master = RosMaster::start().unwrap();
+    // It fails after it has subscribed to transforms and offered its service.
+    let mut probe = probe(&master, &["listen", "/a", "no_such/Type", "1"]);
+    assert!(!probe.wait(PATIENCE).unwrap().success());
+    assert!(probe.errors().iter().any(|line| line.contains("unknown type")), "{:?}", probe.errors());
+    let nodes = master.output("rosnode", &["list"]).unwrap();
+    assert!(nodes.contains("/rosout") && !nodes.contains("/probe"), "{nodes}");
+}
+
+#[test]
 fn simulated_time_is_followed_and_a_jump_back_is_reported() {
     let master = RosMaster::start().unwrap();
     assert!(master.output("rosparam", &["set", "/use_sim_time", "true"]).is_ok());

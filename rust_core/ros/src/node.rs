@@ -502,6 +502,15 @@ impl RosNode {
     }
 }
 
+impl Drop for RosNode {
+    /// A node that fails is unregistered as well as one that is asked to end.
+    fn drop(&mut self) {
+        if !self.network().is_ended() {
+            self.shutdown();
+        }
+    }
+}
+
 /// The node's whole name, as rosrust makes it of ROS's arguments and variables.
 fn whole_name(default_name: &str) -> String {
     let (namespace, name) = (rosrust::api::resolve::namespace(), rosrust::api::resolve::name(default_name));
