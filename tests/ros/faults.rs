@@ -162,6 +162,22 @@ fn rosnode_info_lists_the_connections() {
     assert!(stats.contains("/view/image"), "{stats}");
 }
 
+/// roswtf reports a missing connection otherwise: the master names the node as publisher and as subscriber.
+#[test]
+fn a_topic_that_a_node_publishes_and_subscribes_to_is_a_connection_with_itself() {
+    let master = RosMaster::start().unwrap();
+    let probe = probe(&master, &["image", "/view/image", "64", "48", "10"]);
+    assert!(probe.line_with("published").is_some(), "{:?}", probe.errors());
+    let uri = node_uri(&master, "/probe");
+    let info = call(&uri, "getBusInfo", &["/raw"]).unwrap();
+    assert_eq!((info.matches("INTRAPROCESS").count(), info.matches("/view/camera_info").count()), (2, 2), "{info}");
+    assert!(info.contains(">/probe<") && info.contains(&format!(">{uri}<")), "{info}");
+    let printed = master.output("rosnode", &["info", "/probe"]).unwrap();
+    for text in ["topic: /view/camera_info", "direction: inbound", "direction: outbound", "transport: INTRAPROCESS"] {
+        assert!(printed.contains(text), "{text}: {printed}");
+    }
+}
+
 #[test]
 fn garbage_on_its_ports_leaves_nothing_behind() {
     let master = RosMaster::start().unwrap();

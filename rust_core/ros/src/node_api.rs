@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use crate::graph::strings;
+use crate::graph::{strings, Master};
 use crate::lock;
 use crate::registrar::Registrar;
 use crate::tcpros::Listener;
@@ -105,25 +105,37 @@ impl NodeState {
     }
 
     /// The connections: id, other end, direction, transport, topic, whether it stands, a description.
+    ///
+    /// A topic that the node both publishes and subscribes to is listed as connected with itself, as by roscpp. roswtf
+    /// expects such a connection, for the master names the node on both sides.
     fn bus_info(&self) -> Value {
+        const TCP: &str = "TCPROS";
+        const OWN: &str = "INTRAPROCESS";
         let mut connections = Vec::new();
-        let mut add = |node: &str, direction: &str, topic: &str, description: String| {
+        let mut add = |transport: &str, node: &str, direction: &str, topic: &str, description: String| {
             let id = Value::Int(connections.len() as i32);
-            let parts = vec![id, node.into(), direction.into(), "TCPROS".into(), topic.into(), Value::Bool(true)];
+            let parts = vec![id, node.into(), direction.into(), transport.into(), topic.into(), Value::Bool(true)];
             connections.push(Value::Array(parts.into_iter().chain([description.into()]).collect()));
         };
         for publication in self.listener.publications() {
             for subscriber in publication.subscribers() {
                 let (topic, peer) = (&publication.description().topic, subscriber.peer);
                 let description = format!("TCPROS connection on port {} to [{peer}]", self.listener.port());
-                add(&subscriber.name, "o", topic, description);
+                add(TCP, &subscriber.name, "o", topic, description);
             }
         }
         for subscription in self.registrar.subscriptions() {
             for link in subscription.links() {
                 if let Some((_, peer)) = link.connected() {
                     let description = format!("TCPROS connection to [{peer}]");
-                    add(&link.uri, "i", &subscription.wanted().topic, description);
+                    add(TCP, &link.uri, "i", &subscription.wanted().topic, description);
+                }
+            }
+            let topic = &subscription.wanted().topic;
+            if self.listener.publication(topic).is_some() {
+                let Master { node_name, node_uri, .. } = self.registrar.master();
+                for (node, direction) in [(node_name, "o"), (node_uri, "i")] {
+                    add(OWN, node, direction, topic, "within the node".to_owned());
                 }
             }
         }
