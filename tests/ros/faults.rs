@@ -48,12 +48,19 @@ fn publishers_that_hang_in_the_handshake_delay_nobody() {
 #[test]
 fn a_dead_publishers_name_is_one_warning() {
     let master = RosMaster::start().unwrap();
-    drop(hanging_publisher(&master, "/dead", "/a", POINT));
-    let probe = probe(&master, &["listen", "/a", POINT, "1"]);
+    // A node with two topics, at one address.
+    let listener = hanging_publisher(&master, "/dead", "/a", POINT);
+    let uri = format!("http://{}/", listener.local_addr().unwrap());
+    call(&master.uri(), "registerPublisher", &["/dead", "/b", POINT, &uri]).unwrap();
+    drop(listener);
+    let probe = probe(&master, &["listen", "/a", POINT, "1", "/b", POINT, "1"]);
     let warnings = || probe.errors().iter().filter(|line| line.starts_with("WARN")).count();
     assert!(wait_until(PATIENCE, || warnings() > 0));
     std::thread::sleep(Duration::from_secs(4));
     assert_eq!(warnings(), 1, "{:?}", probe.errors());
+    let warning = probe.errors().into_iter().find(|line| line.starts_with("WARN")).unwrap();
+    let expected = format!("WARN Failed to contact publisher [/dead] at {uri} for topics [/a], [/b]: ");
+    assert!(warning.starts_with(&expected) && warning.contains("refused"), "{warning}");
     assert!(probe.errors().iter().all(|line| !line.starts_with("ERROR")), "{:?}", probe.errors());
 }
 

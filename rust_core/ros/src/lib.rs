@@ -34,6 +34,7 @@
 //! | `clock` | [`RosClock`]: the computer's time or `/clock` |
 //! | `network` | the node's ports, its API and its registrations, together |
 //! | `registrar` | what is registered with the master, and the thread that keeps it so |
+//! | `contacts` | publishers that do not answer |
 //! | `node_api` | what the master, other nodes and tools ask the node |
 //! | `rosrust_master` | what rosrust takes for the master |
 //! | `graph` | the master's API, and what it knows of the other nodes |
@@ -47,6 +48,7 @@
 
 mod acceptor;
 mod clock;
+mod contacts;
 pub mod diagnostics_topic;
 mod events;
 #[doc(hidden)]
@@ -74,6 +76,7 @@ mod waiting;
 mod xmlrpc;
 
 pub use clock::RosClock;
+pub use contacts::Unreachable;
 pub use events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall, TriggerReply};
 pub use graph::{Publication, Publications};
 pub use latched_publisher::LatchedPublisher;

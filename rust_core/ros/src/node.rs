@@ -4,6 +4,7 @@
 //! [`crate::network`]'s.
 
 use crate::clock::RosClock;
+use crate::contacts::Unreachable;
 use crate::events::{EventQueue, EventSender, NodeEvent, ServiceCall, TriggerReply};
 use crate::graph::Publications;
 use crate::lock;
@@ -381,6 +382,11 @@ impl RosNode {
     /// Asks the master what other nodes publish. `None` if it does not answer within seconds.
     pub fn query_publications(&self) -> Option<Arc<Publications>> {
         self.network().registrar().query_publications()
+    }
+
+    /// The publishers of a topic, by its whole name, that the node subscribes to and whose nodes do not answer.
+    pub fn unreachable_publishers(&self, topic: &str) -> Vec<Unreachable> {
+        self.network().registrar().unreachable(topic)
     }
 
     /// A private parameter (`~name`) as it was when the node started; none if it was not set.

@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
+use crate::contacts::{list_of, Contacts, Unreachable};
 use crate::graph::{strings, Master, Publications, SystemState};
 use crate::lock;
 use crate::tcpros::Subscription;
@@ -76,6 +77,7 @@ pub(crate) struct Registrar {
     /// One list of publishers is handed on at a time.
     updating: Mutex<()>,
     publications: Mutex<Option<Arc<Publications>>>,
+    contacts: Contacts,
     on_publisher_left: OnPublisherLeft,
     /// Set when the node is to end because another has its name.
     is_asked_to_end: Arc<AtomicBool>,
@@ -130,6 +132,7 @@ impl Registrar {
             changed: Condvar::new(),
             updating: Mutex::default(),
             publications: Mutex::default(),
+            contacts: Contacts::default(),
             on_publisher_left: Box::new(on_publisher_left),
             is_asked_to_end,
         })
@@ -194,12 +197,49 @@ impl Registrar {
             let known = state.subscriptions.get(topic).and_then(|(_, subscription)| subscription.upgrade());
             let Some(subscription) = known else { return };
             let before = state.publishers.insert(topic.to_owned(), uris.clone()).unwrap_or_default();
+            self.contacts.retain(|uri| state.publishers.values().flatten().any(|named| named == uri));
             (subscription, before.iter().any(|uri| !uris.contains(uri)))
         };
         subscription.set_publishers(&uris);
         if has_left {
             (self.on_publisher_left)(topic);
         }
+    }
+
+    /// A publisher's node does not answer: logged once for each node, in roscpp's words and with its name. Waits for
+    /// the master, to be called on the publisher's own thread.
+    pub(crate) fn contact_failed(&self, topic: &str, uri: &str, reason: &str) {
+        if !self.contacts.fail(uri, reason) {
+            return;
+        }
+        let is_it =
+            |name: &String| self.master.call("lookupNode", &[name]).is_ok_and(|found| found.as_str() == Some(uri));
+        let publications = self.query_publications().unwrap_or_default();
+        let nodes = publications.get(topic).map(|publication| publication.nodes.as_slice()).unwrap_or_default();
+        let node = match nodes.iter().find(|name| is_it(name)) {
+            Some(name) => {
+                self.contacts.set_name(uri, name);
+                format!("[{name}] at {uri}")
+            }
+            None => format!("[{uri}]"),
+        };
+        let named = lock(&self.state).publishers.clone();
+        let topics = named.into_iter().filter(|(_, uris)| uris.iter().any(|known| known == uri));
+        let topics: Vec<String> = topics.map(|(topic, _)| topic).collect();
+        if !topics.is_empty() {
+            log::warn!("Failed to contact publisher {node} for {}: {reason}", list_of(&topics));
+        }
+    }
+
+    /// A publisher's node has answered.
+    pub(crate) fn contacted(&self, uri: &str) {
+        self.contacts.succeed(uri);
+    }
+
+    /// The publishers of a topic whose nodes do not answer.
+    pub(crate) fn unreachable(&self, topic: &str) -> Vec<Unreachable> {
+        let uris = lock(&self.state).publishers.get(topic).cloned().unwrap_or_default();
+        self.contacts.among(&uris)
     }
 
     /// The subscriptions there are.

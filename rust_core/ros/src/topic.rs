@@ -4,7 +4,7 @@
 
 use crate::network::Network;
 use crate::node::Shared;
-use crate::registrar::Entry;
+use crate::registrar::{Entry, Registrar};
 use crate::tcpros::{Handler, Source, Subscription, Wanted};
 use crate::{lock, EventSender, NodeError};
 use rcs_messages::{AnyMessage, Message, MessageKind, MessageVisitor};
@@ -40,6 +40,7 @@ pub(crate) struct Topic {
 struct Receiver {
     name: Arc<str>,
     kind: MessageKind,
+    registrar: Arc<Registrar>,
     state: Mutex<State>,
 }
 
@@ -71,7 +72,8 @@ impl Topic {
     /// Subscribes to a topic by its whole name. Listeners are to be added before messages can be expected.
     pub(crate) fn new(name: &str, kind: MessageKind, network: &Arc<Network>) -> Self {
         let name: Arc<str> = name.into();
-        let receiver = Arc::new(Receiver { name: Arc::clone(&name), kind, state: Mutex::default() });
+        let registrar = Arc::clone(network.registrar());
+        let receiver = Arc::new(Receiver { name: Arc::clone(&name), kind, registrar, state: Mutex::default() });
         let [ros_type, md5sum, definition] = kind.visit(Describe);
         let node_name = network.registrar().master().node_name.clone();
         let number = Entry::next_number();
@@ -121,6 +123,14 @@ impl Drop for Topic {
 }
 
 impl Handler for Receiver {
+    fn contact_failed(&self, uri: &str, reason: &str) {
+        self.registrar.contact_failed(&self.name, uri, reason);
+    }
+
+    fn contacted(&self, uri: &str) {
+        self.registrar.contacted(uri);
+    }
+
     fn connected(&self, source: &Source) {
         let mut state = lock(&self.state);
         state.connections += 1;

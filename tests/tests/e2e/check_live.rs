@@ -122,6 +122,24 @@ fn without_a_master_or_a_config_it_exits_with_2_at_once_and_a_signal_ends_the_li
 }
 
 #[test]
+fn a_publisher_that_is_dead_is_in_the_table() {
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    // Nobody listens at this port.
+    let register = "import rosgraph; rosgraph.Master('/dead').registerPublisher\
+                    ('/cloud', 'sensor_msgs/PointCloud2', 'http://127.0.0.1:9/')";
+    python.run(register).unwrap();
+    let (_folder, path) = file(&config(&[CLOUD], &[CameraPub::default()]));
+    let output = check(&master, &path, &["--listen", "3"]);
+    let (table, errors) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(1), "{table}\n{errors}");
+    let row = ["cloud", "/cloud", "Warn", "Publisher: Failed to contact publisher [/dead] for topic [/cloud]: "];
+    assert!(has_row(&table, &row), "{table}");
+    assert_eq!(errors.matches("Failed to contact publisher [/dead]").count(), 1, "{errors}");
+}
+
+#[test]
 fn a_display_that_is_hidden_or_out_of_view_is_in_the_table() {
     let master = RosMaster::start().unwrap();
     let python = PythonNode::start(&master, &[]).unwrap();

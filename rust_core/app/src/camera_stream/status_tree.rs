@@ -211,6 +211,24 @@ fn add_publishers(
     }
 }
 
+/// Adds a warning for a topic whose publisher's node does not answer, in roscpp's words. The node itself does not: it
+/// logs one line for each such node, however many displays subscribe to it.
+pub(crate) fn add_unreachable_publishers(entries: &mut [StatusEntry<'_>], ros: &RosNode) {
+    for entry in entries.iter_mut().filter(|entry| entry.statuses.get(PUBLISHER).is_none()) {
+        let topics = entry.subscriptions.iter().filter_map(|(topic, _)| ros.resolve(topic).ok());
+        let dead = topics.flat_map(|topic| {
+            let nodes = ros.unreachable_publishers(&topic).into_iter();
+            nodes.map(move |node| {
+                format!("Failed to contact publisher [{}] for topic [{topic}]: {}", node.node, node.reason)
+            })
+        });
+        let dead: Vec<String> = dead.collect();
+        if !dead.is_empty() {
+            entry.statuses.to_mut().set(Level::Warn, PUBLISHER, dead.join("; "));
+        }
+    }
+}
+
 /// Adds what is known from the ROS graph: the topics' publishers, and whether a simulation publishes its time.
 pub(crate) fn add_ros_graph(entries: &mut [StatusEntry<'_>], ros: &RosNode) {
     if let Some(publications) = ros.publications() {

@@ -62,6 +62,12 @@ pub(crate) struct Source {
 
 /// Takes what comes, on the publisher's thread.
 pub(crate) trait Handler: Send + Sync {
+    /// A publisher's node does not answer. Called once, until it has answered; may wait for the master.
+    fn contact_failed(&self, uri: &str, reason: &str);
+
+    /// A publisher's node has answered.
+    fn contacted(&self, uri: &str);
+
     /// A publisher was connected with.
     fn connected(&self, source: &Source);
 
@@ -232,7 +238,7 @@ fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
     let mut retry = FIRST_RETRY;
     let mut is_logged = false;
     while !link.is_ended() {
-        let (result, stood_for) = match connect_to(link, wanted) {
+        let (result, stood_for) = match connect_to(link, wanted, handler) {
             Ok((stream, source)) => {
                 let begin = Instant::now();
                 let result = read_messages(link, stream, &source, wanted, handler, &mut is_logged);
@@ -253,6 +259,11 @@ fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
         match &error {
             // The publisher may just be ending, of which the master tells in a moment.
             LinkError::Broken(_) => log::debug!("{}: {error}", wanted.topic),
+            // The whole node, with all of its topics.
+            LinkError::Ask { uri, error } if !error.is_answer() && retry > FIRST_RETRY && !is_logged => {
+                handler.contact_failed(uri, &error.to_string());
+                is_logged = true;
+            }
             _ if retry > FIRST_RETRY && !is_logged => {
                 log::warn!("{}: no connection with the publisher: {error}", wanted.topic);
                 is_logged = true;
@@ -280,8 +291,9 @@ fn ask(uri: &str, wanted: &Wanted) -> Result<(String, u16), CallError> {
     }
 }
 
-fn connect_to(link: &Link, wanted: &Wanted) -> Result<(TcpStream, Source), LinkError> {
+fn connect_to(link: &Link, wanted: &Wanted, handler: &dyn Handler) -> Result<(TcpStream, Source), LinkError> {
     let (host, port) = ask(&link.uri, wanted).map_err(|error| LinkError::Ask { uri: link.uri.clone(), error })?;
+    handler.contacted(&link.uri);
     let address = format!("{host}:{port}");
     let failed = |error| LinkError::Connect { address: address.clone(), error };
     let addresses = in_order((host.as_str(), port).to_socket_addrs().map_err(failed)?);
@@ -410,6 +422,10 @@ mod tests {
     struct Collect(Mutex<Sender<(Vec<u8>, Source)>>);
 
     impl Handler for Collect {
+        fn contact_failed(&self, _uri: &str, _reason: &str) {}
+
+        fn contacted(&self, _uri: &str) {}
+
         fn connected(&self, _source: &Source) {}
 
         fn message(&self, bytes: Vec<u8>, source: &Source) {

@@ -82,7 +82,8 @@ fn check(
     let events = ros.events().clone();
     let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
     let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
-    receive(&mut stage, args.listen, ros, end)?;
+    // Kept for what is known of their publishers.
+    let _subscriptions = receive(&mut stage, args.listen, ros, end)?;
     ros.query_publications();
     let mut entries = stage.status_entries(ros_time(ros));
     let place = |view| PlacedCamera { view, camera: stage.camera(view, model).ok() };
@@ -90,6 +91,7 @@ fn check(
     visibility::add(&mut entries, stage.displays(), &placed);
     entries.extend(stage.cameras().iter().map(|view| status_tree::camera(&stage, view, model)));
     status_tree::add_ros_graph(&mut entries, ros);
+    status_tree::add_unreachable_publishers(&mut entries, ros);
     print(&entries, out)?;
     let is_understood = super::print_findings(config, out)?;
     let is_ok = entries.iter().all(|entry| entry.level() == Level::Ok);
@@ -100,8 +102,8 @@ fn ros_time(ros: &RosNode) -> Time {
     time_from_stamp(ros.now())
 }
 
-/// Applies what is received to the stage.
-fn receive(stage: &mut Stage, listen: Duration, ros: &RosNode, end: &EndRequest) -> Result<(), LiveError> {
+/// Applies what is received to the stage. Returns the subscriptions.
+fn receive(stage: &mut Stage, listen: Duration, ros: &RosNode, end: &EndRequest) -> Result<Subscriptions, LiveError> {
     ros.subscribe_transforms()?;
     let mut subscriptions = Subscriptions::default();
     subscriptions.update(ros, stage.topics());
@@ -114,7 +116,7 @@ fn receive(stage: &mut Stage, listen: Duration, ros: &RosNode, end: &EndRequest)
         }
         stage.update(ros_time(ros));
         if left.is_zero() || end.is_requested() {
-            return Ok(());
+            return Ok(subscriptions);
         }
     }
 }
