@@ -3,13 +3,14 @@
 //!
 //! ROS arguments have `:=` in them (`topic:=other`, `_param:=value`, `__name:=name`), and rosrust reads them;
 //! [`own_arguments`] are the others. SIGINT, SIGTERM and `rosnode kill` request the shutdown ([`EndRequest`]); the node
-//! then unregisters and exits with 0. A second signal ends it at once.
+//! then unregisters and exits with 0. A second signal ends it at once. The error that ends a node is the last line of
+//! its log, on `/rosout` and in the file of `__log:=` as well; only then the node unregisters ([`finish`]).
 
 use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -21,6 +22,8 @@ use crate::logging;
 
 /// How often a waiting node polls for the shutdown request.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
+/// How long the last line of the log may take to reach `/rosout`.
+const LAST_LINE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The program's arguments, its name first, without ROS arguments.
 pub fn own_arguments() -> Vec<OsString> {
@@ -41,18 +44,34 @@ pub fn remapping_of(name: &str) -> Option<String> {
     })
 }
 
-/// Runs a program with the process's arguments. An error is printed in one line after the program's name.
+/// Runs a program with the process's arguments, and ends its node. An error is the last line of the log.
 pub fn run_main<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<()>) -> ExitCode {
     let arguments = A::parse_from(own_arguments());
     logging::start_node(false);
-    match run(arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{}: {}", A::command().get_name(), logging::one_line(&error));
-            ExitCode::FAILURE
+    finish(run(arguments))
+}
+
+/// Logs the error that ends the program, if there is one, ends the process's node, and gives the exit status.
+pub fn finish(result: anyhow::Result<()>) -> ExitCode {
+    let node = NODE.lock().unwrap_or_else(PoisonError::into_inner).take();
+    if let Err(error) = &result {
+        logging::log_last(&logging::one_line(error));
+        if let Some(node) = &node {
+            node.flush_log(LAST_LINE_TIMEOUT);
         }
     }
+    if let Some(node) = node {
+        node.shutdown();
+    }
+    if result.is_ok() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
 }
+
+/// The process's node, kept until the program's end is logged.
+static NODE: Mutex<Option<Arc<RosNode>>> = Mutex::new(None);
 
 /// Whether the node is requested to shut down. Clones share the request.
 #[derive(Debug, Clone)]
@@ -106,14 +125,16 @@ impl EndRequest {
 }
 
 /// Waits for the ROS master, which is logged once, and starts the node, whose log is on `/rosout` from then on. `None`
-/// if the shutdown was requested meanwhile.
+/// if the shutdown was requested meanwhile. The program's end is to be passed to [`finish`], which ends the node.
 ///
 /// # Errors
 /// [`NodeError`] if the master's address is invalid or the node cannot start.
-pub fn connect(default_name: &str, end: &EndRequest) -> Result<Option<RosNode>, NodeError> {
+pub fn connect(default_name: &str, end: &EndRequest) -> Result<Option<Arc<RosNode>>, NodeError> {
     match RosNode::connect(default_name, &|| end.is_requested()) {
         Ok(node) => {
             node.serve_log(logging::loggers())?;
+            let node = Arc::new(node);
+            *NODE.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&node));
             Ok(Some(node))
         }
         Err(NodeError::Cancelled(_)) => Ok(None),

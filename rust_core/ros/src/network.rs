@@ -144,6 +144,12 @@ impl Network {
         self.listener.publications().iter().map(|publication| publication.description().topic.clone()).collect()
     }
 
+    /// Whether a topic has subscribers and no message waits for any of them.
+    pub(crate) fn has_sent_all(&self, topic: &str) -> bool {
+        let subscribers = self.listener.publication(topic).map(|publication| publication.subscribers());
+        subscribers.is_some_and(|all| !all.is_empty() && all.iter().all(|subscriber| subscriber.is_idle()))
+    }
+
     /// Offers a service until [`stop_serving`](Self::stop_serving).
     pub(crate) fn serve(&self, service: Arc<Service>) {
         let entry = self.service_entry(&service);

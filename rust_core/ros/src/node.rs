@@ -446,8 +446,11 @@ impl RosNode {
     }
 
     /// Unregisters everything and closes all connections, within a second if the master does not answer. The node
-    /// cannot be used after that.
+    /// cannot be used after that; a second call does nothing.
     pub fn shutdown(&self) {
+        if self.network().is_ended() {
+            return;
+        }
         let (done, is_done) = channel();
         let shared = Arc::clone(&self.shared);
         let subscriptions = std::mem::take(&mut *lock(&self.own_subscriptions));
@@ -511,9 +514,7 @@ impl RosNode {
 impl Drop for RosNode {
     /// A node that fails is unregistered as well as one that is asked to end.
     fn drop(&mut self) {
-        if !self.network().is_ended() {
-            self.shutdown();
-        }
+        self.shutdown();
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rcs_messages::roscpp::{GetLoggers, GetLoggersRes, Logger, SetLoggerLevel};
 use rcs_messages::rosgraph_msgs::Log;
@@ -23,6 +23,8 @@ const MAX_LINES: usize = 200;
 const QUEUE_SIZE: usize = 200;
 /// How often the thread looks whether the node is still there.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// How often a node that is about to end looks whether its last line was sent.
+const FLUSH_POLL: Duration = Duration::from_millis(10);
 const THREAD_NAME: &str = "ros-rosout";
 
 /// A line of the log.
@@ -45,11 +47,13 @@ pub struct LogLine {
 #[derive(Default)]
 struct Queue {
     lines: VecDeque<LogLine>,
+    /// A line was taken and is not published yet.
+    is_publishing: bool,
     /// Nobody takes lines any more.
     is_ended: bool,
 }
 
-static QUEUE: Mutex<Queue> = Mutex::new(Queue { lines: VecDeque::new(), is_ended: false });
+static QUEUE: Mutex<Queue> = Mutex::new(Queue { lines: VecDeque::new(), is_publishing: false, is_ended: false });
 static CHANGED: Condvar = Condvar::new();
 
 /// Publishes a line of the log on `/rosout` once the process's node runs. Never waits.
@@ -115,6 +119,7 @@ impl RosNode {
                 seq = seq.wrapping_add(1);
                 // Fails for more than 4 GB, which no line has.
                 let _ = publisher.send(&message);
+                lock(&QUEUE).is_publishing = false;
             }
         };
         let spawned = std::thread::Builder::new().name(THREAD_NAME.to_owned()).spawn(publishing);
@@ -135,11 +140,31 @@ impl RosNode {
     }
 }
 
+impl RosNode {
+    /// Waits until the log's last line was sent to a subscriber of `/rosout`, which connects a moment after the node has
+    /// started, but no longer than `limit`. For the error that ends a node, before [`shutdown`](Self::shutdown).
+    pub fn flush_log(&self, limit: Duration) {
+        let Ok(topic) = self.resolve(TOPIC) else { return };
+        let until = Instant::now() + limit;
+        // Twice in a row: what is no longer queued may be under way to the socket.
+        let mut times_sent = 0;
+        while times_sent < 2 && Instant::now() < until {
+            std::thread::sleep(FLUSH_POLL);
+            let is_published = {
+                let queue = lock(&QUEUE);
+                queue.lines.is_empty() && !queue.is_publishing
+            };
+            times_sent = if is_published && self.network().has_sent_all(&topic) { times_sent + 1 } else { 0 };
+        }
+    }
+}
+
 /// The oldest line that waits, as soon as there is one; none when `is_alive` says so and none waits any more.
 fn next_line(is_alive: impl Fn() -> bool) -> Option<LogLine> {
     let mut queue = lock(&QUEUE);
     loop {
         if let Some(line) = queue.lines.pop_front() {
+            queue.is_publishing = true;
             return Some(line);
         }
         if !is_alive() {

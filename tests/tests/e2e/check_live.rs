@@ -4,6 +4,8 @@ use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, CLOUD};
+use std::io::{Read as _, Write as _};
+use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
@@ -119,6 +121,30 @@ fn without_a_master_or_a_config_it_exits_with_2_at_once_and_a_signal_ends_the_li
     running.signal("INT");
     assert_eq!(running.wait(PATIENCE).and_then(|status| status.code()), Some(1), "{:?}", running.errors());
     assert!(running.line_with("No messages received").is_some(), "{:?}", running.lines());
+}
+
+/// Line breaks in the text of an XML-RPC fault stay within the one line of the error.
+#[test]
+fn a_master_that_answers_with_a_fault_of_two_lines_is_one_line() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let uri = format!("http://{}/", listener.local_addr().unwrap());
+    let member = |name: &str, value: &str| format!("<member><name>{name}</name><value>{value}</value></member>");
+    let fault = member("faultCode", "<int>1</int>") + &member("faultString", "<string>first\nsecond</string>");
+    let body = format!("<methodResponse><fault><value><struct>{fault}</struct></value></fault></methodResponse>");
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut stream = stream.unwrap();
+            let _ = stream.read(&mut [0; 4096]);
+            let _ = write!(stream, "HTTP/1.1 200 OK\r\nContent-Length: {}\r\n\r\n{body}", body.len());
+        }
+    });
+    let master = RosMaster::reserve().unwrap();
+    let (_folder, path) = file(&config(&[CLOUD], &[CameraPub::default()]));
+    let mut command = master.environment(Command::new(program("camera_stream")));
+    let output = command.args(["check", "--live"]).arg(&path).env("ROS_MASTER_URI", &uri).output().unwrap();
+    let error = text(&output.stderr);
+    assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
+    assert!(error.contains("first second") && error.contains(&uri), "{error}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The node's log as roscpp's: on `/rosout`, with its time, in the file of `__log:=`, with levels that can be changed.
 
 use rcs_tests::programs::program;
+use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::fs::{self, File};
@@ -136,4 +137,45 @@ fn small_nodes_log_on_rosout_too() {
     let services = || master.output("rosservice", &["list"]).unwrap();
     assert!(wait_until(PATIENCE, || services().contains("/projector/set_logger_level")), "{}", services());
     assert!(master.output("rosnode", &["info", "/projector"]).unwrap().contains("/rosout [rosgraph_msgs/Log]"));
+}
+
+/// `program` fails after it has connected with the master.
+fn the_last_line_is_everywhere(program_name: &str, args: &[&str], reason: &str) {
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python
+        .run(
+            "from rosgraph_msgs.msg import Log\n\
+             lines = []\n\
+             rosout = rospy.Subscriber('/rosout', Log, lambda m: lines.append(m) if m.name == '/fails' else None)\n",
+        )
+        .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("fails.log");
+    let mut command = master.environment(Command::new(program(program_name)));
+    command.args(args).arg("__name:=fails").arg(format!("__log:={}", file.display()));
+    let mut node = Running::start(&mut command).unwrap();
+    assert_eq!(node.wait(PATIENCE).and_then(|status| status.code()), Some(1), "{:?}", node.errors());
+    let last = node.errors().last().cloned().unwrap_or_default();
+    assert!(last.starts_with("[ERROR] [") && last.contains(reason), "{last}");
+    assert_eq!(fs::read_to_string(&file).unwrap().lines().last(), Some(last.as_str()));
+    let is_heard = format!("any({reason:?} in line.msg and line.level == Log.ERROR for line in lines)");
+    assert!(python.wait_for(PATIENCE, &is_heard), "{}", python.run("lines").unwrap());
+    // It is unregistered, too.
+    let nodes = master.output("rosnode", &["list"]).unwrap();
+    assert!(!nodes.contains("/fails"), "{nodes}");
+}
+
+#[test]
+fn the_error_that_ends_a_small_node_is_the_last_line_of_its_log() {
+    the_last_line_is_everywhere("projector", &[], "no projector file");
+}
+
+#[test]
+fn the_error_that_ends_the_node_is_the_last_line_of_its_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.rviz");
+    fs::write(&scene, config(&[CLOUD], &[CameraPub::default()])).unwrap();
+    let args = ["-d", scene.to_str().unwrap(), "_renderer:=foo"];
+    the_last_line_is_everywhere("camera_stream", &args, "foo");
 }

@@ -133,6 +133,6 @@ fn a_window_for_no_camera_is_one_line() {
         RosFixture::with(master, python, &config, &["--window", "auto"]).unwrap()
     };
     assert_eq!(fixture.node.wait(PATIENCE).and_then(|status| status.code()), Some(1), "{}", fixture.log());
-    let expected = "camera_stream: --window: which camera? Give CAMERA=MONITOR; there are: Left, Right";
+    let expected = "]: --window: which camera? Give CAMERA=MONITOR; there are: Left, Right";
     assert!(fixture.log().contains(expected), "{}", fixture.log());
 }

@@ -37,7 +37,7 @@ use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
 use crate::camera_stream::offline::{Job, Section, Target};
 use crate::camera_stream::stage::Stage;
 use crate::logging;
-use crate::small_node::own_arguments;
+use crate::small_node::{self, own_arguments};
 
 /// The node's name where the command line gives none.
 const NODE_NAME: &str = "camera_stream";
@@ -68,6 +68,10 @@ pub fn main() -> ExitCode {
         Some(Command::Render(args)) => Some(args.display_config.clone()),
         None => cli.node.display_config.clone(),
     };
+    let invalid = |error: &dyn std::fmt::Display| {
+        print_error(&error.to_string(), cli.command.is_none());
+        ExitCode::from(INVALID)
+    };
     let Some(file) = file else { return invalid(&"no config: name one with -d FILE.rviz (see --help)") };
     let config = match rcs_rviz_config::load(&file) {
         Ok(config) => config,
@@ -81,7 +85,7 @@ pub fn main() -> ExitCode {
                 .map_err(|error| anyhow!("standard output: {error}"))
         }
         Some(Command::Render(args)) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
-        None => node::run(&cli, &config).map(|()| ExitCode::SUCCESS),
+        None => return small_node::finish(node::run(&cli, &config)),
         Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
     };
     finished(result)
@@ -90,7 +94,7 @@ pub fn main() -> ExitCode {
 /// The exit status of a result. An error is printed.
 fn finished(result: Result<ExitCode>) -> ExitCode {
     result.unwrap_or_else(|error| {
-        eprintln!("camera_stream: {}", logging::one_line(&error));
+        print_error(&logging::one_line(&error), false);
         ExitCode::FAILURE
     })
 }
@@ -115,9 +119,13 @@ fn log_findings(config: &Config, known: &[Finding]) {
     }
 }
 
-fn invalid(error: &dyn std::fmt::Display) -> ExitCode {
-    eprintln!("camera_stream: {error}");
-    ExitCode::from(INVALID)
+/// Prints the error that ends the program in one line; a node logs it.
+fn print_error(text: &str, is_node: bool) {
+    if is_node {
+        logging::log_last(&logging::flat(text));
+    } else {
+        eprintln!("camera_stream: {}", logging::flat(text));
+    }
 }
 
 fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
@@ -127,7 +135,10 @@ fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
     match check::live::run(config, &args, &mut std::io::stdout().lock()) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
-        Err(error) => invalid(&error),
+        Err(error) => {
+            print_error(&error.to_string(), false);
+            ExitCode::from(INVALID)
+        }
     }
 }
 

@@ -110,9 +110,7 @@ fn run() -> anyhow::Result<()> {
         return Ok(());
     };
     let arguments: Arguments = with_parameters(&node)?;
-    let result = follow(&node, &end, &arguments);
-    node.shutdown();
-    result
+    follow(&node, &end, &arguments)
 }
 
 /// Follows the target until the shutdown is requested.

@@ -318,11 +318,34 @@ impl Console {
     }
 }
 
+/// Logs the error that ends the program, whatever the level and however often it was logged before.
+#[track_caller]
+pub fn log_last(text: &str) {
+    let Some(console) = CONSOLE.get() else { return };
+    let place = std::panic::Location::caller();
+    while_logging(|| {
+        console.print(&Kept {
+            level: Level::Error,
+            target: module_path!().to_owned(),
+            text: format::printable(text.to_owned()),
+            module: module_path!().to_owned(),
+            file: place.file().to_owned(),
+            line: place.line(),
+        });
+    });
+}
+
+/// A text that comes from outside as one line without control characters.
+pub fn flat(text: &str) -> String {
+    let lines: Vec<&str> = text.split(['\n', '\r']).map(str::trim).filter(|line| !line.is_empty()).collect();
+    format::printable(lines.join(" "))
+}
+
 /// An error with its causes in one line; a cause that is part of the text before it is left out.
 pub fn one_line(error: &anyhow::Error) -> String {
     let mut line = String::new();
     for cause in error.chain() {
-        let text = cause.to_string().replace('\n', " ");
+        let text = flat(&cause.to_string());
         if line.is_empty() {
             line = text;
         } else if !line.contains(&text) {
@@ -342,6 +365,8 @@ mod tests {
     fn a_cause_is_named_once() {
         let error = anyhow!("no such file").context("a.bag: no such file").context("cannot render");
         assert_eq!(one_line(&error), "cannot render: a.bag: no such file");
+        let error = anyhow!("line 1\r\n  line 2\n\x1b[2J");
+        assert_eq!(one_line(&error), "line 1 line 2 \\u{1b}[2J");
         let parsed = "x".parse::<u8>().context("rate");
         assert_eq!(one_line(&parsed.unwrap_err()), "rate: invalid digit found in string");
     }

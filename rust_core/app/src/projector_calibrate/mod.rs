@@ -26,7 +26,7 @@ use rcs_files::projector::ProjectorFile;
 pub use failure::Failure;
 
 use crate::logging;
-use crate::small_node::own_arguments;
+use crate::small_node::{self, own_arguments};
 
 /// Calibrates a projector: writes the file that the program projector publishes.
 #[derive(Debug, Parser)]
@@ -67,10 +67,13 @@ pub fn main() -> ExitCode {
         Command::Refine(arguments) => refine::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
     };
-    match result {
+    let status = match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
-    }
+    };
+    // Ends a node that a command left on its way out.
+    small_node::finish(Ok(()));
+    status
 }
 
 /// The lens of a projector's file; what the file warns of is logged.

@@ -132,8 +132,6 @@ fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &Picture
             }
         }
     }
-    drop(subscription);
-    node.shutdown();
     Ok(())
 }
 

@@ -43,9 +43,7 @@ fn run() -> anyhow::Result<()> {
         return Ok(());
     };
     let arguments: Arguments = with_parameters(&node)?;
-    let result = aim(&node, &end, &arguments);
-    node.shutdown();
-    result
+    aim(&node, &end, &arguments)
 }
 
 /// Commands the unit until the shutdown is requested.

@@ -153,6 +153,11 @@ impl Subscriber {
         let _ = rustix::io::write(&self.wake, &1_u64.to_ne_bytes());
     }
 
+    /// Whether no message waits for it.
+    pub(crate) fn is_idle(&self) -> bool {
+        lock(&self.queue).is_empty()
+    }
+
     fn push(&self, frame: Frame, queue_size: usize) {
         {
             let mut queue = lock(&self.queue);

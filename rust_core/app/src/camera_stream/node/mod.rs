@@ -46,7 +46,7 @@ pub use freshness::limits::{Limit, StaleTimeout};
 use scene_loop::SceneLoop;
 use shared::Shared;
 
-/// Runs the node until it is asked to end.
+/// Runs the node until it is asked to end. Where it fails, [`small_node::finish`] is to end it.
 ///
 /// # Errors
 /// One line that names what failed: the master's address, a topic, the renderer.
@@ -56,9 +56,9 @@ pub fn run(cli: &Cli, config: &Config) -> Result<()> {
     rcs_render::name_threads();
     let Some(ros) = small_node::connect(NODE_NAME, &end)? else { return Ok(()) };
     let shared = Arc::new(Shared::new(ros));
-    let result = run_threads(cli, config, &shared, &end);
+    run_threads(cli, config, &shared, &end)?;
     shared.ros.shutdown();
-    result
+    Ok(())
 }
 
 fn run_threads(cli: &Cli, config: &Config, shared: &Arc<Shared>, end: &EndRequest) -> Result<()> {

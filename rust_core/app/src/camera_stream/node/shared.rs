@@ -1,7 +1,7 @@
 //! What the node's two threads share.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rcs_ros::{RosNode, TriggerReply};
 use rcs_rviz_config::Config;
@@ -13,7 +13,7 @@ use super::diagnostics::Diagnostics;
 /// Shared by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
 /// displays are updated or pictures are drawn.
 pub(super) struct Shared {
-    pub(super) ros: RosNode,
+    pub(super) ros: Arc<RosNode>,
     /// What the scene's thread is doing.
     pub(super) activity: Activity,
     cameras: Mutex<Vec<CameraOutput>>,
@@ -38,7 +38,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Shared {
     /// Without cameras.
-    pub(super) fn new(ros: RosNode) -> Self {
+    pub(super) fn new(ros: Arc<RosNode>) -> Self {
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
         let (activity, cameras, reload) = (Activity::default(), Mutex::default(), Mutex::default());
         Self { ros, activity, cameras, diagnostics, reload, retry: AtomicBool::new(false), end: AtomicBool::new(false) }
