@@ -185,8 +185,23 @@ fn each_cause_is_logged_once_a_second_with_a_count() {
     let lines = fixture.node.errors().split_off(before);
     println!("{} lines in {secs:.1} s of 300 bad markers a second", lines.len());
     assert!((lines.len() as f64) < 2.0 * secs + 6.0, "{}", fixture.log());
-    let counted = || fixture.log_lines(&["there is no action 7", "more like this before"]);
-    assert!(wait_until(PATIENCE, || counted() > 1), "{}", fixture.log());
+    let counted = |text: &str| fixture.log_lines(&[text, "more like this before"]);
+    assert!(wait_until(PATIENCE, || counted("there is no action 7") > 1), "{}", fixture.log());
+    // Each marker with a status of its own.
+    fixture.python("repeated.stop()");
+    fixture.python(
+        "import itertools; numbers = itertools.count()\n\
+         def lost(i):\n    number = next(numbers)\n    marker = Marker(ns='made_up_%d' % number, id=number, type=1)\n    \
+             marker.header.frame_id = 'lost'\n    marker.scale.x = marker.scale.y = marker.scale.z = marker.color.a = 1\n    \
+             return MarkerArray([marker])",
+    );
+    let before = fixture.node.errors().len();
+    fixture.python("begun = time.time(); repeated = PublishRepeatedly(100, lost, '/markers')");
+    fixture.wait_for("time.time() > begun + 6");
+    let lines = fixture.node.errors().split_off(before);
+    println!("{} lines in 6 s of 100 made-up markers a second in a missing frame", lines.len());
+    assert!(lines.len() < 18, "{}", fixture.log());
+    assert!(wait_until(PATIENCE, || counted("made_up_") > 0), "{}", fixture.log());
 }
 
 #[test]

@@ -12,7 +12,7 @@ use rcs_transforms::Time;
 
 use crate::camera_stream::status_tree::{EntryKind, StatusEntry, FIXED_FRAME, PUBLISHER};
 use crate::camera_stream::visibility::VISIBILITY;
-use crate::logging::STATUS_TARGET;
+use crate::logging::log_status;
 
 /// How long a frame may be missing before that is logged.
 const FRAME_PATIENCE_SECS: f64 = 2.0;
@@ -30,6 +30,9 @@ const FORGOTTEN_AFTER_SECS: f64 = 900.0;
 const CHECK_PERIOD_SECS: f64 = 0.5;
 /// Statuses can name any number of markers, and nobody reads that many lines.
 const MOST_STATUSES: usize = 500;
+
+/// What is logged of a status that was a problem.
+const OK_AGAIN: &str = "ok again";
 
 /// Logs statuses as they change.
 #[derive(Debug, Default)]
@@ -55,6 +58,15 @@ struct StatusHistory {
 /// Two texts are the same problem if they differ only in their numbers, which are times and positions.
 fn without_numbers(text: &str) -> String {
     text.chars().filter(|letter| !letter.is_ascii_digit()).collect()
+}
+
+/// What statuses have in common that are limited together in the log: the display and the problem without its numbers.
+/// The name of a marker (`namespace/id`) is left out, because a publisher can make up any number of them.
+fn cause_of(display: &str, status_name: &str, text: &str) -> String {
+    let is_number = |id: &str| !id.is_empty() && id.bytes().all(|digit| digit.is_ascii_digit());
+    let is_marker = |(_, id): (&str, &str)| is_number(id.strip_prefix('-').unwrap_or(id));
+    let name = if status_name.rsplit_once('/').is_some_and(is_marker) { "" } else { status_name };
+    format!("{display}\n{name}\n{}", without_numbers(text))
 }
 
 fn patience_secs(status_name: &str, level: Level, cause: StatusCause) -> f64 {
@@ -116,13 +128,12 @@ impl StatusLog {
                 let (display, text) = (&key.0, status.one_line());
                 let patience_secs = patience_secs(name, status.level, status.cause);
                 if history.update(patience_secs, status.level, &text, now, is_end) {
-                    match status.level {
-                        Level::Error if patience_secs == 0.0 => {
-                            log::error!(target: STATUS_TARGET, "{display}: {name}: {text}");
-                        }
-                        Level::Ok => log::info!(target: STATUS_TARGET, "{display}: {name}: ok again: {text}"),
-                        _ => log::warn!(target: STATUS_TARGET, "{display}: {name}: {text}"),
-                    }
+                    let (level, text) = match status.level {
+                        Level::Error if patience_secs == 0.0 => (log::Level::Error, text),
+                        Level::Ok => (log::Level::Info, format!("{OK_AGAIN}: {text}")),
+                        Level::Error | Level::Warn => (log::Level::Warn, text),
+                    };
+                    log_status(level, &cause_of(display, name, &text), &format!("{display}: {name}: {text}"));
                 }
                 self.histories.insert(key, history);
             }
@@ -130,7 +141,9 @@ impl StatusLog {
         // A problem whose status was removed is over.
         for (key, mut history) in unseen {
             if history.update(0.0, Level::Ok, "", now, is_end) {
-                log::info!(target: STATUS_TARGET, "{}: {}: ok again", key.0, key.1);
+                let (display, name) = &key;
+                let cause = cause_of(display, name, OK_AGAIN);
+                log_status(log::Level::Info, &cause, &format!("{display}: {name}: {OK_AGAIN}"));
             }
             self.histories.insert(key, history);
         }
@@ -215,6 +228,24 @@ mod tests {
         assert_eq!(logged("Transform", 30.0, numbers), [(2.0, "at 17 s")]);
         let other = |secs| (Level::Error, if secs < 5.0 { "arm" } else { "leg" });
         assert_eq!(logged("Transform", 30.0, other), [(2.0, "arm"), (12.0, "leg")]);
+    }
+
+    #[test]
+    fn markers_with_the_same_problem_are_one_cause() {
+        let cause = |display, name| cause_of(display, name, "For frame [lost_7]: Frame [lost_7] does not exist");
+        let first = cause("display markers 1", "arm/0");
+        assert_eq!(cause("display markers 1", "leg/b/-12"), first);
+        assert_eq!(cause_of("display markers 1", "/3", "For frame [lost_9]: Frame [lost_9] does not exist"), first);
+        for (display, name) in [
+            ("display markers 2", "arm/0"),
+            ("display markers 1", "Transform"),
+            ("display markers 1", "arm/link"),
+            ("display markers 1", "link_1"),
+        ] {
+            assert_ne!(cause(display, name), first, "{display}: {name}");
+        }
+        assert_ne!(cause("display robot", "link_1"), cause("display robot", "link_2"));
+        assert_ne!(cause_of("display markers 1", "arm/0", "Invalid color"), first);
     }
 
     #[test]

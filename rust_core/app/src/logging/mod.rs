@@ -18,6 +18,7 @@ mod throttle;
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, IsTerminal as _, Write};
+use std::panic::Location;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
@@ -45,8 +46,8 @@ const LEVELS: [(&str, LevelFilter); 5] = [
     ("fatal", LevelFilter::Off),
 ];
 
-/// The target of lines that are limited where they are logged, and may differ in a number that is part of a name.
-pub(crate) const STATUS_TARGET: &str = "rcs_app::status";
+/// The target of the lines of [`log_status`].
+const STATUS_TARGET: &str = "rcs_app::status";
 
 /// A level that may have been chosen while the program runs.
 #[derive(Debug)]
@@ -274,6 +275,24 @@ pub fn report_left_out() {
     });
 }
 
+/// Logs a status. Lines with the same `cause` are limited together, whatever their texts, which have names in them.
+#[track_caller]
+pub(crate) fn log_status(level: Level, cause: &str, text: &str) {
+    let caller = Location::caller();
+    let log = |record: &Record<'_>| match CONSOLE.get() {
+        Some(console) => while_logging(|| console.log_record(record, Some(cause))),
+        None => log::logger().log(record),
+    };
+    log(&Record::builder()
+        .level(level)
+        .target(STATUS_TARGET)
+        .module_path_static(Some(STATUS_TARGET))
+        .file_static(Some(caller.file()))
+        .line(Some(caller.line()))
+        .args(format_args!("{text}"))
+        .build());
+}
+
 impl Log for Console {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
         match self.chosen(metadata.target()) {
@@ -283,14 +302,15 @@ impl Log for Console {
     }
 
     fn log(&self, record: &Record<'_>) {
-        while_logging(|| self.log_record(record));
+        while_logging(|| self.log_record(record, None));
     }
 
     fn flush(&self) {}
 }
 
 impl Console {
-    fn log_record(&self, record: &Record<'_>) {
+    /// Logs a record unless it is one too many of its cause, which is by default its text without numbers.
+    fn log_record(&self, record: &Record<'_>, cause: Option<&str>) {
         let is_chosen = self.chosen(record.target()).is_some();
         if !self.enabled(record.metadata()) || (!is_chosen && !self.filter.matches(record)) {
             return;
@@ -308,7 +328,7 @@ impl Console {
             return self.print(&kept());
         }
         let place = (record.file().unwrap_or_default(), record.line().unwrap_or_default());
-        let cause = if record.target() == STATUS_TARGET { text.clone() } else { cause_of(&text) };
+        let cause = cause.map_or_else(|| cause_of(&text), str::to_owned);
         let admitted = lock(&self.throttle).admit(place, &cause, Instant::now(), kept);
         match admitted {
             Some(0) => self.print(&kept()),
