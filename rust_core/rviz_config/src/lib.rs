@@ -29,6 +29,7 @@ mod node;
 mod plugin_displays;
 mod qt_value;
 mod section;
+mod setting_problems;
 mod view;
 mod view_direction;
 
@@ -46,6 +47,7 @@ pub use finding::{Finding, FindingKind};
 pub use global_options::GlobalOptions;
 pub use insert::{insert_camera, InsertError, NewCamera};
 pub use section::{Property, ENTRY};
+pub use setting_problems::setting_problems;
 pub use view::{FrameAxis, OrbitView, ViewConfig, ViewController};
 pub use view_direction::FollowedRotation;
 

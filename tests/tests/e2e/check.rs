@@ -23,7 +23,7 @@ fn file(content: &str) -> (tempfile::TempDir, std::path::PathBuf) {
 #[test]
 fn a_valid_config_is_listed_with_class_topic_and_line_and_exits_with_0() {
     let disabled = "{Class: rviz/Axes, Name: off, Enabled: false}";
-    let later = "{Class: rviz/InteractiveMarkers, Name: robot, Enabled: true}";
+    let later = "{Class: rviz/InteractiveMarkers, Name: robot, Enabled: true, Update Topic: /robot/update}";
     let (_folder, path) = file(&config(&[CLOUD, disabled, later], &[CameraPub::default()]));
     let output = check(&path);
     let printed = text(&output.stdout);
@@ -84,14 +84,17 @@ fn text_of_notes(output: &Output) -> Vec<String> {
 }
 
 #[test]
-fn cameras_that_publish_no_picture_are_reported_and_exit_with_1() {
+fn cameras_and_displays_that_do_not_work_are_reported_and_exit_with_1() {
     let lost = CameraPub { info: "", ..CameraPub::default() };
+    let other = CameraPub { image: "/other", ..CameraPub::default() };
     let misspelt = config(&[CLOUD], &[CameraPub::default()])
         .replace("Visibility: {Value: true}", "Visibility: {Value: true, clowd: false}");
     let cases = [
         (config(&[CLOUD], &[]), "no CameraPub display"),
         (config(&[CLOUD], &[lost]), "Camera Info Topic: empty"),
-        (config(&[CLOUD], &[CameraPub::default(), CameraPub { image: "/other", ..CameraPub::default() }]), "same name"),
+        (config(&[CLOUD], &[CameraPub::default(), CameraPub { namespace: "other", ..other }]), "same name"),
+        (config(&[CLOUD], &[CameraPub::default(), CameraPub { name: "Other", ..other }]), "Display namespace"),
+        (config(&["{Class: rviz/PointCloud2, Name: it, Enabled: true, Topic: ''}"], &[other]), "its topic is empty"),
         (misspelt, "Visibility / clowd: no display has this name; there are: cloud"),
     ];
     for (content, word) in cases {

@@ -6,7 +6,7 @@ mod table;
 
 use std::io::{self, Write};
 
-use rcs_rviz_config::{camera_problems, Config, PlacedDisplay, Role};
+use rcs_rviz_config::{camera_problems, setting_problems, Config, PlacedDisplay, Role};
 
 /// Prints each display, what keeps the cameras from publishing, and each finding; `fixed_frame` overrides the config's.
 /// Returns whether all is well: notes, which change no picture, do not matter.
@@ -34,9 +34,10 @@ pub fn print(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) ->
     print_findings(config, out)
 }
 
-/// Prints what keeps the cameras from publishing, and each finding. Returns whether there is nothing but notes.
+/// Prints what keeps the cameras from publishing, what else does not work, and each finding. Returns whether there is
+/// nothing but notes.
 fn print_findings(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
-    let problems = camera_problems(config);
+    let problems = [camera_problems(config), setting_problems(config)].concat();
     for problem in &problems {
         writeln!(out, "{}: {problem}", config.source)?;
     }
