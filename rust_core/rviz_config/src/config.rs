@@ -145,7 +145,8 @@ pub(crate) fn read(text: &str, source: &str) -> Result<Config, ConfigError> {
     let mut views = manager.child("Views");
     let view = ViewConfig::read(views.child("Current"));
     views.skip(&["Saved"]);
-    views.finish();
+    // Of the views, only the current one's direction matters.
+    report.with_notes(true, || views.finish());
     manager.finish();
 
     Ok(Config { source: source.to_owned(), global, enabled, displays, view, findings: report.into_findings() })

@@ -215,7 +215,8 @@ impl ViewConfig {
             section.report().with_notes(true, || section.report().add(section.line(), section.path(), kind));
             section.skip_rest();
         }
-        section.finish();
+        // No property is left that the light could depend on.
+        section.report().with_notes(true, || section.finish());
         view
     }
 }

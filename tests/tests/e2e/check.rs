@@ -70,13 +70,15 @@ fn a_file_that_cannot_be_read_is_one_line_and_exits_with_2() {
 #[test]
 fn what_changes_no_picture_is_a_note_and_exits_with_0() {
     let off = "{Class: fancy_plugins/Hologram, Name: h, Enabled: false}";
-    let text = config(&[CLOUD, off], &[CameraPub::default()]) + "  Views: {Current: {Class: jsk_rviz_plugin/View}}\n";
-    let (_folder, path) = file(&text);
-    let output = check(&path);
-    let printed = text_of_notes(&output);
-    assert_eq!(output.status.code(), Some(0), "{printed:?}");
-    assert!(printed.len() == 2 && printed[0].contains("fancy_plugins/Hologram"), "{printed:?}");
-    assert!(printed[1].contains("jsk_rviz_plugin/View"), "{printed:?}");
+    for (view, note) in [("jsk_rviz_plugin/View", "jsk_rviz_plugin/View"), ("rviz/Orbit, Sparkle: 1", "Sparkle")] {
+        let view = format!("  Views: {{Current: {{Class: {view}}}}}\n");
+        let (_folder, path) = file(&(config(&[CLOUD, off], &[CameraPub::default()]) + &view));
+        let output = check(&path);
+        let printed = text_of_notes(&output);
+        assert_eq!(output.status.code(), Some(0), "{printed:?}");
+        assert!(printed.len() == 2 && printed[0].contains("fancy_plugins/Hologram"), "{printed:?}");
+        assert!(printed[1].contains(note), "{printed:?}");
+    }
 }
 
 fn text_of_notes(output: &Output) -> Vec<String> {

@@ -302,6 +302,18 @@ fn an_unknown_view_is_reported_and_is_the_default() {
 }
 
 #[test]
+fn an_unknown_key_of_a_view_changes_no_picture() {
+    let text = "Visualization Manager:\n  Views:\n    Old: 1\n    Current:\n      Class: rviz/Orbit\n      Yaw: left\n      \
+                Sparkle: 1\n";
+    let found = [
+        "line 3: note: Views / Old: unknown key",
+        "line 6: Views / Current / Yaw: invalid value \"left\", using 0",
+        "line 7: note: Views / Current / Sparkle: unknown key",
+    ];
+    assert_eq!(messages(&parse(text, "t").unwrap()), found);
+}
+
+#[test]
 fn files_that_are_no_rviz_files_are_errors_that_say_where() {
     let yaml = parse("a: 1\nb: [1, 2\nc: }\n", "broken.rviz").unwrap_err();
     let ConfigError::NotYaml { file, line, .. } = &yaml else {
