@@ -71,6 +71,26 @@ fn an_unknown_viewer_is_refused() {
     let error = "viewer:=mirror: there are projector_window, window, image_view and none";
     assert!(printed_by(&output).contains(error), "{}", printed_by(&output));
     assert!(!printed_by(&output).contains("/camera_stream"), "{}", printed_by(&output));
+    // The error, and where roslaunch's own log is.
+    let lines = printed_by(&output).lines().filter(|line| !line.trim().is_empty()).count();
+    assert!(lines <= 2 && !printed_by(&output).contains("Traceback"), "{}", printed_by(&output));
+}
+
+/// The help of a launch file's argument.
+fn help_of(launch: &str, argument: &str) -> String {
+    let file = std::fs::read_to_string(repository().join("launch").join(launch)).unwrap();
+    let begin = format!("<arg name=\"{argument}\" ");
+    let line = file.lines().find(|line| line.trim_start().starts_with(&begin)).unwrap_or_default();
+    line.split_once(" doc=\"").map(|(_, help)| help.to_owned()).unwrap_or_default()
+}
+
+#[test]
+fn each_launch_file_with_a_viewer_names_all_of_them() {
+    let all = help_of("projection.launch", "viewer");
+    assert!(all.contains("window (the same in camera_stream itself"), "{all}");
+    for launch in ["fetch.launch", "paper.launch", "arm.launch"] {
+        assert_eq!(help_of(launch, "viewer"), all, "{launch}");
+    }
 }
 
 /// The arguments of a launch file by name, and whether they are required.
