@@ -111,6 +111,16 @@ fn cameras_and_displays_that_do_not_work_are_reported_and_exit_with_1() {
 }
 
 #[test]
+fn a_reader_that_has_read_enough_is_no_failure() {
+    let (_folder, path) = file(&config(&[CLOUD; 5], &[CameraPub::default()]));
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let mut command = Command::new(program("camera_stream"));
+    let output = command.arg("check").arg(&path).stdout(writer).output().unwrap();
+    assert_eq!((output.status.code(), &*text(&output.stderr)), (Some(0), ""));
+}
+
+#[test]
 fn a_config_of_ros_2_is_one_line() {
     let (_folder, path) = file(
         "Panels: [{Class: rviz_common/Displays}]\nVisualization Manager:\n  Displays:\n  \

@@ -27,11 +27,17 @@ pub(crate) fn run(args: &NewCameraArgs) -> Result<ExitCode> {
     };
     match &args.display_config {
         Some(file) => add(file, &camera)?,
-        None => io::stdout()
-            .write_all(camera.block(INDENTATION, "\n").as_bytes())
-            .map_err(|error| anyhow!("standard output: {error}"))?,
+        None => print(&camera.block(INDENTATION, "\n"))?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Prints a text. An output that is closed, as by `head`, has been read as far as it is wanted.
+fn print(text: &str) -> Result<()> {
+    match io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(anyhow!("standard output: {error}")),
+        _ => Ok(()),
+    }
 }
 
 /// The namespace that a topic is in; for one in none its own name.
@@ -56,8 +62,7 @@ fn add(file: &Path, camera: &NewCamera) -> Result<()> {
     written.with_context(|| format!("{source}: cannot write"))?;
     let line = extended.lines().zip(text.lines()).take_while(|(after, before)| after == before).count() + 1;
     let NewCamera { name, camera_info_topic, image_topic, .. } = camera;
-    println!("{source}: added camera {name} in line {line}: {camera_info_topic} to {image_topic}");
-    Ok(())
+    print(&format!("{source}: added camera {name} in line {line}: {camera_info_topic} to {image_topic}\n"))
 }
 
 #[cfg(test)]

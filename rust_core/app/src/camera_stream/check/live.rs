@@ -63,7 +63,11 @@ pub fn run(config: &Config, args: &LiveArgs, out: &mut dyn Write) -> Result<bool
     let ros = RosNode::connect_now(&name.own)?;
     let result = check(config, args, &name, &ros, &end, out);
     ros.shutdown();
-    result
+    match result {
+        // One that is closed, as by `head`, has been read as far as it is wanted.
+        Err(LiveError::Io(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(true),
+        result => result,
+    }
 }
 
 fn check(

@@ -8,12 +8,19 @@ use std::io::{self, Write};
 
 use rcs_rviz_config::{camera_problems, setting_problems, Config, PlacedDisplay, Role};
 
-/// Prints each display, what keeps the cameras from publishing, and each finding; `fixed_frame` overrides the config's.
+/// Prints each display, each problem and each finding; `fixed_frame` overrides the config's.
 /// Returns whether all is well: notes, which change no picture, do not matter.
 ///
 /// # Errors
-/// When the output cannot be written.
+/// When the output cannot be written. One that is closed, as by `head`, has been read as far as it is wanted.
 pub fn print(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) -> io::Result<bool> {
+    match print_all(config, fixed_frame, out) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(true),
+        result => result,
+    }
+}
+
+fn print_all(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) -> io::Result<bool> {
     writeln!(out, "{}: fixed frame {}", config.source, fixed_frame.unwrap_or(&config.global.fixed_frame))?;
     let row = |placed: &PlacedDisplay<'_>| {
         let display = placed.display;
