@@ -186,8 +186,13 @@ fn a_sequence_begins_when_its_camera_appears() {
     let printed = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && printed.contains("0.015 s later"), "{printed}");
     assert_eq!(colors(&render, "late"), [[255, 0, 0], [0, 255, 0], [0, 255, 0]]);
-    // One moment is what was asked for.
-    assert!(render.bad("-d scene.rviz --bag late.bag -o out.png --at 0").contains("/eye/camera_info"));
+    // One moment is what was asked for. The error says from when on there is a picture, and leaves no folder.
+    for target in ["-o out.png", "--frames none"] {
+        let error = render.bad(&format!("-d scene.rviz --bag late.bag {target} --at 0"));
+        assert!(error.contains("/eye/camera_info") && error.contains("(--at 0.015)"), "{error}");
+        assert!(!error.contains("may not exist") && !render.path("none").exists(), "{error}");
+    }
+    render.good("-d scene.rviz --bag late.bag -o out.png --at 0.015");
 }
 
 #[test]

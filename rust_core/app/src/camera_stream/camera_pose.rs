@@ -35,6 +35,15 @@ pub enum CameraProblem {
     },
 }
 
+impl CameraProblem {
+    /// The topic of the CameraInfo.
+    pub fn topic(&self) -> &str {
+        match self {
+            Self::NoCameraInfo { topic } | Self::BadCameraInfo { topic, .. } | Self::NoTransform { topic, .. } => topic,
+        }
+    }
+}
+
 /// The camera of a CameraInfo, at the latest known pose of its frame, or the predicted one.
 ///
 /// # Errors

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
-use anyhow::{bail, Context, Result};
+use anyhow::{anyhow, bail, Context, Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use rcs_bag::Bag;
 use rcs_camera::CameraModel;
@@ -22,6 +22,7 @@ use rcs_scene::Picture;
 use rcs_transforms::Time;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
+use crate::camera_stream::camera_pose::CameraProblem;
 use crate::camera_stream::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
 use crate::camera_stream::stage::{renderer_view, Stage};
 
@@ -102,7 +103,10 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
         }
         player.play_until(stage, moment);
         stage.update(moment);
-        let camera = stage.camera(&view, job.model).with_context(|| job.bag.display().to_string())?;
+        let camera = match stage.camera(&view, job.model) {
+            Ok(camera) => camera,
+            Err(problem) => return Err(job.no_camera_at(moment, problem, &mut player, stage, &view, times)),
+        };
         let scene = stage.scene();
         renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
         job.last_step.apply(Arc::make_mut(&mut picture), &mut turned);
@@ -139,6 +143,33 @@ impl Job<'_> {
             );
         }
         Moments::between([begin, last], rate_hz)
+    }
+
+    /// The error of a moment at which there is no camera. Plays on to see when there is one, for the stage is done with.
+    fn no_camera_at(
+        &self,
+        moment: Time,
+        problem: CameraProblem,
+        player: &mut Player,
+        stage: &mut Stage,
+        view: &CameraView,
+        times: BagTimes,
+    ) -> Error {
+        let bag = self.bag.display().to_string();
+        let is_missing = matches!(problem, CameraProblem::NoCameraInfo { .. } | CameraProblem::NoTransform { .. });
+        let begin = is_missing.then(|| player.play_until_camera(stage, view, self.model, [moment, times.end]));
+        match begin.flatten() {
+            Some(begin) => {
+                // Rounded up, so that the moment is not before it.
+                let secs = (begin.secs_since(times.start) * 1e3).ceil() / 1e3;
+                anyhow!(
+                    "{bag}: no picture at {moment}, because the camera has its CameraInfo (on {}) and pose only {secs} s \
+                     after the bag's first message (--at {secs})",
+                    problem.topic()
+                )
+            }
+            None => Error::new(problem).context(bag),
+        }
     }
 }
 

@@ -49,6 +49,9 @@ pub enum OutputError {
     /// A picture cannot be written to a file.
     #[error(transparent)]
     Picture(#[from] PictureFileError),
+    /// The folder of a sequence cannot be created.
+    #[error(transparent)]
+    Sequence(#[from] SequenceError),
     /// A video cannot be written.
     #[error(transparent)]
     Video(#[from] VideoError),

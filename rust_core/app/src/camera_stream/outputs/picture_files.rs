@@ -32,6 +32,8 @@ impl Output for PictureFile {
 pub struct PictureSequence {
     folder: PathBuf,
     next_number: u64,
+    /// The folder does not exist yet.
+    is_new: bool,
 }
 
 /// Why no sequence can be written into a folder.
@@ -46,7 +48,9 @@ pub enum SequenceError {
         source: io::Error,
     },
     /// The folder has pictures of an earlier sequence, which would mix with the new ones.
-    #[error("{}: has {count} pictures of an earlier sequence ({example}); --overwrite removes them", path.display())]
+    #[error("{}: has {} of an earlier sequence ({example}); --overwrite removes {}", path.display(),
+        if *count == 1 { "a picture".to_owned() } else { format!("{count} pictures") },
+        if *count == 1 { "it" } else { "them" })]
     NotEmpty {
         /// The folder.
         path: PathBuf,
@@ -61,7 +65,7 @@ const PREFIX: &str = "frame_";
 const ENDING: &str = ".png";
 
 impl PictureSequence {
-    /// Writes into this folder, which is created if it does not exist. `overwrite` removes the pictures of an earlier
+    /// Writes into this folder, which is created with the first picture if it does not exist. `overwrite` removes the pictures of an earlier
     /// sequence, which are an error otherwise.
     ///
     /// # Errors
@@ -71,9 +75,15 @@ impl PictureSequence {
             let path = path.to_owned();
             |source| SequenceError::Io { path, source }
         };
-        fs::create_dir_all(folder).map_err(failed(folder))?;
+        let entries = match fs::read_dir(folder) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                return Ok(Self { folder: folder.to_owned(), next_number: 0, is_new: true });
+            }
+            Err(error) => return Err(failed(folder)(error)),
+        };
         let mut old = Vec::new();
-        for entry in fs::read_dir(folder).map_err(failed(folder))? {
+        for entry in entries {
             let name = entry.map_err(failed(folder))?.file_name();
             old.extend(name.to_str().filter(|name| is_numbered(name)).map(str::to_owned));
         }
@@ -88,7 +98,7 @@ impl PictureSequence {
         for path in old.iter().map(|name| folder.join(name)) {
             fs::remove_file(&path).map_err(failed(&path))?;
         }
-        Ok(Self { folder: folder.to_owned(), next_number: 0 })
+        Ok(Self { folder: folder.to_owned(), next_number: 0, is_new: false })
     }
 }
 
@@ -100,6 +110,11 @@ fn is_numbered(name: &str) -> bool {
 
 impl Output for PictureSequence {
     fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+        if self.is_new {
+            let failed = |source| SequenceError::Io { path: self.folder.clone(), source };
+            fs::create_dir_all(&self.folder).map_err(failed)?;
+            self.is_new = false;
+        }
         let name = format!("{PREFIX}{:06}{ENDING}", self.next_number);
         picture_file::write(&self.folder.join(name), &frame.picture)?;
         self.next_number += 1;
@@ -127,6 +142,7 @@ mod tests {
         let (file, sequence) = (folder.path().join("one.png"), folder.path().join("new/folder"));
         let mut outputs: [Box<dyn Output>; 2] =
             [Box::new(PictureFile::new(&file)), Box::new(PictureSequence::create(&sequence, false).unwrap())];
+        assert!(!folder.path().join("new").exists(), "a sequence without a picture leaves no folder");
         for output in &mut outputs {
             assert!(output.is_watched() && !output.take_new_watcher());
             output.send(&frame(1)).unwrap();
@@ -151,6 +167,10 @@ mod tests {
         let error = PictureSequence::create(folder.path(), false).unwrap_err().to_string();
         assert!(error.contains("has 2 pictures") && error.contains("frame_000007.png"), "{error}");
         assert!(path("frame_000007.png").exists());
+        fs::remove_file(path("frame_000008.png")).unwrap();
+        let error = PictureSequence::create(folder.path(), false).unwrap_err().to_string();
+        assert!(error.contains("has a picture of") && error.ends_with("--overwrite removes it"), "{error}");
+        fs::write(path("frame_000008.png"), b"").unwrap();
         PictureSequence::create(folder.path(), true).unwrap();
         let left = ["frame_000007.png", "frame_000008.png", "frame_7.png", "notes.txt"].map(|name| path(name).exists());
         assert_eq!(left, [false, false, true, true]);
