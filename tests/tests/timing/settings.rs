@@ -79,6 +79,8 @@ fn a_cameras_settings_are_offered_as_rqt_reconfigure_and_dynparam_expect_them() 
     fixture.wait_for(format!("viewer.middle() == {BLUE}"));
     fixture.python("c.update_configuration({'near_clip': 0.0, 'image_encoding': 'bgr8'})");
     fixture.wait_for("viewer.last.encoding == 'bgr8' and viewer.middle() == (0, 0, 255)");
+    fixture.python("c.update_configuration({'image_encoding': 'foo'})");
+    fixture.wait_for_log("/CameraPub: image_encoding: unknown encoding \"foo\"").unwrap();
     let late = PythonNode::start(&fixture.master, &["__name:=late"]).unwrap();
     late.run(CLIENT).unwrap();
     assert_eq!(late.run("client().get_configuration(30)['near_clip']").unwrap(), "0.01", "published to late clients");

@@ -16,7 +16,7 @@ use crate::camera_stream::parameter_description::{choice_of, parameter};
 
 const FRAME_RATE: &str = "frame_rate";
 const BACKGROUND: [&str; 3] = ["background_red", "background_green", "background_blue"];
-const ENCODING: &str = "image_encoding";
+pub(super) const ENCODING: &str = "image_encoding";
 const NEAR_CLIP: &str = "near_clip";
 const VISIBILITY: &str = "visibility";
 /// The upper end of the frame rate's slider. A config may have more.
@@ -149,8 +149,13 @@ impl Parameters {
         }
     }
 
-    /// Applies the values of a request, limited to the bounds of a description.
-    pub(super) fn set(&mut self, request: &Values, switches: &[Switch], bounds: &ConfigDescription) {
+    /// Applies the values of a request, limited to the bounds of a description. Returns an encoding that is not known.
+    pub(super) fn set<'r>(
+        &mut self,
+        request: &'r Values,
+        switches: &[Switch],
+        bounds: &ConfigDescription,
+    ) -> Option<&'r str> {
         for DoubleParameter { name, value } in request.doubles.iter().filter(|param| !param.value.is_nan()) {
             let own = match name.as_str() {
                 FRAME_RATE => &mut self.frame_rate_hz,
@@ -166,10 +171,11 @@ impl Parameters {
                 self.background[index] = (*value).clamp(0, 255) as u8;
             }
         }
-        for StrParameter { name, value } in request.strs.iter().filter(|param| param.name == ENCODING) {
+        let mut unknown = None;
+        for StrParameter { value, .. } in request.strs.iter().filter(|param| param.name == ENCODING) {
             match Encoding::from_name(value) {
                 Some(encoding) => self.encoding = encoding,
-                None => log::warn!("{name}: unknown encoding \"{value}\""),
+                None => unknown = Some(value.as_str()),
             }
         }
         for BoolParameter { name, value } in &request.bools {
@@ -179,6 +185,7 @@ impl Parameters {
                 self.visibility.set(&switch.path(), *value);
             }
         }
+        unknown
     }
 
     /// All values, as dynamic_reconfigure publishes them.

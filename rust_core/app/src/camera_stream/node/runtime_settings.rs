@@ -10,7 +10,7 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_ros::{ReconfigureServer, RosNode};
 use rcs_rviz_config::CameraPubSettings;
 
-use super::reconfigurable::{Parameters, Switch};
+use super::reconfigurable::{Parameters, Switch, ENCODING};
 
 /// The settings of one camera that can be changed while it runs.
 pub(super) struct RuntimeSettings {
@@ -38,7 +38,11 @@ impl RuntimeSettings {
 
     /// Applies a user's values. Returns the values that apply now.
     pub(super) fn set(&mut self, ros: &RosNode, request: &Values) -> Values {
-        self.current.set(request, &self.switches, &self.in_file.description(&self.switches));
+        let unknown = self.current.set(request, &self.switches, &self.in_file.description(&self.switches));
+        if let Some(encoding) = unknown {
+            let server = self.server.as_ref().map(|server| &**server.name()).unwrap_or_default();
+            log::warn!("{server}: {ENCODING}: unknown encoding \"{encoding}\"");
+        }
         let values = self.current.values(&self.switches);
         if let Some(server) = &mut self.server {
             server.set_config(ros, values.clone());
