@@ -2,9 +2,11 @@
 
 use std::io::{self, Write};
 
-/// The longest part of a cell that is printed, in characters, but for the last column. A cell that is longer would push
-/// all others out of sight.
-const MAX_CELL_CHARS: usize = 60;
+use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
+
+/// The longest part of a cell that is printed, in columns of a terminal, but for the table's last column. A cell that is
+/// longer would push all others out of sight.
+const MAX_CELL_WIDTH: usize = 60;
 
 /// Prints the rows, each after `indent`. Control characters are escaped, so that a row is a line.
 ///
@@ -13,18 +15,24 @@ const MAX_CELL_CHARS: usize = 60;
 pub(crate) fn print<const N: usize>(rows: &[[String; N]], indent: &str, out: &mut dyn Write) -> io::Result<()> {
     let shorten = |(column, cell): (usize, &String)| {
         let text = escaped(cell);
-        if column + 1 == N || text.chars().count() <= MAX_CELL_CHARS {
+        if column + 1 == N || text.width() <= MAX_CELL_WIDTH {
             return text;
         }
-        text.chars().take(MAX_CELL_CHARS - 1).chain(['…']).collect()
+        let mut width = 1;
+        let is_within = |c: &char| {
+            width += c.width().unwrap_or(0);
+            width <= MAX_CELL_WIDTH
+        };
+        text.chars().take_while(is_within).chain(['…']).collect()
     };
     let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().enumerate().map(shorten).collect()).collect();
-    let width = |column: usize| {
-        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
+    let width =
+        |column: usize| rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.width()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..N).map(width).collect();
     for row in &rows {
-        let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+        let pad =
+            |(cell, width): (&String, &usize)| format!("{cell}{}", " ".repeat(width.saturating_sub(cell.width())));
+        let cells: Vec<String> = row.iter().zip(&widths).map(pad).collect();
         writeln!(out, "{}", format!("{indent}{}", cells.join("  ")).trim_end())?;
     }
     Ok(())
@@ -48,5 +56,16 @@ mod tests {
         let cut = format!("{}…", "x".repeat(59));
         let expected = format!("  {:60}  b\\nc  last\n  {:60}        {long}\n  {cut}  b\n", "é", "name");
         assert_eq!(String::from_utf8(out).unwrap(), expected);
+    }
+
+    #[test]
+    fn wide_characters_take_two_columns() {
+        let rows = [["点云", "a"], ["cloud", "b"], ["e\u{301}", "c"]].map(|row| row.map(str::to_owned));
+        let mut out = Vec::new();
+        print(&rows, "", &mut out).unwrap();
+        assert_eq!(String::from_utf8(out).unwrap(), "点云   a\ncloud  b\ne\u{301}      c\n");
+        let mut out = Vec::new();
+        print(&[["点".repeat(40), "a".to_owned()]], "", &mut out).unwrap();
+        assert_eq!(String::from_utf8(out).unwrap(), format!("{}…  a\n", "点".repeat(29)));
     }
 }
