@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::builder::NonEmptyStringValueParser;
-use clap::{ArgGroup, Args, Parser, Subcommand};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
 use rcs_camera::{CameraModel, Projection};
 use rcs_files::picture_file::PictureFormat;
 use rcs_render::{Orientation, RendererChoice};
@@ -212,13 +213,13 @@ pub struct NewCameraArgs {
     #[arg(long, value_name = "NAME", default_value = "Projector", value_parser = NonEmptyStringValueParser::new())]
     pub name: String,
     /// The topic of its CameraInfo: size, P and frame of the picture
-    #[arg(long, value_name = "TOPIC", default_value = "/proj_view/camera_info", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long, value_name = "TOPIC", default_value = "/proj_view/camera_info", value_parser = graph_name)]
     pub camera_info: String,
     /// The topic that its pictures are published on
-    #[arg(long, value_name = "TOPIC", default_value = "/proj_view/image", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(long, value_name = "TOPIC", default_value = "/proj_view/image", value_parser = graph_name)]
     pub image_topic: String,
     /// The namespace of its service camera_trigger [default: that of the image topic]
-    #[arg(long, value_name = "NAMESPACE")]
+    #[arg(long, value_name = "NAMESPACE", value_parser = namespace)]
     pub display_namespace: Option<String>,
 }
 
@@ -303,6 +304,29 @@ impl CheckArgs {
     }
 }
 
+/// A clap error as it is, but for two hints: that a config is named with `-d`, and none at an option that the help hides.
+pub fn with_hints(mut error: clap::Error) -> clap::Error {
+    if let (ErrorKind::InvalidSubcommand, Some(ContextValue::String(word))) =
+        (error.kind(), error.get(ContextKind::InvalidSubcommand))
+    {
+        let hint = format!("a config is named with -d: camera_stream -d {word}");
+        let is_config = word.ends_with(".rviz") || Path::new(word).is_file();
+        if is_config {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
+        }
+    }
+    let command = Cli::command();
+    let is_hidden = |suggested: &ContextValue| {
+        let option = suggested.to_string();
+        let mut hidden = command.get_arguments().filter(|arg| arg.is_hide_set()).filter_map(|arg| arg.get_long());
+        hidden.any(|long| format!("--{long}") == option)
+    };
+    if error.get(ContextKind::SuggestedArg).is_some_and(is_hidden) {
+        error.remove(ContextKind::SuggestedArg);
+    }
+    error
+}
+
 /// The highest `--rate` in pictures a second: no monitor or projector shows more.
 const MAX_RATE_HZ: f64 = 1000.0;
 
@@ -330,6 +354,26 @@ fn video_file(text: &str) -> Result<PathBuf, String> {
     match Path::new(text).extension() {
         Some(_) => Ok(text.into()),
         None => Err("a video's name has the ending of its format, such as .mp4".to_owned()),
+    }
+}
+
+/// A name of the ROS graph: words of letters, digits and `_` with `/` between them, that begin with a letter, `/` or `~`.
+fn graph_name(text: &str) -> Result<String, String> {
+    let words = text.strip_prefix(['/', '~']).unwrap_or(text);
+    let words = if text.starts_with('~') { words.strip_prefix('/').unwrap_or(words) } else { words };
+    let is_word = |word: &str| !word.is_empty() && word.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_');
+    let begins_well = text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '/' || c == '~');
+    if begins_well && words.split('/').all(is_word) {
+        return Ok(text.to_owned());
+    }
+    Err("a ROS name: letters, digits, _ and /, and a letter, / or ~ first".to_owned())
+}
+
+/// The same, or no name at all; a `/` may end it.
+fn namespace(text: &str) -> Result<String, String> {
+    match text.strip_suffix('/').unwrap_or(text) {
+        "" => Ok(text.to_owned()),
+        name => graph_name(name).map(|_| text.to_owned()),
     }
 }
 
@@ -462,8 +506,36 @@ mod tests {
     }
 
     #[test]
+    fn a_new_cameras_names_are_those_of_ros() {
+        let exit_code = |option: &str, value: &str| {
+            parse(&["camera_stream", "new-camera", option, value]).map_or_else(|error| error.exit_code(), |_| 0)
+        };
+        for option in ["--image-topic", "--camera-info"] {
+            for good in ["/proj_view/image", "image", "~image", "~/image", "/a_1/B2"] {
+                assert_eq!(exit_code(option, good), 0, "{option} {good}");
+            }
+            for bad in ["", "/", "bad topic!", "1st", "/a//b", "/a/", "_a", "/ä", "a~"] {
+                assert_eq!(exit_code(option, bad), 2, "{option} {bad}");
+            }
+        }
+        for (namespace, expected) in [("", 0), ("/", 0), ("/left/", 0), ("left", 0), ("my left", 2), ("a//b", 2)] {
+            assert_eq!(exit_code("--display-namespace", namespace), expected, "{namespace}");
+        }
+    }
+
+    #[test]
+    fn an_error_says_how_a_config_is_named_and_suggests_nothing_hidden() {
+        let printed = |args: &[&str]| with_hints(parse(args).unwrap_err()).to_string();
+        let error = printed(&["camera_stream", "/a/scene.rviz"]);
+        assert!(error.contains("tip: a config is named with -d: camera_stream -d /a/scene.rviz"), "{error}");
+        assert!(!printed(&["camera_stream", "scene"]).contains("-d scene"));
+        let error = printed(&["camera_stream", "--nope"]);
+        assert!(error.contains("--nope") && !error.contains("--opengl"), "{error}");
+        assert!(printed(&["camera_stream", "--fixed-fram"]).contains("--fixed-frame"));
+    }
+
+    #[test]
     fn the_command_line_is_consistent() {
-        use clap::CommandFactory;
         Cli::command().debug_assert();
     }
 }

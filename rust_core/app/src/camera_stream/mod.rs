@@ -49,6 +49,7 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse_from(own_arguments()) {
         Ok(cli) => cli,
         Err(error) => {
+            let error = cli::with_hints(error);
             // Help and version are no errors; clap prints each to the right stream. A closed pipe is ignored.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { INVALID } else { 0 });
