@@ -68,7 +68,7 @@ pub struct WindowOptions {
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
     /// There is no window system, or it does not take this window.
-    #[error("no window: {0} (DISPLAY or WAYLAND_DISPLAY must name a running display)")]
+    #[error("no window: {0}")]
     NoDisplay(String),
     /// The connection to the window system broke.
     #[error("the window is lost: {0}")]

@@ -65,7 +65,10 @@ pub(super) struct State {
 impl Session {
     /// Connects and learns of the outputs.
     pub(super) fn open() -> Result<Self, WindowError> {
-        let none = |error: &dyn std::fmt::Display| WindowError::NoDisplay(format!("no Wayland compositor: {error}"));
+        let none = |error: &dyn std::fmt::Display| {
+            let text = format!("no Wayland compositor: {error} (WAYLAND_DISPLAY must name a running display)");
+            WindowError::NoDisplay(text)
+        };
         let connection = Connection::connect_to_env().map_err(|error| none(&error))?;
         let (globals, queue) = registry_queue_init::<State>(&connection).map_err(|error| none(&error))?;
         let handle = queue.handle();

@@ -6,7 +6,7 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{Atom, AtomEnum, ConnectionExt as _, InputFocus, MapState, Screen, Window};
 use x11rb::rust_connection::RustConnection;
 
-use crate::WindowError;
+use crate::{wayland, WindowError};
 
 /// A connection to the X server that `DISPLAY` names.
 pub(crate) struct X11Session {
@@ -17,7 +17,13 @@ pub(crate) struct X11Session {
 impl X11Session {
     /// Connects.
     pub(crate) fn open() -> Result<Self, WindowError> {
-        let no_display = |reason: &dyn Display| WindowError::NoDisplay(format!("{}: {reason}", name()));
+        if std::env::var_os("DISPLAY").is_none() {
+            let neither = if wayland::is_named() { "" } else { ", nor is WAYLAND_DISPLAY" };
+            return Err(WindowError::NoDisplay(format!("DISPLAY is not set{neither}")));
+        }
+        let no_display = |reason: &dyn Display| {
+            WindowError::NoDisplay(format!("{}: {reason} (DISPLAY must name a running display)", name()))
+        };
         let (connection, screen) = x11rb::connect(None).map_err(|error| no_display(&error))?;
         let screen = connection.setup().roots.get(screen).ok_or_else(|| no_display(&"there is no such screen"))?;
         let screen = screen.clone();
