@@ -29,8 +29,8 @@ pub fn camera_problems(config: &Config) -> Vec<String> {
         let lines: Vec<String> = cameras.iter().map(|(display, ..)| display.line.to_string()).collect();
         let lines = lines.join(", ");
         problems.push(format!(
-            "line {lines}: no CameraPub display is enabled (Enabled: true, as are the groups around it), so no picture is \
-             published"
+            "line {lines}: no CameraPub display is enabled, so no picture is published; set Enabled: true for one, and for \
+             the groups around it"
         ));
     }
     let mut names: HashMap<&str, usize> = HashMap::new();

@@ -68,7 +68,7 @@ pub(crate) fn needs(class: &str, topics: &[String]) -> String {
     let has_prefix = class.contains('/') && !prefix.is_empty();
     let needs = match (family, has_prefix) {
         (Some(family), _) => format!("a plugin of the package {}", family.package),
-        (None, true) => format!("a plugin, of the package {} by its name", one_line(prefix)),
+        (None, true) => format!("a plugin, probably of the package {}", one_line(prefix)),
         (None, false) => "a plugin of another package".to_owned(),
     };
     let topics = match topics {
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn unknown_classes_have_their_prefix_for_a_package() {
         let text = needs("my_plugins/Robots", &[]);
-        assert!(text.starts_with("needs a plugin, of the package my_plugins by its name: draw it in rviz"), "{text}");
+        assert!(text.starts_with("needs a plugin, probably of the package my_plugins: draw it in rviz"), "{text}");
         assert!(text.ends_with("publishes of it as markers (rviz/MarkerArray) instead"), "{text}");
         for class in ["Robots", "/Robots", "/"] {
             assert!(needs(class, &[]).starts_with("needs a plugin of another package: "), "{class}");
