@@ -128,7 +128,7 @@ fn an_unknown_monitor_and_a_missing_display_are_errors_that_name_them() {
         .unwrap();
     assert!(!output.status.success());
     let message = String::from_utf8(output.stderr).unwrap();
-    assert!(message.contains("no window: DISPLAY is not set, nor is WAYLAND_DISPLAY"), "{message}");
+    assert!(message.contains("DISPLAY is not set, nor is WAYLAND_DISPLAY"), "{message}");
     assert_eq!(message.matches("DISPLAY").count(), 2, "{message}");
 }
 
