@@ -65,8 +65,8 @@ const PREFIX: &str = "frame_";
 const ENDING: &str = ".png";
 
 impl PictureSequence {
-    /// Writes into this folder, which is created with the first picture if it does not exist. `overwrite` removes the pictures of an earlier
-    /// sequence, which are an error otherwise.
+    /// Writes into this folder, which is created with the first picture if it does not exist. `overwrite` removes the
+    /// pictures of an earlier sequence, which are an error otherwise.
     ///
     /// # Errors
     /// [`SequenceError`].
