@@ -141,8 +141,8 @@ impl RosNode {
 }
 
 impl RosNode {
-    /// Waits until the log's last line was sent to a subscriber of `/rosout`, which connects a moment after the node has
-    /// started, but no longer than `limit`. For the error that ends a node, before [`shutdown`](Self::shutdown).
+    /// Waits until the log's last line was sent to a subscriber of `/rosout`, which connects a moment after the node
+    /// has started, but no longer than `limit`. For the error that ends a node, before [`shutdown`](Self::shutdown).
     pub fn flush_log(&self, limit: Duration) {
         let Ok(topic) = self.resolve(TOPIC) else { return };
         let until = Instant::now() + limit;
