@@ -47,7 +47,7 @@ pub fn remapping_of(name: &str) -> Option<String> {
 /// Runs a program with the process's arguments, and ends its node. An error is the last line of the log.
 pub fn run_main<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<()>) -> ExitCode {
     let arguments = A::parse_from(own_arguments());
-    logging::start_node(false);
+    let _flush = logging::start_node(false);
     finish(run(arguments))
 }
 

@@ -5,8 +5,11 @@ use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::fs::{self, File};
+use std::io::Write;
+use std::os::fd::OwnedFd;
+use std::os::unix::net::UnixStream;
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// What the log says of a config that was saved again.
 const RELOADED: &str = "1 displays kept, 0 added, 0 removed";
@@ -102,6 +105,38 @@ fn where_standard_output_is_a_file_information_goes_there() {
     let _ = Command::new("kill").arg(node.id().to_string()).status();
     node.wait().unwrap();
     assert!(is_ready, "{}", printed());
+}
+
+/// A terminal that was stopped with Ctrl-S, or a pipe whose reader hangs.
+#[test]
+fn a_log_that_nobody_reads_stops_neither_pictures_nor_calls_nor_the_end() {
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.rviz");
+    fs::write(&scene, config(&[CLOUD], &[CameraPub::default()])).unwrap();
+    let (_reader, full) = UnixStream::pair().unwrap();
+    full.set_nonblocking(true).unwrap();
+    while (&full).write(&[b'\n'; 4096]).is_ok() {}
+    full.set_nonblocking(false).unwrap();
+    let mut command = master.environment(Command::new(program("camera_stream")));
+    command.arg("-d").arg(&scene).args(["--renderer", "cpu"]).stdin(Stdio::null()).stdout(Stdio::null());
+    let mut node = command.stderr(OwnedFd::from(full)).spawn().unwrap();
+    python.run("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())").unwrap();
+    python.run("latch('/cloud', cloud(0xff0000)); viewer = Viewer('/view/image')").unwrap();
+    let is_drawn = python.wait_for(PATIENCE, "viewer.middle() == (255, 0, 0)");
+    let answer = is_drawn.then(|| python.run("trigger('/camera_stream/reload_config')").unwrap());
+    // Fails where it has ended already.
+    let _ = Command::new("kill").arg(node.id().to_string()).status();
+    let asked = Instant::now();
+    let has_ended = wait_until(Duration::from_secs(10), || node.try_wait().unwrap().is_some());
+    let took = asked.elapsed();
+    let _ = node.kill();
+    let status = node.wait().unwrap();
+    assert_eq!(answer.as_deref(), Some("(True, 'nothing changed')"));
+    assert!(has_ended && took < Duration::from_secs(2), "{took:?}");
+    assert_eq!(status.code(), Some(0));
+    println!("ends in {took:?}");
 }
 
 #[test]

@@ -55,9 +55,8 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { INVALID } else { 0 });
         }
     };
-    if cli.command.is_none() {
-        logging::start_node(cli.is_debug());
-    } else {
+    let flush = cli.command.is_none().then(|| logging::start_node(cli.is_debug()));
+    if flush.is_none() {
         logging::start(cli.is_debug());
     }
     if cli.may_use_gpu() {
@@ -125,7 +124,7 @@ fn print_error(text: &str, is_node: bool) {
     if is_node {
         logging::log_last(&logging::flat(text));
     } else {
-        eprintln!("camera_stream: {}", logging::flat(text));
+        logging::print_error(&format!("camera_stream: {}", logging::flat(text)));
     }
 }
 

@@ -5,6 +5,9 @@
 //! file, as with roslaunch's `output="log"`, information goes there, as roscpp's does. The programs that are no nodes
 //! leave out the time.
 //!
+//! A node's threads never wait for whoever reads its log: [`lines`] has a bounded queue and a thread for each stream.
+//! The other programs write their lines themselves, among their own output.
+//!
 //! A node logs each cause once a second at most, see [`throttle`], so that a stream of bad messages fills no disk.
 //! Panics are among them: those of a decoder of images are caught, and each damaged image may cause one.
 //!
@@ -13,11 +16,13 @@
 //! both.
 
 mod format;
+mod lines;
 mod panics;
 mod throttle;
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, IsTerminal as _, Write};
+use std::os::fd::AsFd;
 use std::panic::Location;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -27,6 +32,7 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 use rcs_ros::{log_line, node_time, LogLine, Loggers};
 
 use format::{Format, Line};
+use lines::LineQueue;
 use panics::while_logging;
 use throttle::{cause_of, LeftOut, Throttle};
 
@@ -37,6 +43,8 @@ const ROOT_LOGGER: &str = "ros";
 const OWN_LOGGER: &str = "ros.rviz_camera_stream";
 const LOG_ARGUMENT: &str = "__log:=";
 const PLAIN_FORMAT: &str = "[${severity}] ${message}";
+/// How long a node's last lines may take at its end.
+const FLUSH_PATIENCE: Duration = Duration::from_millis(500);
 const LEVELS: [(&str, LevelFilter); 5] = [
     ("debug", LevelFilter::Debug),
     ("info", LevelFilter::Info),
@@ -78,10 +86,12 @@ struct Console {
     root_level: Chosen,
     format: Format,
     is_node: bool,
-    /// Information goes to standard output.
-    has_output_file: bool,
     is_coloured: bool,
-    file: Option<Mutex<File>>,
+    /// A node's standard error.
+    errors: Option<LineQueue>,
+    /// Its standard output, if information goes there.
+    output: Option<LineQueue>,
+    file: Option<LineQueue>,
     /// For a node.
     throttle: Mutex<Throttle<Kept>>,
 }
@@ -101,8 +111,9 @@ pub fn start(debug: bool) {
     install(Console::new(debug, Format::parse(PLAIN_FORMAT), false));
 }
 
-/// Starts logging for a node; with `debug` also this project's debug messages.
-pub fn start_node(debug: bool) {
+/// Starts logging for a node; with `debug` also this project's debug messages. The program's last lines are written when
+/// what is returned is dropped.
+pub fn start_node(debug: bool) -> Flush {
     let format = std::env::var("ROSCONSOLE_FORMAT").unwrap_or_else(|_| format::DEFAULT.to_owned());
     let mut console = Console::new(debug, Format::parse(&format), true);
     let path = std::env::args_os().skip(1).find_map(|argument| {
@@ -111,7 +122,7 @@ pub fn start_node(debug: bool) {
     let opened = path.map(|path| (OpenOptions::new().create(true).append(true).open(&path), path));
     let mut failure = None;
     match opened {
-        Some((Ok(file), _)) => console.file = Some(Mutex::new(file)),
+        Some((Ok(file), _)) => console.file = Some(console.queue("log-file", file)),
         Some((Err(error), path)) => failure = Some(format!("no log file {path}: {error}")),
         None => {}
     }
@@ -119,6 +130,26 @@ pub fn start_node(debug: bool) {
     panics::log_all();
     if let Some(failure) = failure {
         log::warn!("{failure}");
+    }
+    Flush(())
+}
+
+/// Has a node's last lines written when it is dropped, at the end of the program.
+#[must_use = "the last lines are written when it is dropped"]
+#[derive(Debug)]
+pub struct Flush(());
+
+impl Drop for Flush {
+    fn drop(&mut self) {
+        log::logger().flush();
+    }
+}
+
+/// Prints why the program fails, behind what was logged.
+pub fn print_error(text: &str) {
+    match CONSOLE.get() {
+        Some(console) => while_logging(|| console.print_to_errors(text.to_owned())),
+        None => eprintln!("{text}"),
     }
 }
 
@@ -169,17 +200,44 @@ impl Console {
         let own_level = if debug { LevelFilter::Debug } else { LevelFilter::Info };
         let mut builder = env_logger::Builder::new();
         builder.filter_level(LevelFilter::Error).filter_module(OWN_CRATES, own_level).parse_default_env();
-        Self {
+        let mut console = Self {
             filter: builder.build(),
             own_level: Chosen::new(),
             root_level: Chosen::new(),
             format,
             is_node,
-            has_output_file: is_node && is_file(&io::stdout()),
             is_coloured: is_node && io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none(),
+            errors: None,
+            output: None,
             file: None,
             throttle: Mutex::new(Throttle::new()),
+        };
+        if is_node {
+            // The streams' own descriptors: those of the standard library have a lock that is held while they block.
+            console.errors = own(&io::stderr()).map(|stream| console.queue("log-stderr", stream));
+            let output = own(&io::stdout()).filter(is_file);
+            console.output = output.map(|stream| console.queue("log-stdout", stream));
         }
+        console
+    }
+
+    /// The queue of a stream.
+    fn queue(&self, name: &'static str, stream: File) -> LineQueue {
+        let format = self.format.clone();
+        LineQueue::new(name, stream, move |count| {
+            let name = node_time().map(|now| now.name).unwrap_or_default();
+            format.apply(&Line {
+                level: Level::Warn,
+                text: &format!("{count} log lines were dropped here, because nobody read them in time"),
+                wall: SystemTime::now(),
+                simulated: None,
+                logger: OWN_LOGGER,
+                file: file!(),
+                line: line!(),
+                function: module_path!(),
+                node: &name,
+            })
+        })
     }
 
     /// The level that was chosen for a target: a logger has the level of the one above it until it is given one.
@@ -226,33 +284,42 @@ impl Console {
     }
 
     fn write(&self, level: Level, text: &str) {
-        // A stream that is closed is nobody's to read.
-        let _ = if self.has_output_file && level >= Level::Info {
-            let mut out = io::stdout().lock();
-            writeln!(out, "{text}").and_then(|()| out.flush())
-        } else {
-            let colour = match level {
-                _ if !self.is_coloured => None,
-                Level::Error => Some("\x1b[31m"),
-                Level::Warn => Some("\x1b[33m"),
-                Level::Info => None,
-                Level::Debug | Level::Trace => Some("\x1b[32m"),
-            };
-            match colour {
-                Some(colour) => writeln!(io::stderr(), "{colour}{text}\x1b[0m"),
-                None => writeln!(io::stderr(), "{text}"),
-            }
-        };
         if let Some(file) = &self.file {
-            let _ = writeln!(lock(file), "{text}");
+            file.push(text.to_owned());
+        }
+        if let Some(output) = self.output.as_ref().filter(|_| level >= Level::Info) {
+            return output.push(text.to_owned());
+        }
+        let colour = match level {
+            _ if !self.is_coloured => None,
+            Level::Error => Some("\x1b[31m"),
+            Level::Warn => Some("\x1b[33m"),
+            Level::Info => None,
+            Level::Debug | Level::Trace => Some("\x1b[32m"),
+        };
+        self.print_to_errors(match colour {
+            Some(colour) => format!("{colour}{text}\x1b[0m"),
+            None => text.to_owned(),
+        });
+    }
+
+    fn print_to_errors(&self, text: String) {
+        match &self.errors {
+            Some(errors) => errors.push(text),
+            // A stream that is closed is nobody's to read.
+            None => drop(writeln!(io::stderr(), "{text}")),
         }
     }
 }
 
+/// A stream with a descriptor of its own.
+fn own(stream: &impl AsFd) -> Option<File> {
+    stream.as_fd().try_clone_to_owned().ok().map(File::from)
+}
+
 /// Whether a stream is a file on a disk.
-fn is_file(stream: &impl std::os::fd::AsFd) -> bool {
-    let metadata = stream.as_fd().try_clone_to_owned().and_then(|descriptor| File::from(descriptor).metadata());
-    metadata.is_ok_and(|metadata| metadata.is_file())
+fn is_file(stream: &File) -> bool {
+    stream.metadata().is_ok_and(|metadata| metadata.is_file())
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -305,7 +372,13 @@ impl Log for Console {
         while_logging(|| self.log_record(record, None));
     }
 
-    fn flush(&self) {}
+    /// Waits for the last lines, for a limited time.
+    fn flush(&self) {
+        let until = Instant::now() + FLUSH_PATIENCE;
+        for queue in [&self.file, &self.output, &self.errors].into_iter().flatten() {
+            queue.flush(until);
+        }
+    }
 }
 
 impl Console {

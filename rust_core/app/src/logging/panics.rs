@@ -1,6 +1,7 @@
 //! Panics in the log: on `/rosout` and in the file as well, and each cause once a second at most.
 
 use std::any::Any;
+use std::backtrace::Backtrace;
 use std::cell::Cell;
 
 thread_local! {
@@ -16,18 +17,20 @@ pub(super) fn while_logging<T>(run: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Logs panics as errors from now on. With `RUST_BACKTRACE`, standard error also gets Rust's own report.
+/// Logs panics as errors from now on. With `RUST_BACKTRACE`, standard error also gets where they came from.
 pub(super) fn log_all() {
     let report = std::panic::take_hook();
     let is_traced = std::env::var_os("RUST_BACKTRACE").is_some_and(|value| value != "0");
     std::panic::set_hook(Box::new(move |info| {
-        if is_traced || IS_LOGGING.get() {
+        if IS_LOGGING.get() {
             report(info);
-        }
-        if !IS_LOGGING.get() {
+        } else {
             let thread = std::thread::current();
             let place = info.location().map(ToString::to_string).unwrap_or_default();
             log::error!("thread {} panicked at {place}: {}", thread.name().unwrap_or("?"), text(info.payload()));
+            if is_traced {
+                super::print_error(&format!("stack backtrace:\n{}", Backtrace::force_capture()));
+            }
         }
     }));
 }
