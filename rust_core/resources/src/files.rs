@@ -121,17 +121,21 @@ fn read_up_to(file: File, size: u64, max_bytes: u64) -> std::io::Result<Option<V
 
 /// Refuses everything but regular files.
 fn check_kind(path: &Path, metadata: &Metadata) -> Result<(), ResourceError> {
-    let kind = metadata.file_type();
-    if kind.is_file() {
-        return Ok(());
+    match other_kind(metadata) {
+        Some(kind) => Err(ResourceError::NotAFile { path: path.to_owned(), kind }),
+        None => Ok(()),
     }
-    let kind = match kind {
-        kind if kind.is_dir() => "a folder",
-        kind if kind.is_fifo() => "a FIFO",
-        kind if kind.is_socket() => "a socket",
-        _ => "a device",
-    };
-    Err(ResourceError::NotAFile { path: path.to_owned(), kind })
+}
+
+/// What something is that is no regular file.
+fn other_kind(metadata: &Metadata) -> Option<&'static str> {
+    match metadata.file_type() {
+        kind if kind.is_file() => None,
+        kind if kind.is_dir() => Some("a folder"),
+        kind if kind.is_fifo() => Some("a FIFO"),
+        kind if kind.is_socket() => Some("a socket"),
+        _ => Some("a device"),
+    }
 }
 
 /// The text of a small file beside which nothing is to be feared, such as a manifest; `None` where it is not a regular
@@ -139,6 +143,24 @@ fn check_kind(path: &Path, metadata: &Metadata) -> Result<(), ResourceError> {
 pub(crate) fn read_small_text(path: &Path, max_bytes: u64) -> Option<String> {
     let options = ResourceOptions { max_file_bytes: max_bytes, folders: vec![PathBuf::from("/")] };
     String::from_utf8(options.read(path).ok()?).ok()
+}
+
+/// The contents of a file that the user has named, wherever it lies: a regular one of at most `max_bytes`. Does not wait
+/// for the other end of a FIFO that has taken the file's place.
+///
+/// # Errors
+/// The system's, or that the file is no regular one or too large.
+pub fn read_regular_file(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
+    let check = |metadata: &Metadata| match other_kind(metadata) {
+        Some(kind) => Err(std::io::Error::other(format!("it is {kind}, only regular files are read"))),
+        None => Ok(metadata.len()),
+    };
+    check(&path.metadata()?)?;
+    let flags = i32::try_from((OFlags::NONBLOCK | OFlags::NOCTTY).bits()).unwrap_or(0);
+    let file = OpenOptions::new().read(true).custom_flags(flags).open(path)?;
+    let size = check(&file.metadata()?)?;
+    let bytes = if size > max_bytes { None } else { read_up_to(file, size, max_bytes)? };
+    bytes.ok_or_else(|| std::io::Error::other(format!("larger than {} MB", max_bytes >> 20)))
 }
 
 /// By what a file is known to be the same as before.
@@ -187,5 +209,21 @@ mod tests {
         // It had 10 bytes when it was opened.
         assert_eq!(read_up_to(open(), 10, 1000).unwrap().unwrap().len(), 1000);
         assert_eq!(read_up_to(open(), 10, 999).unwrap(), None);
+    }
+
+    #[test]
+    fn only_regular_files_within_the_limit_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("file"), "text").unwrap();
+        std::os::unix::fs::symlink(at("file"), at("link")).unwrap();
+        assert_eq!(read_regular_file(&at("link"), 4).unwrap(), b"text");
+        std::fs::File::create(at("sparse")).unwrap().set_len(40 << 30).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(at("fifo")).status().unwrap().success());
+        let refusal = |path: &Path| read_regular_file(path, 8 << 20).unwrap_err().to_string();
+        assert_eq!(refusal(&at("sparse")), "larger than 8 MB");
+        assert_eq!(refusal(&at("fifo")), "it is a FIFO, only regular files are read");
+        assert_eq!(refusal(folder.path()), "it is a folder, only regular files are read");
+        assert_eq!(refusal(Path::new("/dev/zero")), "it is a device, only regular files are read");
     }
 }

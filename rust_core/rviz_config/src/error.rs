@@ -13,6 +13,12 @@ pub enum ConfigError {
         #[source]
         error: std::io::Error,
     },
+    /// The file is larger than [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES).
+    #[error("{file}: larger than {} MB, so this is not a .rviz file", crate::MAX_FILE_BYTES >> 20)]
+    TooLarge {
+        /// The file's path as it was given.
+        file: String,
+    },
     /// The file's bytes are not UTF-8 text.
     #[error("{file}:{line}: not UTF-8 text")]
     NotUtf8 {

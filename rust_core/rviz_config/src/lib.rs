@@ -51,7 +51,12 @@ pub use setting_problems::setting_problems;
 pub use view::{FrameAxis, OrbitView, ViewConfig, ViewController};
 pub use view_direction::FollowedRotation;
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
+
+/// The largest file that is read, in bytes; those that rviz saves have a hundredth of it.
+pub const MAX_FILE_BYTES: u64 = 8 << 20;
 
 /// Reads the `.rviz` file at `path`.
 ///
@@ -66,10 +71,16 @@ use std::path::Path;
 ///
 /// # Errors
 ///
-/// [`ConfigError::Unreadable`], [`ConfigError::NotUtf8`], and those of [`parse`]; each names the file.
+/// [`ConfigError::Unreadable`], [`ConfigError::TooLarge`], [`ConfigError::NotUtf8`], and those of [`parse`]; each names
+/// the file.
 pub fn load(path: &Path) -> Result<Config, ConfigError> {
     let source = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| ConfigError::Unreadable { file: source.clone(), error })?;
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes));
+    read.map_err(|error| ConfigError::Unreadable { file: source.clone(), error })?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(ConfigError::TooLarge { file: source });
+    }
     parse_bytes(&bytes, &source)
 }
 

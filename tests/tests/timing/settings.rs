@@ -1,8 +1,12 @@
 //! Settings that change while the node runs: dynamic_reconfigure, the service `reload_config`, and the config's file.
 
+use rcs_tests::programs::program;
 use rcs_tests::python_node::PythonNode;
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-use std::time::Duration;
+use std::fs::{self, File};
+use std::process::Command;
+use std::time::{Duration, Instant};
 
 const CLIENT: &str = "from dynamic_reconfigure.client import Client\n\
      def client(name='CameraPub'): return Client('/camera_stream/' + name, timeout=30)\n\
@@ -207,6 +211,49 @@ fn a_file_that_cannot_be_read_changes_nothing() {
     std::thread::sleep(Duration::from_secs(2));
     assert_eq!(fixture.python("corner()"), BLACK);
     assert_eq!(fixture.log_lines(&["the config changed"]), 0, "{}", fixture.log());
+}
+
+#[test]
+fn a_config_that_became_a_fifo_or_huge_is_refused_and_all_goes_on() {
+    let mut fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
+    let file = fixture.config_file();
+    let become_fifo = || {
+        fs::remove_file(&file).unwrap();
+        assert!(Command::new("mkfifo").arg(&file).status().unwrap().success());
+        // Longer than a watched file takes to be read.
+        std::thread::sleep(Duration::from_secs(1));
+    };
+    become_fifo();
+    let answer = fixture.python(RELOAD);
+    assert!(answer.starts_with("(False, ") && answer.contains("it is a FIFO"), "{answer}");
+    fs::remove_file(&file).unwrap();
+    File::create(&file).unwrap().set_len(40 << 30).unwrap();
+    fixture.wait_for_log("cannot be read: larger than 8 MB").unwrap();
+    fixture.rewrite(&config(&[CLOUD], &[blue()]));
+    fixture.wait_for(format!("corner() == {BLUE} and viewer.middle() == {RED}"));
+    become_fifo();
+    fixture.node.signal("TERM");
+    let asked = Instant::now();
+    assert!(fixture.node.wait(PATIENCE).unwrap().success());
+    assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+}
+
+/// As `-d <(…)` gives it to the node in a shell.
+#[test]
+fn a_config_from_a_pipe_is_read_at_the_start_only() {
+    let master = RosMaster::start().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.rviz");
+    fs::write(&file, config(&[CLOUD], &[camera()])).unwrap();
+    let mut command = master.environment(Command::new("bash"));
+    command.args(["-c", "exec \"$0\" -d <(cat \"$1\") --renderer cpu"]).arg(program("camera_stream")).arg(&file);
+    let node = Running::start(&mut command).unwrap();
+    let log = || node.errors().join("\n");
+    assert!(wait_until(PATIENCE, || log().contains("drawing ")), "{}", log());
+    std::thread::sleep(Duration::from_secs(1));
+    let answer = master.output("rosservice", &["call", "/camera_stream/reload_config"]).unwrap();
+    assert!(answer.contains("success: False") && answer.contains("it is a FIFO"), "{answer}");
+    assert!(!log().contains("the config changed"), "{}", log());
 }
 
 #[test]

@@ -348,6 +348,13 @@ fn files_that_cannot_be_read_are_errors_that_name_them() {
     let missing = rcs_rviz_config::load(&path).unwrap_err();
     assert!(matches!(missing, ConfigError::Unreadable { .. }));
     assert!(missing.to_string().contains("a.rviz"));
+    for (endless, len) in [(std::path::Path::new("/dev/zero"), None), (path.as_path(), Some(40 << 30))] {
+        if let Some(len) = len {
+            std::fs::File::create(endless).unwrap().set_len(len).unwrap();
+        }
+        let error = rcs_rviz_config::load(endless).unwrap_err().to_string();
+        assert_eq!(error, format!("{}: larger than 8 MB, so this is not a .rviz file", endless.display()));
+    }
     std::fs::write(&path, b"Visualization Manager:\n  Name: \xff\n").unwrap();
     let bytes = rcs_rviz_config::load(&path).unwrap_err();
     assert!(matches!(bytes, ConfigError::NotUtf8 { line: 2, .. }));

@@ -1,10 +1,9 @@
 //! The control thread: answers whatever must not wait for a picture.
 //!
-//! It handles signals and the calls of services, reads the config again, and watches the scene's thread. While that
+//! It handles signals and the calls of services, has the config read again, and watches the scene's thread. While that
 //! has been busy for [`STAND_IN_AFTER`], the last pictures are repeated from here as their frame rates ask for it;
 //! after [`REPORT_AFTER`] `/diagnostics` says what takes so long, and after [`HANG_AFTER`] the log does, too.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -15,6 +14,7 @@ use rcs_rviz_config::Config;
 
 use super::activity::Busy;
 use super::camera_plan;
+use super::config_reader::{self, ConfigReader};
 use super::file_watch::FileWatch;
 use super::shared::{Reload, Shared};
 use crate::camera_stream::cli::Cli;
@@ -34,6 +34,10 @@ const REPORT_AFTER: Duration = Duration::from_secs(1);
 const HANG_AFTER: Duration = Duration::from_secs(5);
 /// How long a caller of `reload_config` waits for the scene's thread.
 const RELOAD_PATIENCE: Duration = Duration::from_millis(150);
+/// The answer for a caller whose config is not the newest.
+const READ_AGAIN: &str = "the config was read again since";
+/// How long a caller waits for the config to be read.
+const READ_PATIENCE: Duration = Duration::from_secs(1);
 /// How long the scene's thread is waited for at the end.
 const END_PATIENCE: Duration = Duration::from_millis(500);
 
@@ -42,7 +46,11 @@ pub(super) struct Control {
     shared: Arc<Shared>,
     /// As it was last read.
     config: Config,
-    file: PathBuf,
+    reader: ConfigReader,
+    /// The caller of `reload_config` for whom the config is being read.
+    reload_reply: Option<TriggerReply>,
+    /// The file has changed since the config was last read.
+    has_changed: bool,
     /// The whole name of the service that reloads the config.
     reload_service: Arc<str>,
     watch: Option<FileWatch>,
@@ -58,10 +66,14 @@ impl Control {
     /// # Errors
     /// One line that names what failed.
     pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
+        let file = cli.node.display_config.clone().unwrap_or_default();
+        let calls = Arc::clone(shared.ros.calls());
         Ok(Self {
             shared: Arc::clone(shared),
             config: config.clone(),
-            file: cli.node.display_config.clone().unwrap_or_default(),
+            reader: ConfigReader::new(move || config_reader::load(&file), move || calls.wake()),
+            reload_reply: None,
+            has_changed: false,
             reload_service: shared.ros.serve_trigger("~reload_config")?,
             watch: watch(cli, &shared.ros)?,
             answer_reload_at: None,
@@ -86,8 +98,10 @@ impl Control {
                 self.answer(call);
             }
             if self.watch.as_ref().is_some_and(FileWatch::take_change) {
-                self.reload_changed_file();
+                self.has_changed = true;
+                self.reader.request();
             }
+            self.take_config();
         }
         shared.end();
         let asked = Instant::now();
@@ -150,36 +164,53 @@ impl Control {
         self.shared.ros.events().wake();
     }
 
-    /// Reads the config again for the caller of a service, who is answered when it is applied.
+    /// Has the config read again for the caller of a service, who is answered when it is applied.
     fn reload(&mut self, reply: TriggerReply) {
-        match self.read() {
-            Ok(Some(config)) => {
-                self.hand_over(Reload { config, reply: Some(reply) });
-                self.answer_reload_at = Some(Instant::now() + RELOAD_PATIENCE);
-            }
-            Ok(None) => reply.send(true, "nothing changed"),
-            Err(error) => reply.send(false, one_line(&error)),
+        if let Some(obsolete) = self.reload_reply.replace(reply) {
+            obsolete.send(true, READ_AGAIN);
         }
+        self.answer_reload_at = Some(Instant::now() + READ_PATIENCE);
+        self.reader.request();
     }
 
-    /// Reads the config again because its file changed, and logs the result.
-    fn reload_changed_file(&mut self) {
-        match self.read() {
-            Ok(Some(config)) => self.hand_over(Reload { config, reply: None }),
-            Ok(None) => {}
+    /// Hands over a config that was read. An error is the caller's, or logged if the file had changed.
+    fn take_config(&mut self) {
+        if let Some(lasts) = self.reader.take_slow() {
+            let source = &self.config.source;
+            log::warn!(
+                "{source}: reading it has taken {:.0} s so far; the previous config is kept",
+                lasts.as_secs_f64()
+            );
+        }
+        let Some(read) = self.reader.take() else { return };
+        let (reply, has_changed) = (self.reload_reply.take(), std::mem::take(&mut self.has_changed));
+        match read.map_err(anyhow::Error::from).and_then(|config| self.check(config)) {
+            Ok(Some(config)) => {
+                self.answer_reload_at = reply.as_ref().map(|_| Instant::now() + RELOAD_PATIENCE);
+                self.hand_over(Reload { config, reply });
+            }
+            Ok(None) => {
+                if let Some(reply) = reply {
+                    reply.send(true, "nothing changed");
+                }
+            }
             Err(error) => {
                 let error = one_line(&error);
-                log::warn!("the config changed but cannot be read, so the previous one is kept: {error}");
+                if has_changed {
+                    log::warn!("the config changed but cannot be read, so the previous one is kept: {error}");
+                }
+                if let Some(reply) = reply {
+                    reply.send(false, error);
+                }
             }
         }
     }
 
-    /// The config as it is in the file now; `None` if it is the same.
+    /// A config that was read; `None` if it is the same as before.
     ///
     /// # Errors
-    /// What is wrong with the file; nothing has changed then.
-    fn read(&mut self) -> Result<Option<Config>> {
-        let config = rcs_rviz_config::load(&self.file)?;
+    /// What is wrong with it; nothing has changed then.
+    fn check(&mut self, config: Config) -> Result<Option<Config>> {
         self.shared.retry_resources();
         self.shared.ros.events().wake();
         camera_plan::plans(&self.shared.ros, &config).with_context(|| config.source.clone())?;
@@ -195,20 +226,23 @@ impl Control {
     fn hand_over(&mut self, reload: Reload) {
         let obsolete = self.shared.reload().replace(reload);
         if let Some(reply) = obsolete.and_then(|obsolete| obsolete.reply) {
-            reply.send(true, "the config was read again since");
+            reply.send(true, READ_AGAIN);
         }
         self.shared.ros.events().wake();
     }
 
-    /// Answers the caller of `reload_config` while the scene's thread is still busy.
+    /// Answers the caller of `reload_config` while the config is still being read, or the scene's thread busy.
     fn answer_late_reload(&mut self) {
         if self.answer_reload_at.is_none_or(|at| Instant::now() < at) {
             return;
         }
         self.answer_reload_at = None;
+        let source = &self.config.source;
+        if let Some(reply) = self.reload_reply.take() {
+            reply.send(false, format!("{source}: still being read; it is applied when it was"));
+        }
         let late = self.shared.reload().as_mut().and_then(|reload| reload.reply.take());
         if let Some(reply) = late {
-            let source = &self.config.source;
             reply.send(true, format!("{source}: read; it is applied after the picture that is being drawn"));
         }
     }

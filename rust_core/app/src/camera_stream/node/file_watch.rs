@@ -3,7 +3,7 @@
 //! The file's metadata is polled a few times a second. That also covers a file that an editor replaces, one behind a
 //! symbolic link and one on a network share, of which the kernel sends no notification. A change counts once two
 //! consecutive polls agree, so that a file is not read while it is being written; a file that is missing for a moment
-//! is waited for.
+//! is waited for. So is anything but a regular file: what a pipe had (`-d <(…)`) is gone once it was read.
 
 use std::io;
 use std::os::unix::fs::MetadataExt;
@@ -26,9 +26,9 @@ struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// None while there is no such file.
+    /// None while there is no such regular file.
     fn of(file: &Path) -> Option<Self> {
-        let data = std::fs::metadata(file).ok()?;
+        let data = std::fs::metadata(file).ok().filter(std::fs::Metadata::is_file)?;
         Some(Self {
             device: data.dev(),
             inode: data.ino(),
@@ -135,6 +135,14 @@ mod tests {
         std::fs::rename(at("b"), at("a")).unwrap();
         assert!(!detector.poll(Fingerprint::of(&at("link"))));
         assert!(detector.poll(Fingerprint::of(&at("link"))));
+    }
+
+    #[test]
+    fn a_pipe_has_no_changes() {
+        let (_writer, reader) = std::os::unix::net::UnixStream::pair().unwrap();
+        let file = format!("/proc/self/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&reader));
+        let mut detector = ChangeDetector::default();
+        assert!(!detector.poll(Fingerprint::of(Path::new(&file))) && !detector.poll(Fingerprint::of(Path::new(&file))));
     }
 
     #[test]

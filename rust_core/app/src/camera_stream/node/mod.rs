@@ -17,6 +17,7 @@ mod activity;
 mod camera;
 mod camera_health;
 mod camera_plan;
+mod config_reader;
 mod content;
 mod control;
 mod costs;
