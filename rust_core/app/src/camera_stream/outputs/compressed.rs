@@ -4,6 +4,7 @@
 //! newest picture waits for it in a single place, where a newer one replaces it, and nobody waits for the thread.
 //! Nothing is encoded while nobody subscribes, and the thread starts with the first picture that somebody gets.
 
+use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::mpsc::{channel, Receiver};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -132,15 +133,13 @@ fn encode_all(shared: &Shared) {
     let mut is_failure_logged = false;
     while let Some((picture, header, settings)) = shared.wait() {
         let publisher = &shared.publisher;
-        let result = match picture_file::encode(&picture, settings.coding()) {
-            Ok(data) => {
-                let format = settings.format(picture.encoding);
-                // Drawn into again while the message is on its way.
-                drop(picture);
-                publisher.publish(header, &format, data).map_err(|error| error.to_string())
-            }
-            Err(error) => Err(error.to_string()),
-        };
+        let result = guarded(|| {
+            let data = picture_file::encode(&picture, settings.coding()).map_err(|error| error.to_string())?;
+            let format = settings.format(picture.encoding);
+            // Drawn into again while the message is on its way.
+            drop(picture);
+            publisher.publish(header, &format, data).map_err(|error| error.to_string())
+        });
         match result {
             Ok(()) => is_failure_logged = false,
             Err(error) if !is_failure_logged => {
@@ -149,5 +148,21 @@ fn encode_all(shared: &Shared) {
             }
             Err(_) => {}
         }
+    }
+}
+
+/// Runs what encodes a picture. If it panics, which is logged, the next picture is encoded all the same.
+fn guarded<T>(encode: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(encode)).unwrap_or_else(|_| Err("the encoder panicked".to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_of_the_encoder_costs_that_picture_only() {
+        assert_eq!(guarded(|| Ok(1)), Ok(1));
+        assert_eq!(guarded::<u8>(|| std::panic::panic_any("damaged")), Err("the encoder panicked".to_owned()));
     }
 }
