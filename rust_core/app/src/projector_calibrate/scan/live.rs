@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, Context};
 use rcs_ros::RosNode;
@@ -18,6 +19,9 @@ use super::screens::{TopicScreen, WindowScreen};
 use super::session::{ScanOptions, Session};
 use super::{preview, write};
 use crate::small_node::{self, EndRequest};
+
+/// How long the work may take to end once it is asked to: it may be writing its files.
+const END_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Scans live and writes.
 ///
@@ -80,15 +84,29 @@ pub(super) fn in_window<T: Send + 'static>(
     });
     // The window may have been closed first.
     end.request();
-    let scanned = scanning.map(|thread| thread.join());
+    let scanned = scanning.map(|thread| joined(thread, END_PATIENCE));
     if let Some(refusal) = refusal {
         return Err(Failure::Refused(refusal));
     }
     shown.map_err(Failure::refused)?;
     let ended_early = || Err(Failure::Refused(anyhow!("ended before it began")));
-    scanned.map_or_else(ended_early, |scanned| {
-        scanned.unwrap_or_else(|_| Err(Failure::Refused(anyhow!("the scan's thread has ended early"))))
+    scanned.map_or_else(ended_early, |scanned| match scanned {
+        Some(Ok(result)) => result,
+        Some(Err(_)) => Err(Failure::Refused(anyhow!("the scan's thread has ended early"))),
+        None => Err(Failure::Refused(anyhow!("the scan's thread does not end, so it is left behind"))),
     })
+}
+
+/// What a thread returns, if it ends within `patience`.
+fn joined<T>(thread: JoinHandle<T>, patience: Duration) -> Option<thread::Result<T>> {
+    let asked = Instant::now();
+    while !thread.is_finished() {
+        if asked.elapsed() >= patience {
+            return None;
+        }
+        thread::sleep(Duration::from_millis(10));
+    }
+    Some(thread.join())
 }
 
 /// Scans and writes. Nothing is written once `is_void` is set.
@@ -131,4 +149,20 @@ fn scan_on(
     });
     node.shutdown();
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn a_thread_that_hangs_is_not_waited_for() {
+        let (release, released) = channel::<()>();
+        let hanging = thread::spawn(move || released.recv().is_ok());
+        assert!(joined(hanging, Duration::from_millis(30)).is_none());
+        drop(release);
+        assert_eq!(joined(thread::spawn(|| 1), Duration::from_secs(20)).unwrap().unwrap(), 1);
+    }
 }
