@@ -3,13 +3,18 @@
 //! wgpu panics where it finds an error that nobody catches. Here every error is recorded, and [`Device::check`] returns
 //! the first one once a picture's work is done.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use wgpu::{Adapter, Backend, Backends, DeviceType};
 
 use super::hardware::may_have_gpu;
 use super::stats::GpuStats;
 use crate::RenderError;
+
+/// How long a picture may take: drivers reset a GPU that hangs after some seconds.
+const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A GPU that can be drawn on.
 #[derive(Debug)]
@@ -20,6 +25,9 @@ pub(super) struct Device {
     name: String,
     faults: Faults,
     stats: Mutex<GpuStats>,
+    /// How long a picture is waited for.
+    pub(super) patience: Duration,
+    is_hung: AtomicBool,
 }
 
 /// The first error since the last [`Device::check`].
@@ -86,7 +94,31 @@ impl Device {
                 losses.record(format!("the device was lost: {message}"));
             }
         });
-        Ok(Self { wgpu, queue, limits, name, faults, stats: Mutex::default() })
+        let (stats, patience, is_hung) = (Mutex::default(), PATIENCE, AtomicBool::new(false));
+        Ok(Self { wgpu, queue, limits, name, faults, stats, patience, is_hung })
+    }
+
+    /// Waits until a submission is done.
+    ///
+    /// # Errors
+    /// wgpu's, or that it has taken too long.
+    pub(super) fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), RenderError> {
+        let timeout = Some(self.patience);
+        let polled = self.wgpu.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout });
+        self.check()?;
+        match polled {
+            Ok(_) => Ok(()),
+            Err(wgpu::PollError::Timeout) => {
+                self.is_hung.store(true, Ordering::Release);
+                Err(self.error(format!("it has not answered for {} s", self.patience.as_secs())))
+            }
+            Err(error) => Err(self.error(error.to_string())),
+        }
+    }
+
+    /// Whether it was waited for in vain. To drop it may then take for ever.
+    pub(super) fn is_hung(&self) -> bool {
+        self.is_hung.load(Ordering::Acquire)
     }
 
     /// wgpu's device.

@@ -155,6 +155,12 @@ impl GpuRenderer {
         });
         if !matches!(result, Err(RenderError::Gpu { .. })) {
             self.gpu = Some(gpu);
+        } else if gpu.device.is_hung() {
+            // A queue that is dropped waits for all of its work.
+            let closing = std::thread::Builder::new().name("gpu-close".to_owned()).spawn(move || drop(gpu));
+            if let Err(error) = closing {
+                log::warn!("{}: no thread to close it on: {error}", self.name);
+            }
         }
         result
     }
@@ -383,6 +389,34 @@ mod tests {
     use rcs_scene::{DisplayMask, Intrinsics, Scene};
 
     use super::*;
+
+    #[test]
+    fn a_gpu_that_does_not_answer_is_an_error_and_the_next_picture_is_drawn() {
+        let camera = |side: u32| {
+            let p = [10.0, 0.0, 4.0, 0.0, 0.0, 10.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+            Camera::new(Intrinsics::from_p(side, side, &p).unwrap(), &Isometry3::identity(), 0.01)
+        };
+        let (scene, visible) = (Scene::default(), DisplayMask::all());
+        let (large, small) = (camera(4096), camera(8));
+        let view =
+            View { scene: &scene, camera: &large, visible: &visible, background: [3, 2, 1], encoding: Encoding::Rgb8 };
+        let mut renderer = GpuRenderer::new(false).unwrap();
+        let mut picture = Picture::default();
+        renderer.gpu.as_mut().unwrap().device.patience = std::time::Duration::ZERO;
+        // One that is drawn at once is no proof.
+        let mut draw = || {
+            renderer.submit(&view).unwrap();
+            renderer.finish(&mut picture).err()
+        };
+        let error = (0..20).find_map(|_| draw()).unwrap();
+        assert!(
+            matches!(&error, RenderError::Gpu { reason, .. } if reason == "it has not answered for 0 s"),
+            "{error}"
+        );
+        assert!(!renderer.finish(&mut picture).unwrap(), "reported once");
+        renderer.render(&View { camera: &small, ..view }, &mut picture).unwrap();
+        assert_eq!(picture.data, [3, 2, 1].repeat(64));
+    }
 
     #[test]
     fn a_lost_device_is_reported_once_and_the_next_picture_is_drawn() {

@@ -100,10 +100,7 @@ impl Readback {
     /// Waits for a picture and writes it; `picture` has its size.
     pub(super) fn read(&self, device: &Device, arrival: Arrival, picture: &mut Picture) -> Result<(), RenderError> {
         let start = Instant::now();
-        let wait = wgpu::PollType::Wait { submission_index: Some(arrival.submission), timeout: None };
-        let polled = device.wgpu().poll(wait);
-        device.check()?;
-        polled.map_err(|error| device.error(error.to_string()))?;
+        device.wait(arrival.submission)?;
         for _ in &self.bands {
             match arrival.mapped.try_recv() {
                 Ok(Ok(())) => {}
