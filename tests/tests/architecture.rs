@@ -207,6 +207,17 @@ fn no_other_file_contains_unsafe_code() {
 }
 
 #[test]
+fn every_thread_is_started_with_a_name() {
+    let core = rust_files(&repository().join("rust_core"));
+    let programs = core.iter().filter(|file| file.components().any(|part| part.as_os_str() == "src"));
+    for file in programs.filter(|file| !file.components().any(|part| part.as_os_str() == "tests")) {
+        let text = fs::read_to_string(file).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        assert!(!code.contains("thread::spawn("), "{}: std::thread::Builder gives a name", file.display());
+    }
+}
+
+#[test]
 fn messages_use_no_connection_of_rosrust() {
     let types = ["Duration", "Message", "RosMsg", "ServicePair", "Time"];
     let sources = fs::read_dir(repository().join("rust_core/messages/src")).expect("the sources can be read");

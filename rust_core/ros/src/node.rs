@@ -190,37 +190,21 @@ impl RosNode {
     pub fn connect(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
         let startup = startup().ok_or(NodeError::NotPrepared)?;
         wait_for_master(&startup.master_uri, cancelled)?;
-        // On a thread of its own: the master may stop answering at any time.
-        let (started, is_started) = channel();
         let default_name = default_name.to_owned();
-        let is_abandoned = Arc::new(AtomicBool::new(false));
-        let given_up = Arc::clone(&is_abandoned);
-        let starting = move || {
-            // Fails if the caller has given up.
-            let _ = started.send(Self::start(startup, &default_name, &|| given_up.load(Ordering::Acquire)));
-        };
-        let spawned = std::thread::Builder::new().name("ros-start".to_owned()).spawn(starting);
-        spawned.map_err(|error| NodeError::Start { what: "the node", reason: error.to_string() })?;
-        loop {
-            match is_started.recv_timeout(Duration::from_millis(50)) {
-                Ok(result) => return result,
-                Err(RecvTimeoutError::Timeout) if !cancelled() => {}
-                Err(_) => {
-                    is_abandoned.store(true, Ordering::Release);
-                    return Err(NodeError::Cancelled(startup.master_uri.clone()));
-                }
-            }
-        }
+        unless_cancelled(startup, cancelled, move |given_up| Self::start(startup, &default_name, given_up))
     }
 
     /// Starts the node as [`connect`](Self::connect) does, at a master that is there now.
     ///
     /// # Errors
-    /// [`NodeError::NoMaster`] if no master answers at its address.
-    pub fn connect_now(default_name: &str) -> Result<Self, NodeError> {
+    /// [`NodeError::NoMaster`] if no master answers at its address, else as [`connect`](Self::connect).
+    pub fn connect_now(default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
         let startup = startup().ok_or(NodeError::NotPrepared)?;
-        check_master(&startup.master_uri)?;
-        Self::start(startup, default_name, &|| false)
+        let default_name = default_name.to_owned();
+        unless_cancelled(startup, cancelled, move |given_up| {
+            check_master(&startup.master_uri)?;
+            Self::start(startup, &default_name, given_up)
+        })
     }
 
     fn start(startup: &Startup, default_name: &str, cancelled: &dyn Fn() -> bool) -> Result<Self, NodeError> {
@@ -518,6 +502,34 @@ impl Drop for RosNode {
     }
 }
 
+/// Starts the node on a thread of its own, because the master may stop answering at any time. `start` is told when the
+/// caller has given up.
+fn unless_cancelled(
+    startup: &Startup,
+    cancelled: &dyn Fn() -> bool,
+    start: impl FnOnce(&dyn Fn() -> bool) -> Result<RosNode, NodeError> + Send + 'static,
+) -> Result<RosNode, NodeError> {
+    let (started, is_started) = channel();
+    let is_abandoned = Arc::new(AtomicBool::new(false));
+    let given_up = Arc::clone(&is_abandoned);
+    let starting = move || {
+        // Fails if the caller has given up.
+        let _ = started.send(start(&|| given_up.load(Ordering::Acquire)));
+    };
+    let spawned = std::thread::Builder::new().name("ros-start".to_owned()).spawn(starting);
+    spawned.map_err(|error| NodeError::Start { what: "the node", reason: error.to_string() })?;
+    loop {
+        match is_started.recv_timeout(Duration::from_millis(50)) {
+            Ok(result) => return result,
+            Err(RecvTimeoutError::Timeout) if !cancelled() => {}
+            Err(_) => {
+                is_abandoned.store(true, Ordering::Release);
+                return Err(NodeError::Cancelled(startup.master_uri.clone()));
+            }
+        }
+    }
+}
+
 /// The node's whole name, as rosrust makes it of ROS's arguments and variables.
 fn whole_name(default_name: &str) -> String {
     let (namespace, name) = (rosrust::api::resolve::namespace(), rosrust::api::resolve::name(default_name));
@@ -529,17 +541,21 @@ fn whole_name(default_name: &str) -> String {
     }
 }
 
-/// Calls `start`; the threads that it starts may wake up late by [`WAKE_SLACK`].
+/// Calls `start`; the threads that it starts may wake up late by [`WAKE_SLACK`], and are named after rosrust.
 ///
 /// rosrust polls for calls from other nodes every five milliseconds, whether there are any or not, which costs a third
 /// of a percent of a core for as long as the node lives. Threads inherit the slack of their timers from the one that
-/// starts them, so it is set for that moment. If the system refuses, nothing changes.
+/// starts them, and its name where they get none of their own, so both are set for that moment. If the system refuses,
+/// nothing changes.
 fn with_wake_slack<T>(start: impl FnOnce() -> T) -> T {
     let slack_ns = u64::try_from(WAKE_SLACK.as_nanos()).ok().and_then(std::num::NonZeroU64::new);
     let before = rustix::thread::current_timer_slack().ok().and_then(std::num::NonZeroU64::new);
+    let name = rustix::thread::name();
     let _ = rustix::thread::set_current_timer_slack(slack_ns);
+    let _ = rustix::thread::set_name(c"rosrust");
     let started = start();
     let _ = rustix::thread::set_current_timer_slack(before);
+    let _ = name.and_then(|name| rustix::thread::set_name(&name));
     started
 }
 

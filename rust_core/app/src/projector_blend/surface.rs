@@ -40,7 +40,7 @@ impl Surface {
     /// That of the next cloud on a topic, once the frames of all projectors are known in its frame.
     pub(super) fn from_topic(topic: &str, files: &[(&Path, ProjectorFile)]) -> Result<Self> {
         let end = EndRequest::watch_signals().context("cannot handle signals")?;
-        let node = RosNode::connect_now("projector_blend")?;
+        let node = RosNode::connect_now("projector_blend", &|| end.is_requested())?;
         let received = receive(&node, &end, topic, files);
         node.shutdown();
         received

@@ -74,7 +74,8 @@ fn look_up(target: &str, source: &str) -> Result<Isometry3<f64>, Failure> {
     let refused = |error: anyhow::Error| Failure::Refused(error.context("TF"));
     let end = EndRequest::watch_signals().map_err(|error| refused(error.into()))?;
     // Who calibrates waits for an answer: without a master there is none.
-    let node = RosNode::connect_now("projector_calibrate").map_err(|error| refused(error.into()))?;
+    let node = RosNode::connect_now("projector_calibrate", &|| end.is_requested());
+    let node = node.map_err(|error| refused(error.into()))?;
     let found = look_up_with(&node, &end, target, source);
     node.shutdown();
     found

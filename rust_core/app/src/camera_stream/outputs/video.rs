@@ -102,14 +102,16 @@ impl VideoFile {
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(|source| run_error(&self.file, source))?;
         let mut stderr = child.stderr.take();
-        let printed = std::thread::spawn(move || {
+        let read = move || {
             let mut text = Vec::new();
             if let Some(stderr) = &mut stderr {
                 // What was read before an error is all there is to report.
                 let _ = stderr.read_to_end(&mut text);
             }
             String::from_utf8_lossy(&text).into_owned()
-        });
+        };
+        let printed = std::thread::Builder::new().name("ffmpeg-errors".to_owned()).spawn(read);
+        let printed = printed.map_err(|source| run_error(&self.file, source))?;
         Ok(Running { child, size_px, printed })
     }
 
