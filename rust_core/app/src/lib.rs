@@ -19,3 +19,4 @@ pub mod publish_cloud;
 pub mod small_node;
 mod target;
 pub mod turret_aim;
+mod window_watch;

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::io::{BufRead, BufReader, Write};
+use std::os::unix::process::ExitStatusExt as _;
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
@@ -155,6 +156,107 @@ fn a_missing_master_is_logged_once() {
     assert_eq!(node.log.matches(MASTER).count(), 1, "{}", node.log);
 }
 
+#[test]
+fn windows_that_wait_for_a_display_server_that_hangs_end_within_two_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let socket = folder.path().join("wayland-0");
+    // Connections are taken by the system, and nobody answers.
+    let _compositor = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+    let x_server = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let display = format!("127.0.0.1:{}", x_server.local_addr().unwrap().port() - 6000);
+    let calibrate = env!("CARGO_BIN_EXE_projector_calibrate");
+    let cases: [(&str, &[&str], bool, i32); 6] = [
+        (WINDOW, &[], true, 0),
+        (WINDOW, &[], false, 0),
+        (WINDOW, &["--place", "any"], false, 0),
+        (calibrate, &["show", "--test", "grid"], true, 0),
+        (calibrate, &["show", "--test", "grid"], false, 0),
+        (calibrate, &["scan", "--size", "64x48", "-o", "unwritten", "--monitor", "0"], false, 1),
+    ];
+    for (path, arguments, is_wayland, exit_status) in cases {
+        let mut command = program(path);
+        match is_wayland {
+            true => command.env("WAYLAND_DISPLAY", &socket),
+            false => command.env("DISPLAY", &display),
+        };
+        let mut window = Waiting::start(command.current_dir(folder.path()).args(arguments));
+        window.wait_for_thread("window-watch");
+        let begin = Instant::now();
+        assert_eq!(window.end("-TERM").code(), Some(exit_status), "{path} {arguments:?}: {}", window.log);
+        let took = begin.elapsed();
+        assert!(took < Duration::from_secs(2), "{path} {arguments:?}: {took:?}");
+        assert!(window.log.contains("the display server does not answer"), "{path} {arguments:?}: {}", window.log);
+    }
+}
+
+/// A master that answers `getPid` and hangs in everything else, of which the channel is told.
+fn hanging_master() -> (String, Receiver<()>) {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let uri = format!("http://{}", listener.local_addr().unwrap());
+    let (hangs, is_hanging) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let mut silent = Vec::new();
+        for stream in listener.incoming() {
+            let mut stream = stream.unwrap();
+            let (mut request, mut buffer) = (String::new(), [0; 4096]);
+            while !request.contains("</methodCall>") {
+                let count = std::io::Read::read(&mut stream, &mut buffer).unwrap();
+                assert!(count > 0, "{request}");
+                request += &String::from_utf8_lossy(&buffer[..count]);
+            }
+            if request.contains("getPid") {
+                let values = "<value><int>1</int></value><value></value><value><int>1</int></value>";
+                let array = format!("<value><array><data>{values}</data></array></value>");
+                let xml = format!("<methodResponse><params><param>{array}</param></params></methodResponse>");
+                write!(stream, "HTTP/1.1 200 OK\r\nContent-Length: {}\r\n\r\n{xml}", xml.len()).unwrap();
+            } else {
+                silent.push(stream);
+                // Fails once the test has heard enough.
+                let _ = hangs.send(());
+            }
+        }
+    });
+    (uri, is_hanging)
+}
+
+#[test]
+fn programs_that_ask_a_master_that_hangs_are_ended_by_a_signal_within_two_seconds() {
+    let (_folder, config) = file("scene.rviz", "Visualization Manager: {Displays: []}\n");
+    let (_left, projector) = file("projector.yaml", PROJECTOR_FILE);
+    let (_right, other) = file("other.yaml", PROJECTOR_FILE);
+    let cases: [(&str, &[&str]); 3] = [
+        (env!("CARGO_BIN_EXE_camera_stream"), &["check", "--live", &config]),
+        (env!("CARGO_BIN_EXE_projector_blend"), &[&projector, &other, "--topic", "/cloud"]),
+        (PROJECTOR, &["--file", &projector]),
+    ];
+    for (path, arguments) in cases {
+        let (uri, is_hanging) = hanging_master();
+        let mut node = Waiting::start(program(path).env("ROS_MASTER_URI", uri).args(arguments));
+        is_hanging.recv_timeout(PATIENCE).unwrap();
+        std::thread::sleep(Duration::from_millis(500));
+        let begin = Instant::now();
+        assert!(node.end("-INT").code().is_some(), "{path}: {}", node.log);
+        assert!(begin.elapsed() < Duration::from_secs(2), "{path}: {:?} {}", begin.elapsed(), node.log);
+    }
+}
+
+#[test]
+fn a_second_signal_ends_a_program_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let socket = folder.path().join("wayland-0");
+    let _compositor = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+    for (path, arguments) in [(WINDOW, &[][..]), (env!("CARGO_BIN_EXE_projector_calibrate"), &["show"])] {
+        let mut window = Waiting::start(program(path).env("WAYLAND_DISPLAY", &socket).args(arguments));
+        window.wait_for_thread("window-watch");
+        let begin = Instant::now();
+        window.signal("-INT");
+        // Two signals that wait at the same time are one.
+        std::thread::sleep(Duration::from_millis(100));
+        assert_eq!(window.end("-INT").signal(), Some(2), "{}", window.log);
+        assert!(begin.elapsed() < Duration::from_secs(1), "{:?}", begin.elapsed());
+    }
+}
+
 /// Runs a program until it waits for a master, and ends it with a signal.
 fn ends_in_order(command: &mut Command, signal: &str) {
     let mut node = Waiting::start(command);
@@ -225,11 +327,29 @@ impl Waiting {
         }
     }
 
-    /// Sends a signal, and waits until the program has ended and all of its log is read.
-    fn end(&mut self, signal: &str) -> ExitStatus {
+    /// Waits until the program has a thread of this name.
+    fn wait_for_thread(&self, name: &str) {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            let threads = std::fs::read_dir(format!("/proc/{}/task", self.child.id())).unwrap();
+            let mut names = threads.filter_map(|thread| std::fs::read_to_string(thread.ok()?.path().join("comm")).ok());
+            if names.any(|found| found.trim_end() == name) {
+                return;
+            }
+            assert!(Instant::now() < deadline, "no thread {name}: {}", self.log);
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    fn signal(&mut self, signal: &str) {
         assert!(self.child.try_wait().unwrap().is_none(), "the program ended by itself: {}", self.log);
         let sent = Command::new("kill").args([signal, &self.child.id().to_string()]).status().unwrap();
         assert!(sent.success());
+    }
+
+    /// Sends a signal, and waits until the program has ended and all of its log is read.
+    fn end(&mut self, signal: &str) -> ExitStatus {
+        self.signal(signal);
         let deadline = Instant::now() + PATIENCE;
         // The end of the log is the end of the program.
         while self.next_line(deadline.saturating_duration_since(Instant::now())).is_some() {}

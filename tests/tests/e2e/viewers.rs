@@ -7,7 +7,7 @@ use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 const WIDTH_PX: usize = 640;
 const HEIGHT_PX: usize = 360;
@@ -100,6 +100,11 @@ impl Screen {
         assert!(self.server.wait(PATIENCE).is_some());
     }
 
+    /// Sends a signal to the X server.
+    pub(crate) fn signal(&self, name: &str) {
+        self.server.signal(name);
+    }
+
     /// Starts another X server on the same display, without a window manager.
     pub(crate) fn restart(&mut self) {
         self.server = Self::server(self.folder.path(), &[&self.display]);
@@ -179,6 +184,40 @@ fn a_window_that_fails_unregisters_its_node() {
     assert!(!nodes().contains("projector_window"), "{}", nodes());
     let info = fixture.master.output("rostopic", &["info", "/view/image"]).unwrap();
     assert!(!info.contains("projector_window"), "{info}");
+}
+
+#[test]
+fn windows_on_an_x_server_that_hangs_end_within_two_seconds_and_unregister() {
+    let screen = Screen::start();
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python.run("latch('/image', Image(width=1, height=1, encoding='mono8', step=1, data=b'x'))").unwrap();
+    let mut shown = window(&master, &screen, &["image:=/image"]);
+    let placed = window(&master, &screen, &["--place", "none such"]);
+    let mut command = Command::new(program("projector_calibrate"));
+    command.args(["show", "--test", "grid"]).env("DISPLAY", &screen.display);
+    let calibration = Running::start(command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET")).unwrap();
+    let nodes = || master.output("rosnode", &["list"]).unwrap();
+    assert!(wait_until(PATIENCE, || nodes().contains("projector_window")), "{:?}", shown.errors());
+    let has_light = || screen.pixels().iter().any(|level| *level > 0);
+    assert!(wait_until(PATIENCE, has_light), "{:?}", calibration.errors());
+    screen.signal("STOP");
+    // Each asks the server for something meanwhile.
+    std::thread::sleep(Duration::from_secs(3));
+    for mut program in [placed, calibration] {
+        let begin = Instant::now();
+        program.signal("TERM");
+        let status = program.wait(PATIENCE).and_then(|status| status.code());
+        assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+        assert_eq!(status, Some(0), "{:?}", program.errors());
+    }
+    let begin = Instant::now();
+    shown.signal("TERM");
+    assert_eq!(shown.wait(PATIENCE).unwrap().code(), Some(0), "{:?}", shown.errors());
+    println!("ended in {:.1?} on an X server that hangs", begin.elapsed());
+    assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+    assert!(!nodes().contains("projector_window"), "{}", nodes());
+    screen.signal("CONT");
 }
 
 #[test]

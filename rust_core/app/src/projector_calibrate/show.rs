@@ -20,6 +20,7 @@ use signal_hook::iterator::Signals;
 use super::arguments::{size, Size};
 use super::Failure;
 use crate::monitor_arguments::MonitorArguments;
+use crate::window_watch::WindowWatch;
 
 /// The longest that a picture is shown by itself, seconds.
 const MOST_SECONDS: f64 = 86_400.0;
@@ -119,6 +120,7 @@ pub(super) fn run(arguments: &ShowArguments) -> Result<(), Failure> {
     let slides = arguments.slides()?;
     let source = if arguments.patterns.is_some() { "patterns" } else { "test pictures" };
     let signals = Signals::new([SIGINT, SIGTERM]).context("cannot handle signals").map_err(Failure::Refused)?;
+    let _watch = WindowWatch::start_with_signals(0).context("cannot watch the window").map_err(Failure::Refused)?;
     let times = arguments.seconds.map(|seconds| Times { seconds, pause: arguments.pause.unwrap_or_default() });
     let mut start = Some((signals, times));
     let show = Arc::new(Mutex::new(Show { slides, current: 0, monitor: None }));

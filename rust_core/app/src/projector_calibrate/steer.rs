@@ -16,6 +16,7 @@ use super::placing::Frames;
 use super::show::close_on_signal;
 use super::Failure;
 use crate::monitor_arguments::MonitorArguments;
+use crate::window_watch::WindowWatch;
 
 /// Pixels of a large step.
 const LARGE_STEP_PX: i64 = 25;
@@ -41,6 +42,7 @@ pub(super) fn steer(
     monitor: &MonitorArguments,
 ) -> Result<(Vec<Sample>, Option<Frames>), Failure> {
     let mut signals = Some(Signals::new([SIGINT, SIGTERM]).context("cannot handle signals").map_err(Failure::Refused)?);
+    let watch = WindowWatch::start_with_signals(1).context("cannot watch the window").map_err(Failure::Refused)?;
     let (steering, mut clicks) = match things {
         Things::Given(things, pose) => (Steering::of_given(&things, lens, pose.as_ref()), None),
         Things::Clicked(clicks) => (Steering::new(lens, true), Some(clicks)),
@@ -83,6 +85,7 @@ pub(super) fn steer(
             Ok(()) => lock(&steering).present(sink),
         }
     });
+    drop(watch);
     end.iter().for_each(crate::small_node::EndRequest::request);
     let heard = listening.map(JoinHandle::join);
     shown.map_err(Failure::refused)?;

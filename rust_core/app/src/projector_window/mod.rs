@@ -14,6 +14,7 @@ use rcs_window::{self as window, PictureSink, ReceivedPicture, ScreenPicture};
 
 use crate::monitor_arguments::MonitorArguments;
 use crate::small_node::{self, EndRequest};
+use crate::window_watch::WindowWatch;
 
 const DEFAULT_TOPIC: &str = "/proj_view/image";
 
@@ -68,6 +69,8 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
     let mut options = arguments.monitor.window_options(&topic);
     options.stale_timeout = arguments.stale_timeout;
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
+    let watched_end = end.clone();
+    let watch = WindowWatch::start(0, move || watched_end.is_requested()).context("cannot watch the window")?;
 
     if let Some(title) = &arguments.place {
         return Ok(window::keep_over(title, &options.monitor, || end.is_requested())?);
@@ -89,6 +92,7 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
             closing.close();
         }
     });
+    drop(watch);
     // Whatever the window's end was: the node unregisters. One that was never started has hung up.
     end.request();
     let node_result = node_outcome.recv_timeout(Duration::from_secs(4)).unwrap_or(Ok(()));

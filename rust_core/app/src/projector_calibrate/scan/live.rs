@@ -19,6 +19,7 @@ use super::screens::{TopicScreen, WindowScreen};
 use super::session::{ScanOptions, Session};
 use super::{preview, write};
 use crate::small_node::{self, EndRequest};
+use crate::window_watch::WindowWatch;
 
 /// How long the work may take to end once it is asked to: it may be writing its files.
 const END_PATIENCE: Duration = Duration::from_secs(10);
@@ -55,6 +56,12 @@ pub(super) fn in_window<T: Send + 'static>(
     let mut refusal = None;
     let mut work = Some(work);
     let mut scanning: Option<JoinHandle<Result<T, Failure>>> = None;
+    // The work may be writing its files: it ends by itself.
+    let is_working = Arc::new(AtomicBool::new(false));
+    let (watched_end, watched_work) = (end.clone(), Arc::clone(&is_working));
+    let watch = WindowWatch::start(1, move || watched_end.is_requested() && !watched_work.load(Ordering::Acquire))
+        .context("cannot watch the window")
+        .map_err(Failure::Refused)?;
     let shown = window::run_interactive(options, |event, sink| {
         let (UserEvent::Opened(monitor) | UserEvent::MonitorChanged(monitor)) = event else { return };
         if monitor.size_px != (width, height) {
@@ -68,8 +75,11 @@ pub(super) fn in_window<T: Send + 'static>(
         } else if let Some(work) = work.take() {
             let screen = WindowScreen { sink: sink.clone(), monitor: monitor.name.clone(), size_px };
             let (end, is_void, closing) = (end.clone(), Arc::clone(&is_void), sink.clone());
+            let is_working = Arc::clone(&is_working);
+            is_working.store(true, Ordering::Release);
             let work = move || {
                 let result = work(screen, &end, &is_void);
+                is_working.store(false, Ordering::Release);
                 closing.close();
                 result
             };
@@ -82,6 +92,7 @@ pub(super) fn in_window<T: Send + 'static>(
             }
         }
     });
+    drop(watch);
     // The window may have been closed first.
     end.request();
     let scanned = scanning.map(|thread| joined(thread, END_PATIENCE));
