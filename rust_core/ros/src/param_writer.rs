@@ -1,46 +1,103 @@
 //! Writes parameters to the parameter server on a thread of its own, because the master may be slow to answer.
+//!
+//! Of each parameter only the newest value waits, so that a master that hangs costs no memory and is not told later
+//! what has long been replaced.
 
 use crate::lock;
 use crate::network::Network;
 use crate::xmlrpc::Value;
-use std::sync::mpsc::{channel, Sender};
-use std::sync::{Arc, Mutex, Weak};
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
 
 /// A whole name and a value.
 type Param = (String, Value);
 
-/// Started with the first parameter.
+/// Has a thread while something is to be written.
 #[derive(Default)]
-pub(crate) struct ParamWriter(Mutex<Option<Sender<Param>>>);
+pub(crate) struct ParamWriter(Arc<Mutex<Waiting>>);
+
+/// The parameters that are not written yet.
+#[derive(Default)]
+struct Waiting {
+    params: VecDeque<Param>,
+    has_thread: bool,
+}
+
+impl Waiting {
+    fn put(&mut self, name: String, value: Value) {
+        match self.params.iter_mut().find(|(waiting, _)| *waiting == name) {
+            Some((_, old)) => *old = value,
+            None => self.params.push_back((name, value)),
+        }
+    }
+
+    /// The next parameter to be written; without one the thread ends.
+    fn next(&mut self) -> Option<Param> {
+        let next = self.params.pop_front();
+        self.has_thread = next.is_some();
+        next
+    }
+}
 
 impl ParamWriter {
-    /// Sets a parameter soon, after those that were set before. A failure is logged.
+    /// Sets a parameter soon, unless it is set to another value before that. A failure is logged.
     pub(crate) fn set(&self, network: &Arc<Network>, name: String, value: Value) {
-        let mut sender = lock(&self.0);
-        let sent = sender.as_ref().is_some_and(|sender| sender.send((name.clone(), value.clone())).is_ok());
-        if !sent {
-            *sender = start(Arc::downgrade(network));
-            // The thread has just begun; if there is none, `start` has logged that.
-            let _ = sender.as_ref().map(|sender| sender.send((name, value)));
+        let network = Arc::downgrade(network);
+        self.set_with(name, value, move |name, value| {
+            let Some(network) = network.upgrade() else { return };
+            if let Err(error) = network.registrar().master().set_param(name, value) {
+                log::warn!("parameter {name} cannot be set: {error}");
+            }
+        });
+    }
+
+    /// `write` is called on the thread, for this parameter and those that are set meanwhile.
+    fn set_with(&self, name: String, value: Value, write: impl Fn(&str, Value) + Send + 'static) {
+        let mut waiting = lock(&self.0);
+        waiting.put(name, value);
+        if waiting.has_thread {
+            return;
+        }
+        let shared = Arc::clone(&self.0);
+        let writing = move || loop {
+            let Some((name, value)) = lock(&shared).next() else { return };
+            write(&name, value);
+        };
+        match std::thread::Builder::new().name("ros-params".to_owned()).spawn(writing) {
+            Ok(_) => waiting.has_thread = true,
+            Err(error) => log::warn!("parameters cannot be set: {error}"),
         }
     }
 }
 
-fn start(network: Weak<Network>) -> Option<Sender<Param>> {
-    let (sender, params) = channel::<Param>();
-    let writing = move || {
-        for (name, value) in params {
-            let Some(network) = network.upgrade() else { return };
-            if let Err(error) = network.registrar().master().set_param(&name, value) {
-                log::warn!("parameter {name} cannot be set: {error}");
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+    use std::time::Duration;
+
+    #[test]
+    fn of_each_parameter_only_the_newest_value_waits_for_a_slow_master() {
+        let writer = ParamWriter::default();
+        let (written, is_written) = channel();
+        let (answer, answers) = channel::<()>();
+        writer.set_with("/first".to_owned(), Value::Int(0), move |name, value| {
+            written.send((name.to_owned(), value)).unwrap();
+            answers.recv().unwrap();
+        });
+        let next = || is_written.recv_timeout(Duration::from_secs(5)).unwrap();
+        assert_eq!(next(), ("/first".to_owned(), Value::Int(0)));
+        // The thread waits for an answer.
+        for value in 0..1000 {
+            for name in ["/a", "/b"] {
+                writer.set_with(name.to_owned(), Value::Int(value), |_, _| {});
             }
         }
-    };
-    match std::thread::Builder::new().name("ros-params".to_owned()).spawn(writing) {
-        Ok(_) => Some(sender),
-        Err(error) => {
-            log::warn!("parameters cannot be set: {error}");
-            None
-        }
+        assert_eq!(lock(&writer.0).params.len(), 2);
+        answer.send(()).unwrap();
+        assert_eq!(next(), ("/a".to_owned(), Value::Int(999)));
+        answer.send(()).unwrap();
+        assert_eq!(next(), ("/b".to_owned(), Value::Int(999)));
+        answer.send(()).unwrap();
     }
 }
