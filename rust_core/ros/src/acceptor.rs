@@ -5,10 +5,13 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How long accepting pauses after an error: no descriptor is left, say, and others may be closed soon.
 const ERROR_PAUSE: Duration = Duration::from_millis(20);
+
+/// How often it is logged that connections cannot be served.
+const WARNING_PERIOD: Duration = Duration::from_secs(60);
 
 /// What the connections of a socket may take.
 #[derive(Clone, Copy, Debug)]
@@ -80,11 +83,27 @@ impl Drop for Counted {
     }
 }
 
+/// When it was logged last that connections cannot be served.
+#[derive(Default)]
+struct Warned(Option<Instant>);
+
+impl Warned {
+    /// Whether to log that now.
+    fn is_due(&mut self, now: Instant) -> bool {
+        let is_due = self.0.is_none_or(|last| now.duration_since(last) >= WARNING_PERIOD);
+        if is_due {
+            self.0 = Some(now);
+        }
+        is_due
+    }
+}
+
 fn accept<S>(listener: &TcpListener, is_ended: &AtomicBool, name: &str, limits: Limits, serve: &Arc<S>)
 where
     S: Fn(TcpStream) -> io::Result<()> + Send + Sync + 'static,
 {
     let open = Arc::new(AtomicUsize::new(0));
+    let mut warned = Warned::default();
     loop {
         let accepted = listener.accept();
         if is_ended.load(Ordering::Acquire) {
@@ -93,7 +112,9 @@ where
         let stream = match accepted {
             Ok((stream, _)) => stream,
             Err(error) => {
-                log::debug!("{name}: {error}");
+                if warned.is_due(Instant::now()) {
+                    log::warn!("{name}: connections cannot be accepted at present: {error}");
+                }
                 std::thread::sleep(ERROR_PAUSE);
                 continue;
             }
@@ -101,6 +122,9 @@ where
         let is_one_too_many = open.fetch_add(1, Ordering::AcqRel) >= limits.connections;
         let counted = Counted(Arc::clone(&open));
         if is_one_too_many {
+            if warned.is_due(Instant::now()) {
+                log::warn!("{name}: more than {} connections at a time, further ones are closed", limits.connections);
+            }
             continue;
         }
         let (serve, own_name) = (Arc::clone(serve), name.to_owned());
@@ -112,7 +136,21 @@ where
         };
         let builder = std::thread::Builder::new().name(name.to_owned()).stack_size(limits.stack_bytes);
         if let Err(error) = builder.spawn(serving) {
-            log::warn!("{name}: a connection cannot be served: {error}");
+            if warned.is_due(Instant::now()) {
+                log::warn!("{name}: a connection cannot be served: {error}");
+            }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn that_connections_cannot_be_served_is_logged_once_a_minute() {
+        let (mut warned, begin) = (Warned::default(), Instant::now());
+        let times = [0, 1, 59, 60, 61, 119, 120].map(|seconds| begin + Duration::from_secs(seconds));
+        assert_eq!(times.map(|now| warned.is_due(now)), [true, false, false, true, false, false, true]);
     }
 }
