@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::time::Duration;
 
-use crate::xmlrpc::{call, CallError, Value};
+use crate::xmlrpc::{call, client, value, CallError, Value};
 
 /// A master that takes longer is treated as one that does not answer.
 const CALL_TIMEOUT: Duration = Duration::from_millis(1500);
@@ -60,6 +60,22 @@ impl Master {
         let own = std::iter::once(self.node_name.as_str());
         let params: Vec<Value> = own.chain(params.iter().copied()).map(Value::from).collect();
         call(&self.uri, method, &params, CALL_TIMEOUT)
+    }
+
+    /// Makes several calls as one. What each of them returns is ignored.
+    ///
+    /// # Errors
+    /// [`CallError`], as [`call`](Self::call); a master that takes one call at a time answers with a fault.
+    pub(crate) fn call_together(&self, calls: &[(&str, [&str; 2])]) -> Result<(), CallError> {
+        let own = self.node_name.as_str();
+        let calls = calls.iter().map(|(method, params)| {
+            let params = std::iter::once(own).chain(*params).map(Value::from).collect();
+            let fields = [("methodName", Value::from(*method)), ("params", Value::Array(params))];
+            Value::Struct(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+        });
+        let request = value::request("system.multicall", &[Value::Array(calls.collect())]);
+        let answer = client::post(&self.uri, &request, CALL_TIMEOUT)?;
+        value::parse_response(&answer).map(drop).map_err(CallError::Answer)
     }
 
     /// Sets a parameter by its whole name.

@@ -18,7 +18,7 @@ use crate::xmlrpc::Server;
 
 /// How long the master may be silent when the node ends, and how long unregistering may take in all.
 const MASTER_PATIENCE: Duration = Duration::from_millis(800);
-const UNREGISTER_LIMIT: Duration = Duration::from_secs(3);
+const UNREGISTER_LIMIT: Duration = Duration::from_millis(1400);
 
 /// Everything that listens and everything that is registered. Dropped, it closes all connections.
 pub(crate) struct Network {
@@ -68,6 +68,11 @@ impl Network {
     ) -> io::Result<Arc<Self>> {
         let Startup { master_uri, host, is_host_chosen, .. } = startup;
         let ip = listening_address(host, *is_host_chosen);
+        if *is_host_chosen && ip.is_unspecified() {
+            // Debian's own /etc/hosts leads the machine's name to a loopback address.
+            let level = if host.parse::<IpAddr>().is_ok() { log::Level::Warn } else { log::Level::Info };
+            log::log!(level, "{host} is no address of this machine that others reach: listening at all addresses");
+        }
         let listener = Arc::new(Listener::start((ip, 0).into(), node_name)?);
         let state = Arc::new(Mutex::new(None));
         let api = node_api::serve((ip, 0).into(), Arc::clone(&state))?;
@@ -190,5 +195,23 @@ fn bracketed(host: &str) -> String {
         format!("[{host}]")
     } else {
         host.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_node_listens_where_the_hosts_name_says_if_the_machine_has_that_address() {
+        let every = IpAddr::from(Ipv4Addr::UNSPECIFIED);
+        let local = IpAddr::from(Ipv4Addr::LOCALHOST);
+        assert_eq!(listening_address("127.0.0.1", false), every);
+        assert_eq!(listening_address("127.0.0.1", true), local);
+        assert_eq!(listening_address("127.0.0.2", true), IpAddr::from([127, 0, 0, 2]));
+        assert_eq!(listening_address("localhost", true), local);
+        // Of a network for examples, and a name that leads nowhere.
+        assert_eq!(listening_address("192.0.2.1", true), every);
+        assert_eq!(listening_address("no-such-host.invalid", true), every);
     }
 }

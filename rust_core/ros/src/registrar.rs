@@ -8,8 +8,14 @@
 //! own address: a master that does not know it was restarted, whatever its process id, and is told everything again.
 //! Every other second it asks for the whole list, and registers again what is not on it.
 
+mod batches;
+mod entry;
+
+pub(crate) use entry::Entry;
+
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
@@ -24,47 +30,8 @@ const CHECK_PERIOD: Duration = Duration::from_secs(1);
 /// How often the master is asked who publishes what.
 const GRAPH_PERIOD: Duration = Duration::from_secs(2);
 
-/// A registration: what the master is told. Two of the same name and type differ by their number, so that one that
-/// takes the place of another is registered anew.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Entry {
-    /// The node publishes a topic of a type.
-    Publisher { topic: String, ros_type: String, number: u64 },
-    /// The node subscribes to a topic of a type.
-    Subscriber { topic: String, ros_type: String, number: u64 },
-    /// The node serves at an address `rosrpc://host:port`.
-    Service { service: String, api: String, number: u64 },
-}
-
-impl Entry {
-    /// A number that no other entry of the process has.
-    pub(crate) fn next_number() -> u64 {
-        static NEXT: AtomicU64 = AtomicU64::new(0);
-        NEXT.fetch_add(1, Ordering::Relaxed)
-    }
-
-    fn name(&self) -> &str {
-        match self {
-            Self::Publisher { topic, .. } | Self::Subscriber { topic, .. } => topic,
-            Self::Service { service, .. } => service,
-        }
-    }
-
-    /// Whether the master has one place for both: unregistering one of them unregisters the other.
-    fn shares_place(&self, other: &Self) -> bool {
-        std::mem::discriminant(self) == std::mem::discriminant(other) && self.name() == other.name()
-    }
-
-    /// Whether it is on the master's list.
-    fn is_in(&self, state: &SystemState) -> bool {
-        let names = match self {
-            Self::Publisher { .. } => &state.own_publications,
-            Self::Subscriber { .. } => &state.own_subscriptions,
-            Self::Service { .. } => &state.own_services,
-        };
-        names.contains(self.name())
-    }
-}
+/// With so many publishers of a topic the node is connected: a message of a stranger may name any number.
+const MOST_PUBLISHERS: usize = 256;
 
 /// Called when a publisher of a subscribed topic has left, with the topic.
 type OnPublisherLeft = Box<dyn Fn(&str) + Send + Sync>;
@@ -92,6 +59,12 @@ struct State {
     subscriptions: BTreeMap<String, (u64, Weak<Subscription>)>,
     /// The publishers of each subscribed topic, by the addresses of their nodes.
     publishers: BTreeMap<String, Vec<String>>,
+    /// The same as they were when the topic was registered.
+    registered_publishers: BTreeMap<String, Vec<String>>,
+    /// Topics with more publishers than [`MOST_PUBLISHERS`].
+    crowded: BTreeSet<String>,
+    /// The master does not take several calls at once.
+    has_no_batches: bool,
     /// How often the master has named the publishers of some topic.
     updates: u64,
     /// When the master answered last.
@@ -162,6 +135,8 @@ impl Registrar {
             if state.subscriptions.get(topic).is_some_and(|(current, _)| current == number) {
                 state.subscriptions.remove(topic);
                 state.publishers.remove(topic);
+                state.registered_publishers.remove(topic);
+                state.crowded.remove(topic);
             }
         }
         drop(state);
@@ -189,13 +164,18 @@ impl Registrar {
     }
 
     /// Passes a list of publishers on to the subscription. To be called with `updating` locked.
-    fn hand_on(&self, topic: &str, mut uris: Vec<String>) {
-        // A node that publishes what it subscribes to does not listen to itself.
-        uris.retain(|uri| *uri != self.master.node_uri);
+    fn hand_on(&self, topic: &str, uris: Vec<String>) {
+        let named = uris.len();
+        let uris = self.bounded(topic, uris);
         let (subscription, has_left) = {
             let mut state = lock(&self.state);
             let known = state.subscriptions.get(topic).and_then(|(_, subscription)| subscription.upgrade());
             let Some(subscription) = known else { return };
+            if named <= MOST_PUBLISHERS {
+                state.crowded.remove(topic);
+            } else if state.crowded.insert(topic.to_owned()) {
+                log::warn!("{topic}: {named} publishers are named, connecting with {} at most", MOST_PUBLISHERS);
+            }
             let before = state.publishers.insert(topic.to_owned(), uris.clone()).unwrap_or_default();
             self.contacts.retain(|uri| state.publishers.values().flatten().any(|named| named == uri));
             (subscription, before.iter().any(|uri| !uris.contains(uri)))
@@ -240,6 +220,19 @@ impl Registrar {
     pub(crate) fn unreachable(&self, topic: &str) -> Vec<Unreachable> {
         let uris = lock(&self.state).publishers.get(topic).cloned().unwrap_or_default();
         self.contacts.among(&uris)
+    }
+
+    /// The publishers of a list with which the node is to be connected. Connections that stand go first.
+    fn bounded(&self, topic: &str, mut uris: Vec<String>) -> Vec<String> {
+        let mut known = BTreeSet::new();
+        // A node that publishes what it subscribes to does not listen to itself.
+        uris.retain(|uri| *uri != self.master.node_uri && known.insert(uri.clone()));
+        if uris.len() > MOST_PUBLISHERS {
+            let connected: BTreeSet<String> = self.connected_publishers(topic).into_iter().collect();
+            uris.sort_by_key(|uri| !connected.contains(uri));
+            uris.truncate(MOST_PUBLISHERS);
+        }
+        uris
     }
 
     /// The subscriptions there are.
@@ -294,8 +287,17 @@ impl Registrar {
         }
     }
 
-    /// Keeps the master's list in line until [`end`](Self::end).
+    /// Keeps the master's list in line until [`end`](Self::end). After a panic, which is logged where panics are, it
+    /// goes on.
     pub(crate) fn run(&self) {
+        while catch_unwind(AssertUnwindSafe(|| self.keep_in_line())).is_err() && !self.is_ended() {
+            self.wait(Instant::now() + CHECK_PERIOD, true);
+        }
+        lock(&self.state).is_done = true;
+        self.changed.notify_all();
+    }
+
+    fn keep_in_line(&self) {
         let (mut next_check, mut next_graph) = (Instant::now() + CHECK_PERIOD, Instant::now());
         let mut is_silent = false;
         loop {
@@ -303,6 +305,7 @@ impl Registrar {
             let mut answers = true;
             // First, because one that was restarted is to be told everything, not only what is new.
             if is_silent || now >= next_check {
+                self.subscriptions().iter().for_each(|subscription| subscription.connect_missing());
                 answers = self.check_known();
                 next_check = now + CHECK_PERIOD;
             }
@@ -328,8 +331,6 @@ impl Registrar {
         if let Err(error) = self.synchronise() {
             log::debug!("not everything could be unregistered: {error}");
         }
-        lock(&self.state).is_done = true;
-        self.changed.notify_all();
     }
 
     /// Waits for something to do, unless the master is silent, or until a time; true at the end.
@@ -353,6 +354,7 @@ impl Registrar {
     /// That of the first call that the master did not answer. What it refuses is logged and not tried again.
     fn synchronise(&self) -> Result<(), CallError> {
         loop {
+            self.unregister_together()?;
             let Some(step) = lock(&self.state).next_step() else { return Ok(()) };
             let result = match &step {
                 Step::Unregister(entry) => self.unregister(entry),
@@ -400,6 +402,9 @@ impl Registrar {
                 publishers.sort();
                 publishers.dedup();
                 self.hand_on(topic, publishers);
+                let mut state = lock(&self.state);
+                let handed_on = state.publishers.get(topic).cloned().unwrap_or_default();
+                state.registered_publishers.insert(topic.clone(), handed_on);
                 Ok(())
             }
             Entry::Service { service, api, .. } => self.master.call("registerService", &[service, api, own]).map(drop),
@@ -414,13 +419,18 @@ impl Registrar {
     }
 
     fn unregister(&self, entry: &Entry) -> Result<(), CallError> {
+        let (method, params) = self.unregistration(entry);
+        self.master.call(method, &params).map(drop)
+    }
+
+    /// The call that takes a registration back, with its parameters behind the node's name.
+    fn unregistration<'a>(&'a self, entry: &'a Entry) -> (&'static str, [&'a str; 2]) {
         let own = self.master.node_uri.as_str();
-        let (method, name, api) = match entry {
-            Entry::Publisher { topic, .. } => ("unregisterPublisher", topic, own),
-            Entry::Subscriber { topic, .. } => ("unregisterSubscriber", topic, own),
-            Entry::Service { service, api, .. } => ("unregisterService", service, api.as_str()),
-        };
-        self.master.call(method, &[name, api]).map(drop)
+        match entry {
+            Entry::Publisher { topic, .. } => ("unregisterPublisher", [topic, own]),
+            Entry::Subscriber { topic, .. } => ("unregisterSubscriber", [topic, own]),
+            Entry::Service { service, api, .. } => ("unregisterService", [service, api]),
+        }
     }
 
     /// Asks the master whether it knows the node; one that does not was restarted. False if it does not answer.
@@ -449,24 +459,37 @@ impl Registrar {
     }
 
     /// Compares with the master's list: what is not on it is registered again, and so is a subscription that has fewer
-    /// publishers than the master knows, since what the master tells may be lost on the way. What is wanted no more
-    /// stays registered until it is unregistered.
+    /// publishers than the master knows, since what the master tells may be lost on the way, or more, which it was told
+    /// by somebody else. What is wanted no more stays registered until it is unregistered.
     fn repair(&self) {
         let Some(system) = self.query() else { return };
         let publications = self.publications().unwrap_or_default();
-        let has_lost_publishers = |entry: &Entry, state: &State| {
+        let connected: BTreeMap<String, usize> =
+            self.subscriptions().iter().map(|subscription| connected_with(subscription)).collect();
+        let has_others = |entry: &Entry, state: &State| {
             let Entry::Subscriber { topic, .. } = entry else { return false };
             let named = publications.get(topic).map_or(0, |publication| publication.nodes.len());
-            named > state.publishers.get(topic).map_or(0, Vec::len)
+            let (known, registered) = (state.publishers.get(topic), state.registered_publishers.get(topic));
+            let count = known.map_or(0, Vec::len);
+            // Connections that stand are kept, whatever the master says; and registering again helps once.
+            let is_surplus = count > named.max(connected.get(topic).copied().unwrap_or_default());
+            named.min(MOST_PUBLISHERS) > count || (is_surplus && known != registered)
         };
         let mut state = lock(&self.state);
-        let is_lost = |entry: &&Entry| !entry.is_in(&system) || has_lost_publishers(entry, &state);
+        let is_lost = |entry: &&Entry| !entry.is_in(&system) || has_others(entry, &state);
         let lost: Vec<Entry> = state.registered.intersection(&state.wanted).filter(is_lost).cloned().collect();
         for entry in lost {
             log::debug!("registering again: {entry:?}");
             state.registered.remove(&entry);
         }
     }
+}
+
+/// A subscribed topic, and with how many publishers the node is connected.
+fn connected_with(subscription: &Subscription) -> (String, usize) {
+    let links = subscription.links();
+    let count = links.iter().filter(|link| link.connected().is_some()).count();
+    (subscription.wanted().topic.to_string(), count)
 }
 
 /// The registration of a subscription.
@@ -476,103 +499,4 @@ fn subscriber_entry(subscription: &Subscription) -> Entry {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::xmlrpc::{parse_call, Answer, Server, Value};
-    use std::sync::mpsc::{channel, Receiver};
-
-    /// A master that notes its calls, and may forget everything.
-    struct TestMaster {
-        _server: Server,
-        calls: Receiver<String>,
-        known: Arc<Mutex<bool>>,
-        registrar: Arc<Registrar>,
-    }
-
-    fn start() -> TestMaster {
-        start_with(|| Answer::Value(Value::Array(vec![Value::Int(0), "".into(), Value::Int(0)])))
-    }
-
-    /// A master whose list `system_state` answers.
-    fn start_with(system_state: impl Fn() -> Answer + Send + Sync + 'static) -> TestMaster {
-        let (sender, calls) = channel();
-        let (sender, known) = (Mutex::new(sender), Arc::new(Mutex::new(false)));
-        let is_known = Arc::clone(&known);
-        let server = Server::start("master", "127.0.0.1:0".parse().unwrap(), move |text| {
-            let (method, params) = parse_call(text).unwrap();
-            let answer = |value| Answer::Value(Value::Array(vec![Value::Int(1), "".into(), value]));
-            match method.as_str() {
-                "lookupNode" if !*lock(&is_known) => {
-                    Answer::Value(Value::Array(vec![Value::Int(-1), "unknown node".into(), "".into()]))
-                }
-                // This node's own address.
-                "lookupNode" => answer("http://127.0.0.1:1/".into()),
-                "getSystemState" => system_state(),
-                "getTopicTypes" => answer(Value::Array(Vec::new())),
-                _ => {
-                    *lock(&is_known) = true;
-                    let line = format!("{method} {}", params[1].as_str().unwrap());
-                    lock(&sender).send(line).unwrap();
-                    answer(Value::Array(Vec::new()))
-                }
-            }
-        })
-        .unwrap();
-        let master = Master {
-            uri: format!("http://{}/", server.address()),
-            node_name: "/node".to_owned(),
-            node_uri: "http://127.0.0.1:1/".to_owned(),
-        };
-        let registrar = Registrar::new(master, Arc::default(), |_| {});
-        let running = Arc::clone(&registrar);
-        std::thread::spawn(move || running.run());
-        TestMaster { _server: server, calls, known, registrar }
-    }
-
-    fn next(master: &TestMaster) -> String {
-        master.calls.recv_timeout(Duration::from_secs(5)).unwrap()
-    }
-
-    #[test]
-    fn what_is_wanted_is_registered_and_again_with_a_master_that_forgot_it() {
-        let master = start();
-        let entry =
-            Entry::Publisher { topic: "/image".to_owned(), ros_type: "sensor_msgs/Image".to_owned(), number: 1 };
-        master.registrar.add(entry.clone());
-        assert_eq!(next(&master), "registerPublisher /image");
-        *lock(&master.known) = false;
-        let begin = Instant::now();
-        assert_eq!(next(&master), "registerPublisher /image");
-        assert!(begin.elapsed() < Duration::from_secs(2));
-        master.registrar.remove(&entry);
-        assert_eq!(next(&master), "unregisterPublisher /image");
-        master.registrar.add(Entry::Service { service: "/s".to_owned(), api: "rosrpc://x:1".to_owned(), number: 2 });
-        assert_eq!(next(&master), "registerService /s");
-        master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
-        assert_eq!(next(&master), "unregisterService /s");
-    }
-
-    #[test]
-    fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
-        let entry = Entry::Subscriber { topic: "/a".to_owned(), ros_type: "a/B".to_owned(), number: 1 };
-        let list = |nodes: &str| {
-            let topic = vec!["/a".into(), Value::Array(vec![nodes.into()])];
-            Value::Array(vec![Value::Array(topic)])
-        };
-        let state = Value::Array(vec![list("/talker"), list("/node"), Value::Array(Vec::new())]);
-        let registrar: Arc<Mutex<Option<Arc<Registrar>>>> = Arc::default();
-        let (shared, removed) = (Arc::clone(&registrar), entry.clone());
-        let master = start_with(move || {
-            let registrar = lock(&shared).clone();
-            if let Some(registrar) = registrar.filter(|one| lock(&one.state).registered.contains(&removed)) {
-                registrar.remove(&removed);
-            }
-            Answer::Value(Value::Array(vec![Value::Int(1), "".into(), state.clone()]))
-        });
-        *lock(&registrar) = Some(Arc::clone(&master.registrar));
-        master.registrar.add(entry);
-        assert_eq!(next(&master), "registerSubscriber /a");
-        assert_eq!(next(&master), "unregisterSubscriber /a");
-        master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
-    }
-}
+mod tests;

@@ -7,7 +7,8 @@
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::net::{Shutdown, SocketAddr, TcpStream, ToSocketAddrs};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -31,6 +32,9 @@ const MAX_MESSAGE_BYTES: u32 = 1_000_000_000;
 /// What is made room for before the bytes are there, whatever length is announced.
 const FIRST_ROOM_BYTES: usize = 16 << 20;
 const STACK_BYTES: usize = 1 << 20;
+/// So many threads may read from the publishers of a topic. One of a publisher that is no longer named may wait for its
+/// answer for a while.
+const MOST_THREADS: usize = 512;
 
 /// What a subscription is for.
 #[derive(Clone, Debug)]
@@ -83,6 +87,8 @@ pub(crate) struct Subscription {
     wanted: Arc<Wanted>,
     handler: Arc<dyn Handler>,
     links: Mutex<Links>,
+    /// Those of links that are ending included.
+    threads: Arc<AtomicUsize>,
 }
 
 /// The publishers of a topic.
@@ -157,7 +163,7 @@ impl Link {
 impl Subscription {
     /// A topic without publishers.
     pub(crate) fn new(wanted: Wanted, handler: Arc<dyn Handler>) -> Self {
-        Self { wanted: Arc::new(wanted), handler, links: Mutex::default() }
+        Self { wanted: Arc::new(wanted), handler, links: Mutex::default(), threads: Arc::default() }
     }
 
     /// The topic and its type.
@@ -184,6 +190,11 @@ impl Subscription {
         self.connect(&mut links);
     }
 
+    /// Connects with publishers for which there was no thread before.
+    pub(crate) fn connect_missing(&self) {
+        self.connect(&mut lock(&self.links));
+    }
+
     /// Starts and ends links, so that there is one for each publisher that there should be.
     fn connect(&self, Links { by_uri, named, is_paused }: &mut Links) {
         let wanted = if *is_paused { &[] } else { named.as_slice() };
@@ -204,6 +215,10 @@ impl Subscription {
     }
 
     fn start(&self, uri: &str) -> Option<Arc<Link>> {
+        let counted = Counted::new(&self.threads);
+        if self.threads.load(Ordering::Acquire) > MOST_THREADS {
+            return None;
+        }
         let link = Arc::new(Link {
             uri: uri.to_owned(),
             received_bytes: AtomicU64::new(0),
@@ -214,7 +229,10 @@ impl Subscription {
             waiting: Mutex::default(),
         });
         let (own, wanted, handler) = (Arc::clone(&link), Arc::clone(&self.wanted), Arc::clone(&self.handler));
-        let reading = move || keep_connected(&own, &wanted, &*handler);
+        let reading = move || {
+            let _counted = counted;
+            read_until_ended(&own, &wanted, &*handler);
+        };
         let builder = std::thread::Builder::new().name("tcpros-pub".to_owned()).stack_size(STACK_BYTES);
         match builder.spawn(reading) {
             Ok(_) => Some(link),
@@ -231,6 +249,34 @@ impl Drop for Subscription {
         for link in self.links() {
             link.end();
         }
+    }
+}
+
+/// One of the threads of a subscription.
+struct Counted(Arc<AtomicUsize>);
+
+impl Counted {
+    fn new(threads: &Arc<AtomicUsize>) -> Self {
+        threads.fetch_add(1, Ordering::AcqRel);
+        Self(Arc::clone(threads))
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
+/// A panic, which is logged where panics are, is taken for a break of the connection.
+fn read_until_ended(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
+    while catch_unwind(AssertUnwindSafe(|| keep_connected(link, wanted, handler))).is_err() {
+        let connection = lock(&link.connection).take();
+        if let Some((_, source)) = connection {
+            // It may panic as well.
+            let _ = catch_unwind(AssertUnwindSafe(|| handler.disconnected(&source)));
+        }
+        link.sleep(LONGEST_RETRY);
     }
 }
 
@@ -429,6 +475,7 @@ mod tests {
         fn connected(&self, _source: &Source) {}
 
         fn message(&self, bytes: Vec<u8>, source: &Source) {
+            assert!(bytes != PANICS, "a test's panic");
             let _ = lock(&self.0).send((bytes, source.clone()));
         }
 
@@ -453,6 +500,8 @@ mod tests {
         stream.write_all(bytes).unwrap();
     }
 
+    /// A message at which the handler panics.
+    const PANICS: &[u8] = b"panics";
     const PATIENCE: Duration = Duration::from_secs(5);
 
     #[test]
@@ -506,6 +555,29 @@ mod tests {
         let mut stream = publisher.accept();
         send(&mut stream, b"");
         assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"");
+    }
+
+    #[test]
+    fn a_panic_at_a_message_is_a_break_of_the_connection() {
+        let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
+        subscription.set_publishers(&[publisher.uri()]);
+        let mut broken = publisher.accept();
+        send(&mut broken, PANICS);
+        let mut stream = publisher.accept();
+        send(&mut stream, b"next");
+        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"next");
+    }
+
+    #[test]
+    fn publishers_without_a_thread_are_connected_with_as_soon_as_there_is_one() {
+        let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
+        subscription.threads.store(MOST_THREADS, Ordering::Release);
+        subscription.set_publishers(&[publisher.uri()]);
+        assert!(subscription.links().is_empty());
+        assert_eq!(subscription.threads.swap(0, Ordering::AcqRel), MOST_THREADS);
+        subscription.connect_missing();
+        send(&mut publisher.accept(), b"x");
+        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"x");
     }
 
     #[test]

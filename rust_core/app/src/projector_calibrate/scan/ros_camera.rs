@@ -163,7 +163,8 @@ fn kind_of_images(
 ) -> Result<MessageKind, ConnectError> {
     let name = node.resolve(topic)?;
     loop {
-        let publications = node.query_publications();
+        // As the node knows them: a master that hangs must not hold up the end.
+        let publications = node.publications();
         if let Some(publication) = publications.as_ref().and_then(|publications| publications.get(&name)) {
             let is_packed = publication.ros_type == MessageKind::CompressedImage.ros_type();
             return Ok(if is_packed { MessageKind::CompressedImage } else { MessageKind::Image });

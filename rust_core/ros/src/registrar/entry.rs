@@ -1,0 +1,47 @@
+//! A registration: what the master is told.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::graph::SystemState;
+
+/// A registration: what the master is told. Two of the same name and type differ by their number, so that one that
+/// takes the place of another is registered anew.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Entry {
+    /// The node publishes a topic of a type.
+    Publisher { topic: String, ros_type: String, number: u64 },
+    /// The node subscribes to a topic of a type.
+    Subscriber { topic: String, ros_type: String, number: u64 },
+    /// The node serves at an address `rosrpc://host:port`.
+    Service { service: String, api: String, number: u64 },
+}
+
+impl Entry {
+    /// A number that no other entry of the process has.
+    pub(crate) fn next_number() -> u64 {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        NEXT.fetch_add(1, Ordering::Relaxed)
+    }
+
+    pub(super) fn name(&self) -> &str {
+        match self {
+            Self::Publisher { topic, .. } | Self::Subscriber { topic, .. } => topic,
+            Self::Service { service, .. } => service,
+        }
+    }
+
+    /// Whether the master has one place for both: unregistering one of them unregisters the other.
+    pub(super) fn shares_place(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other) && self.name() == other.name()
+    }
+
+    /// Whether it is on the master's list.
+    pub(super) fn is_in(&self, state: &SystemState) -> bool {
+        let names = match self {
+            Self::Publisher { .. } => &state.own_publications,
+            Self::Subscriber { .. } => &state.own_subscriptions,
+            Self::Service { .. } => &state.own_services,
+        };
+        names.contains(self.name())
+    }
+}

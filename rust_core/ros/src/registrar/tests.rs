@@ -1,0 +1,144 @@
+//! Registering with a master that answers as a test wants it.
+
+use super::*;
+use crate::tcpros::{Handler, Source, Wanted};
+use crate::xmlrpc::{parse_call, Answer, Server, Value};
+use std::sync::mpsc::{channel, Receiver};
+
+/// A master that notes its calls, and may forget everything.
+struct TestMaster {
+    _server: Server,
+    calls: Receiver<String>,
+    known: Arc<Mutex<bool>>,
+    registrar: Arc<Registrar>,
+}
+
+fn start() -> TestMaster {
+    start_with(no_list, |_| {})
+}
+
+fn no_list() -> Answer {
+    Answer::Value(Value::Array(vec![Value::Int(0), "".into(), Value::Int(0)]))
+}
+
+/// A master whose list `system_state` answers.
+fn start_with(
+    system_state: impl Fn() -> Answer + Send + Sync + 'static,
+    on_publisher_left: impl Fn(&str) + Send + Sync + 'static,
+) -> TestMaster {
+    let (sender, calls) = channel();
+    let (sender, known) = (Mutex::new(sender), Arc::new(Mutex::new(false)));
+    let is_known = Arc::clone(&known);
+    let server = Server::start("master", "127.0.0.1:0".parse().unwrap(), move |text| {
+        let (method, params) = parse_call(text).unwrap();
+        let answer = |value| Answer::Value(Value::Array(vec![Value::Int(1), "".into(), value]));
+        match method.as_str() {
+            "lookupNode" if !*lock(&is_known) => {
+                Answer::Value(Value::Array(vec![Value::Int(-1), "unknown node".into(), "".into()]))
+            }
+            // This node's own address.
+            "lookupNode" => answer("http://127.0.0.1:1/".into()),
+            "getSystemState" => system_state(),
+            "getTopicTypes" => answer(Value::Array(Vec::new())),
+            _ => {
+                *lock(&is_known) = true;
+                let line = format!("{method} {}", params[1].as_str().unwrap());
+                lock(&sender).send(line).unwrap();
+                answer(Value::Array(Vec::new()))
+            }
+        }
+    })
+    .unwrap();
+    let master = Master {
+        uri: format!("http://{}/", server.address()),
+        node_name: "/node".to_owned(),
+        node_uri: "http://127.0.0.1:1/".to_owned(),
+    };
+    let registrar = Registrar::new(master, Arc::default(), on_publisher_left);
+    let running = Arc::clone(&registrar);
+    std::thread::spawn(move || running.run());
+    TestMaster { _server: server, calls, known, registrar }
+}
+
+fn next(master: &TestMaster) -> String {
+    master.calls.recv_timeout(Duration::from_secs(5)).unwrap()
+}
+
+#[test]
+fn after_a_panic_registering_goes_on() {
+    let master = start_with(no_list, |_| panic!("a test's panic"));
+    let wanted = Wanted {
+        topic: "/a".into(),
+        ros_type: "a/B".to_owned(),
+        md5sum: "abc".to_owned(),
+        definition: String::new(),
+        node_name: "/node".to_owned(),
+        number: 0,
+    };
+    let subscription = Arc::new(Subscription::new(wanted, Arc::new(NoHandler)));
+    master.registrar.subscribe(&subscription);
+    assert_eq!(next(&master), "registerSubscriber /a");
+    // Port 9 (discard) answers nowhere. A master that was restarted names nobody, so that this publisher has left.
+    master.registrar.set_publishers("/a", vec!["http://127.0.0.1:9/".to_owned()]);
+    *lock(&master.known) = false;
+    assert_eq!(next(&master), "registerSubscriber /a");
+    master.registrar.add(Entry::Service { service: "/s".to_owned(), api: "rosrpc://x:1".to_owned(), number: 1 });
+    while next(&master) != "registerService /s" {}
+}
+
+struct NoHandler;
+
+impl Handler for NoHandler {
+    fn contact_failed(&self, _uri: &str, _reason: &str) {}
+
+    fn contacted(&self, _uri: &str) {}
+
+    fn connected(&self, _source: &Source) {}
+
+    fn message(&self, _bytes: Vec<u8>, _source: &Source) {}
+
+    fn disconnected(&self, _source: &Source) {}
+}
+
+#[test]
+fn what_is_wanted_is_registered_and_again_with_a_master_that_forgot_it() {
+    let master = start();
+    let entry = Entry::Publisher { topic: "/image".to_owned(), ros_type: "sensor_msgs/Image".to_owned(), number: 1 };
+    master.registrar.add(entry.clone());
+    assert_eq!(next(&master), "registerPublisher /image");
+    *lock(&master.known) = false;
+    let begin = Instant::now();
+    assert_eq!(next(&master), "registerPublisher /image");
+    assert!(begin.elapsed() < Duration::from_secs(2));
+    master.registrar.remove(&entry);
+    assert_eq!(next(&master), "unregisterPublisher /image");
+    master.registrar.add(Entry::Service { service: "/s".to_owned(), api: "rosrpc://x:1".to_owned(), number: 2 });
+    assert_eq!(next(&master), "registerService /s");
+    master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
+    assert_eq!(next(&master), "unregisterService /s");
+}
+
+#[test]
+fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
+    let entry = Entry::Subscriber { topic: "/a".to_owned(), ros_type: "a/B".to_owned(), number: 1 };
+    let list = |nodes: &str| {
+        let topic = vec!["/a".into(), Value::Array(vec![nodes.into()])];
+        Value::Array(vec![Value::Array(topic)])
+    };
+    let state = Value::Array(vec![list("/talker"), list("/node"), Value::Array(Vec::new())]);
+    let registrar: Arc<Mutex<Option<Arc<Registrar>>>> = Arc::default();
+    let (shared, removed) = (Arc::clone(&registrar), entry.clone());
+    let system_state = move || {
+        let registrar = lock(&shared).clone();
+        if let Some(registrar) = registrar.filter(|one| lock(&one.state).registered.contains(&removed)) {
+            registrar.remove(&removed);
+        }
+        Answer::Value(Value::Array(vec![Value::Int(1), "".into(), state.clone()]))
+    };
+    let master = start_with(system_state, |_| {});
+    *lock(&registrar) = Some(Arc::clone(&master.registrar));
+    master.registrar.add(entry);
+    assert_eq!(next(&master), "registerSubscriber /a");
+    assert_eq!(next(&master), "unregisterSubscriber /a");
+    master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
+}
