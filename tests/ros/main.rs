@@ -4,6 +4,7 @@
 mod bags;
 mod faults;
 mod images;
+mod limits;
 mod messages;
 mod node;
 mod raw;

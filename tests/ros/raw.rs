@@ -14,7 +14,11 @@ pub(crate) fn call(uri: &str, method: &str, params: &[&str]) -> io::Result<Strin
         "TCPROS" => format!("<param><value>{protocols}</value></param>"),
         text => format!("<param><value><string>{text}</string></value></param>"),
     };
-    let params: String = params.iter().map(param).collect();
+    call_xml(uri, method, &params.iter().map(param).collect::<String>())
+}
+
+/// Calls a method with parameters in XML.
+pub(crate) fn call_xml(uri: &str, method: &str, params: &str) -> io::Result<String> {
     let body = format!("<methodCall><methodName>{method}</methodName><params>{params}</params></methodCall>");
     let host = uri.trim_start_matches("http://").trim_end_matches('/');
     let mut stream = TcpStream::connect(host)?;
