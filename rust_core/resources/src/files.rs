@@ -145,8 +145,8 @@ pub(crate) fn read_small_text(path: &Path, max_bytes: u64) -> Option<String> {
     String::from_utf8(options.read(path).ok()?).ok()
 }
 
-/// The contents of a file that the user has named, wherever it lies: a regular one of at most `max_bytes`. Does not wait
-/// for the other end of a FIFO that has taken the file's place.
+/// The contents of a file that the user has named, wherever it lies: a regular one of at most `max_bytes`. Does not
+/// wait for the other end of a FIFO that has taken the file's place.
 ///
 /// # Errors
 /// The system's, or that the file is no regular one or too large.

@@ -67,8 +67,8 @@ impl Waiting {
 }
 
 impl LineQueue {
-    /// Lines for a stream. `name` is that of the thread which will write them; it reads no environment variable, so that
-    /// [`rcs_ros::init`] may still change some.
+    /// Lines for a stream. `name` is that of the thread which will write them; it reads no environment variable, so
+    /// that [`rcs_ros::init`] may still change some.
     pub(super) fn new(
         name: &'static str,
         stream: File,

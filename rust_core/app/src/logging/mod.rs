@@ -111,8 +111,8 @@ pub fn start(debug: bool) {
     install(Console::new(debug, Format::parse(PLAIN_FORMAT), false));
 }
 
-/// Starts logging for a node; with `debug` also this project's debug messages. The program's last lines are written when
-/// what is returned is dropped.
+/// Starts logging for a node; with `debug` also this project's debug messages. The program's last lines are written
+/// when what is returned is dropped.
 pub fn start_node(debug: bool) -> Flush {
     let format = std::env::var("ROSCONSOLE_FORMAT").unwrap_or_else(|_| format::DEFAULT.to_owned());
     let mut console = Console::new(debug, Format::parse(&format), true);
