@@ -281,7 +281,7 @@ impl Instances {
                 continue;
             };
             if placed.is_small && these.len() > LANES {
-                placed.draw_small(these, transform, batches, view, screen, scratch, band);
+                placed.draw_small(these, transform, (batches, view), screen, scratch, band);
                 continue;
             }
             scratch.begin();
@@ -348,8 +348,7 @@ impl Placed {
         &self,
         numbers: &[u32],
         transform: &ObjectTransform,
-        batches: &[Batch<'_>],
-        view: &BatchView<'_>,
+        (batches, view): (&[Batch<'_>], &BatchView<'_>),
         screen: &Screen,
         scratch: &mut InstanceScratch,
         band: &mut Band<'_>,
