@@ -174,7 +174,7 @@ impl Registrar {
             if named <= MOST_PUBLISHERS {
                 state.crowded.remove(topic);
             } else if state.crowded.insert(topic.to_owned()) {
-                log::warn!("{topic}: {named} publishers are named, connecting with {} at most", MOST_PUBLISHERS);
+                log::warn!("{topic}: {named} publishers are named, connecting with {MOST_PUBLISHERS} at most");
             }
             let before = state.publishers.insert(topic.to_owned(), uris.clone()).unwrap_or_default();
             self.contacts.retain(|uri| state.publishers.values().flatten().any(|named| named == uri));
