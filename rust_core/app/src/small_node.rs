@@ -48,13 +48,13 @@ pub fn remapping_of(name: &str) -> Option<String> {
 pub fn run_main<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<()>) -> ExitCode {
     let arguments = A::parse_from(own_arguments());
     let _flush = logging::start_node(false);
-    finish(run(arguments))
+    finish(&run(arguments))
 }
 
 /// Logs the error that ends the program, if there is one, ends the process's node, and gives the exit status.
-pub fn finish(result: anyhow::Result<()>) -> ExitCode {
+pub fn finish(result: &anyhow::Result<()>) -> ExitCode {
     let node = NODE.lock().unwrap_or_else(PoisonError::into_inner).take();
-    if let Err(error) = &result {
+    if let Err(error) = result {
         logging::log_last(&logging::one_line(error));
         if let Some(node) = &node {
             node.flush_log(LAST_LINE_TIMEOUT);

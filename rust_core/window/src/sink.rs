@@ -30,7 +30,8 @@ pub struct PictureSink(Arc<Inner>);
 
 #[derive(Debug)]
 struct Inner {
-    newest: Mutex<Option<Handed>>,
+    /// With when the first was handed over of those that were not taken.
+    newest: Mutex<Option<(Handed, Instant)>>,
     is_closing: AtomicBool,
     refresh: Mutex<Option<Refresh>>,
     /// In place of the options'.
@@ -114,9 +115,12 @@ impl PictureSink {
     }
 
     fn hand_over(&self, picture: Handed) {
-        let replaced = lock(&self.0.newest).replace(picture);
+        let mut newest = lock(&self.0.newest);
+        let waiting_since = newest.as_ref().map(|(_, since)| *since);
+        *newest = Some((picture, waiting_since.unwrap_or_else(Instant::now)));
+        drop(newest);
         // One wake-up is enough for any number of pictures.
-        if replaced.is_none() {
+        if waiting_since.is_none() {
             self.wake();
         }
     }
@@ -128,7 +132,13 @@ impl PictureSink {
 
     /// The newest picture, once.
     pub(crate) fn take(&self) -> Option<Handed> {
-        lock(&self.0.newest).take()
+        lock(&self.0.newest).take().map(|(picture, _)| picture)
+    }
+
+    /// Since when there has been a picture that the window has not taken. An open window takes each at once, unless
+    /// its display server does not answer.
+    pub fn waiting_since(&self) -> Option<Instant> {
+        lock(&self.0.newest).as_ref().map(|(_, since)| *since)
     }
 
     /// What becomes readable when something was asked of the window.

@@ -93,6 +93,30 @@ fn the_topics_go_on_when_the_x_server_dies_and_the_window_comes_back_with_it() {
 }
 
 #[test]
+fn a_window_whose_display_server_hangs_is_logged() {
+    let screen = Screen::start();
+    let fixture = start(&screen, &["--window", "auto"]);
+    assert!(wait_until(PATIENCE, || has_picture(&screen)), "{}", fixture.log());
+    screen.signal("STOP");
+    let mut color = 0;
+    let mut is_logged = || {
+        color += 1;
+        fixture.python(format!("latch('/cloud', cloud({color}))"));
+        std::thread::sleep(Duration::from_millis(100));
+        fixture.log().contains("showing a picture in the window of ")
+    };
+    let begin = Instant::now();
+    while !is_logged() {
+        assert!(begin.elapsed() < PATIENCE, "{}", fixture.log());
+    }
+    assert!(fixture.log().contains(" s so far; the display server may not answer"), "{}", fixture.log());
+    println!("logged after {:.1?}", begin.elapsed());
+    screen.signal("CONT");
+    fixture.python("latch('/cloud', cloud(0xff8000))");
+    assert!(wait_until(PATIENCE, || has_picture(&screen)), "{}", fixture.log());
+}
+
+#[test]
 fn a_window_that_cannot_open_is_tried_again_and_the_topics_go_on() {
     let screen = Screen::start();
     let fixture = start(&screen, &["--window", "CameraPub=HDMI-9"]);

@@ -21,6 +21,7 @@ mod status_log;
 mod status_tree;
 mod subscriptions;
 mod visibility;
+pub mod watchdog;
 mod window_arguments;
 
 use std::process::ExitCode;
@@ -85,7 +86,7 @@ pub fn main() -> ExitCode {
                 .map_err(|error| anyhow!("standard output: {error}"))
         }
         Some(Command::Render(args)) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
-        None => return small_node::finish(node::run(&cli, &config)),
+        None => return small_node::finish(&node::run(&cli, &config)),
         Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
     };
     finished(result)

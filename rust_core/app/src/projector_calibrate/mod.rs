@@ -72,7 +72,7 @@ pub fn main() -> ExitCode {
         Err(failure) => failure.report(),
     };
     // Ends a node that a command left on its way out.
-    small_node::finish(Ok(()));
+    small_node::finish(&Ok(()));
     status
 }
 

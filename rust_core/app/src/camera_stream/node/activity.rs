@@ -1,8 +1,10 @@
-//! What the scene's thread is doing, for those who wait for it.
+//! What the scene's thread is doing, for those who wait for it and for the [watchdog](crate::camera_stream::watchdog).
 
 use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+
+use crate::camera_stream::watchdog::Worker;
 
 /// A step of the scene's thread.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,7 +44,7 @@ pub(super) struct Busy {
     /// What it is doing.
     pub(super) step: Step,
     /// Since when it has been doing that.
-    pub(super) step_since: Instant,
+    step_since: Instant,
 }
 
 /// What the scene's thread is doing. It notes that itself; others read it.
@@ -72,6 +74,16 @@ impl Activity {
     /// What the thread is doing, if it has been busy for at least this long.
     pub(super) fn busy_for(&self, duration: Duration) -> Option<Busy> {
         self.lock().clone().filter(|busy| busy.since.elapsed() >= duration)
+    }
+}
+
+impl Worker for Activity {
+    fn step(&self) -> Option<(String, Instant)> {
+        self.lock().as_ref().map(|busy| (busy.step.to_string(), busy.step_since))
+    }
+
+    fn consequence(&self) -> Option<&'static str> {
+        Some("the last pictures are repeated")
     }
 }
 

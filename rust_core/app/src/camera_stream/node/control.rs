@@ -2,7 +2,8 @@
 //!
 //! It handles signals and the calls of services, has the config read again, and watches the scene's thread. While that
 //! has been busy for [`STAND_IN_AFTER`], the last pictures are repeated from here as their frame rates ask for it;
-//! after [`REPORT_AFTER`] `/diagnostics` says what takes so long, and after [`HANG_AFTER`] the log does, too.
+//! after [`REPORT_AFTER`] `/diagnostics` says what takes so long, and later the [watchdog](crate::camera_stream::watchdog)
+//! in the log.
 
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -19,6 +20,7 @@ use super::file_watch::FileWatch;
 use super::shared::{Reload, Shared};
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::log_findings;
+use crate::camera_stream::watchdog::Task;
 use crate::logging::{self, one_line};
 use crate::small_node::EndRequest;
 
@@ -30,8 +32,6 @@ const STAND_IN_SLEEP: Duration = Duration::from_millis(10);
 const STAND_IN_AFTER: Duration = Duration::from_millis(50);
 /// How long it may be busy before that is a status.
 const REPORT_AFTER: Duration = Duration::from_secs(1);
-/// How long it may be busy with one step before that is logged as a hang; again after each doubling.
-const HANG_AFTER: Duration = Duration::from_secs(5);
 /// How long a caller of `reload_config` waits for the scene's thread.
 const RELOAD_PATIENCE: Duration = Duration::from_millis(150);
 /// The answer for a caller whose config is not the newest.
@@ -56,8 +56,7 @@ pub(super) struct Control {
     watch: Option<FileWatch>,
     /// When the caller of `reload_config` gets an answer at the latest.
     answer_reload_at: Option<Instant>,
-    /// How long a hang lasts that is logged next.
-    next_hang: Duration,
+    task: Arc<Task>,
 }
 
 impl Control {
@@ -77,7 +76,7 @@ impl Control {
             reload_service: shared.ros.serve_trigger("~reload_config")?,
             watch: watch(cli, &shared.ros)?,
             answer_reload_at: None,
-            next_hang: HANG_AFTER,
+            task: Task::watched("answering calls"),
         })
     }
 
@@ -88,13 +87,16 @@ impl Control {
     pub(super) fn run(mut self, scene: JoinHandle<()>, end: &EndRequest) -> Result<()> {
         let shared = Arc::clone(&self.shared);
         while !end.is_requested() && !scene.is_finished() {
+            self.task.begin();
             let busy = shared.activity.busy_for(STAND_IN_AFTER);
             self.stand_in(busy.as_ref());
-            self.report_hang(busy.as_ref());
             self.answer_late_reload();
             logging::report_left_out();
             let sleep = if busy.is_some() { STAND_IN_SLEEP } else { LONGEST_SLEEP };
-            for call in shared.ros.calls().wait(sleep) {
+            self.task.rest();
+            let calls = shared.ros.calls().wait(sleep);
+            self.task.begin();
+            for call in calls {
                 self.answer(call);
             }
             if self.watch.as_ref().is_some_and(FileWatch::take_change) {
@@ -128,20 +130,6 @@ impl Control {
         if busy_for >= REPORT_AFTER {
             let text = format!("busy for {:.1} s, at present {}", busy_for.as_secs_f64(), busy.step);
             self.shared.diagnostics().report_busy(&self.shared.ros, &text);
-        }
-    }
-
-    /// Logs a step that takes very long.
-    fn report_hang(&mut self, busy: Option<&Busy>) {
-        let lasts = busy.map_or(Duration::ZERO, |busy| busy.step_since.elapsed());
-        match busy {
-            Some(busy) if lasts >= self.next_hang => {
-                let step = &busy.step;
-                log::error!("{step} has taken {:.0} s so far; the last pictures are repeated", lasts.as_secs_f64());
-                self.next_hang = lasts.saturating_mul(2);
-            }
-            Some(_) if lasts >= HANG_AFTER => {}
-            _ => self.next_hang = HANG_AFTER,
         }
     }
 

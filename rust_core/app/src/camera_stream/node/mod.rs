@@ -40,6 +40,7 @@ use anyhow::{Context, Result};
 use rcs_rviz_config::Config;
 
 use crate::camera_stream::cli::Cli;
+use crate::camera_stream::watchdog::Watchdog;
 use crate::camera_stream::{log_findings, NODE_NAME};
 use crate::small_node::{self, EndRequest};
 use control::Control;
@@ -65,6 +66,7 @@ pub fn run(cli: &Cli, config: &Config) -> Result<()> {
 fn run_threads(cli: &Cli, config: &Config, shared: &Arc<Shared>, end: &EndRequest) -> Result<()> {
     let scene = SceneLoop::start(cli, config, shared)?;
     let control = Control::start(cli, config, shared)?;
+    let _watchdog = Watchdog::start().context("cannot start the watchdog's thread")?;
     let thread = std::thread::Builder::new().name("scene".to_owned()).spawn(move || scene.run());
     control.run(thread.context("cannot start the scene's thread")?, end)
 }

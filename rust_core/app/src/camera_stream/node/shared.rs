@@ -9,13 +9,14 @@ use rcs_rviz_config::Config;
 use super::activity::Activity;
 use super::camera::CameraOutput;
 use super::diagnostics::Diagnostics;
+use crate::camera_stream::watchdog;
 
 /// Shared by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
 /// displays are updated or pictures are drawn.
 pub(super) struct Shared {
     pub(super) ros: Arc<RosNode>,
     /// What the scene's thread is doing.
-    pub(super) activity: Activity,
+    pub(super) activity: Arc<Activity>,
     cameras: Mutex<Vec<CameraOutput>>,
     diagnostics: Mutex<Diagnostics>,
     /// A config that the scene's thread is to apply.
@@ -40,7 +41,8 @@ impl Shared {
     /// Without cameras.
     pub(super) fn new(ros: Arc<RosNode>) -> Self {
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
-        let (activity, cameras, reload) = (Activity::default(), Mutex::default(), Mutex::default());
+        let (activity, cameras, reload) = (Arc::<Activity>::default(), Mutex::default(), Mutex::default());
+        watchdog::watch(&activity);
         Self { ros, activity, cameras, diagnostics, reload, retry: AtomicBool::new(false), end: AtomicBool::new(false) }
     }
 

@@ -17,6 +17,7 @@ use rcs_ros::{ReconfigureServer, RosNode};
 use rcs_scene::Picture;
 
 use super::compressed_settings::{CompressionSettings, NAMES};
+use crate::camera_stream::watchdog::Task;
 
 /// The compressed pictures of a camera.
 pub(super) struct CompressedOutput {
@@ -131,8 +132,10 @@ impl Drop for CompressedOutput {
 fn encode_all(shared: &Shared) {
     rcs_resources::yield_to_others();
     let mut is_failure_logged = false;
+    let task = Task::watched(format!("compressing a picture of {}", shared.publisher.topic()));
     while let Some((picture, header, settings)) = shared.wait() {
         let publisher = &shared.publisher;
+        task.begin();
         let result = guarded(|| {
             let data = picture_file::encode(&picture, settings.coding()).map_err(|error| error.to_string())?;
             let format = settings.format(picture.encoding);
@@ -140,6 +143,7 @@ fn encode_all(shared: &Shared) {
             drop(picture);
             publisher.publish(header, &format, data).map_err(|error| error.to_string())
         });
+        task.rest();
         match result {
             Ok(()) => is_failure_logged = false,
             Err(error) if !is_failure_logged => {

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use rcs_window::{run_with, PictureSink, Refresh, UserEvent, WindowOptions};
 
 use super::{Frame, Output, OutputError};
+use crate::camera_stream::watchdog::{self, Task, Worker};
 
 /// How long a window that could not be opened is left alone.
 const RETRY_AFTER: Duration = Duration::from_secs(2);
@@ -23,6 +24,26 @@ const END_PATIENCE: Duration = Duration::from_millis(500);
 pub struct WindowOutput {
     sink: PictureSink,
     viewer: Arc<Viewer>,
+    /// Watched for as long as the output is used.
+    _showing: Arc<Showing>,
+}
+
+/// The window's part in showing pictures: it hangs where its display server does.
+struct Showing {
+    source: String,
+    sink: PictureSink,
+    viewer: Arc<Viewer>,
+}
+
+impl Worker for Showing {
+    fn step(&self) -> Option<(String, Instant)> {
+        let since = self.sink.waiting_since().filter(|_| self.viewer.is_there.load(Ordering::Acquire))?;
+        Some((format!("showing a picture in the window of {}", self.source), since))
+    }
+
+    fn consequence(&self) -> Option<&'static str> {
+        Some("the display server may not answer")
+    }
 }
 
 /// Who looks at the window's monitor.
@@ -48,7 +69,10 @@ impl WindowOutput {
         wake: impl Fn() + Send + 'static,
     ) -> std::io::Result<(WindowOutput, WindowThread)> {
         let (sink, viewer) = (PictureSink::new()?, Arc::<Viewer>::default());
-        let output = Self { sink: sink.clone(), viewer: Arc::clone(&viewer) };
+        let source = options.source.clone();
+        let showing = Arc::new(Showing { source, sink: sink.clone(), viewer: Arc::clone(&viewer) });
+        watchdog::watch(&showing);
+        let output = Self { sink: sink.clone(), viewer: Arc::clone(&viewer), _showing: showing };
         let window_sink = sink.clone();
         let running = move || keep_open(&options, &window_sink, &viewer, &wake);
         let thread = thread::Builder::new().name("window".to_owned()).spawn(running)?;
@@ -74,14 +98,18 @@ impl WindowOutput {
 /// Opens the window again whenever it had to close, until that is asked for or the user closes it.
 fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake: &dyn Fn()) {
     let mut last_error = String::new();
+    let opening = Task::watched(format!("opening the window of {}", options.source));
     while !sink.is_closing() {
+        opening.begin();
         let result = run_with(options, sink, |event, _| {
             if let UserEvent::Opened(_) = event {
+                opening.rest();
                 viewer.is_new.store(true, Ordering::Release);
                 viewer.is_there.store(true, Ordering::Release);
                 wake();
             }
         });
+        opening.rest();
         let was_open = viewer.is_there.swap(false, Ordering::AcqRel);
         match result {
             Ok(()) => {
