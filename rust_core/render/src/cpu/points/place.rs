@@ -122,8 +122,8 @@ impl<S: Simd> Corner<S> {
         let window_x = (x * inverse_w) * half_width + half_width;
         let window_y = half_height - (y * inverse_w) * half_height;
         Self {
-            x: nearest((window_x - 0.5) * SUB),
-            y: nearest((window_y - 0.5) * SUB),
+            x: snap(window_x),
+            y: snap(window_y),
             depth: (z * inverse_w) * (0.5 * FARTHEST) + 0.5 * FARTHEST,
             q: inverse_w * middle_w,
             is_between_the_planes: z.simd_le(w) & z.simd_ge(-w),
@@ -142,6 +142,13 @@ impl<S: Simd> Corner<S> {
             is_between_the_planes: one.is_between_the_planes & other.is_between_the_planes,
         }
     }
+}
+
+/// As [`snap`](crate::cpu::screen::snap): what lies in the middle of two snapped places goes away from zero.
+#[inline(always)]
+fn snap<S: Simd>(window: F<S>) -> F<S> {
+    let scaled = (window - 0.5) * SUB;
+    (scaled + F::splat(scaled.token(), 0.5).copysign(scaled)).trunc()
 }
 
 /// The largest whole number not above a value that is a multiple of 1/256.

@@ -12,7 +12,7 @@ use rcs_scene::{
 
 use super::{draw, paint, Cloud, PointScratch};
 use crate::cpu::band::{pack, BandBuffers};
-use crate::cpu::screen::{ObjectTransform, Screen};
+use crate::cpu::screen::{ObjectTransform, Screen, FARTHEST};
 use crate::{CpuRenderer, Renderer, View};
 use rcs_camera::simd_levels::levels;
 
@@ -104,22 +104,33 @@ fn faces_of_any_size_cover_the_pixels_of_their_triangles() {
             let points = Points { buffer: buffer.clone(), style, alpha: 1.0, blended: false, auto_size: false };
             let transform = ObjectTransform::new(&camera, &view_from_object, None);
             let cloud = Cloud::new(&points, transform, &camera, &object);
+            let (mut differ, mut apart) = (0, 0.0_f32);
+            let (mut near, mut far) = (f32::MAX, f32::MIN);
             for index in 0..screen.bands() {
                 let background = pack([1, 2, 3, 255]);
                 let mut band = one_way.begin(&screen, index, background);
                 draw(&cloud, &[0], &screen, &mut scratch, &mut band);
                 let mut other_band = other_way.begin(&screen, index, background);
                 paint::draw_exactly(&cloud, &[0], &screen, &mut other_band);
-                let covered = |pixel: &[u8; 4]| *pixel != [1, 2, 3, 255];
+                let is_covered = |pixel: &[u8; 4]| *pixel != [1, 2, 3, 255];
                 for (row, other_row) in band.pixel_rows().zip(other_band.pixel_rows()) {
-                    let differs = row.iter().zip(other_row).position(|(a, b)| covered(a) != covered(b));
-                    assert_eq!(differs, None, "{style:?} at {position:?}, band {index}");
+                    differ += row.iter().zip(other_row).filter(|(a, b)| is_covered(a) != is_covered(b)).count();
                 }
                 for (row, other_row) in band.depth_rows().zip(other_band.depth_rows()) {
-                    let apart = row.iter().zip(other_row).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-                    assert!(apart <= 16.0, "{style:?} at {position:?}, band {index}: {apart} steps of depth");
+                    let both = row.iter().zip(other_row).filter(|(a, b)| a.max(**b) < FARTHEST);
+                    apart = both.map(|(a, b)| (a - b).abs()).fold(apart, f32::max);
+                    let covered = || other_row.iter().copied().filter(|depth| *depth < FARTHEST);
+                    (near, far) = (covered().fold(near, f32::min), covered().fold(far, f32::max));
                 }
             }
+            // A box's corner is the sum of its sides, which come in another order here and there: it may be snapped to the
+            // next place.
+            let may_differ = if matches!(style, PointStyle::Boxes { .. }) { 2 } else { 0 };
+            assert!(differ <= may_differ, "{style:?} at {position:?}: {differ} pixels");
+            // The quadrangle's plane goes through three of its corners, those of its triangles each through their own, and
+            // corners are snapped to 1/256 pixel, which tilts the planes of narrow faces.
+            let allowed = 8.0 + (far - near).max(0.0) * 0.02;
+            assert!(apart <= allowed, "{style:?} at {position:?}: {apart} steps of depth, allowed are {allowed}");
         }
     }
 }
