@@ -136,6 +136,9 @@ fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &Picture
             }
         }
     }
+    drop(subscription);
+    // Here, because the window may wait for a display server that hangs.
+    node.shutdown();
     Ok(())
 }
 
