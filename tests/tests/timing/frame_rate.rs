@@ -106,13 +106,13 @@ fn the_first_subscriber_gets_a_picture_at_once() {
 #[test]
 fn nothing_is_rendered_without_subscribers() {
     let fixture = fixture(&[CameraPub::default()]);
-    fixture.python("latch('/eye/camera_info', info(width=1280, height=800, f=900.0))");
+    fixture.python("latch('/eye/camera_info', info(width=2560, height=1600, f=1800.0))");
     // A hundred squares of half the picture, each in front of the last one, take time to render.
     fixture.python("latch('/cloud', cloud(0xff0000, points=[(0, 0, 4 - z / 50) for z in range(100)]))");
     // With a moving camera every picture is different.
     fixture.python("moving = lambda i: tf('map', 'moving', xyz=(i * 1e-4, 0, 0), stamp=rospy.Time.now())");
     fixture.python("repeated = PublishRepeatedly(60, moving, '/tf')");
-    fixture.python("latch('/eye/camera_info', info(frame='moving', width=1280, height=800, f=900.0))");
+    fixture.python("latch('/eye/camera_info', info(frame='moving', width=2560, height=1600, f=1800.0))");
     fixture.python("viewer = Viewer('/view/image')");
     fixture.wait_for("len({i[6] for i in viewer.images}) > 10");
     let watched = cpu_ticks_in_2_secs(&fixture);
