@@ -57,9 +57,17 @@ def write(file, data):
         out.write(data)
 
 
+def cut_in_half(file, rng):
+    """Ends within a display: what ends behind one is a config that can be read, with fewer displays and no camera."""
+    text = b''
+    while text.count(b'{') == text.count(b'}'):
+        text = TEXT[:rng.randrange(1, len(TEXT) // 2)]
+    write(file, text)
+
+
 TEXT = soak_scene.config().encode()
 BREAKS = {
-    'cut in half': lambda file, rng: write(file, TEXT[:rng.randrange(len(TEXT) // 2)]),
+    'cut in half': cut_in_half,
     'empty': lambda file, rng: write(file, b''),
     'noise': lambda file, rng: write(file, bytes(rng.randrange(256) for _ in range(2000))),
     'deleted': lambda file, rng: os.remove(file),
