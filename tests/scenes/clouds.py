@@ -34,7 +34,10 @@ def count_colors(count):
 def corner_colors(xyz):
     """Red along x, green along y, blue along z, n × 3 from 0 to just below 1."""
     xyz = numpy.asarray(xyz, float)
-    return (xyz - xyz.min(axis=0)) / (numpy.ptp(xyz, axis=0) + 1e-12)
+    offset = xyz - xyz.min(axis=0)
+    # A sine's last digit depends on the processor, so that of two least ones one may be a little above the other.
+    offset[offset < 1e-12] = 0
+    return offset / (numpy.ptp(xyz, axis=0) + 1e-12)
 
 
 def packed(rgb, alpha=0):
