@@ -304,7 +304,7 @@ impl CheckArgs {
     }
 }
 
-/// A clap error as it is, but for two hints: that a config is named with `-d`, and none at an option that the help hides.
+/// A clap error as it is, but for two hints: that a config is named with `-d`, and none at an option that help hides.
 pub fn with_hints(mut error: clap::Error) -> clap::Error {
     if let (ErrorKind::InvalidSubcommand, Some(ContextValue::String(word))) =
         (error.kind(), error.get(ContextKind::InvalidSubcommand))
@@ -357,7 +357,7 @@ fn video_file(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// A name of the ROS graph: words of letters, digits and `_` with `/` between them, that begin with a letter, `/` or `~`.
+/// A name of the ROS graph: words of letters, digits and `_`, with `/` between them; begins with a letter, `/` or `~`.
 fn graph_name(text: &str) -> Result<String, String> {
     let words = text.strip_prefix(['/', '~']).unwrap_or(text);
     let words = if text.starts_with('~') { words.strip_prefix('/').unwrap_or(words) } else { words };

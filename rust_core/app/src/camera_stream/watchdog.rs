@@ -1,8 +1,8 @@
 //! Names what hangs.
 //!
 //! What works for the pictures on a thread of its own (the scene, calls, compression, windows) tells since when it has
-//! been busy with one step, and with which ([`Worker`]). One more thread looks at all of them each second, and logs a step
-//! that takes longer than [`HANG_AFTER`]; again after each doubling.
+//! been busy with one step, and with which ([`Worker`]). One more thread looks at all of them each second, and logs a
+//! step that takes longer than [`HANG_AFTER`]; again after each doubling.
 
 use std::io;
 use std::sync::mpsc::{channel, RecvTimeoutError, Sender};

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
-/// The longest part of a cell that is printed, in columns of a terminal, but for the table's last column. A cell that is
+/// The longest part of a cell that is printed, in columns of a terminal, but for the last of the table. A cell that is
 /// longer would push all others out of sight.
 const MAX_CELL_WIDTH: usize = 60;
 

@@ -2,8 +2,8 @@
 //!
 //! It handles signals and the calls of services, has the config read again, and watches the scene's thread. While that
 //! has been busy for [`STAND_IN_AFTER`], the last pictures are repeated from here as their frame rates ask for it;
-//! after [`REPORT_AFTER`] `/diagnostics` says what takes so long, and later the [watchdog](crate::camera_stream::watchdog)
-//! in the log.
+//! after [`REPORT_AFTER`] `/diagnostics` says what takes so long, and later, in the log, the
+//! [watchdog](crate::camera_stream::watchdog).
 
 use std::sync::Arc;
 use std::thread::JoinHandle;

@@ -145,7 +145,7 @@ impl Job<'_> {
         Moments::between([begin, last], rate_hz)
     }
 
-    /// The error of a moment at which there is no camera. Plays on to see when there is one, for the stage is done with.
+    /// The error of a moment at which there is no camera. Plays on to see when there is one: the stage is done with.
     fn no_camera_at(
         &self,
         moment: Time,

@@ -123,12 +123,12 @@ fn faces_of_any_size_cover_the_pixels_of_their_triangles() {
                     (near, far) = (covered().fold(near, f32::min), covered().fold(far, f32::max));
                 }
             }
-            // A box's corner is the sum of its sides, which come in another order here and there: it may be snapped to the
-            // next place.
+            // A box's corner is the sum of its sides, which come in another order here and there: it may be snapped to
+            // the next place.
             let may_differ = if matches!(style, PointStyle::Boxes { .. }) { 2 } else { 0 };
             assert!(differ <= may_differ, "{style:?} at {position:?}: {differ} pixels");
-            // The quadrangle's plane goes through three of its corners, those of its triangles each through their own, and
-            // corners are snapped to 1/256 pixel, which tilts the planes of narrow faces.
+            // The quadrangle's plane goes through three of its corners, those of its triangles each through their own,
+            // and corners are snapped to 1/256 pixel, which tilts the planes of narrow faces.
             let allowed = 8.0 + (far - near).max(0.0) * 0.02;
             assert!(apart <= allowed, "{style:?} at {position:?}: {apart} steps of depth, allowed are {allowed}");
         }
