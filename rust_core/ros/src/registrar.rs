@@ -9,6 +9,7 @@
 //! Every other second it asks for the whole list, and registers again what is not on it.
 
 mod batches;
+mod comparison;
 mod entry;
 
 pub(crate) use entry::Entry;
@@ -19,10 +20,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
+use self::comparison::Compared;
 use crate::contacts::{list_of, Contacts, Unreachable};
 use crate::graph::{strings, Master, Publications, SystemState};
 use crate::lock;
-use crate::tcpros::Subscription;
+use crate::tcpros::{Link, Subscription};
 use crate::xmlrpc::CallError;
 
 /// How often the master is asked whether it still knows the node, and how often one that is silent is tried.
@@ -59,8 +61,12 @@ struct State {
     subscriptions: BTreeMap<String, (u64, Weak<Subscription>)>,
     /// The publishers of each subscribed topic, by the addresses of their nodes.
     publishers: BTreeMap<String, Vec<String>>,
-    /// The same as they were when the topic was registered.
+    /// Those that the master named when the topic was registered.
     registered_publishers: BTreeMap<String, Vec<String>>,
+    /// The publishers that a master named which was then restarted, until the new one names others.
+    named_before_restart: BTreeMap<String, Vec<String>>,
+    /// What has led to registering a topic again.
+    compared: BTreeMap<String, Compared>,
     /// Topics with more publishers than [`MOST_PUBLISHERS`].
     crowded: BTreeSet<String>,
     /// The master does not take several calls at once.
@@ -136,6 +142,7 @@ impl Registrar {
                 state.subscriptions.remove(topic);
                 state.publishers.remove(topic);
                 state.registered_publishers.remove(topic);
+                state.compared.remove(topic);
                 state.crowded.remove(topic);
             }
         }
@@ -159,7 +166,11 @@ impl Registrar {
     /// The master's word on who publishes a topic: the addresses of their nodes.
     pub(crate) fn set_publishers(&self, topic: &str, uris: Vec<String>) {
         let _updating = lock(&self.updating);
-        lock(&self.state).updates += 1;
+        let mut state = lock(&self.state);
+        state.updates += 1;
+        state.compared.remove(topic);
+        state.named_before_restart.remove(topic);
+        drop(state);
         self.hand_on(topic, uris);
     }
 
@@ -228,7 +239,8 @@ impl Registrar {
         // A node that publishes what it subscribes to does not listen to itself.
         uris.retain(|uri| *uri != self.master.node_uri && known.insert(uri.clone()));
         if uris.len() > MOST_PUBLISHERS {
-            let connected: BTreeSet<String> = self.connected_publishers(topic).into_iter().collect();
+            let standing = self.links(topic).into_iter().filter(|link| link.connected().is_some());
+            let connected: BTreeSet<String> = standing.map(|link| link.uri.clone()).collect();
             uris.sort_by_key(|uri| !connected.contains(uri));
             uris.truncate(MOST_PUBLISHERS);
         }
@@ -388,7 +400,7 @@ impl Registrar {
                 self.master.call("registerPublisher", &[topic, ros_type, own]).map(drop)
             }
             Entry::Subscriber { topic, ros_type, .. } => {
-                let (mut publishers, _updating) = loop {
+                let (named, _updating) = loop {
                     let before = lock(&self.state).updates;
                     let answer = self.master.call("registerSubscriber", &[topic, ros_type, own])?;
                     let updating = lock(&self.updating);
@@ -397,25 +409,28 @@ impl Registrar {
                     }
                     // The master has named publishers since it answered, perhaps of this topic: asked again.
                 };
-                // A master that was restarted knows nobody yet; connections that stand are kept.
-                publishers.extend(self.connected_publishers(topic));
+                // A master that was restarted knows nobody yet; connections that stand or are being made are kept.
+                let before = lock(&self.state).named_before_restart.get(topic).cloned().unwrap_or_default();
+                let is_kept = |link: &Arc<Link>| {
+                    link.connected().is_some() || (link.is_promising() && before.contains(&link.uri))
+                };
+                let kept = self.links(topic).into_iter().filter(is_kept);
+                let mut publishers = named.clone();
+                publishers.extend(kept.map(|link| link.uri.clone()));
                 publishers.sort();
                 publishers.dedup();
                 self.hand_on(topic, publishers);
-                let mut state = lock(&self.state);
-                let handed_on = state.publishers.get(topic).cloned().unwrap_or_default();
-                state.registered_publishers.insert(topic.clone(), handed_on);
+                lock(&self.state).registered_publishers.insert(topic.clone(), self.bounded(topic, named));
                 Ok(())
             }
             Entry::Service { service, api, .. } => self.master.call("registerService", &[service, api, own]).map(drop),
         }
     }
 
-    /// The publishers of a topic with which the node is connected.
-    fn connected_publishers(&self, topic: &str) -> Vec<String> {
+    /// The connections with publishers of a topic that there are or should be.
+    fn links(&self, topic: &str) -> Vec<Arc<Link>> {
         let known = lock(&self.state).subscriptions.get(topic).and_then(|(_, subscription)| subscription.upgrade());
-        let links = known.map(|subscription| subscription.links()).unwrap_or_default();
-        links.iter().filter(|link| link.connected().is_some()).map(|link| link.uri.clone()).collect()
+        known.map(|subscription| subscription.links()).unwrap_or_default()
     }
 
     fn unregister(&self, entry: &Entry) -> Result<(), CallError> {
@@ -448,6 +463,7 @@ impl Registrar {
             Err(error) if error.is_answer() => {
                 if !state.registered.is_empty() {
                     log::warn!("the ROS master was restarted, registering again");
+                    state.named_before_restart = state.publishers.clone();
                     state.registered.clear();
                     state.refused.clear();
                 }
@@ -457,39 +473,6 @@ impl Registrar {
         state.answered = Some(Instant::now());
         true
     }
-
-    /// Compares with the master's list: what is not on it is registered again, and so is a subscription that has fewer
-    /// publishers than the master knows, since what the master tells may be lost on the way, or more, which it was told
-    /// by somebody else. What is wanted no more stays registered until it is unregistered.
-    fn repair(&self) {
-        let Some(system) = self.query() else { return };
-        let publications = self.publications().unwrap_or_default();
-        let connected: BTreeMap<String, usize> =
-            self.subscriptions().iter().map(|subscription| connected_with(subscription)).collect();
-        let has_others = |entry: &Entry, state: &State| {
-            let Entry::Subscriber { topic, .. } = entry else { return false };
-            let named = publications.get(topic).map_or(0, |publication| publication.nodes.len());
-            let (known, registered) = (state.publishers.get(topic), state.registered_publishers.get(topic));
-            let count = known.map_or(0, Vec::len);
-            // Connections that stand are kept, whatever the master says; and registering again helps once.
-            let is_surplus = count > named.max(connected.get(topic).copied().unwrap_or_default());
-            named.min(MOST_PUBLISHERS) > count || (is_surplus && known != registered)
-        };
-        let mut state = lock(&self.state);
-        let is_lost = |entry: &&Entry| !entry.is_in(&system) || has_others(entry, &state);
-        let lost: Vec<Entry> = state.registered.intersection(&state.wanted).filter(is_lost).cloned().collect();
-        for entry in lost {
-            log::debug!("registering again: {entry:?}");
-            state.registered.remove(&entry);
-        }
-    }
-}
-
-/// A subscribed topic, and with how many publishers the node is connected.
-fn connected_with(subscription: &Subscription) -> (String, usize) {
-    let links = subscription.links();
-    let count = links.iter().filter(|link| link.connected().is_some()).count();
-    (subscription.wanted().topic.to_string(), count)
 }
 
 /// The registration of a subscription.

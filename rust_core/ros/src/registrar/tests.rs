@@ -10,6 +10,8 @@ struct TestMaster {
     _server: Server,
     calls: Receiver<String>,
     known: Arc<Mutex<bool>>,
+    /// The publishers of every topic.
+    publishers: Arc<Mutex<Vec<String>>>,
     registrar: Arc<Registrar>,
 }
 
@@ -29,6 +31,8 @@ fn start_with(
     let (sender, calls) = channel();
     let (sender, known) = (Mutex::new(sender), Arc::new(Mutex::new(false)));
     let is_known = Arc::clone(&known);
+    let publishers: Arc<Mutex<Vec<String>>> = Arc::default();
+    let named = Arc::clone(&publishers);
     let server = Server::start("master", "127.0.0.1:0".parse().unwrap(), move |text| {
         let (method, params) = parse_call(text).unwrap();
         let answer = |value| Answer::Value(Value::Array(vec![Value::Int(1), "".into(), value]));
@@ -44,7 +48,7 @@ fn start_with(
                 *lock(&is_known) = true;
                 let line = format!("{method} {}", params[1].as_str().unwrap());
                 lock(&sender).send(line).unwrap();
-                answer(Value::Array(Vec::new()))
+                answer(Value::Array(lock(&named).iter().map(|uri| uri.as_str().into()).collect()))
             }
         }
     })
@@ -57,8 +61,24 @@ fn start_with(
     let registrar = Registrar::new(master, Arc::default(), on_publisher_left);
     let running = Arc::clone(&registrar);
     std::thread::spawn(move || running.run());
-    TestMaster { _server: server, calls, known, registrar }
+    TestMaster { _server: server, calls, known, publishers, registrar }
 }
+
+/// Registers `/a`, with what the master names as its publishers.
+fn subscribed(master: &TestMaster) -> Arc<Subscription> {
+    let subscription = subscription();
+    master.registrar.subscribe(&subscription);
+    let begin = Instant::now();
+    while lock(&master.registrar.state).registered.is_empty() {
+        assert!(begin.elapsed() < Duration::from_secs(5));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert_eq!(next(master), "registerSubscriber /a");
+    subscription
+}
+
+/// Nobody answers on port 9 (discard).
+const NOBODY: &str = "http://127.0.0.1:9/";
 
 fn next(master: &TestMaster) -> String {
     master.calls.recv_timeout(Duration::from_secs(5)).unwrap()
@@ -67,6 +87,28 @@ fn next(master: &TestMaster) -> String {
 #[test]
 fn after_a_panic_registering_goes_on() {
     let master = start_with(no_list, |_| panic!("a test's panic"));
+    let subscription = subscription();
+    master.registrar.subscribe(&subscription);
+    assert_eq!(next(&master), "registerSubscriber /a");
+    // A master that was restarted names nobody, so that this publisher has left.
+    master.registrar.set_publishers("/a", vec![NOBODY.to_owned()]);
+    *lock(&master.known) = false;
+    assert_eq!(next(&master), "registerSubscriber /a");
+    master.registrar.add(Entry::Service { service: "/s".to_owned(), api: "rosrpc://x:1".to_owned(), number: 1 });
+    while next(&master) != "registerService /s" {}
+}
+
+/// The list of a master that knows `/talker` as the publisher of `/a` and `/node` as its subscriber.
+fn talker_and_node() -> Value {
+    let list = |nodes: &str| {
+        let topic = vec!["/a".into(), Value::Array(vec![nodes.into()])];
+        Value::Array(vec![Value::Array(topic)])
+    };
+    Value::Array(vec![list("/talker"), list("/node"), Value::Array(Vec::new())])
+}
+
+/// A subscription of `/a`.
+fn subscription() -> Arc<Subscription> {
     let wanted = Wanted {
         topic: "/a".into(),
         ros_type: "a/B".to_owned(),
@@ -75,15 +117,7 @@ fn after_a_panic_registering_goes_on() {
         node_name: "/node".to_owned(),
         number: 0,
     };
-    let subscription = Arc::new(Subscription::new(wanted, Arc::new(NoHandler)));
-    master.registrar.subscribe(&subscription);
-    assert_eq!(next(&master), "registerSubscriber /a");
-    // Port 9 (discard) answers nowhere. A master that was restarted names nobody, so that this publisher has left.
-    master.registrar.set_publishers("/a", vec!["http://127.0.0.1:9/".to_owned()]);
-    *lock(&master.known) = false;
-    assert_eq!(next(&master), "registerSubscriber /a");
-    master.registrar.add(Entry::Service { service: "/s".to_owned(), api: "rosrpc://x:1".to_owned(), number: 1 });
-    while next(&master) != "registerService /s" {}
+    Arc::new(Subscription::new(wanted, Arc::new(NoHandler)))
 }
 
 struct NoHandler;
@@ -121,11 +155,7 @@ fn what_is_wanted_is_registered_and_again_with_a_master_that_forgot_it() {
 #[test]
 fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
     let entry = Entry::Subscriber { topic: "/a".to_owned(), ros_type: "a/B".to_owned(), number: 1 };
-    let list = |nodes: &str| {
-        let topic = vec!["/a".into(), Value::Array(vec![nodes.into()])];
-        Value::Array(vec![Value::Array(topic)])
-    };
-    let state = Value::Array(vec![list("/talker"), list("/node"), Value::Array(Vec::new())]);
+    let state = talker_and_node();
     let registrar: Arc<Mutex<Option<Arc<Registrar>>>> = Arc::default();
     let (shared, removed) = (Arc::clone(&registrar), entry.clone());
     let system_state = move || {
@@ -141,4 +171,52 @@ fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
     assert_eq!(next(&master), "registerSubscriber /a");
     assert_eq!(next(&master), "unregisterSubscriber /a");
     master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
+}
+
+#[test]
+fn a_subscription_whose_publishers_may_be_stale_is_registered_again_once() {
+    let list = || Answer::Value(Value::Array(vec![Value::Int(1), "".into(), talker_and_node()]));
+    let master = start_with(list, |_| {});
+    let talker = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let talker_uri = format!("http://{}/", talker.local_addr().unwrap());
+    *lock(&master.publishers) = vec![talker_uri.clone()];
+    let subscription = subscribed(&master);
+    // As many as the master names, but nobody answers there: what it told last was lost.
+    master.registrar.set_publishers("/a", vec![NOBODY.to_owned()]);
+    assert_eq!(next(&master), "registerSubscriber /a");
+    let begin = Instant::now();
+    while subscription.links().iter().all(|link| link.uri != talker_uri) {
+        assert!(begin.elapsed() < Duration::from_secs(5));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // One that was killed is still on the master's list, and asked for once.
+    *lock(&master.publishers) = vec![NOBODY.to_owned()];
+    master.registrar.set_publishers("/a", vec![NOBODY.to_owned()]);
+    assert_eq!(next(&master), "registerSubscriber /a");
+    assert!(master.calls.recv_timeout(3 * GRAPH_PERIOD).is_err());
+}
+
+#[test]
+fn publishers_that_answer_late_are_kept_when_the_master_is_restarted() {
+    let master = start();
+    let late = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let late_uri = format!("http://{}/", late.local_addr().unwrap());
+    *lock(&master.publishers) = vec![late_uri.clone(), NOBODY.to_owned()];
+    let subscription = subscribed(&master);
+    let uris = || -> Vec<String> { subscription.links().iter().map(|link| link.uri.clone()).collect() };
+    let begin = Instant::now();
+    while uris().len() < 2 || subscription.links().iter().all(|link| link.is_promising()) {
+        assert!(begin.elapsed() < Duration::from_secs(5));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    lock(&master.publishers).clear();
+    *lock(&master.known) = false;
+    assert_eq!(next(&master), "registerSubscriber /a");
+    while uris() != [late_uri.clone()] {
+        assert!(begin.elapsed() < Duration::from_secs(9), "{:?}", uris());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // What the new master names counts.
+    master.registrar.set_publishers("/a", Vec::new());
+    assert!(uris().is_empty());
 }

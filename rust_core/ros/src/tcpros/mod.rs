@@ -22,7 +22,7 @@ pub(crate) use listener::Listener;
 pub use publication::Change;
 pub(crate) use publication::{Description, Frame, Observer, Publication};
 pub(crate) use service::Service;
-pub(crate) use subscription::{Handler, Source, Subscription, Wanted};
+pub(crate) use subscription::{Handler, Link, Source, Subscription, Wanted};
 
 use std::io;
 use std::net::TcpStream;

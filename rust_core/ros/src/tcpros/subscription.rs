@@ -111,6 +111,8 @@ pub(crate) struct Link {
     pub(crate) received_messages: AtomicU64,
     /// The connection and the publisher, while there is one.
     connection: Mutex<Option<(TcpStream, Source)>>,
+    /// The last attempt to connect failed, or the connection broke.
+    has_failed: AtomicBool,
     is_ended: AtomicBool,
     ended: Condvar,
     waiting: Mutex<()>,
@@ -137,6 +139,11 @@ impl Link {
         let connection = lock(&self.connection);
         let (stream, source) = connection.as_ref()?;
         Some((Arc::clone(&source.name), stream.peer_addr().ok()?))
+    }
+
+    /// Whether there is a connection, or the first attempt to have one is under way.
+    pub(crate) fn is_promising(&self) -> bool {
+        !self.has_failed.load(Ordering::Acquire)
     }
 
     fn is_ended(&self) -> bool {
@@ -224,6 +231,7 @@ impl Subscription {
             received_bytes: AtomicU64::new(0),
             received_messages: AtomicU64::new(0),
             connection: Mutex::default(),
+            has_failed: AtomicBool::new(false),
             is_ended: AtomicBool::new(false),
             ended: Condvar::new(),
             waiting: Mutex::default(),
@@ -271,6 +279,7 @@ impl Drop for Counted {
 /// A panic, which is logged where panics are, is taken for a break of the connection.
 fn read_until_ended(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
     while catch_unwind(AssertUnwindSafe(|| keep_connected(link, wanted, handler))).is_err() {
+        link.has_failed.store(true, Ordering::Release);
         let connection = lock(&link.connection).take();
         if let Some((_, source)) = connection {
             // It may panic as well.
@@ -295,6 +304,7 @@ fn keep_connected(link: &Link, wanted: &Wanted, handler: &dyn Handler) {
             Err(error) => (Err(error), Duration::ZERO),
         };
         let Err(error) = result else { return };
+        link.has_failed.store(true, Ordering::Release);
         if link.is_ended() {
             return;
         }
@@ -385,6 +395,7 @@ fn read_messages(
     keep_alive(&stream).map_err(LinkError::Broken)?;
     let shared = stream.try_clone().map_err(LinkError::Broken)?;
     *lock(&link.connection) = Some((shared, source.clone()));
+    link.has_failed.store(false, Ordering::Release);
     if std::mem::take(is_logged) {
         log::info!("{}: connected with {}", wanted.topic, source.name);
     }
@@ -421,187 +432,4 @@ fn read_message(stream: &mut impl Read) -> io::Result<Vec<u8>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::xmlrpc::{parse_call, Answer, Server};
-    use std::io::Write;
-    use std::net::TcpListener;
-    use std::sync::mpsc::{channel, Receiver, Sender};
-
-    /// A publisher whose behaviour a test decides: an address to ask, and a port that is accepted from by hand.
-    struct Publisher {
-        server: Server,
-        listener: TcpListener,
-    }
-
-    impl Publisher {
-        fn start() -> Self {
-            let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-            let port = i32::from(listener.local_addr().unwrap().port());
-            let server = Server::start("publisher", "127.0.0.1:0".parse().unwrap(), move |text| {
-                assert_eq!(parse_call(text).unwrap().0, "requestTopic");
-                let place = vec!["TCPROS".into(), "127.0.0.1".into(), Value::Int(port)];
-                Answer::Value(Value::Array(vec![Value::Int(1), "".into(), Value::Array(place)]))
-            });
-            Self { server: server.unwrap(), listener }
-        }
-
-        fn uri(&self) -> String {
-            format!("http://{}/", self.server.address())
-        }
-
-        fn accept(&self) -> TcpStream {
-            self.accept_request().0
-        }
-
-        /// A connection, with what the subscriber requested.
-        fn accept_request(&self) -> (TcpStream, Header) {
-            let (mut stream, _) = self.listener.accept().unwrap();
-            let request = Header::read(&mut stream, Instant::now() + Duration::from_secs(5)).unwrap();
-            Header::new([("callerid", "/talker"), ("md5sum", "abc"), ("type", "a/B"), ("latching", "1")])
-                .write(&mut stream, Duration::from_secs(1))
-                .unwrap();
-            (stream, request)
-        }
-    }
-
-    struct Collect(Mutex<Sender<(Vec<u8>, Source)>>);
-
-    impl Handler for Collect {
-        fn contact_failed(&self, _uri: &str, _reason: &str) {}
-
-        fn contacted(&self, _uri: &str) {}
-
-        fn connected(&self, _source: &Source) {}
-
-        fn message(&self, bytes: Vec<u8>, source: &Source) {
-            assert!(bytes != PANICS, "a test's panic");
-            let _ = lock(&self.0).send((bytes, source.clone()));
-        }
-
-        fn disconnected(&self, _source: &Source) {}
-    }
-
-    fn subscribe() -> (Subscription, Receiver<(Vec<u8>, Source)>) {
-        let (sender, messages) = channel();
-        let wanted = Wanted {
-            topic: "/a".into(),
-            ros_type: "a/B".to_owned(),
-            md5sum: "abc".to_owned(),
-            definition: String::new(),
-            node_name: "/listener".to_owned(),
-            number: 0,
-        };
-        (Subscription::new(wanted, Arc::new(Collect(Mutex::new(sender)))), messages)
-    }
-
-    fn send(stream: &mut TcpStream, bytes: &[u8]) {
-        stream.write_all(&(bytes.len() as u32).to_le_bytes()).unwrap();
-        stream.write_all(bytes).unwrap();
-    }
-
-    /// A message at which the handler panics.
-    const PANICS: &[u8] = b"panics";
-    const PATIENCE: Duration = Duration::from_secs(5);
-
-    #[test]
-    fn messages_come_with_their_publisher_and_again_after_each_break() {
-        let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
-        subscription.set_publishers(&[publisher.uri()]);
-        for value in 0..4 {
-            let begin = Instant::now();
-            let mut stream = publisher.accept();
-            assert!(begin.elapsed() < Duration::from_millis(2500), "broken for {:?}", begin.elapsed());
-            send(&mut stream, &[value; 3]);
-            let (bytes, source) = messages.recv_timeout(PATIENCE).unwrap();
-            assert_eq!((bytes, &*source.name, source.is_latching), (vec![value; 3], "/talker", true));
-        }
-        assert_eq!(subscription.links()[0].received_messages.load(Ordering::Relaxed), 4);
-    }
-
-    #[test]
-    fn messages_are_requested_without_nagles_delay() {
-        let (publisher, (subscription, _messages)) = (Publisher::start(), subscribe());
-        subscription.set_publishers(&[publisher.uri()]);
-        let (_, request) = publisher.accept_request();
-        assert!(request.is_on("tcp_nodelay"), "{request:?}");
-        assert_eq!((request.get("topic"), request.get("callerid")), (Some("/a"), Some("/listener")));
-    }
-
-    #[test]
-    fn publishers_that_hang_hold_up_no_other() {
-        let (good, (subscription, messages)) = (Publisher::start(), subscribe());
-        // These accept, and then say nothing: the first ones on the way to the topic, the others in its handshake.
-        let silent: Vec<TcpListener> = (0..5).map(|_| TcpListener::bind("127.0.0.1:0").unwrap()).collect();
-        let hanging: Vec<Publisher> = (0..5).map(|_| Publisher::start()).collect();
-        let mut uris: Vec<String> = silent.iter().map(|one| format!("http://{}/", one.local_addr().unwrap())).collect();
-        uris.extend(hanging.iter().map(Publisher::uri));
-        uris.push(good.uri());
-        let begin = Instant::now();
-        subscription.set_publishers(&uris);
-        let mut stream = good.accept();
-        send(&mut stream, b"x");
-        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"x");
-        assert!(begin.elapsed() < Duration::from_secs(1));
-        drop(subscription);
-        assert!(begin.elapsed() < Duration::from_secs(2), "ending waits for nobody");
-    }
-
-    #[test]
-    fn a_length_that_no_message_has_ends_the_connection() {
-        let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
-        subscription.set_publishers(&[publisher.uri()]);
-        publisher.accept().write_all(&[0xff; 8]).unwrap();
-        let mut stream = publisher.accept();
-        send(&mut stream, b"");
-        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"");
-    }
-
-    #[test]
-    fn a_panic_at_a_message_is_a_break_of_the_connection() {
-        let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
-        subscription.set_publishers(&[publisher.uri()]);
-        let mut broken = publisher.accept();
-        send(&mut broken, PANICS);
-        let mut stream = publisher.accept();
-        send(&mut stream, b"next");
-        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"next");
-    }
-
-    #[test]
-    fn publishers_without_a_thread_are_connected_with_as_soon_as_there_is_one() {
-        let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
-        subscription.threads.store(MOST_THREADS, Ordering::Release);
-        subscription.set_publishers(&[publisher.uri()]);
-        assert!(subscription.links().is_empty());
-        assert_eq!(subscription.threads.swap(0, Ordering::AcqRel), MOST_THREADS);
-        subscription.connect_missing();
-        send(&mut publisher.accept(), b"x");
-        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"x");
-    }
-
-    #[test]
-    fn a_paused_subscription_has_no_connection_and_a_resumed_one_has_those_that_are_due() {
-        let (first, second, (subscription, messages)) = (Publisher::start(), Publisher::start(), subscribe());
-        subscription.set_publishers(&[first.uri()]);
-        let mut stream = first.accept();
-        subscription.set_paused(true);
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        assert_eq!(stream.read(&mut [0]).unwrap(), 0);
-        subscription.set_publishers(&[second.uri()]);
-        assert!(subscription.links().is_empty());
-        subscription.set_paused(false);
-        send(&mut second.accept(), b"new");
-        assert_eq!(messages.recv_timeout(PATIENCE).unwrap().0, b"new");
-    }
-
-    #[test]
-    fn a_publisher_that_the_master_names_no_more_is_left() {
-        let (publisher, (subscription, _messages)) = (Publisher::start(), subscribe());
-        subscription.set_publishers(&[publisher.uri()]);
-        let mut stream = publisher.accept();
-        subscription.set_publishers(&[]);
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        assert_eq!(stream.read(&mut [0]).unwrap(), 0);
-    }
-}
+mod tests;
