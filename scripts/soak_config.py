@@ -34,11 +34,18 @@ def edited(rng):
     return soak_scene.config(displays, ['more_{}'.format(number) for number in range(rng.randrange(0, 2))])
 
 
-def without_handles():
-    """The config without interactive markers, to reset them."""
+# Where a wrong message has an effect that lasts until the display is reset, as in rviz: a mistake of a server of interactive markers
+# stops its display, and a cloud without the fields of a display's colour transformer has that use another one.
+LASTING = ('depth', 'lidar', 'boxes', 'spheres', 'decaying', 'beacon', 'legacy', 'scan', 'handles')
+
+
+def reset(topics):
+    """The config without those displays of topics that a wrong message may have changed for good; None where there are none."""
     displays = collections.OrderedDict(soak_scene.DISPLAYS)
-    del displays['handles']
-    return soak_scene.config(displays)
+    for name in LASTING:
+        if any('Topic: {},'.format(topic) in displays[name] for topic in topics):
+            del displays[name]
+    return soak_scene.config(displays) if len(displays) < len(soak_scene.DISPLAYS) else None
 
 
 def save(file, text, rng=None):

@@ -449,9 +449,7 @@ def bad_messages(run, rng):
     yield ', '.join('{} {}'.format(topic, kind) for topic, kind, _, _ in chosen)
     for topic, kind, seed, count in chosen:
         run.helpers['vandal'].ask('damage', topic, kind, seed, count)
-        if topic == HANDLES:
-            # As in rviz, some mistakes stop a display of interactive markers until it is reset.
-            run.handles_damaged = True
+        run.damaged.add(topic)
 
 
 @fault(SENSORS)

@@ -26,6 +26,10 @@ pub struct WaitingQueue<T> {
     messages: VecDeque<Message<T>>,
     /// The number of messages at the end of the queue that were not tried yet.
     new: usize,
+    /// How many messages were added so far.
+    added: u64,
+    /// The number of the last message that could be placed.
+    last_ready: u64,
     counts: DropCounts,
     last_dropped: Option<Dropped>,
     /// The dropped messages, where the owner wants them.
@@ -39,6 +43,8 @@ struct Message<T> {
     /// The other time at which its frame must be known; mostly the stamp.
     end: Time,
     content: T,
+    /// Counts the messages from one.
+    number: u64,
 }
 
 impl<T> Message<T> {
@@ -115,6 +121,8 @@ impl<T> WaitingQueue<T> {
             queue_size,
             messages: VecDeque::new(),
             new: 0,
+            added: 0,
+            last_ready: 0,
             counts: DropCounts::default(),
             last_dropped: None,
             kept: None,
@@ -174,7 +182,9 @@ impl<T> WaitingQueue<T> {
                 self.note_dropped(oldest.content, dropped);
             }
         }
-        self.messages.push_back(Message { frame: frame.to_owned(), stamp, end, content: message });
+        self.added += 1;
+        let number = self.added;
+        self.messages.push_back(Message { frame: frame.to_owned(), stamp, end, content: message, number });
         self.new += 1;
     }
 
@@ -187,6 +197,7 @@ impl<T> WaitingQueue<T> {
                 break;
             };
             if message.times().iter().all(|time| tree.can_transform(target, &message.frame, *time)) {
+                self.last_ready = self.last_ready.max(message.number);
                 ready.push(message.content);
             } else if let Some(latest) = forgotten_since(tree, target, &message) {
                 self.counts.too_old += 1;
@@ -210,9 +221,9 @@ impl<T> WaitingQueue<T> {
         ready
     }
 
-    /// Why the newest message waits; `None` when none does.
+    /// Why the newest message waits; `None` when none does, or when a newer one could be placed.
     pub fn waiting_reason(&self, tree: &TransformTree, target: &str) -> Option<LookupError> {
-        let newest = self.messages.back()?;
+        let newest = self.messages.back().filter(|newest| newest.number > self.last_ready)?;
         newest.waits_for(tree, target)
     }
 
@@ -324,6 +335,23 @@ mod tests {
         place(&mut tree, "laser", 20);
         assert!(queue.take_ready(&tree, "map").is_empty());
         assert_eq!((queue.len(), queue.dropped().too_old), (0, 1));
+    }
+
+    #[test]
+    fn a_message_that_waits_is_no_reason_to_report_once_a_newer_one_was_placed() {
+        let mut tree = TransformTree::new();
+        let mut queue = WaitingQueue::new(5);
+        place(&mut tree, "laser", 10);
+        queue.push("laserr", Time::ZERO, "misspelt");
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        assert!(matches!(queue.waiting_reason(&tree, "map"), Some(LookupError::Lookup { .. })));
+        queue.push("laser", at(10), "good");
+        assert_eq!(queue.take_ready(&tree, "map"), ["good"]);
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        assert_eq!((queue.len(), queue.waiting_reason(&tree, "map")), (1, None));
+        queue.push("laser", at(11), "late");
+        assert!(queue.take_ready(&tree, "map").is_empty());
+        assert!(matches!(queue.waiting_reason(&tree, "map"), Some(LookupError::Extrapolation { .. })));
     }
 
     #[test]

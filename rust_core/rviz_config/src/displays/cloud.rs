@@ -52,6 +52,13 @@ const COLOR_TRANSFORMERS: [(&str, ColorTransformer); 6] = [
     ("AxisColor", ColorTransformer::AxisColor),
 ];
 
+impl ColorTransformer {
+    /// Its name in a config.
+    pub fn name(self) -> &'static str {
+        COLOR_TRANSFORMERS.iter().find(|(_, transformer)| *transformer == self).map_or("", |(name, _)| name)
+    }
+}
+
 const POSITION_TRANSFORMERS: [(&str, ()); 1] = [("XYZ", ())];
 
 /// An axis of the cloud's or the fixed frame.

@@ -37,6 +37,24 @@ fn path() -> AnyMessage {
     AnyMessage::Path(Arc::new(path))
 }
 
+/// A cloud in the fixed frame, of floats by the names of their fields.
+fn cloud(names: &[&str], values: &[f32]) -> AnyMessage {
+    let mut cloud = PointCloud2::default();
+    cloud.header.frame_id = "map".to_owned();
+    let field = |(index, name): (usize, &&str)| PointField {
+        name: (*name).to_owned(),
+        offset: index as u32 * 4,
+        datatype: PointField::FLOAT32,
+        count: 1,
+    };
+    cloud.fields = names.iter().enumerate().map(field).collect();
+    let point_step = names.len() as u32 * 4;
+    (cloud.height, cloud.width) = (1, (values.len() / names.len()) as u32);
+    (cloud.point_step, cloud.row_step) = (point_step, cloud.width * point_step);
+    cloud.set_data(values.iter().flat_map(|value| value.to_le_bytes()).collect());
+    AnyMessage::PointCloud2(Arc::new(cloud))
+}
+
 /// Runs a test with a set of a config's displays that has received a path, and the world that it is in.
 fn with_set(first: &str, test: impl FnOnce(DisplaySet, World<'_>)) {
     let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
@@ -114,21 +132,34 @@ fn axes_are_hidden_by_their_tick_box() {
 
 #[test]
 fn points_that_are_left_out_are_counted_in_the_status() {
-    let cloud = "  - {Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /c, Color Transformer: FlatColor}\n";
-    with_set(cloud, |mut set, world| {
-        let mut points = PointCloud2::default();
-        points.header.frame_id = "map".to_owned();
-        points.fields = [("x", 0), ("y", 4), ("z", 8)]
-            .map(|(name, offset)| PointField { name: name.to_owned(), offset, datatype: PointField::FLOAT32, count: 1 })
-            .to_vec();
-        (points.height, points.width, points.point_step, points.row_step) = (1, 3, 12, 36);
+    let flat = "  - {Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /c, Color Transformer: FlatColor}\n";
+    with_set(flat, |mut set, world| {
         let values = [0.0_f32, 0.0, 1.0, f32::NAN, 0.0, 1.0, 0.0, f32::INFINITY, 1.0];
-        points.set_data(values.iter().flat_map(|value| value.to_le_bytes()).collect());
-        set.take("/c", &AnyMessage::PointCloud2(Arc::new(points)), &world);
+        let points = cloud(&["x", "y", "z"], &values);
+        set.take("/c", &points, &world);
         set.update(&world);
         let report = set.reports().next().unwrap();
         let status = report.statuses.get("Points").map(|status| (status.level, status.text.as_str()));
         assert_eq!(status, Some((Level::Ok, "Showing 1 points, 2 without a finite position left out")));
+    });
+}
+
+/// As in rviz, where it changes the display's property.
+#[test]
+fn a_message_without_the_fields_of_its_color_transformer_changes_that_and_a_status_reports_it() {
+    let rgb = "  - {Class: rviz/PointCloud2, Name: cloud, Enabled: true, Topic: /c, Color Transformer: RGB8}\n";
+    with_set(rgb, |mut set, world| {
+        let mut status_after = |names: &[&str], values: &[f32]| {
+            set.take("/c", &cloud(names, values), &world);
+            set.update(&world);
+            let report = set.reports().next().unwrap();
+            report.statuses.get("Color Transformer").map(|status| (status.level, status.text.clone()))
+        };
+        assert_eq!(status_after(&["x", "y", "z", "rgb"], &[0.0; 4]), None);
+        let text = "RGB8 does not fit the fields of a message. Intensity is used from then on, as by rviz.";
+        let changed = Some((Level::Warn, text.to_owned()));
+        assert_eq!(status_after(&["x", "y", "z"], &[0.0; 3]), changed);
+        assert_eq!(status_after(&["x", "y", "z", "rgb"], &[0.0; 4]), changed);
     });
 }
 

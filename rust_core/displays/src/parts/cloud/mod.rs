@@ -142,7 +142,12 @@ impl Clouds {
             self.drop_all();
         }
         let transformer = layout.fitting_transformer(self.settings.color_transformer);
-        self.settings.color_transformer = Some(transformer);
+        if let Some(before) = self.settings.color_transformer.replace(transformer).filter(|one| *one != transformer) {
+            let (before, now) = (before.name(), transformer.name());
+            let text =
+                format!("{before} does not fit the fields of a message. {now} is used from then on, as by rviz.");
+            statuses.set(Level::Warn, "Color Transformer", text);
+        }
         let (drawables, non_finite_count) = self.draw(&placed, &layout, transformer);
         let shown_count = layout.point_count - non_finite_count;
         let left_out = match non_finite_count {
