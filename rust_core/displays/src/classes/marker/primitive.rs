@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3x4, Matrix4, Point3, Vector4};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material, Mesh, RenderGroup, Rgba, Text};
+use smallvec::SmallVec;
 
 use crate::parts::bounds::middle;
 use crate::parts::gathering::{solid_color, Gathering};
@@ -60,8 +61,8 @@ impl Primitive {
 /// All that a marker is drawn with. There may be a hundred thousand markers, most of them a solid or a text.
 #[derive(Clone, Debug)]
 pub(super) enum Parts {
-    /// Solids of one colour.
-    Solids(Rgba, Box<[SolidPart]>),
+    /// Solids of one colour, mostly one of them: a small piece of memory for each would stay with the process.
+    Solids(Rgba, SmallVec<[SolidPart; 1]>),
     /// A text around the marker's origin.
     Text(Arc<Text>),
     /// Anything else.

@@ -3,12 +3,13 @@
 //! There may be a hundred thousand of them. So each keeps little more than its numbers, an update looks only at those
 //! that can change by themselves, and a frame that many markers share is looked up once.
 
-use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::sync::Arc;
 use std::time::Duration;
 
+use indexmap::map::Entry;
+use indexmap::IndexMap;
 use nalgebra::Isometry3;
 use rcs_messages::visualization_msgs::Marker;
 use rcs_scene::{DisplayId, Drawable};
@@ -25,6 +26,12 @@ use crate::{Level, StatusText, Statuses, World};
 /// Markers of a shorter lifetime, zero above all, stay until they are deleted.
 const MIN_LIFETIME: Duration = Duration::from_micros(100);
 
+/// For so many markers memory stays reserved.
+const FEW_MARKERS: usize = 1000;
+
+/// The markers of a namespace, in one piece of memory: that goes back to the system when they go.
+type Namespace = IndexMap<i32, Shown>;
+
 /// A marker's namespace and id.
 type MarkerId<'a> = (&'a str, i32);
 
@@ -32,7 +39,7 @@ type MarkerId<'a> = (&'a str, i32);
 #[derive(Debug, Default)]
 pub(super) struct MarkerStore {
     /// By namespace, then by id. None of the namespaces is empty.
-    markers: BTreeMap<String, BTreeMap<i32, Shown>>,
+    markers: BTreeMap<String, Namespace>,
     /// How many markers were made so far.
     made: u64,
     changed: bool,
@@ -139,9 +146,11 @@ impl MarkerStore {
     /// Takes a marker out, if there is one of this id.
     fn take(&mut self, (namespace, number): MarkerId<'_>) -> Option<Shown> {
         let markers = self.markers.get_mut(namespace)?;
-        let taken = markers.remove(&number);
+        let taken = markers.swap_remove(&number);
         if markers.is_empty() {
             self.markers.remove(namespace);
+        } else {
+            shrink(markers);
         }
         self.locked -= usize::from(taken.as_ref().is_some_and(|taken| taken.frame_locked));
         taken
@@ -179,7 +188,7 @@ impl MarkerStore {
         let frame = self.frame(&marker.header.frame_id);
         let (namespace, number) = id;
         if !self.markers.contains_key(namespace) {
-            self.markers.insert(namespace.to_owned(), BTreeMap::new());
+            self.markers.insert(namespace.to_owned(), Namespace::new());
         }
         let Some(markers) = self.markers.get_mut(namespace) else { return };
         // A marker that is sent again is changed where it is: most have only moved.
@@ -254,7 +263,7 @@ impl MarkerStore {
         if changed {
             self.followed_frames.clear();
             if self.locked > 0 {
-                let locked = self.markers.values().flat_map(BTreeMap::values).filter(|shown| shown.frame_locked);
+                let locked = self.markers.values().flat_map(Namespace::values).filter(|shown| shown.frame_locked);
                 self.followed_frames.extend(locked.map(|shown| Arc::clone(&shown.frame)));
             }
         }
@@ -277,6 +286,7 @@ impl MarkerStore {
                 }
                 is_alive
             });
+            shrink(markers);
         }
         self.markers.retain(|_, markers| !markers.is_empty());
         self.first_expiry = self.all().filter_map(|shown| shown.expires).min();
@@ -303,7 +313,7 @@ impl MarkerStore {
     }
 
     fn all(&self) -> impl Iterator<Item = &Shown> {
-        self.markers.values().flat_map(BTreeMap::values)
+        self.markers.values().flat_map(Namespace::values)
     }
 
     /// The drawables of all markers, in the order in which they were made.
@@ -383,6 +393,13 @@ impl Shown {
 
     fn locate(&self, places: &mut Places<'_>) -> Result<Isometry3<f64>, LookupError> {
         Ok(places.fixed_from(&self.frame, self.stamp)? * self.frame_from_marker)
+    }
+}
+
+/// Gives back memory that most markers have left.
+fn shrink(markers: &mut Namespace) {
+    if markers.capacity() / 4 > markers.len().max(FEW_MARKERS) {
+        markers.shrink_to(markers.len() * 2);
     }
 }
 
