@@ -5,12 +5,11 @@
 
 use nalgebra::{Matrix4, Vector3};
 use rcs_messages::visualization_msgs::Marker;
-use rcs_scene::{Material, Rgba};
-use std::sync::Arc;
+use rcs_scene::Rgba;
 
 use super::message_fields::{position, rgba, scale};
-use super::primitive::Primitive;
-use crate::parts::solids::{arrow, arrow_pose, ArrowSize};
+use super::primitive::Parts;
+use crate::parts::solids::{arrow_from_upright, arrow_pose, ArrowSize};
 
 /// An arrow of 1 m that is as thick as it is long; the scale makes it slender.
 const BY_POSE: ArrowSize =
@@ -42,7 +41,7 @@ impl Arrow {
     }
 
     /// Shaft and head.
-    pub(super) fn primitives(&mut self, marker: &Marker) -> Vec<Primitive> {
+    pub(super) fn parts(&mut self, marker: &Marker) -> Parts {
         let color = rgba(&marker.color);
         self.by_pose = None;
         let (direction, size) = match marker.points.as_slice() {
@@ -60,9 +59,9 @@ impl Arrow {
         let [length, sideways, upwards] = self.scale;
         let marker_from_arrow = arrow_pose(self.start, &direction)
             * Matrix4::new_nonuniform_scaling(&Vector3::new(upwards, sideways, length));
-        let material = Arc::new(Material::lit(color));
-        let parts = arrow(0, &marker_from_arrow, &size, &material, &material);
-        parts.map(|part| Primitive::new(part.fixed_from_object, part.geometry)).into()
+        let marker_from_upright = marker_from_arrow * arrow_from_upright();
+        let parts = size.upright_from_parts();
+        Parts::solids(color, parts.map(|(shape, upright_from_part)| (shape, marker_from_upright * upright_from_part)))
     }
 }
 

@@ -7,7 +7,7 @@ use rcs_resources::MeshStore;
 use super::checks::check_marker;
 use super::kind::Kind;
 use super::mesh::NotShown;
-use super::primitive::Primitive;
+use super::primitive::{Parts, Primitive};
 
 /// The primitives of a marker, and its pose in the frame of its header.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ impl ControlMarker {
         }
         let mut kind = Kind::of(marker)?;
         let frame_from_marker = kind.frame_from_marker(marker)?;
-        let (parts, not_shown) = split(kind.primitives(marker, meshes));
+        let (parts, not_shown) = split(kind.parts(marker, meshes));
         Some((Self { frame_from_marker, parts, kind }, not_shown))
     }
 
@@ -44,9 +44,9 @@ impl ControlMarker {
     }
 }
 
-fn split(built: Result<Vec<Primitive>, NotShown>) -> (Vec<Primitive>, Option<NotShown>) {
+fn split(built: Result<Parts, NotShown>) -> (Vec<Primitive>, Option<NotShown>) {
     match built {
-        Ok(parts) => (parts, None),
+        Ok(parts) => (parts.into_primitives(), None),
         Err(not_shown) => (Vec::new(), Some(not_shown)),
     }
 }

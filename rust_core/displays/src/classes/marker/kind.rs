@@ -7,7 +7,7 @@ use rcs_resources::MeshStore;
 
 use super::arrow::Arrow;
 use super::mesh::{MeshMarker, NotShown};
-use super::primitive::Primitive;
+use super::primitive::Parts;
 use super::shape::Solid;
 use super::triangles::Triangles;
 use super::{lines, point_lists, text};
@@ -58,16 +58,16 @@ impl Kind {
     ///
     /// # Errors
     /// Why it shows nothing.
-    pub(super) fn primitives(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Vec<Primitive>, NotShown> {
+    pub(super) fn parts(&mut self, marker: &Marker, meshes: &MeshStore) -> Result<Parts, NotShown> {
         Ok(match self {
-            Self::Arrow(arrow) => arrow.primitives(marker),
-            Self::Solid(solid) => solid.primitives(marker),
-            Self::LineStrip => lines::strip(marker),
-            Self::LineList => lines::list(marker),
-            Self::Points => point_lists::primitives(marker),
-            Self::Text => text::primitives(marker),
-            Self::Mesh(mesh) => mesh.primitives(marker, meshes)?,
-            Self::Triangles(triangles) => triangles.primitives(marker),
+            Self::Arrow(arrow) => arrow.parts(marker),
+            Self::Solid(solid) => solid.parts(marker),
+            Self::LineStrip => Parts::of(lines::strip(marker)),
+            Self::LineList => Parts::of(lines::list(marker)),
+            Self::Points => Parts::of(point_lists::primitives(marker)),
+            Self::Text => text::parts(marker),
+            Self::Mesh(mesh) => Parts::of(mesh.primitives(marker, meshes)?),
+            Self::Triangles(triangles) => Parts::of(triangles.primitives(marker)),
         })
     }
 
@@ -80,10 +80,10 @@ impl Kind {
     ///
     /// # Errors
     /// Why it shows nothing.
-    pub(super) fn rebuild(&mut self, meshes: &MeshStore) -> Result<Vec<Primitive>, NotShown> {
+    pub(super) fn rebuild(&mut self, meshes: &MeshStore) -> Result<Parts, NotShown> {
         match self {
-            Self::Mesh(mesh) => mesh.rebuild(meshes),
-            _ => Ok(Vec::new()),
+            Self::Mesh(mesh) => mesh.rebuild(meshes).map(Parts::of),
+            _ => Ok(Parts::none()),
         }
     }
 

@@ -8,6 +8,7 @@ use smallvec::SmallVec;
 
 use crate::parts::bounds::middle;
 use crate::parts::gathering::{solid_color, Gathering};
+use crate::Shape;
 
 /// The point of a translucent primitive by which it is sorted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,15 +84,17 @@ impl Parts {
         Self::Primitives(Box::default())
     }
 
+    /// Solids of a colour, each with its matrix to the marker's frame.
+    pub(super) fn solids<const N: usize>(color: Rgba, solids: [(Shape, Matrix4<f64>); N]) -> Self {
+        let part = |(shape, marker_from_solid): (Shape, Matrix4<f64>)| SolidPart {
+            marker_from_solid: marker_from_solid.fixed_view::<3, 4>(0, 0).into_owned(),
+            mesh: shape.mesh(),
+        };
+        Self::Solids(color, solids.into_iter().map(part).collect())
+    }
+
     /// The same as these primitives.
     pub(super) fn of(primitives: Vec<Primitive>) -> Self {
-        if let [Primitive { marker_from_part, geometry: Geometry::Text(text), sort_point: SortPoint::Origin }] =
-            primitives.as_slice()
-        {
-            if *marker_from_part == Matrix4::identity() {
-                return Self::Text(text.clone());
-            }
-        }
         let solids: Option<Vec<(Rgba, SolidPart)>> = primitives.iter().map(SolidPart::of).collect();
         match solids.as_deref() {
             Some([(color, _), rest @ ..]) if rest.iter().all(|(other, _)| other == color) => {
@@ -101,15 +104,29 @@ impl Parts {
         }
     }
 
+    /// The same as primitives.
+    pub(super) fn into_primitives(self) -> Vec<Primitive> {
+        match self {
+            Self::Solids(color, parts) => {
+                let material = Arc::new(Material::lit(color));
+                let primitive = |part: SolidPart| {
+                    let matrix = part.matrix();
+                    Primitive::new(matrix, Geometry::Mesh { mesh: part.mesh, material: material.clone() })
+                };
+                parts.into_iter().map(primitive).collect()
+            }
+            Self::Text(text) => vec![Primitive::new(Matrix4::identity(), Geometry::Text(text))],
+            Self::Primitives(primitives) => primitives.into(),
+        }
+    }
+
     /// Adds the drawables of a marker at a pose in the fixed frame.
     pub(super) fn gather(&self, display: DisplayId, fixed_from_marker: &Isometry3<f64>, gathering: &mut Gathering) {
         match self {
             Self::Solids(color, parts) => {
                 let fixed_from_marker = fixed_from_marker.to_homogeneous();
-                for SolidPart { marker_from_solid, mesh } in parts {
-                    let mut matrix = Matrix4::identity();
-                    matrix.fixed_view_mut::<3, 4>(0, 0).copy_from(marker_from_solid);
-                    gathering.solid(mesh, &(fixed_from_marker * matrix), *color);
+                for part in parts {
+                    gathering.solid(&part.mesh, &(fixed_from_marker * part.matrix()), *color);
                 }
             }
             Self::Text(text) => {
@@ -126,6 +143,13 @@ impl Parts {
 }
 
 impl SolidPart {
+    /// To the marker's frame.
+    fn matrix(&self) -> Matrix4<f64> {
+        let mut matrix = Matrix4::identity();
+        matrix.fixed_view_mut::<3, 4>(0, 0).copy_from(&self.marker_from_solid);
+        matrix
+    }
+
     fn of(primitive: &Primitive) -> Option<(Rgba, Self)> {
         let Primitive { marker_from_part, geometry: Geometry::Mesh { mesh, material }, sort_point } = primitive else {
             return None;

@@ -4,10 +4,10 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use rcs_messages::visualization_msgs::Marker;
-use rcs_scene::{Material, Rgba};
+use rcs_scene::Rgba;
 
 use super::message_fields::{rgba, scale};
-use super::primitive::Primitive;
+use super::primitive::Parts;
 use crate::Shape;
 
 /// A solid marker from message to message.
@@ -30,7 +30,7 @@ impl Solid {
     }
 
     /// The solid, stood up so that a cylinder's axis is z.
-    pub(super) fn primitives(&mut self, marker: &Marker) -> Vec<Primitive> {
+    pub(super) fn parts(&mut self, marker: &Marker) -> Parts {
         #[rustfmt::skip]
         let upright = Matrix3::new(
             1.0, 0.0, 0.0,
@@ -41,7 +41,7 @@ impl Solid {
         self.shown = Some((scale, color));
         let turned = turned(scale.map(|length| length as f32)).map(f64::from);
         let marker_from_solid = upright.to_homogeneous() * Matrix4::new_nonuniform_scaling(&turned.into());
-        vec![Primitive::mesh(marker_from_solid, self.shape.mesh(), Material::lit(color))]
+        Parts::solids(color, [(self.shape, marker_from_solid)])
     }
 }
 

@@ -236,7 +236,7 @@ impl MarkerStore {
             for (number, shown) in markers.iter_mut().filter(|(_, shown)| shown.kind.is_missing()) {
                 match shown.kind.rebuild(world.meshes) {
                     Ok(parts) => {
-                        (shown.parts, shown.missing) = (Parts::of(parts), None);
+                        (shown.parts, shown.missing) = (parts, None);
                         self.changed = true;
                     }
                     Err(not_shown) => shown.missing = Some(Box::new(not_shown.status())),
@@ -363,8 +363,8 @@ impl Shown {
     /// Takes what a message says; its frame and what is wrong with it are set already. Returns whether it may be drawn.
     fn show(&mut self, id: MarkerId<'_>, marker: &Marker, places: &mut Places<'_>, statuses: &mut Statuses) -> bool {
         if !self.kind.is_unchanged(marker) {
-            (self.parts, self.missing) = match self.kind.primitives(marker, places.world.meshes) {
-                Ok(parts) => (Parts::of(parts), None),
+            (self.parts, self.missing) = match self.kind.parts(marker, places.world.meshes) {
+                Ok(parts) => (parts, None),
                 Err(not_shown) => {
                     let missing = not_shown.status();
                     set_status(id, Some(missing.clone()), statuses);

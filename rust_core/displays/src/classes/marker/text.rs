@@ -2,16 +2,14 @@
 
 use std::sync::Arc;
 
-use nalgebra::Matrix4;
 use rcs_messages::visualization_msgs::Marker;
-use rcs_scene::{Geometry, HorizontalAlignment, Text, VerticalAlignment};
+use rcs_scene::{HorizontalAlignment, Text, VerticalAlignment};
 
 use super::message_fields::rgba;
-use super::primitive::Primitive;
+use super::primitive::Parts;
 
 /// The text, centred both ways.
-pub(super) fn primitives(marker: &Marker) -> Vec<Primitive> {
+pub(super) fn parts(marker: &Marker) -> Parts {
     let alignment = (HorizontalAlignment::Center, VerticalAlignment::Center);
-    let text = Text::new(&marker.text, marker.scale.z as f32, rgba(&marker.color), alignment);
-    vec![Primitive::new(Matrix4::identity(), Geometry::Text(Arc::new(text)))]
+    Parts::Text(Arc::new(Text::new(&marker.text, marker.scale.z as f32, rgba(&marker.color), alignment)))
 }
