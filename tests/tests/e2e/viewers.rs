@@ -66,6 +66,9 @@ fn rosbag_records_the_picture_as_it_was_sent() {
     assert_eq!(fixture.python(all), expected);
 }
 
+/// How long an X server may take to start; mostly it is a tenth of a second.
+const SERVER_PATIENCE: Duration = Duration::from_secs(15);
+
 /// An X server with a window manager, and the pixels of its screen.
 pub(crate) struct Screen {
     pub(crate) display: String,
@@ -78,8 +81,7 @@ impl Screen {
     /// A screen of 640×360 pixels.
     pub(crate) fn start() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let server = Self::server(folder.path(), &["-displayfd", "1"]);
-        assert!(wait_until(PATIENCE, || !server.lines().is_empty()), "{:?}", server.errors());
+        let server = Self::started(folder.path());
         let display = format!(":{}", server.lines()[0].trim());
         let manager = Running::start(Command::new("openbox").env("DISPLAY", &display)).unwrap();
         let is_managed =
@@ -88,9 +90,33 @@ impl Screen {
         Self { display, folder, _manager: manager, server }
     }
 
+    /// An X server that has printed its display. One that hangs while it starts, which was seen once, is replaced.
+    fn started(folder: &Path) -> Running {
+        let mut reports = Vec::new();
+        for _ in 0..3 {
+            let mut server = Self::server(folder, &["-displayfd", "1"]);
+            if wait_until(SERVER_PATIENCE, || !server.lines().is_empty()) {
+                return server;
+            }
+            let of_process = |name: &str| fs::read_to_string(format!("/proc/{}/{name}", server.id()));
+            let state = ["stat", "wchan", "syscall"].map(of_process);
+            let children = Command::new("ps").args(["-o", "args", "--ppid", &server.id().to_string()]).output();
+            reports.push(format!("{:?} {state:?} {children:?} {:?}", server.wait(Duration::ZERO), server.errors()));
+            eprintln!("Xvfb hangs: {}", reports.join("; "));
+        }
+        panic!("Xvfb does not start: {reports:?}");
+    }
+
     fn server(folder: &Path, args: &[&str]) -> Running {
         let mut command = Command::new("Xvfb");
-        command.args(args).args(["-screen", "0", &format!("{WIDTH_PX}x{HEIGHT_PX}x24"), "-nolisten", "tcp"]);
+        // No window needs OpenGL. Without clients it goes on.
+        command.args(["-extension", "GLX", "-noreset"]).args(args).args([
+            "-screen",
+            "0",
+            &format!("{WIDTH_PX}x{HEIGHT_PX}x24"),
+            "-nolisten",
+            "tcp",
+        ]);
         Running::start(command.arg("-fbdir").arg(folder)).unwrap()
     }
 
