@@ -7,12 +7,13 @@ use std::fs;
 use std::time::{Duration, Instant};
 
 /// Half transparent, so that each of its squares is seen and has to be drawn.
-const FILM: &str = "{Class: rviz/PointCloud2, Name: film, Enabled: true, Topic: /film, Style: Flat Squares, \
+pub(crate) const FILM: &str =
+    "{Class: rviz/PointCloud2, Name: film, Enabled: true, Topic: /film, Style: Flat Squares, \
      Size (m): 4, Color Transformer: RGB8, Position Transformer: XYZ, Queue Size: 10, Alpha: 0.5, Decay Time: 0}";
 const FRAMES: &str = "{Class: rviz/TF, Name: frames, Enabled: true, Frame Timeout: 2}";
 
 /// Collects the node's diagnostics, and has a viewer that has seen the cloud.
-fn watched(fixture: &RosFixture) {
+pub(crate) fn watched(fixture: &RosFixture) {
     fixture.python("topic = '/diagnostics'");
     fixture.python(MONITOR);
     fixture.python("latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info())");
@@ -21,7 +22,7 @@ fn watched(fixture: &RosFixture) {
 }
 
 /// A value of the node's process in `/proc`, such as `VmRSS` in kB.
-fn of_process(fixture: &RosFixture, name: &str) -> u64 {
+pub(crate) fn of_process(fixture: &RosFixture, name: &str) -> u64 {
     let status = fs::read_to_string(format!("/proc/{}/status", fixture.node.id())).unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':')).unwrap();
     line.split_whitespace().next().unwrap().parse().unwrap()
@@ -65,7 +66,7 @@ fn in_turn(rate_hz: u32, topic: &str, make: &str, count: usize) -> String {
     )
 }
 
-fn drawn(fixture: &RosFixture) -> u64 {
+pub(crate) fn drawn(fixture: &RosFixture) -> u64 {
     fixture.python("values('camera_stream: CameraPub')['frames drawn']").parse().unwrap()
 }
 

@@ -8,6 +8,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod floods;
 mod frame_rate;
 mod latency;
 mod lifecycle;

@@ -1,7 +1,7 @@
 //! Reads the config again, on a thread of its own: a file on a network share may not be there for minutes.
 
 use std::path::Path;
-use std::sync::mpsc::{channel, Receiver};
+use std::sync::mpsc::{channel, Receiver, TryRecvError};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -69,13 +69,18 @@ impl ConfigReader {
 
     /// What was read since it was last asked for. Never waits.
     pub(super) fn take(&mut self) -> Option<ReadResult> {
-        let result = self.reading.as_ref()?.result.try_recv().ok()?;
+        let result = match self.reading.as_ref()?.result.try_recv() {
+            Ok(result) => Some(result),
+            Err(TryRecvError::Empty) => return None,
+            // It panicked, which is logged where panics are.
+            Err(TryRecvError::Disconnected) => None,
+        };
         self.reading = None;
         if std::mem::take(&mut self.is_asked_again) {
             self.request();
             return None;
         }
-        Some(result)
+        result
     }
 
     /// For how long it has been reading, when that is to be logged.
@@ -92,6 +97,7 @@ impl ConfigReader {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicBool, Ordering};
     use std::sync::{Mutex, PoisonError};
 
     use super::*;
@@ -122,5 +128,30 @@ mod tests {
         };
         assert_eq!(frame("Visualization Manager: {Global Options: {Fixed Frame: old}}"), None);
         assert_eq!(frame("Visualization Manager: {Global Options: {Fixed Frame: new}}").as_deref(), Some("new"));
+    }
+    #[test]
+    fn after_a_panic_the_file_is_read_again() {
+        let is_first = AtomicBool::new(true);
+        let read = move || {
+            assert!(!is_first.swap(false, Ordering::Relaxed), "a test's panic");
+            rcs_rviz_config::parse("Visualization Manager: {}", "test")
+        };
+        let mut reader = ConfigReader::new(read, || {});
+        let begun = Instant::now();
+        reader.request();
+        while reader.reading.is_some() {
+            assert!(begun.elapsed() < Duration::from_secs(20));
+            assert!(reader.take().is_none());
+            thread::sleep(Duration::from_millis(5));
+        }
+        reader.request();
+        let config = loop {
+            assert!(begun.elapsed() < Duration::from_secs(20));
+            match reader.take() {
+                Some(config) => break config,
+                None => thread::sleep(Duration::from_millis(5)),
+            }
+        };
+        assert!(config.is_ok());
     }
 }
