@@ -22,6 +22,7 @@ fn of_clouds_that_come_faster_than_they_can_be_drawn_the_newest_is_shown() {
          repeated = PublishRepeatedly(60, film, '/film')",
     );
     fixture.wait_for("viewer.last.width == 1024 and len(viewer.colors) > 4 and viewer.middle()[2] > 200");
+    fixture.wait_for("'frames drawn' in values('camera_stream: CameraPub')");
     let (before, memory) = (drawn(&fixture), of_process(&fixture, "VmRSS"));
     fixture.python("begun, ages = time.time(), []");
     fixture.python("while time.time() < begun + 5: ages.append(time.time() - sent_at()); time.sleep(0.02)");
@@ -57,6 +58,8 @@ fn a_thousand_sizes_of_the_picture_cost_nothing_afterwards() {
     assert!(wait_until(PATIENCE, is_small), "{} kB, {memory} kB before", of_process(&fixture, "VmRSS"));
     println!("pictures of {sizes} sizes; {} MB, then {} MB", memory >> 10, of_process(&fixture, "VmRSS") >> 10);
     assert!(sizes > 50, "{sizes}");
-    assert!(of_process(&fixture, "Threads") <= threads, "{threads} threads before");
+    // Those of connections that come and go.
+    let are_few = || of_process(&fixture, "Threads") <= threads + 2;
+    assert!(wait_until(PATIENCE, are_few), "{} threads, {threads} before", of_process(&fixture, "Threads"));
     assert_eq!(fixture.log_lines(&["ERROR"]), 0, "{}", fixture.log());
 }
