@@ -2,12 +2,12 @@
 //!
 //! Everything that is started here is ended when its value is dropped, and nothing else is.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read};
 use std::net::{TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -36,16 +36,22 @@ pub fn wait_until(timeout: Duration, mut condition: impl FnMut() -> bool) -> boo
     }
 }
 
-/// A TCP port that was free a moment ago, and that no other test of this process was given: the system gives a port
-/// again as soon as it is not listened on, which may be before the master of another test does.
+/// A TCP port that nobody listens on, and that no other test of this process was given. It lies below those that Linux
+/// gives by itself (32768 and up), because one of them may be another node's before the master listens there.
 pub fn free_port() -> io::Result<u16> {
-    static GIVEN: Mutex<BTreeSet<u16>> = Mutex::new(BTreeSet::new());
-    loop {
-        let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
-        if GIVEN.lock().unwrap_or_else(PoisonError::into_inner).insert(port) {
+    const PORTS: std::ops::Range<u32> = 20_000..32_000;
+    static GIVEN: AtomicU32 = AtomicU32::new(0);
+    let count = PORTS.end - PORTS.start;
+    // Other processes begin elsewhere.
+    let first = std::process::id().wrapping_mul(37);
+    for _ in PORTS {
+        let next = GIVEN.fetch_add(1, Ordering::Relaxed);
+        let port = u16::try_from(PORTS.start + first.wrapping_add(next) % count).map_err(io::Error::other)?;
+        if TcpListener::bind(("127.0.0.1", port)).is_ok() {
             return Ok(port);
         }
     }
+    Err(io::Error::other("no port is free"))
 }
 
 /// Where ROS's programs are: a sourced installation's, or Debian's.
