@@ -6,13 +6,13 @@ import json
 import os
 import queue
 import signal
-import socket
 import subprocess
 import sys
 import threading
 import time
 
 import soak_ros
+from master_port import free_port
 from soak_scene import URDF
 
 SCRIPTS = os.path.dirname(os.path.abspath(__file__))
@@ -60,9 +60,7 @@ class Master:
     """A ROS master on a free port; a restarted one uses the same port."""
 
     def __init__(self, folder):
-        with socket.socket() as free:
-            free.bind(('127.0.0.1', 0))
-            self.port = free.getsockname()[1]
+        self.port = free_port()
         self.uri = 'http://127.0.0.1:{}'.format(self.port)
         os.environ.update(ROS_MASTER_URI=self.uri, ROS_IP='127.0.0.1', ROS_LOG_DIR=os.path.join(folder, 'log'),
                           ROS_HOME=folder, PYTHONUNBUFFERED='1')

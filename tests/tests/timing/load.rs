@@ -221,6 +221,24 @@ fn a_huge_picture_gives_its_memory_back() {
     println!("{} MB, at most {} MB, then {} MB", before >> 10, huge >> 10, of_process(&fixture, "VmRSS") >> 10);
 }
 
+#[test]
+fn a_hundred_thousand_markers_give_their_memory_back() {
+    let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
+    let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
+    watched(&fixture);
+    fixture.python(MANY);
+    let before = of_process(&fixture, "VmRSS");
+    fixture.python("send('/markers', cubes(100000, 0))");
+    fixture.wait_for("max(viewer.last.data[1::3]) > 50");
+    let most = of_process(&fixture, "VmHWM");
+    fixture.python("send('/markers', MarkerArray([Marker(action=Marker.DELETEALL)]))");
+    fixture.wait_for("max(viewer.last.data[1::3]) == 0");
+    let is_small = || of_process(&fixture, "VmRSS") < before + (50 << 10);
+    assert!(wait_until(PATIENCE, is_small), "{} kB, {before} kB before", of_process(&fixture, "VmRSS"));
+    println!("{} MB, at most {} MB, then {} MB", before >> 10, most >> 10, of_process(&fixture, "VmRSS") >> 10);
+    assert!(most < 300 << 10, "{most} kB");
+}
+
 /// Two cores draw 640×480 and send it while Python makes and receives it.
 const CAMERA: &str = "latch('/eye/camera_info', info(width=640, height=480, f=500.0))";
 
