@@ -7,6 +7,7 @@ use crate::lock;
 use crate::network::Network;
 use crate::xmlrpc::Value;
 use std::collections::VecDeque;
+use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::{Arc, Mutex};
 
 /// A whole name and a value.
@@ -61,7 +62,10 @@ impl ParamWriter {
         let shared = Arc::clone(&self.0);
         let writing = move || loop {
             let Some((name, value)) = lock(&shared).next() else { return };
-            write(&name, value);
+            // A panic costs this value alone: the thread goes on with the others.
+            if catch_unwind(AssertUnwindSafe(|| write(&name, value))).is_err() {
+                log::error!("parameter {name} cannot be set: writing it panicked");
+            }
         };
         match std::thread::Builder::new().name("ros-params".to_owned()).spawn(writing) {
             Ok(_) => waiting.has_thread = true,
@@ -99,5 +103,21 @@ mod tests {
         answer.send(()).unwrap();
         assert_eq!(next(), ("/b".to_owned(), Value::Int(999)));
         answer.send(()).unwrap();
+    }
+
+    #[test]
+    fn a_panic_costs_one_value_and_the_next_ones_are_written() {
+        let writer = ParamWriter::default();
+        let (written, is_written) = channel();
+        let set = |name: &str| {
+            let written = written.clone();
+            writer.set_with(name.to_owned(), Value::Int(1), move |name, _| {
+                assert_ne!(name, "/bad");
+                written.send(name.to_owned()).unwrap();
+            });
+        };
+        set("/bad");
+        set("/good");
+        assert_eq!(is_written.recv_timeout(Duration::from_secs(5)).unwrap(), "/good");
     }
 }
