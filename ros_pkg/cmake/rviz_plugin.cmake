@@ -73,10 +73,12 @@ if(prebuilt)
   add_custom_target(rviz_camera_stream_core)
 else()
   set(plugin_core "${RVIZ_CAMERA_STREAM_TARGET_DIR}/release/librcs_capi.a")
+  # Together with the programs' library, which is built anyway: alone, it would ask for fewer features of what both depend on,
+  # and cargo would build all of that twice.
   add_custom_target(rviz_camera_stream_core
     COMMAND "${CMAKE_COMMAND}" -E env --unset=MAKEFLAGS --unset=MFLAGS --unset=MAKELEVEL ${cargo_environment}
       "CARGO_TARGET_DIR=${RVIZ_CAMERA_STREAM_TARGET_DIR}" "RUSTC=${rustc_program}"
-      "${RVIZ_CAMERA_STREAM_CARGO}" build --release --locked -p rcs_capi --lib
+      "${RVIZ_CAMERA_STREAM_CARGO}" build --release --locked -p rcs_app -p rcs_capi --lib
     BYPRODUCTS "${plugin_core}"
     WORKING_DIRECTORY "${workspace_root}"
     COMMENT "cargo builds the rviz plugin's core"
@@ -84,6 +86,11 @@ else()
 endif()
 
 # --- the plugin -------------------------------------------------------------------------------------------------------
+
+# Without a build type nothing would be optimised. Not in the cache: other packages of the workspace have their own.
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
 
 find_package(Threads REQUIRED)
 add_library(rviz_camera_stream SHARED

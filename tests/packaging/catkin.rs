@@ -31,6 +31,11 @@ fn workspace() -> tempfile::TempDir {
     workspace
 }
 
+/// `./test` has compiled the plugin; ccache finds it again if paths below the folder of this build do not count.
+fn compiled_once_below(folder: &Path) -> String {
+    format!("export CCACHE_BASEDIR={}", folder.display())
+}
+
 fn cmake_argument() -> String {
     format!("-DRVIZ_CAMERA_STREAM_TARGET_DIR={}", target().display())
 }
@@ -72,7 +77,7 @@ fn rviz_loads_the_plugin_after(setup: &Path, library: &Path) {
 fn catkin_make_builds_what_rosrun_and_rviz_find() {
     let workspace = workspace();
     let at = workspace.path();
-    succeed(&format!("cd {} && catkin_make {}", at.display(), cmake_argument()));
+    succeed(&format!("{} && cd {} && catkin_make {}", compiled_once_below(at), at.display(), cmake_argument()));
     is_found_after(&at.join("devel/setup.bash"));
     rviz_loads_the_plugin_after(&at.join("devel/setup.bash"), &at.join("devel/lib/librviz_camera_stream.so"));
     the_scripts_work_after(&at.join("devel/setup.bash"), at);
@@ -97,7 +102,8 @@ fn catkin_build_installs_what_rosrun_and_rviz_find() {
     let at = workspace.path();
     let cmake_argument = cmake_argument();
     succeed(&format!(
-        "cd {} && catkin config --init --install --cmake-args {cmake_argument} && catkin build --no-status --no-notify",
+        "{} && cd {} && catkin config --init --install --cmake-args {cmake_argument} && catkin build --no-status --no-notify",
+        compiled_once_below(at),
         at.display()
     ));
     is_found_after(&at.join("install/setup.bash"));
@@ -109,11 +115,12 @@ fn plain_cmake_installs_programs_launch_files_and_configs() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     succeed(&format!(
-        "mkdir {0}/build && cd {0}/build
+        "{3} && mkdir {0}/build && cd {0}/build
          cmake {1} {2} -DCMAKE_INSTALL_PREFIX={0}/prefix && make && make install",
         at.display(),
         repository().join("ros_pkg").display(),
-        cmake_argument()
+        cmake_argument(),
+        compiled_once_below(at)
     ));
     let prefix = at.join("prefix");
     for program in PROGRAMS {

@@ -31,7 +31,8 @@ fn bash_command(script: &str) -> Command {
         .stdin(Stdio::null());
     // The variables that cargo sets for the test must not reach the cargo that the script calls.
     for (name, _) in std::env::vars_os() {
-        if name.to_str().is_some_and(|name| name.starts_with("CARGO_") && name != "CARGO_HOME") {
+        let is_kept = |name| ["CARGO_HOME", "CARGO_INCREMENTAL"].contains(&name);
+        if name.to_str().is_some_and(|name| name.starts_with("CARGO_") && !is_kept(name)) {
             command.env_remove(name);
         }
     }
