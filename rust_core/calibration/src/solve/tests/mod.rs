@@ -1,5 +1,7 @@
 //! The solver on scenes whose truth is known.
 
+use rcs_scan_simulator::{has_many_seeds, seeds};
+
 use super::synthetic::{pose, Simulation};
 use super::{solve, DistortionTerms, FocalLengths, Parameter, Refusal, Solution, SolveOptions};
 

@@ -1,0 +1,13 @@
+//! How many simulations a test tries.
+
+use std::ops::Range;
+
+/// Whether tests try many simulations instead of a few: where the environment has `MANY_SEEDS`.
+pub fn has_many_seeds() -> bool {
+    std::env::var_os("MANY_SEEDS").is_some_and(|value| !value.is_empty())
+}
+
+/// Seeds from `first` on: a few of them, or many where [`has_many_seeds`].
+pub fn seeds(first: u64, few: u64, many: u64) -> Range<u64> {
+    first..first + if has_many_seeds() { many } else { few }
+}
