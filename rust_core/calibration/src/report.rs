@@ -345,7 +345,7 @@ mod tests {
     #[test]
     fn a_smooth_error_of_the_depth_is_measured_and_more_scans_are_asked_for() {
         let mut sum = 0.0;
-        let seeds = seeds(0, 3, 40);
+        let seeds = seeds(0, 3, 8);
         let count = (seeds.end - seeds.start) as f64;
         for seed in seeds {
             let mut simulation = Simulation { smooth_depth_m: 0.0015, step_px: 8, ..Simulation::new(seed) };

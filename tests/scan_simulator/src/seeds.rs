@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// Whether tests try many simulations instead of a few: where the environment has `MANY_SEEDS`.
+/// Whether tests try many simulations instead of a few: where `MANY_SEEDS` is set in the environment and not empty.
 pub fn has_many_seeds() -> bool {
     std::env::var_os("MANY_SEEDS").is_some_and(|value| !value.is_empty())
 }

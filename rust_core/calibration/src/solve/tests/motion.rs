@@ -63,7 +63,7 @@ fn is_motion(refused: &Refusal) -> bool {
 
 #[test]
 fn a_distortion_that_is_not_solved_for_is_named() {
-    for seed in seeds(0, 1, 20) {
+    for seed in seeds(0, 1, 2) {
         for k1 in [-0.1, 0.05] {
             let samples =
                 Simulation { step_px: 9, ..Simulation::new(seed) }.with_distortion([k1, 0.0, 0.0, 0.0, 0.0]).samples();
@@ -144,7 +144,7 @@ fn a_smaller_motion_is_warned_of() {
 #[test]
 fn errors_of_all_other_kinds_are_no_motion() {
     let still = |seed| Simulation { step_px: 9, ..Simulation::new(seed).with_distortion([-0.02, 0.0, 0.0, 0.0, 0.0]) };
-    for seed in seeds(0, 1, 20) {
+    for seed in seeds(0, 1, 2) {
         let kinds = [
             ("clean", Simulation { noise_px: 0.01, depth_noise_m: 0.0, ..still(seed) }),
             ("noisy", Simulation { noise_px: 0.5, depth_noise_m: 0.006, ..still(seed) }),
