@@ -5,7 +5,7 @@
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read};
 use std::net::{TcpListener, TcpStream};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -56,18 +56,29 @@ pub fn free_port() -> io::Result<u16> {
 
 /// Where ROS's programs are: a sourced installation's, or Debian's.
 fn program(name: &str) -> PathBuf {
-    let sourced = std::env::var("CMAKE_PREFIX_PATH").unwrap_or_default();
-    let places = sourced.split(':').filter(|place| !place.is_empty()).chain(["/usr"]);
-    let mut found = places.map(|place| PathBuf::from(place).join("bin").join(name));
-    found.find(|path| path.is_file()).unwrap_or_else(|| PathBuf::from("/usr/bin").join(name))
+    installed(&Path::new("bin").join(name))
 }
 
-/// A `roscore` on a port of its own.
+fn installed(path: &Path) -> PathBuf {
+    let sourced = std::env::var("CMAKE_PREFIX_PATH").unwrap_or_default();
+    let places = sourced.split(':').filter(|place| !place.is_empty()).chain(["/usr"]);
+    let mut found = places.map(|place| Path::new(place).join(path));
+    found.find(|path| path.is_file()).unwrap_or_else(|| Path::new("/usr").join(path))
+}
+
+/// A master on a port of its own, and the node that collects logs: what `roscore` starts, without roscore itself, which
+/// takes longer to start and to end than most tests take.
 #[derive(Debug)]
 pub struct RosMaster {
     port: u16,
     home: PathBuf,
-    core: Option<Running>,
+    core: Option<Core>,
+}
+
+#[derive(Debug)]
+struct Core {
+    master: Running,
+    _rosout: Running,
 }
 
 impl RosMaster {
@@ -88,16 +99,15 @@ impl RosMaster {
 
     /// Starts the master on its port.
     pub fn run(&mut self) -> io::Result<()> {
-        let mut command = self.command("roscore");
-        command.args(["-p", &self.port.to_string()]);
-        self.core = Some(Running::start(&mut command)?);
+        let port = self.port.to_string();
+        let master = Running::start(self.command("rosmaster").args(["--core", "-p", &port, "-w", "3"]))?;
         let is_up = || TcpStream::connect(("127.0.0.1", self.port)).is_ok();
-        if wait_until(PATIENCE, is_up) {
-            Ok(())
-        } else {
-            let errors = self.core.as_ref().map(Running::errors).unwrap_or_default();
-            Err(io::Error::other(format!("roscore does not answer: {errors:?}")))
+        if !wait_until(PATIENCE, is_up) {
+            return Err(io::Error::other(format!("rosmaster does not answer: {:?}", master.errors())));
         }
+        let mut rosout = self.environment(Command::new(installed(Path::new("lib/rosout/rosout"))));
+        self.core = Some(Core { master, _rosout: Running::start(&mut rosout)? });
+        Ok(())
     }
 
     /// Ends the master and starts another on the same port, with which no node is registered.
@@ -106,12 +116,11 @@ impl RosMaster {
         self.run()
     }
 
-    /// Sends a signal, such as `STOP`, to the master's own process; roscore only watches over it.
+    /// Sends a signal, such as `STOP`, to the master.
     pub fn signal(&self, name: &str) {
-        let Some(core) = &self.core else { return };
-        let parent = core.id().to_string();
-        // Fails where it has ended already.
-        let _ = Command::new("pkill").args([&format!("-{name}"), "-P", &parent, "-f", "rosmaster"]).status();
+        if let Some(core) = &self.core {
+            core.master.signal(name);
+        }
     }
 
     /// Its address.
@@ -155,11 +164,7 @@ impl RosMaster {
 
 impl RosMaster {
     fn stop(&mut self) {
-        if let Some(mut core) = self.core.take() {
-            // roscore ends its own processes when it is interrupted, and cannot when it is killed.
-            core.signal("INT");
-            core.wait(Duration::from_secs(10));
-        }
+        self.core = None;
     }
 }
 
@@ -235,6 +240,11 @@ impl Running {
         let _ = Command::new("kill").arg(format!("-{name}")).arg(self.id().to_string()).status();
     }
 
+    /// Whether nothing more will come: it has ended, or closed both of its outputs.
+    pub fn is_silent(&self) -> bool {
+        self.readers.iter().all(JoinHandle::is_finished)
+    }
+
     /// Waits for its end; none when it still runs after `timeout`. Then all of its lines have been read, unless another
     /// program that it has started goes on to print.
     pub fn wait(&mut self, timeout: Duration) -> Option<ExitStatus> {
@@ -244,7 +254,7 @@ impl Running {
             status.is_some()
         });
         if status.is_some() {
-            wait_until(LAST_LINES, || self.readers.iter().all(JoinHandle::is_finished));
+            wait_until(LAST_LINES, || self.is_silent());
         }
         status
     }

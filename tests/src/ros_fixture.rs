@@ -147,9 +147,11 @@ impl RosFixture {
     /// Waits until the node's log has a line with this text.
     ///
     /// # Errors
-    /// With the log, when it does not come.
+    /// With the log, when it does not come, or when the node ends before.
     pub fn wait_for_log(&self, text: &str) -> io::Result<()> {
-        if crate::ros::wait_until(PATIENCE, || self.log_lines(&[text]) > 0) {
+        let is_logged = || self.log_lines(&[text]) > 0;
+        crate::ros::wait_until(PATIENCE, || is_logged() || self.node.is_silent());
+        if is_logged() {
             Ok(())
         } else {
             Err(io::Error::other(format!("the node does not log \"{text}\":\n{}", self.log())))
