@@ -40,25 +40,42 @@ fn cmake_argument() -> String {
     format!("-DRVIZ_CAMERA_STREAM_TARGET_DIR={}", target().display())
 }
 
+/// Prints the commands of nodes as `roslaunch --args=NODE rviz_camera_stream FILE` does, each given as `NODE FILE ARG…`: one
+/// Python for all of them, because roslaunch takes longer to start than to find a node.
+const PRINT_NODES: &str = "import sys, roslaunch
+for line in sys.argv[1:]:
+    node, *launched = line.split()
+    sys.argv = ['roslaunch', '--args=' + node, 'rviz_camera_stream'] + launched
+    roslaunch.main(sys.argv)";
+
 /// After `source SETUP`: rosrun starts the program and roslaunch finds all that the launch files name.
 fn is_found_after(setup: &Path) {
     let version = env!("CARGO_PKG_VERSION");
+    let nodes = [
+        "/projector projection.launch",
+        "/clusters projection.launch",
+        "/desired_object projection.launch",
+        "/projector_window projection.launch",
+        "/rviz demo.launch",
+        "/image_view projection.launch viewer:=image_view",
+        "/camera_stream fetch.launch",
+        "/simulated_turret paper.launch",
+        "/paper_scene paper.launch",
+        "/nav_path_markers paper.launch",
+        "/turret_aim paper.launch",
+        "/line_of_sight paper.launch",
+    ];
     let printed = succeed(&format!(
         "unset ROS_PACKAGE_PATH CMAKE_PREFIX_PATH; set +u; source {}; set -u
          rosrun rviz_camera_stream camera_stream --version
-         for node in /camera_stream /projector /clusters /desired_object /projector_window; do
-           roslaunch --args=$node rviz_camera_stream projection.launch
-         done
-         roslaunch --args=/rviz rviz_camera_stream demo.launch
-         roslaunch --args=/image_view rviz_camera_stream projection.launch viewer:=image_view
-         roslaunch --args=/camera_stream rviz_camera_stream fetch.launch
-         for node in /simulated_turret /paper_scene /nav_path_markers /turret_aim /line_of_sight; do
-           roslaunch --args=$node rviz_camera_stream paper.launch
-         done",
-        setup.display()
+         roslaunch --args=/camera_stream rviz_camera_stream projection.launch
+         /usr/bin/python3 -c \"{PRINT_NODES}\" '{}'",
+        setup.display(),
+        nodes.join("' '"),
     ));
     assert!(printed.contains(&format!("camera_stream {version}")), "{printed}");
     assert!(printed.contains("/rviz/fetch.rviz --fixed-frame base_link"), "{printed}");
+    assert_eq!(printed.lines().count(), 2 + nodes.len(), "one line for each: {printed}");
 }
 
 /// After `source SETUP`: rviz loads the plugin from this library, and the plugin publishes a picture.
