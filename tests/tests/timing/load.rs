@@ -239,6 +239,45 @@ fn a_hundred_thousand_markers_give_their_memory_back() {
     assert!(most < 300 << 10, "{most} kB");
 }
 
+/// Arrows or texts behind the cloud, and how long no new picture of the cloud came.
+const CROWD: &str = "def crowd(count, kind):\n    \
+         def marker(i):\n        \
+             at = Point(i % 317 * 0.01 - 1.58, i // 317 * 0.0076 - 1.2, 2.5 + i % 7 * 0.2)\n        \
+             size = Vector3(.1, .01, .01) if kind == Marker.ARROW else Vector3(.05, .05, .05)\n        \
+             text = 'item %d' % i if kind == Marker.TEXT_VIEW_FACING else ''\n        \
+             return Marker(header=Header(frame_id='map'), ns='many', id=i, type=kind, scale=size, text=text, \
+                 pose=Pose(at, Quaternion(0, 0.6, 0, 0.8)), color=ColorRGBA(0, 1, .5, 1))\n    \
+         return written(MarkerArray([marker(i) for i in range(count)]))\n\
+     def longest_gap():\n    \
+         first = {}\n    \
+         for image in viewer.images:\n        first.setdefault(image[6], image[0])\n    \
+         times = sorted(first.values())\n    \
+         return max(b - a for a, b in zip(times, times[1:]))";
+
+#[test]
+fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
+    let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
+    for kind in ["ARROW", "TEXT_VIEW_FACING"] {
+        let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
+        watched(&fixture);
+        fixture.python(MANY);
+        fixture.python(CROWD);
+        fixture.python(CAMERA);
+        fixture.python(format!("array = crowd(100000, Marker.{kind})"));
+        fixture.python("clouds = PublishRepeatedly(30, lambda i: cloud(0x010000 * (i % 250 + 1)), '/cloud')");
+        fixture.python("viewer.forget()");
+        fixture.wait_for("len(viewer.images) > 60");
+        let before = fixture.python("longest_gap()");
+        fixture.python("viewer.forget(); send('/markers', array)");
+        fixture.wait_for("viewer.last and max(viewer.last.data[1::3]) > 100");
+        fixture.python("shown = len(viewer.images)");
+        fixture.wait_for("len(viewer.images) > shown + 10");
+        let gap: f64 = fixture.python("longest_gap()").parse().unwrap();
+        println!("{kind}: at most {gap:.3} s between pictures, {before} s before");
+        assert!(gap < 1.5, "{kind}: {gap} s without a new picture");
+    }
+}
+
 /// Two cores draw 640×480 and send it while Python makes and receives it.
 const CAMERA: &str = "latch('/eye/camera_info', info(width=640, height=480, f=500.0))";
 

@@ -63,13 +63,15 @@ struct Surroundings {
     fixed_frame: String,
     /// The time that moving frames are led on to, if they are.
     prediction: Option<Prediction>,
+    /// How many markers a display places in one update.
+    step: Option<usize>,
     meshes: MeshStore,
 }
 
 impl Surroundings {
     fn world(&self, now: Time) -> World<'_> {
-        let Self { transforms, fixed_frame, prediction, meshes } = self;
-        World { transforms, fixed_frame, now, prediction: *prediction, meshes }
+        let Self { transforms, fixed_frame, prediction, step, meshes } = self;
+        World { transforms, fixed_frame, now, prediction: *prediction, step: *step, meshes }
     }
 }
 
@@ -97,6 +99,7 @@ impl Stage {
                 transforms: TransformTree::new(),
                 fixed_frame: fixed_frame_of(config, fixed_frame),
                 prediction: None,
+                step: None,
                 meshes,
             },
             meshes_version: 0,
@@ -105,6 +108,11 @@ impl Stage {
             warned: std::collections::HashSet::new(),
             has_warned_of_frames: false,
         }
+    }
+
+    /// Has displays place so many markers in one update at most, as in [`World::step`]: another update follows at once.
+    pub fn place_in_steps(&mut self, step: usize) {
+        self.around.step = Some(step);
     }
 
     /// Replaces the config; `fixed_frame` overrides its own. Displays that both have are kept, and placed again if the

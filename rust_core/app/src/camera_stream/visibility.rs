@@ -82,6 +82,7 @@ Visualization Manager:
             fixed_frame: "map",
             now: Time::ZERO,
             prediction: None,
+            step: None,
             meshes: &meshes,
         });
         let ids: Vec<DisplayId> = displays.reports().map(|report| report.id).collect();

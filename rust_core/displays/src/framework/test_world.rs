@@ -15,6 +15,7 @@ use crate::World;
 pub(crate) struct TestWorld {
     pub(crate) tree: TransformTree,
     pub(crate) now: Time,
+    pub(crate) step: Option<usize>,
     fixed_frame: &'static str,
     meshes: MeshStore,
 }
@@ -27,7 +28,7 @@ impl TestWorld {
 
     /// One without frames, in which another frame is fixed.
     pub(crate) fn fixed_in(fixed_frame: &'static str, now: Time) -> Self {
-        Self { tree: TransformTree::new(), now, fixed_frame, meshes: MeshStore::new(PackageIndex::new([])) }
+        Self { tree: TransformTree::new(), now, step: None, fixed_frame, meshes: MeshStore::new(PackageIndex::new([])) }
     }
 
     /// Loads meshes of a folder in the background from now on, but none before the gate is opened.
@@ -70,6 +71,7 @@ impl TestWorld {
             fixed_frame: self.fixed_frame,
             now: self.now,
             prediction: None,
+            step: self.step,
             meshes: &self.meshes,
         }
     }

@@ -18,8 +18,8 @@ use rcs_transforms::{LookupError, Prediction, Time, TransformTree};
 /// let camera = RawTransform { parent: "map", child: "camera", stamp: Time::ZERO, translation, rotation_xyzw };
 /// transforms.insert(&camera, true, "/static_transform_publisher").expect("a transform with finite numbers");
 /// let meshes = MeshStore::new(PackageIndex::new([]));
-/// let (now, prediction) = (Time::ZERO, None);
-/// let world = World { transforms: &transforms, fixed_frame: "map", now, prediction, meshes: &meshes };
+/// let (now, prediction, step) = (Time::ZERO, None, None);
+/// let world = World { transforms: &transforms, fixed_frame: "map", now, prediction, step, meshes: &meshes };
 ///
 /// let fixed_from_camera = world.fixed_from("camera", Time::ZERO).expect("a frame of the tree");
 /// assert_eq!(fixed_from_camera.translation.z, 1.5);
@@ -34,6 +34,9 @@ pub struct World<'a> {
     pub now: Time,
     /// The time at which what follows moving frames is shown, if that is predicted.
     pub prediction: Option<Prediction>,
+    /// How many markers a display places in one update at most, so that an array of very many does not hold up the
+    /// pictures of other displays; those before it are shown until all are placed. `None`: all at once.
+    pub step: Option<usize>,
     /// Meshes by their addresses.
     pub meshes: &'a MeshStore,
 }

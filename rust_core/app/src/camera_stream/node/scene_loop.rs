@@ -38,6 +38,9 @@ use crate::camera_stream::visibility::{self, PlacedCamera};
 /// How long the thread sleeps at most when nothing happens.
 const LONGEST_SLEEP: Duration = Duration::from_millis(500);
 
+/// So many markers are placed between two looks at what else there is to do: at most a twentieth of a second of work.
+const MARKERS_IN_STEP: usize = 20_000;
+
 /// The scene and what draws it.
 pub(super) struct SceneLoop {
     shared: Arc<Shared>,
@@ -91,6 +94,7 @@ impl SceneLoop {
         let events = Arc::clone(ros.events());
         let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
         let mut stage = Stage::new(config, cli.node.fixed_frame.as_deref(), meshes);
+        stage.place_in_steps(MARKERS_IN_STEP);
         if stage.cameras().is_empty() {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }

@@ -5,6 +5,8 @@
 //! stamp. A marker then stands where its frame was at that time; one with `frame_locked` follows the frame. What it is
 //! drawn with is built once for each message.
 //!
+//! A large array may be placed in several updates ([`World::step`]); what is drawn changes with the last of them.
+//!
 //! Markers of a namespace that the config switches off are not kept, as in rviz. Messages that delete need no frame: as
 //! in rviz those that the queue drops are applied all the same, at once, before what the same array adds.
 
@@ -71,8 +73,10 @@ pub(crate) struct MarkerDisplay {
     settings: MarkerSettings,
     takes_single_markers: bool,
     waiting: WaitingQueue<Arrived>,
-    /// Markers whose frame is known, until the next update.
+    /// Markers whose frame is known, until the next updates.
     ready: Vec<Arrived>,
+    /// The time of the last update, if it was one of several that are needed for the markers that were ready.
+    unfinished: Option<Time>,
     store: MarkerStore,
     drawables: Vec<Drawable>,
     statuses: Statuses,
@@ -99,6 +103,7 @@ impl MarkerDisplay {
             waiting: WaitingQueue::new(settings.queue_size as usize).keeping_dropped(),
             settings,
             ready: Vec::new(),
+            unfinished: None,
             store: MarkerStore::default(),
             drawables: Vec::new(),
             statuses: Statuses::default(),
@@ -148,12 +153,17 @@ impl MarkerDisplay {
         }
     }
 
-    fn process_ready(&mut self, world: &World<'_>) {
+    /// Places so many of the markers that are ready. Returns whether others may be left.
+    fn process_ready(&mut self, world: &World<'_>, step: usize) -> bool {
         let mut places = Places::new(world);
-        for marker in std::mem::take(&mut self.ready) {
+        let rest = self.ready.split_off(step.min(self.ready.len()));
+        let ready = std::mem::replace(&mut self.ready, rest);
+        let is_whole_step = ready.len() == step;
+        for marker in ready {
             let shows = |namespace: &str| self.settings.shows_namespace(namespace);
             self.store.process(&marker, &mut places, shows, &mut self.statuses);
         }
+        is_whole_step
     }
 }
 
@@ -174,7 +184,7 @@ impl Display for MarkerDisplay {
 
     fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
         // Markers of earlier messages are processed before those of this one.
-        self.process_ready(world);
+        self.process_ready(world, usize::MAX);
         self.statuses.set(Level::Ok, Statuses::TOPIC, "OK");
         match message {
             AnyMessage::Marker(marker) => self.arrive(Arrived::Single(marker.clone()), world),
@@ -190,13 +200,18 @@ impl Display for MarkerDisplay {
     }
 
     fn is_waiting(&self, stamp: Time) -> bool {
-        self.waiting.stamps().any(|waiting| waiting == stamp)
+        self.unfinished.is_some() || self.waiting.stamps().any(|waiting| waiting == stamp)
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {
         self.retry_waiting(world);
-        self.process_ready(world);
+        let is_whole_step = self.process_ready(world, world.step.unwrap_or(usize::MAX));
         frame::report_waiting(&self.waiting, world, &mut self.statuses);
+        // As in rviz, all markers of an array appear in one picture.
+        self.unfinished = is_whole_step.then_some(world.now);
+        if is_whole_step {
+            return false;
+        }
         let changed = self.store.update(world, &mut self.statuses);
         if changed {
             self.drawables = self.store.drawables(self.display);
@@ -213,12 +228,13 @@ impl Display for MarkerDisplay {
     }
 
     fn next_change(&self) -> Option<Time> {
-        self.store.next_change()
+        self.unfinished.or_else(|| self.store.next_change())
     }
 
     fn reset(&mut self) {
         self.waiting.clear();
         self.ready.clear();
+        self.unfinished = None;
         self.store.clear();
         self.drawables.clear();
         self.statuses.clear();

@@ -524,3 +524,50 @@ fn forgetting_everything_leaves_an_empty_scene() {
     let world = bench.world.get();
     assert_eq!(world.fixed_from("map", Time::ZERO).map(|place| place.translation.vector), Ok(Vector3::zeros()));
 }
+
+#[test]
+fn a_large_array_is_placed_in_steps_and_appears_at_once() {
+    let cubes = |x: f64| -> Vec<Marker> {
+        let at = |id| {
+            let mut cube = marker(Marker::CUBE, id);
+            cube.pose.position.x = x;
+            cube
+        };
+        (0..50).map(at).collect()
+    };
+    let mut bench = Bench::new();
+    bench.world.step = Some(20);
+    let updates = |bench: &mut Bench| -> Vec<bool> {
+        std::iter::from_fn(|| {
+            let changed = bench.update();
+            let is_due = bench.display.next_change() == Some(bench.world.now);
+            assert_eq!(bench.display.is_waiting(Time::ZERO), is_due);
+            is_due.then_some(changed)
+        })
+        .collect()
+    };
+    let places = |bench: &Bench| -> Vec<f64> {
+        let mut places: Vec<f64> = bench.drawn().iter().map(|cube| at(cube, [0.0; 3])[0]).collect();
+        places.dedup();
+        places
+    };
+    bench.send(&cubes(1.0));
+    assert_eq!(updates(&mut bench), [false, false]);
+    assert_eq!((bench.drawn().len(), places(&bench)), (50, vec![1.0]));
+    assert_eq!(bench.display.next_change(), None);
+    // The markers of before are shown meanwhile.
+    bench.send(&cubes(2.0));
+    assert!(!bench.update());
+    assert_eq!((bench.drawn().len(), places(&bench)), (50, vec![1.0]));
+    // Another message does not overtake the one before.
+    bench.send(&[deleting(49), marker(Marker::SPHERE, 50)]);
+    assert!(bench.update());
+    let drawn = bench.drawn();
+    assert_eq!((drawn.len(), places(&bench)), (50, vec![2.0, 0.0]));
+    // Forgotten in between.
+    bench.send(&cubes(3.0));
+    assert!(!bench.update());
+    bench.display.reset();
+    assert!(updates(&mut bench).is_empty());
+    assert!(bench.drawn().is_empty());
+}

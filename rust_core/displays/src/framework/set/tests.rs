@@ -63,6 +63,7 @@ fn with_set(first: &str, test: impl FnOnce(DisplaySet, World<'_>)) {
         fixed_frame: "map",
         now: Time::from_secs_f64(10.0),
         prediction: None,
+        step: None,
         meshes: &meshes,
     };
     let mut set = DisplaySet::new(&config(first));
@@ -173,8 +174,14 @@ fn a_message_counts_as_shown_from_when_its_frame_is_known() {
     (path.header.frame_id, path.header.stamp.sec) = ("arm".to_owned(), 7);
     let (message, received) = (AnyMessage::Path(Arc::new(path)), Some(Instant::now()));
     let mut newly_shown = |transforms: &TransformTree, message: Option<&AnyMessage>| {
-        let world =
-            World { transforms, fixed_frame: "map", now: Time::from_secs_f64(10.0), prediction: None, meshes: &meshes };
+        let world = World {
+            transforms,
+            fixed_frame: "map",
+            now: Time::from_secs_f64(10.0),
+            prediction: None,
+            step: None,
+            meshes: &meshes,
+        };
         message.into_iter().for_each(|message| set.take_received("/p", message, received, &world));
         set.update(&world);
         (set.newly_shown().to_vec(), set.reports().next().unwrap().shown)
