@@ -40,7 +40,7 @@ fn cmake_argument() -> String {
     format!("-DRVIZ_CAMERA_STREAM_TARGET_DIR={}", target().display())
 }
 
-/// Prints the commands of nodes as `roslaunch --args=NODE rviz_camera_stream FILE` does, each given as `NODE FILE ARG…`:
+/// Prints nodes' commands as `roslaunch --args=NODE rviz_camera_stream FILE` does, each given as `NODE FILE ARGS`:
 /// one Python for all of them, because roslaunch takes longer to start than to find a node.
 const PRINT_NODES: &str = "import sys, roslaunch
 for line in sys.argv[1:]:
