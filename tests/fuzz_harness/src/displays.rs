@@ -261,6 +261,10 @@ pub(crate) fn show(target: &str, data: &[u8]) {
     let (flags, data) = first_byte(data);
     let Some(config) = configs.get(usize::from(choice) % configs.len().max(1)) else { return };
     let mut shown = Shown::new(config);
+    if flags & 2 != 0 {
+        // As the node does it, if with more.
+        shown.stage.place_in_steps(2);
+    }
     let topics = shown.stage.topics();
     for record in Record::read_all(data) {
         match topics.get(usize::from(record.topic) % (topics.len() + 3)) {
