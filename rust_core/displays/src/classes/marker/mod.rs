@@ -77,6 +77,9 @@ pub(crate) struct MarkerDisplay {
     ready: Vec<Arrived>,
     /// The time of the last update, if it was one of several that are needed for the markers that were ready.
     unfinished: Option<Time>,
+    /// Whether the next update places all markers, because a message came before those of the last one were placed: where
+    /// that goes on, steps would never end.
+    is_late: bool,
     store: MarkerStore,
     drawables: Vec<Drawable>,
     statuses: Statuses,
@@ -104,6 +107,7 @@ impl MarkerDisplay {
             settings,
             ready: Vec::new(),
             unfinished: None,
+            is_late: false,
             store: MarkerStore::default(),
             drawables: Vec::new(),
             statuses: Statuses::default(),
@@ -184,6 +188,7 @@ impl Display for MarkerDisplay {
 
     fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
         // Markers of earlier messages are processed before those of this one.
+        self.is_late |= self.unfinished.is_some();
         self.process_ready(world, usize::MAX);
         self.statuses.set(Level::Ok, Statuses::TOPIC, "OK");
         match message {
@@ -205,7 +210,8 @@ impl Display for MarkerDisplay {
 
     fn update(&mut self, world: &World<'_>) -> bool {
         self.retry_waiting(world);
-        let is_whole_step = self.process_ready(world, world.step.unwrap_or(usize::MAX));
+        let step = world.step.filter(|_| !std::mem::take(&mut self.is_late)).unwrap_or(usize::MAX);
+        let is_whole_step = self.process_ready(world, step);
         frame::report_waiting(&self.waiting, world, &mut self.statuses);
         // As in rviz, all markers of an array appear in one picture.
         self.unfinished = is_whole_step.then_some(world.now);
@@ -234,7 +240,7 @@ impl Display for MarkerDisplay {
     fn reset(&mut self) {
         self.waiting.clear();
         self.ready.clear();
-        self.unfinished = None;
+        (self.unfinished, self.is_late) = (None, false);
         self.store.clear();
         self.drawables.clear();
         self.statuses.clear();

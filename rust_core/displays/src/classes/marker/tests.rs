@@ -564,8 +564,16 @@ fn a_large_array_is_placed_in_steps_and_appears_at_once() {
     assert!(bench.update());
     let drawn = bench.drawn();
     assert_eq!((drawn.len(), places(&bench)), (50, vec![2.0, 0.0]));
+    // Arrays that come faster than they are placed in steps are shown, every second one at least.
+    for x in [3.0, 5.0, 7.0] {
+        bench.send(&cubes(x));
+        assert!(!bench.update());
+        bench.send(&cubes(x + 1.0));
+        assert!(bench.update());
+        assert_eq!((bench.drawn().len(), places(&bench)), (51, vec![x + 1.0, 0.0, x + 1.0]));
+    }
     // Forgotten in between.
-    bench.send(&cubes(3.0));
+    bench.send(&cubes(9.0));
     assert!(!bench.update());
     bench.display.reset();
     assert!(updates(&mut bench).is_empty());
