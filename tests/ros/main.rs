@@ -1,4 +1,4 @@
-//! The node against a real ROS: roscore, rostopic, rosservice, rosnode, rosbag and rospy.
+//! The node against a real ROS: its master, rostopic, rosservice, rosnode, rosbag and rospy.
 #![allow(clippy::unwrap_used, reason = "a test whose set-up fails has failed")]
 
 mod bags;

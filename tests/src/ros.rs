@@ -112,7 +112,7 @@ impl RosMaster {
 
     /// Ends the master and starts another on the same port, with which no node is registered.
     pub fn restart(&mut self) -> io::Result<()> {
-        self.stop();
+        self.core = None;
         self.run()
     }
 
@@ -162,15 +162,9 @@ impl RosMaster {
     }
 }
 
-impl RosMaster {
-    fn stop(&mut self) {
-        self.core = None;
-    }
-}
-
 impl Drop for RosMaster {
     fn drop(&mut self) {
-        self.stop();
+        self.core = None;
         // A log that is still being written stays behind; the next test has a folder of its own.
         let _ = fs::remove_dir_all(&self.home);
     }

@@ -48,14 +48,7 @@ impl DisplayPipeline {
     fn step(&mut self, received: Option<(&str, &AnyMessage)>) -> &Scene {
         self.now_nanos += 33_333_333;
         let now = Time::from_nanos(self.now_nanos);
-        let world = World {
-            transforms: &self.transforms,
-            fixed_frame: "map",
-            now,
-            prediction: None,
-            step: None,
-            meshes: &self.meshes,
-        };
+        let world = World::new(&self.transforms, "map", now, &self.meshes);
         if let Some((topic, message)) = received {
             self.displays.take(topic, message, &world);
         }

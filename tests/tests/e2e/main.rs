@@ -1,4 +1,4 @@
-//! The programs as users run them, against a real ROS: roscore, rosbag, rostopic, rosservice, a projector's window.
+//! The programs as users run them, against a real ROS: its master, rosbag, rostopic, rosservice, a projector's window.
 //!
 //! Each test starts a master on a free port, a Python node and `camera_stream` (see [`rcs_tests::ros_fixture`]). The
 //! programs have to be built first:

@@ -77,14 +77,7 @@ Visualization Manager:
     fn hidden_and_out_of_view_displays_are_reported_for_each_camera() {
         let mut displays = DisplaySet::new(&rcs_rviz_config::parse(CONFIG, "test").unwrap());
         let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
-        displays.update(&World {
-            transforms: &transforms,
-            fixed_frame: "map",
-            now: Time::ZERO,
-            prediction: None,
-            step: None,
-            meshes: &meshes,
-        });
+        displays.update(&World::new(&transforms, "map", Time::ZERO, &meshes));
         let ids: Vec<DisplayId> = displays.reports().map(|report| report.id).collect();
         let report = |id: DisplayId, left: Option<f64>, right: Option<f64>| {
             let cameras = displays.cameras().iter().zip([left, right]);

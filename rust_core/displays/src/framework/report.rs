@@ -100,14 +100,7 @@ Visualization Manager:
     fn every_display_with_a_topic_reports_whether_it_received_something() {
         let mut displays = DisplaySet::new(&rcs_rviz_config::parse(CONFIG, "test").unwrap());
         let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
-        let world = World {
-            transforms: &transforms,
-            fixed_frame: "map",
-            now: Time::ZERO,
-            prediction: None,
-            step: None,
-            meshes: &meshes,
-        };
+        let world = World::new(&transforms, "map", Time::ZERO, &meshes);
         displays.update(&world);
         let silent = "path | Topic | Warn | No messages received";
         let rest = [

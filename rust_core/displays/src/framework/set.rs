@@ -83,8 +83,7 @@ pub struct Reconfigured {
 /// let text = "Visualization Manager: {Displays: [{Class: rviz/Grid, Name: floor, Enabled: true}]}";
 /// let mut displays = DisplaySet::new(&rcs_rviz_config::parse(text, "scene.rviz")?);
 /// let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
-/// let (now, prediction, step) = (Time::ZERO, None, None);
-/// let world = World { transforms: &transforms, fixed_frame: "map", now, prediction, step, meshes: &meshes };
+/// let world = World::new(&transforms, "map", Time::ZERO, &meshes);
 ///
 /// // Messages go to `take`, each with the name of its topic in the config; then an update brings the scene up to date.
 /// assert!(displays.update(&world));

@@ -66,14 +66,7 @@ impl TestWorld {
 
     /// The world as displays see it.
     pub(crate) fn get(&self) -> World<'_> {
-        World {
-            transforms: &self.tree,
-            fixed_frame: self.fixed_frame,
-            now: self.now,
-            prediction: None,
-            step: self.step,
-            meshes: &self.meshes,
-        }
+        World { step: self.step, ..World::new(&self.tree, self.fixed_frame, self.now, &self.meshes) }
     }
 
     /// Inserts where a frame stood at a time in the fixed frame, from which it is not turned.

@@ -114,14 +114,7 @@ mod tests {
         let meshes = MeshStore::new(PackageIndex::new([]));
         let (mut incoming, mut statuses) = (WaitingMessages::new(1), Statuses::default());
         let update = |incoming: &mut WaitingMessages<()>, tree: &TransformTree, statuses: &mut Statuses| {
-            let world = World {
-                transforms: tree,
-                fixed_frame: "map",
-                now: Time::ZERO,
-                prediction: None,
-                step: None,
-                meshes: &meshes,
-            };
+            let world = World::new(tree, "map", Time::ZERO, &meshes);
             let ready = incoming.take_ready(&world, statuses).len();
             let status = statuses.get(Statuses::TRANSFORM).unwrap();
             (ready, status.level, status.text.clone())

@@ -18,8 +18,7 @@ use rcs_transforms::{LookupError, Prediction, Time, TransformTree};
 /// let camera = RawTransform { parent: "map", child: "camera", stamp: Time::ZERO, translation, rotation_xyzw };
 /// transforms.insert(&camera, true, "/static_transform_publisher").expect("a transform with finite numbers");
 /// let meshes = MeshStore::new(PackageIndex::new([]));
-/// let (now, prediction, step) = (Time::ZERO, None, None);
-/// let world = World { transforms: &transforms, fixed_frame: "map", now, prediction, step, meshes: &meshes };
+/// let world = World::new(&transforms, "map", Time::ZERO, &meshes);
 ///
 /// let fixed_from_camera = world.fixed_from("camera", Time::ZERO).expect("a frame of the tree");
 /// assert_eq!(fixed_from_camera.translation.z, 1.5);
@@ -41,7 +40,12 @@ pub struct World<'a> {
     pub meshes: &'a MeshStore,
 }
 
-impl World<'_> {
+impl<'a> World<'a> {
+    /// Without prediction, and in which all markers are placed at once.
+    pub fn new(transforms: &'a TransformTree, fixed_frame: &'a str, now: Time, meshes: &'a MeshStore) -> Self {
+        Self { transforms, fixed_frame, now, prediction: None, step: None, meshes }
+    }
+
     /// Where a frame is in the fixed frame; time zero asks for the latest known place.
     ///
     /// # Errors

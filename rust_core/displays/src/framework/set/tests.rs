@@ -58,14 +58,7 @@ fn cloud(names: &[&str], values: &[f32]) -> AnyMessage {
 /// Runs a test with a set of a config's displays that has received a path, and the world that it is in.
 fn with_set(first: &str, test: impl FnOnce(DisplaySet, World<'_>)) {
     let (transforms, meshes) = (TransformTree::new(), MeshStore::new(PackageIndex::new([])));
-    let world = World {
-        transforms: &transforms,
-        fixed_frame: "map",
-        now: Time::from_secs_f64(10.0),
-        prediction: None,
-        step: None,
-        meshes: &meshes,
-    };
+    let world = World::new(&transforms, "map", Time::from_secs_f64(10.0), &meshes);
     let mut set = DisplaySet::new(&config(first));
     set.take("/p", &path(), &world);
     set.update(&world);
@@ -174,14 +167,7 @@ fn a_message_counts_as_shown_from_when_its_frame_is_known() {
     (path.header.frame_id, path.header.stamp.sec) = ("arm".to_owned(), 7);
     let (message, received) = (AnyMessage::Path(Arc::new(path)), Some(Instant::now()));
     let mut newly_shown = |transforms: &TransformTree, message: Option<&AnyMessage>| {
-        let world = World {
-            transforms,
-            fixed_frame: "map",
-            now: Time::from_secs_f64(10.0),
-            prediction: None,
-            step: None,
-            meshes: &meshes,
-        };
+        let world = World::new(transforms, "map", Time::from_secs_f64(10.0), &meshes);
         message.into_iter().for_each(|message| set.take_received("/p", message, received, &world));
         set.update(&world);
         (set.newly_shown().to_vec(), set.reports().next().unwrap().shown)
