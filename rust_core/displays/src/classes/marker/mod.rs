@@ -77,8 +77,8 @@ pub(crate) struct MarkerDisplay {
     ready: Vec<Arrived>,
     /// The time of the last update, if it was one of several that are needed for the markers that were ready.
     unfinished: Option<Time>,
-    /// Whether the next update places all markers, because a message came before those of the last one were placed: where
-    /// that goes on, steps would never end.
+    /// Whether the next update places all markers, because a message came before those of the last one were placed:
+    /// where that goes on, steps would never end.
     is_late: bool,
     store: MarkerStore,
     drawables: Vec<Drawable>,
