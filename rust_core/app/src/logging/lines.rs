@@ -196,7 +196,15 @@ mod tests {
     #[test]
     fn long_lines_are_bounded_by_their_bytes() {
         let (queue, mut reader) = queue();
-        (0..20).for_each(|_| queue.push("x".repeat(MOST_BYTES / 2)));
+        let push = || queue.push("x".repeat(MOST_BYTES / 2));
+        push();
+        // The thread writes the first line, for which the stream has no room: what is dropped then has to wait.
+        let until = soon();
+        while !queue.shared.waiting().is_writing {
+            assert!(Instant::now() < until, "no line is written");
+            thread::sleep(Duration::from_millis(1));
+        }
+        (1..20).for_each(|_| push());
         let waiting = queue.shared.waiting();
         assert!(waiting.lines.len() <= 2 && waiting.bytes <= MOST_BYTES && waiting.dropped >= 17, "{}", waiting.bytes);
         drop(waiting);
