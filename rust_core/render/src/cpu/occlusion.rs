@@ -403,8 +403,9 @@ impl Occluders {
         }
     }
 
+    /// As [`draw`](Self::draw), where the tiles are known.
     #[inline(always)]
-    fn draw_listed(
+    pub(super) fn draw_listed(
         &mut self,
         plane: &DepthPlane,
         rank: u32,

@@ -128,19 +128,21 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
                 None => ranked.order.get(come).map(|&at| at as usize),
                 Some(before) => Some(come - before),
             };
-            let Some((at, chunk)) = next.and_then(|at| Some((at, *ranked.chunks.get(at)?))) else { break };
+            let next = next.and_then(|at| Some((at, *ranked.chunks.get(at)?)));
             come += 1;
-            if come % CHUNKS_TO_ASK == 0 {
+            if next.is_some() && come % CHUNKS_TO_ASK == 0 {
                 let farthest = |range: &Range| range.hidden_from(ranked.occluders.farthest());
                 hidden_from = range.as_ref().map_or(f32::INFINITY, farthest);
                 if in_memory_order.is_none() && std::mem::take(&mut looked_at).are_mostly_hidden() {
                     in_memory_order = Some(come);
                 }
             }
-            if count + CHUNK > BLOCK {
+            // In one place, because all of it becomes a part of this function.
+            if next.is_none() || count + CHUNK > BLOCK {
                 self.draw_block::<S, PAINT>(simd, &indices[..count], &ranks, &view, screen, scratch, ranked, band);
                 count = 0;
             }
+            let Some((at, chunk)) = next else { break };
             for (index, rank) in in_chunk(&self.indices, chunk, self.first_rank, at) {
                 looked_at.all += 1;
                 let Some(position) = self.nearer_than(index, hidden_from) else { continue };
@@ -151,7 +153,6 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
                 }
             }
         }
-        self.draw_block::<S, PAINT>(simd, &indices[..count], &ranks, &view, screen, scratch, ranked, band);
     }
 
     /// The position of a point, unless it is too far away.
@@ -228,9 +229,29 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         }
     }
 
-    #[inline(always)]
+    /// In a function of its own, compiled for the same instructions: it is long, and the same for each kind of face.
+    #[inline(never)]
     #[expect(clippy::too_many_arguments, reason = "it is a part of the loop above")]
     fn draw_large<S: Simd>(
+        &self,
+        simd: S,
+        rough: &RoughFaces,
+        lane: usize,
+        index: u32,
+        rank: u32,
+        screen: &Screen,
+        ranked: &mut RankedScratch,
+        band: &mut Band<'_>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.draw_large_by_lanes(simd, rough, lane, index, rank, screen, ranked, band),
+        );
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "it is a part of the loop above")]
+    fn draw_large_by_lanes<S: Simd>(
         &self,
         simd: S,
         rough: &RoughFaces,
@@ -330,11 +351,10 @@ fn draw_small<S: Simd, const PAINT: u8>(
             is_inside && (PAINT != DISC || is_in_disc(&places, x as f32, y as f32))
         })
     };
-    ranked.occluders.draw(
-        simd,
+    ranked.occluders.draw_listed(
         plane,
         rank,
-        (area, Some(&ranked.tiles)),
+        &ranked.tiles,
         #[inline(always)]
         |tile| {
             if PAINT == DISC && is_beside_disc(&places, [tile.left - left, tile.top - top]) {

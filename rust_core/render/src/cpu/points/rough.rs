@@ -59,8 +59,18 @@ impl RoughFaces {
     }
 
     /// Sets up a batch's faces, in the order in which [`faces`](super::faces) makes them.
-    #[inline(always)]
+    ///
+    /// In a function of its own, compiled for the same instructions: it is long, and the same for each kind of face.
+    #[inline(never)]
     pub(super) fn set_up<S: Simd>(&mut self, batch: &Batch<'_, S>) {
+        batch.simd.vectorize(
+            #[inline(always)]
+            || self.set_up_by_lanes(batch),
+        );
+    }
+
+    #[inline(always)]
+    fn set_up_by_lanes<S: Simd>(&mut self, batch: &Batch<'_, S>) {
         let Batch { simd, cloud, view, points, begin } = *batch;
         let [x, y, z] = &points.positions;
         let position = [load(simd, x, begin), load(simd, y, begin), load(simd, z, begin)];
