@@ -35,7 +35,7 @@ using rviz::StatusProperty;
 
 const char CAMERA_INFO[] = "Camera Info";
 const char OUTPUT_TOPIC[] = "Output Topic";
-const char NAMESPACE[] = "Display namespace";
+const char NAMESPACE_STATUS[] = "Display namespace";
 const char TRANSFORM[] = "getTransform";
 const char PICTURE[] = "Picture";
 const char TIMING[] = "Timing";
@@ -146,17 +146,17 @@ void CameraPub::updateNamespace()
     handle_ = ros::NodeHandle(namespace_->getStdString());
     trigger_service_.join(handle_, [this](std::string& message) { return trigger(message); });
     namespace_ok_ = true;
-    setStatus(StatusProperty::Ok, NAMESPACE, "OK");
+    setStatus(StatusProperty::Ok, NAMESPACE_STATUS, "OK");
   }
   catch (const ros::InvalidNameException& error)
   {
-    setStatus(StatusProperty::Error, NAMESPACE, QString("Invalid namespace: ") + error.what());
+    setStatus(StatusProperty::Error, NAMESPACE_STATUS, QString("Invalid namespace: ") + error.what());
   }
   catch (const ros::Exception& error)
   {
     // Pictures come at the frame rate all the same.
     namespace_ok_ = true;
-    setStatus(StatusProperty::Warn, NAMESPACE, QString("Could not create the trigger service: ") + error.what());
+    setStatus(StatusProperty::Warn, NAMESPACE_STATUS, QString("Could not create the trigger service: ") + error.what());
   }
   updateOutput();
 }

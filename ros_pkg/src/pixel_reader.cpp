@@ -16,7 +16,8 @@
 
 namespace rviz_camera_stream
 {
-namespace
+// Not in the namespace without a name, because a class with outside linkage keeps them.
+namespace opengl
 {
 /// A function of OpenGL by its name, null if the driver lacks it.
 template <typename Function>
@@ -55,6 +56,10 @@ struct Functions
   }
 };
 
+}  // namespace opengl
+
+namespace
+{
 /// GLX hands out an address for any name, so the version decides: buffers and fences are in OpenGL 3.2 or an extension.
 bool hasBuffersAndFences()
 {
@@ -139,7 +144,7 @@ const GLenum TightPacking::NAMES[] = { GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL
 /// A buffer for colours, one for depths, and the fence behind the copies.
 struct PixelReader::Buffers
 {
-  Functions gl;
+  opengl::Functions gl;
   GLuint names[2] = { 0, 0 };
   GLsizeiptr sizes[2] = { 0, 0 };
   GLsync fence = nullptr;

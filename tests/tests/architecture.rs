@@ -206,6 +206,20 @@ fn no_other_file_contains_unsafe_code() {
     }
 }
 
+/// Their manifests say that there is nothing to compile for tests in them.
+#[test]
+fn programs_hold_no_tests() {
+    let files = rust_files(&repository());
+    let programs = files.iter().filter(|file| file.components().any(|part| part.as_os_str() == "bin"));
+    let mut checked = 0;
+    for file in programs {
+        let text = fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        assert!(!text.contains("#[test]"), "{}: cargo does not run its tests", file.display());
+        checked += 1;
+    }
+    assert!(checked > 10, "{checked} programs");
+}
+
 #[test]
 fn every_thread_is_started_with_a_name() {
     let core = rust_files(&repository().join("rust_core"));
