@@ -245,45 +245,31 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.draw_large_by_lanes(simd, rough, lane, index, rank, screen, ranked, band),
-        );
-    }
-
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "it is a part of the loop above")]
-    fn draw_large_by_lanes<S: Simd>(
-        &self,
-        simd: S,
-        rough: &RoughFaces,
-        lane: usize,
-        index: u32,
-        rank: u32,
-        screen: &Screen,
-        ranked: &mut RankedScratch,
-        band: &mut Band<'_>,
-    ) {
-        for number in 0..self.cloud.faces.count() {
-            ranked.tiles.clear();
-            let known = rough.face(number, lane);
-            let is_seen = match &known {
-                Some((_, area)) if area.left >= area.right || area.top >= area.bottom => false,
-                Some((plane, area)) => {
-                    ranked.occluders.list_seen(simd, plane, rank, *area, &mut ranked.tiles);
-                    !ranked.tiles.is_empty()
+            || {
+                for number in 0..self.cloud.faces.count() {
+                    ranked.tiles.clear();
+                    let known = rough.face(number, lane);
+                    let is_seen = match &known {
+                        Some((_, area)) if area.left >= area.right || area.top >= area.bottom => false,
+                        Some((plane, area)) => {
+                            ranked.occluders.list_seen(simd, plane, rank, *area, &mut ranked.tiles);
+                            !ranked.tiles.is_empty()
+                        }
+                        None => rough.may_be_front(number, lane),
+                    };
+                    if !is_seen {
+                        continue;
+                    }
+                    ranked.cut.clear();
+                    make_triangles(self.cloud, index, 1 << number, screen, ranked);
+                    let tiles = known.is_some().then_some(ranked.tiles.as_slice());
+                    for corners in &ranked.cut {
+                        let surface = &self.cloud.surface;
+                        triangles::draw_ranked(corners.each_ref(), surface, rank, tiles, band, &mut ranked.occluders);
+                    }
                 }
-                None => rough.may_be_front(number, lane),
-            };
-            if !is_seen {
-                continue;
-            }
-            ranked.cut.clear();
-            make_triangles(self.cloud, index, 1 << number, screen, ranked);
-            let tiles = known.is_some().then_some(ranked.tiles.as_slice());
-            for corners in &ranked.cut {
-                let surface = &self.cloud.surface;
-                triangles::draw_ranked(corners.each_ref(), surface, rank, tiles, band, &mut ranked.occluders);
-            }
-        }
+            },
+        );
     }
 }
 
