@@ -7,6 +7,7 @@ import statistics
 import time
 
 from bench_page import machine, table
+from soak_plot import Panel, Series, draw, quoted
 from soak_scene import CAMERAS
 
 # What is measured of the process: heading, unit, and by how much the last quarter's median may exceed the first quarter's:
@@ -87,51 +88,41 @@ def fault_rows(run):
 
 
 def plot(run, file):
-    """Memory, threads and descriptors, CPU time and gaps over time; faults as marks."""
-    import matplotlib
-    matplotlib.use('svg')
-    matplotlib.rcParams['svg.hashsalt'] = 'rviz_camera_stream'
-    from matplotlib import pyplot
-    samples, begin = run.watch.samples, run.begin
+    """Memory, threads and descriptors, CPU time and gaps over time; faults as bars."""
+    samples, begin, now = run.watch.samples, run.begin, time.monotonic()
 
-    def minutes(at):
-        return (at - begin) / 60
+    def over_time(value):
+        return [((sample['at'] - begin) / 60, value(sample)) for sample in samples]
 
-    figure, (memory, counts, load, gaps, faults) = pyplot.subplots(
-        5, 1, figsize=(11, 13), sharex=True, gridspec_kw={'height_ratios': [2, 2, 2, 2, 4]})
-    times = [minutes(sample['at']) for sample in samples]
-    memory.plot(times, [sample['memory_mb'] for sample in samples])
-    memory.set_ylabel('memory (MB)')
-    counts.plot(times, [sample['threads'] for sample in samples], label='threads')
-    counts.plot(times, [sample['descriptors'] for sample in samples], label='descriptors')
-    counts.legend(loc='upper left')
-    pairs = list(zip(samples, samples[1:]))
-    load.plot(times[1:], [100 * (b['cpu_s'] - a['cpu_s']) / (b['at'] - a['at']) for a, b in pairs], linewidth=0.8)
-    load.set_ylabel('CPU (% of a core)')
-    for camera, marker in zip(CAMERAS, ('o', 's', '^')):
+    load = [((b['at'] - begin) / 60, 100 * (b['cpu_s'] - a['cpu_s']) / (b['at'] - a['at']))
+            for a, b in zip(samples, samples[1:]) if b['at'] > a['at']]
+    gaps = []
+    for camera in CAMERAS:
         longest = collections.defaultdict(float)
         for at, name, length, _ in run.watch.viewers.gaps:
             if name == camera:
                 slot = int((at - begin) / PLOTTED_EVERY_S)
                 longest[slot] = max(longest[slot], 1000 * length)
-        times = [slot * PLOTTED_EVERY_S / 60 for slot in longest]
-        gaps.semilogy(times, list(longest.values()), marker, markersize=2, label=camera)
-    gaps.set_ylabel('longest gap (ms)')
-    gaps.legend(loc='upper left')
+        points = [(slot * PLOTTED_EVERY_S / 60, length) for slot, length in sorted(longest.items())]
+        gaps.append(Series(camera, 'points pointtype 7 pointsize 0.3', points))
     kinds = sorted({record['kind'] for record in run.records}, reverse=True)
+    bars = {True: [], False: []}
     for record in run.records:
-        end = record.get('end') or time.monotonic()
-        start, colour = minutes(record['begin']), 'tab:blue' if record['survived'] else 'tab:red'
-        faults.barh(kinds.index(record['kind']), max(minutes(end) - start, 0.01), left=start, color=colour)
-    faults.set_yticks(range(len(kinds)))
-    faults.set_yticklabels(kinds, fontsize=6)
-    faults.set_xlabel('minutes')
-    for axes in (memory, counts, load, gaps, faults):
-        axes.grid(True, alpha=0.3)
-        for at, _ in run.watch.findings.all:
-            axes.axvline(at / 60, color='tab:red', linewidth=0.8)
-    figure.tight_layout()
-    figure.savefig(file, metadata={'Date': None})
+        start, row = (record['begin'] - begin) / 60, kinds.index(record['kind'])
+        end = max(((record.get('end') or now) - begin) / 60, start + 0.01)
+        bars[bool(record['survived'])].append((start, row, start, end, row - 0.4, row + 0.4))
+    names = ', '.join('{} {}'.format(quoted(kind), row) for row, kind in enumerate(kinds))
+    rows = ['set ytics ({}) font ",8"'.format(names), 'set yrange [-1:{}]'.format(len(kinds))] if kinds else []
+    bar = 'boxxyerror fillstyle solid noborder lc rgb '
+    panels = [
+        Panel('memory (MB)', [], [Series('', 'lines', over_time(lambda sample: sample['memory_mb']))], 2),
+        Panel('', [], [Series(key, 'lines', over_time(lambda sample, key=key: sample[key]))
+                       for key in ('threads', 'descriptors')], 2),
+        Panel('CPU (% of a core)', [], [Series('', 'lines', load)], 2),
+        Panel('longest gap (ms)', ['set logscale y'], gaps, 2),
+        Panel('', rows, [Series('', bar + '"steelblue"', bars[True]), Series('', bar + '"red"', bars[False])], 4),
+    ]
+    draw(panels, [at / 60 for at, _ in run.watch.findings.all], max((now - begin) / 60, 0.01), file)
 
 
 def write(given, run, checks, is_interrupted):
