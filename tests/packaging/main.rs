@@ -29,9 +29,11 @@ fn bash_command(script: &str) -> Command {
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
         .stdin(Stdio::null());
-    // The variables that cargo sets for the test must not reach the cargo that the script calls.
+    // The variables that cargo sets for the test must not reach the cargo that the script calls; those that tell it how to
+    // compile must, or it compiles everything again.
     for (name, _) in std::env::vars_os() {
-        let is_kept = |name| ["CARGO_HOME", "CARGO_INCREMENTAL"].contains(&name);
+        let is_kept =
+            |name: &str| ["CARGO_HOME", "CARGO_INCREMENTAL"].contains(&name) || name.starts_with("CARGO_PROFILE_");
         if name.to_str().is_some_and(|name| name.starts_with("CARGO_") && !is_kept(name)) {
             command.env_remove(name);
         }
