@@ -29,7 +29,7 @@ fn bash_command(script: &str) -> Command {
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
         .stdin(Stdio::null());
-    // The variables that cargo sets for the test must not reach the cargo that the script calls; those that tell it how to
+    // The variables that cargo sets for the test must not reach the cargo that the script calls; those that say how to
     // compile must, or it compiles everything again.
     for (name, _) in std::env::vars_os() {
         let is_kept =
