@@ -199,7 +199,8 @@ fn cmake_output(tools: &[(&str, &str)]) -> String {
     // The system's programs without a cargo that may be among them.
     let output = bash(&format!(
         "mkdir {0}/build {0}/bin && cd {0}/build
-         ln -s /usr/bin/* {0}/bin/ && rm -f {0}/bin/cargo* {0}/bin/rust*
+         ln -s /usr/bin/* {0}/bin/
+         rm -f {0}/bin/cargo* {0}/bin/rust*
          env -u CARGO_HOME HOME={0} PATH={0}:{0}/bin cmake {1}",
         folder.path().display(),
         repository().join("ros_pkg").display()
