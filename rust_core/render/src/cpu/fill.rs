@@ -7,7 +7,7 @@ use fearless_simd::Simd;
 use super::band::{channel_shift, pack, unorm8, Band};
 use super::edges::Edge;
 use super::lanes::{lane_indices, map, F, I, LANES, M, U};
-use super::occlusion::{rounding, Area, Cell, DepthPlane, Drawn, Occluders, TILE_PX};
+use super::occlusion::{rounding, Area, DepthPlane, Drawn, Occluders, SeenTiles, TILE_PX};
 use super::screen::{FARTHEST, SUBPIXELS};
 use super::surface::{Paint, Surface};
 use super::triangles::{Plane, Planes};
@@ -149,7 +149,7 @@ impl<'a, S: Simd> Fill<'a, S> {
         &self,
         edges: &[Edge; 3],
         least: f32,
-        (area, tiles): (Area, Option<&[Cell]>),
+        (area, tiles): (Area, Option<&[SeenTiles]>),
         rank: u32,
         band: &mut Band<'_>,
         occluders: &mut Occluders,

@@ -61,96 +61,86 @@ pub(super) fn rounding(magnitude: f32) -> f32 {
     f32::from_bits(magnitude.abs().to_bits() & 0x7f80_0000) * HALF_LAST_BIT
 }
 
-/// Cells of one size.
+/// What is known of cells of one size: a plane for each.
 #[derive(Debug, Default)]
-struct Level {
-    side: f32,
-    /// The band's first row.
-    first_row: f32,
-    /// Cells from row to row.
-    stride: usize,
+struct Cells {
     /// The plane at the cell's middle, in two parts whose sum has more digits than one; infinite where there is none.
     middle: Vec<f32>,
     rest: Vec<f32>,
     dx: Vec<f32>,
     dy: Vec<f32>,
     noise: Vec<f32>,
+    /// No pixel of the cell is farther away; infinite where there is no plane.
+    farthest: Vec<f32>,
     rank: Vec<u32>,
 }
 
-impl Level {
-    fn reset(&mut self, side: i32, width_px: i32, rows: i32, first_row: i32) {
-        (self.side, self.first_row) = (side as f32, first_row as f32);
-        // Behind each row of cells there is room for a window's.
-        self.stride = (width_px as usize).div_ceil(side as usize) + LANES;
-        let cells = self.stride * (rows as usize).div_ceil(side as usize);
+/// From the middle of a cell of this side to the middle of its last pixel.
+const fn half(side_px: i32) -> f32 {
+    (side_px - 1) as f32 * 0.5
+}
+
+impl Cells {
+    fn reset(&mut self, count: usize) {
         for numbers in [&mut self.rest, &mut self.dx, &mut self.dy, &mut self.noise] {
             numbers.clear();
-            numbers.resize(cells, 0.0);
+            numbers.resize(count, 0.0);
         }
-        self.middle.clear();
-        self.middle.resize(cells, f32::INFINITY);
+        for numbers in [&mut self.middle, &mut self.farthest] {
+            numbers.clear();
+            numbers.resize(count, f32::INFINITY);
+        }
         self.rank.clear();
-        self.rank.resize(cells, 0);
+        self.rank.resize(count, 0);
     }
 
-    /// In which of [`LANES`] cells from `column` on something of a face may be seen.
+    /// In which of [`LANES`] cells from `begin` on something of a face may be seen, given how far their middles are
+    /// from the place of its plane, and how far from their middles to the right and down the face's pixels are.
     #[inline(always)]
-    fn seen<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, row: i32, column: i32) -> u32 {
-        let begin = row as usize * self.stride + column as usize;
+    fn seen<S: Simd>(
+        &self,
+        simd: S,
+        plane: &DepthPlane,
+        rank: u32,
+        begin: usize,
+        [x, y]: [F<S>; 2],
+        [columns, rows]: [[F<S>; 2]; 2],
+    ) -> u32 {
         let numbers = inlined(
             #[inline(always)]
             |all: &[f32]| load(simd, all, begin),
         );
-        let half = (self.side - 1.0) * 0.5;
-        let y = self.first_row + row as f32 * self.side + half - plane.y;
-        let x = lane_indices(simd).to_float::<F<S>>() * self.side + (column as f32 * self.side + half - plane.x);
-        let apart = plane.at - numbers(&self.middle);
-        let (right, down) = (x * plane.dx, plane.dy * y);
-        let (cell_dx, cell_dy) = (numbers(&self.dx), numbers(&self.dy));
-        let slopes = (plane.dx - cell_dx).abs() + (plane.dy - cell_dy).abs();
-        let behind = (apart + (right + down)) - (numbers(&self.rest) + slopes * half);
-        // Beside the planes' noise, that of the sums here.
-        let unsure = (apart.abs() + (right.abs() + down.abs()) + slopes * half) * (1.0 / (1 << 20) as f32);
-        let unsure = unsure + (numbers(&self.noise) + plane.noise);
         let ranks = self.rank.get(begin..).and_then(<[u32]>::first_chunk);
         let is_earlier = ranks.map_or(U::splat(simd, 0), |ranks| U::load_array_ref(simd, ranks)).simd_gt(rank);
+        let apart = plane.at - numbers(&self.middle);
+        let (right, down) = (x * plane.dx, y * plane.dy);
+        let (dx, dy) = (plane.dx - numbers(&self.dx), plane.dy - numbers(&self.dy));
+        // Where the planes are nearest to each other.
+        let (along_row, along_column) = ((dx * columns[0]).min(dx * columns[1]), (dy * rows[0]).min(dy * rows[1]));
+        let behind = (apart + (right + down)) + ((along_row + along_column) - numbers(&self.rest));
+        // Beside the planes' noise, that of the sums here.
+        let sums = (apart.abs() + (right.abs() + down.abs())) + (along_row.abs() + along_column.abs());
+        let unsure = sums * (1.0 / (1 << 20) as f32);
+        let unsure = unsure + (numbers(&self.noise) + plane.noise);
         let is_hidden = behind.simd_gt(unsure) | (behind.simd_ge(unsure) & is_earlier);
         // The plane of a steep face leads far before it, but nothing of the face is nearer than its nearest corner.
-        let reach = (cell_dx.abs() + cell_dy.abs()) * half + (numbers(&self.noise) + numbers(&self.rest).abs());
-        let behind = plane.least - (numbers(&self.middle) + reach);
-        let zero = F::splat(simd, 0.0);
-        let unsure = reach.simd_gt(0.0).select(reach * (1.0 / (1 << 20) as f32) + 4.0, zero);
-        let is_hidden = is_hidden | behind.simd_gt(unsure) | (behind.simd_ge(unsure) & is_earlier);
+        let (least, farthest) = (F::splat(simd, plane.least), numbers(&self.farthest));
+        let is_hidden = is_hidden | least.simd_gt(farthest) | (least.simd_ge(farthest) & is_earlier);
         !(is_hidden.to_bitmask() as u32) & ((1 << LANES) - 1)
     }
 
-    /// The largest depth in a cell, and a rank that none is below of pixels of this depth.
-    fn bound(&self, row: i32, column: i32) -> (f64, u32) {
-        let cell = row as usize * self.stride + column as usize;
-        let half = f64::from(self.side - 1.0) * 0.5;
-        let slopes = f64::from(self.dx[cell].abs()) + f64::from(self.dy[cell].abs());
-        let middle = f64::from(self.middle[cell]) + f64::from(self.rest[cell]);
-        (middle + slopes * half + f64::from(self.noise[cell]), self.rank[cell])
-    }
-
     /// The largest of what a cell's depths are above a plane of these slopes that has depth 0 in the cell's middle.
-    fn bound_along(&self, row: i32, column: i32, [dx, dy]: [f64; 2]) -> f64 {
-        let cell = row as usize * self.stride + column as usize;
-        let half = f64::from(self.side - 1.0) * 0.5;
+    fn bound_along(&self, cell: usize, [dx, dy]: [f64; 2], half: f32) -> f64 {
         let slopes = (f64::from(self.dx[cell]) - dx).abs() + (f64::from(self.dy[cell]) - dy).abs();
         let middle = f64::from(self.middle[cell]) + f64::from(self.rest[cell]);
-        middle + slopes * half + f64::from(self.noise[cell])
+        middle + slopes * f64::from(half) + f64::from(self.noise[cell])
     }
 
-    /// Takes the plane of a face that covers a cell, if it is nearer than the one that is there; says whether it is.
-    fn offer(&mut self, plane: &DepthPlane, rank: u32, row: i32, column: i32) -> bool {
-        let cell = row as usize * self.stride + column as usize;
-        let half = f64::from(self.side - 1.0) * 0.5;
-        let x = f64::from(column) * f64::from(self.side) + half;
-        let y = f64::from(self.first_row) + f64::from(row) * f64::from(self.side) + half;
+    /// Takes the plane of a face that covers a cell, given where its middle is and half of its side, if it is nearer than
+    /// the one that is there; says whether it is.
+    fn offer(&mut self, plane: &DepthPlane, rank: u32, cell: usize, [x, y]: [f64; 2], half: f32) -> bool {
         let value = plane.value(x, y);
-        let reach = (f64::from(plane.dx.abs()) + f64::from(plane.dy.abs())) * half + f64::from(plane.noise);
+        let reach = (f64::from(plane.dx.abs()) + f64::from(plane.dy.abs())) * f64::from(half) + f64::from(plane.noise);
         // Depths are clamped outside of these, so that a plane says less about them.
         if !(value - reach > 0.0 && value + reach < f64::from(FARTHEST)) {
             return false;
@@ -165,7 +155,18 @@ impl Level {
         self.rest[cell] = (value - f64::from(*middle)) as f32;
         (self.dx[cell], self.dy[cell]) = (plane.dx, plane.dy);
         (self.noise[cell], self.rank[cell]) = (plane.noise, rank);
+        self.farthest[cell] = not_below(value + reach);
         true
+    }
+}
+
+/// The smallest number that is not below this one.
+fn not_below(exact: f64) -> f32 {
+    let rounded = exact as f32;
+    if f64::from(rounded) < exact {
+        rounded.next_up()
+    } else {
+        rounded
     }
 }
 
@@ -183,8 +184,12 @@ pub(super) enum Drawn {
 /// A band's tiles and blocks.
 #[derive(Debug, Default)]
 pub(super) struct Occluders {
-    tiles: Level,
-    blocks: Level,
+    /// Those of a block one after the other, row by row.
+    tiles: Cells,
+    /// Row by row.
+    blocks: Cells,
+    /// Blocks from row to row: behind each row there is room for a window's.
+    stride: usize,
     width: i32,
     first_row: i32,
     end_row: i32,
@@ -193,7 +198,7 @@ pub(super) struct Occluders {
     /// How many faces may come before that is asked again.
     until_asked: u32,
     /// Memory for the tiles of a face.
-    listed: Vec<Cell>,
+    listed: Vec<SeenTiles>,
 }
 
 /// Pixels from left to before right and from top to before bottom.
@@ -205,25 +210,36 @@ pub(super) struct Area {
     pub bottom: i32,
 }
 
-/// A cell of which something may be seen.
+/// A block or a tile of a band.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Cell {
+struct Cell {
     row: i32,
     column: i32,
 }
 
-impl Cell {
-    /// The block that a tile is in.
-    fn block(self) -> Self {
-        Self { row: self.row / TILES, column: self.column / TILES }
+/// The tiles of a block in which something may be seen: a bit for each, row by row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SeenTiles {
+    block: Cell,
+    tiles: u32,
+}
+
+impl SeenTiles {
+    /// The tile of this bit.
+    #[inline(always)]
+    fn tile(&self, bit: u32) -> Cell {
+        let (row, column) = (bit as i32 / TILES, bit as i32 % TILES);
+        Cell { row: self.block.row * TILES + row, column: self.block.column * TILES + column }
     }
 }
 
 impl Occluders {
     /// Forgets all, for a band of these rows.
     pub(super) fn reset(&mut self, width: i32, first_row: i32, end_row: i32) {
-        self.tiles.reset(TILE_PX, width, end_row - first_row, first_row);
-        self.blocks.reset(BLOCK_PX, width, end_row - first_row, first_row);
+        self.stride = (width as usize).div_ceil(BLOCK_PX as usize) + LANES;
+        let blocks = self.stride * ((end_row - first_row) as usize).div_ceil(BLOCK_PX as usize);
+        self.blocks.reset(blocks);
+        self.tiles.reset(blocks * TILES_OF_BLOCK);
         (self.width, self.first_row, self.end_row) = (width, first_row, end_row);
         (self.farthest, self.until_asked) = (f32::INFINITY, Self::FACES_TO_ASK);
     }
@@ -236,7 +252,7 @@ impl Occluders {
     pub(super) fn hides_from(&mut self, nearest: f32) -> bool {
         match self.until_asked.checked_sub(1) {
             Some(left) => self.until_asked = left,
-            None => (self.farthest, self.until_asked) = ((self.farthest() as f32).next_up(), Self::FACES_TO_ASK),
+            None => (self.farthest, self.until_asked) = (self.farthest(), Self::FACES_TO_ASK),
         }
         nearest > self.farthest
     }
@@ -247,12 +263,31 @@ impl Occluders {
         Area { left, right: (left + side).min(self.width), top, bottom: (top + side).min(self.end_row) }
     }
 
+    /// The place of a block among the blocks.
+    #[inline(always)]
+    fn place(&self, block: Cell) -> usize {
+        block.row as usize * self.stride + block.column as usize
+    }
+
+    /// The place of a tile among the tiles.
+    #[inline(always)]
+    fn place_of_tile(&self, tile: Cell) -> usize {
+        let block = Cell { row: tile.row / TILES, column: tile.column / TILES };
+        self.place(block) * TILES_OF_BLOCK + (tile.row % TILES * TILES + tile.column % TILES) as usize
+    }
+
+    /// The middle of a cell.
+    fn middle(&self, cell: Cell, side: i32) -> [f64; 2] {
+        let area = [cell.column * side, self.first_row + cell.row * side];
+        area.map(|first| f64::from(first) + f64::from(half(side)))
+    }
+
     /// The largest depth in the whole band; infinite where that is not known.
-    pub(super) fn farthest(&self) -> f64 {
+    pub(super) fn farthest(&self) -> f32 {
         let columns = (self.width + BLOCK_PX - 1) / BLOCK_PX;
         let rows = (self.end_row - self.first_row + BLOCK_PX - 1) / BLOCK_PX;
-        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
-        cells.map(|(row, column)| self.blocks.bound(row, column).0).fold(0.0, f64::max)
+        let blocks = (0..rows).flat_map(|row| (0..columns).map(move |column| Cell { row, column }));
+        blocks.map(|block| self.blocks.farthest[self.place(block)]).fold(0.0, f32::max)
     }
 
     /// Whether nothing is seen of a face within an area, which lies in the band.
@@ -262,11 +297,11 @@ impl Occluders {
         let [left, right] = [area.left, area.right - 1].map(|x| x / BLOCK_PX);
         for row in top..=bottom {
             for column in (left..=right).step_by(LANES) {
-                let mut seen = self.blocks.seen(simd, plane, rank, row, column) & up_to(right - column);
+                let mut seen = self.seen_blocks(simd, plane, rank, area, Cell { row, column }) & up_to(right - column);
                 while seen != 0 {
                     let block = Cell { row, column: column + seen.trailing_zeros() as i32 };
                     seen &= seen - 1;
-                    if self.seen_tiles(simd, plane, rank, area, block) != [0; TILES as usize] {
+                    if self.seen_tiles(simd, plane, rank, area, block).tiles != 0 {
                         return false;
                     }
                 }
@@ -275,56 +310,89 @@ impl Occluders {
         true
     }
 
-    /// The tiles of a block, row by row, in which something of a face may be seen.
+    /// In which of [`LANES`] blocks from this one on something of a face may be seen.
     #[inline(always)]
-    fn seen_tiles<S: Simd>(
-        &self,
-        simd: S,
-        plane: &DepthPlane,
-        rank: u32,
-        area: Area,
-        block: Cell,
-    ) -> [u32; TILES as usize] {
-        let mut seen = [0; TILES as usize];
-        let column = block.column * TILES;
-        let [left, right] = [area.left, area.right - 1].map(|x| x / TILE_PX - column);
-        let [top, bottom] = [area.top, area.bottom - 1].map(|y| (y - self.first_row) / TILE_PX - block.row * TILES);
-        let columns = up_to(right.min(TILES - 1)) & !(up_to(left - 1));
-        for row in top.max(0)..=bottom.min(TILES - 1) {
-            seen[row as usize] = columns & self.tiles.seen(simd, plane, rank, block.row * TILES + row, column);
+    fn seen_blocks<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, area: Area, first: Cell) -> u32 {
+        const HALF: f32 = half(BLOCK_PX);
+        let side = BLOCK_PX as f32;
+        let x = lane_indices(simd).to_float::<F<S>>() * side + (first.column as f32 * side + HALF);
+        let y = F::splat(simd, (self.first_row + first.row * BLOCK_PX) as f32 + HALF);
+        let within = [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)];
+        self.blocks.seen(simd, plane, rank, self.place(first), [x - plane.x, y - plane.y], within)
+    }
+
+    /// The tiles of a block in which something of a face may be seen.
+    #[inline(always)]
+    fn seen_tiles<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, area: Area, block: Cell) -> SeenTiles {
+        const HALF: f32 = half(TILE_PX);
+        let (first_column, first_row) = (block.column * BLOCK_PX, self.first_row + block.row * BLOCK_PX);
+        let tile = inlined(
+            #[inline(always)]
+            |pixel: i32, first: i32| ((pixel - first) / TILE_PX).clamp(0, TILES - 1) as usize,
+        );
+        let columns = BITS[tile(area.left, first_column)][tile(area.right - 1, first_column)];
+        let rows = BITS[tile(area.top, first_row)][tile(area.bottom - 1, first_row)];
+        // A bit for each tile of the area.
+        let wanted = columns * 0x1111 & SPREAD[rows as usize];
+        let lane = lane_indices(simd);
+        let right = (lane & (TILES - 1)).to_float::<F<S>>() * TILE_PX as f32;
+        let down = (lane >> TILES.ilog2()).to_float::<F<S>>() * TILE_PX as f32;
+        let (x, y) = (right + (first_column as f32 + HALF), down + (first_row as f32 + HALF));
+        let columns = within(x, [area.left, area.right], HALF);
+        let begin = self.place(block) * TILES_OF_BLOCK;
+        let mut tiles = 0;
+        for part in 0..TILES_OF_BLOCK / LANES {
+            let of_part = wanted >> (part * LANES) & ((1 << LANES) - 1);
+            if of_part != 0 {
+                let y = y + (part * LANES / TILES as usize * TILE_PX as usize) as f32;
+                let within = [columns, within(y, [area.top, area.bottom], HALF)];
+                let from_plane = [x - plane.x, y - plane.y];
+                let seen = self.tiles.seen(simd, plane, rank, begin + part * LANES, from_plane, within);
+                tiles |= (seen & of_part) << (part * LANES);
+            }
         }
-        seen
+        SeenTiles { block, tiles }
     }
 
     /// Takes what is known of a block's tiles for the block: one depth for all, or a plane of these changes to the
     /// right and down.
     fn join_tiles(&mut self, block: Cell, [dx, dy]: [f32; 2]) {
-        let (mut farthest, mut first_rank) = (0.0_f64, u32::MAX);
+        let (mut farthest, mut first_rank) = (0.0_f32, u32::MAX);
         let mut at_middle = 0.0_f64;
         let slopes = [dx, dy].map(f64::from);
         let middle = f64::from(TILES - 1) * 0.5;
+        let begin = self.place(block) * TILES_OF_BLOCK;
         let area = self.area(block, BLOCK_PX);
         let (columns, rows) =
             ((area.right - area.left + TILE_PX - 1) / TILE_PX, (area.bottom - area.top + TILE_PX - 1) / TILE_PX);
-        for row in (block.row * TILES..).take(rows as usize) {
-            for column in (block.column * TILES..).take(columns as usize) {
-                let (bound, rank) = self.tiles.bound(row, column);
-                (farthest, first_rank) = (farthest.max(bound), first_rank.min(rank));
-                let tiles = [column - block.column * TILES, row - block.row * TILES].map(|i| f64::from(i) - middle);
-                let [right, down] = tiles.map(|tiles| tiles * f64::from(TILE_PX));
-                let bound = self.tiles.bound_along(row, column, slopes) - (slopes[0] * right + slopes[1] * down);
-                at_middle = at_middle.max(bound);
+        for row in 0..rows {
+            for column in 0..columns {
+                let tile = begin + (row * TILES + column) as usize;
+                farthest = farthest.max(self.tiles.farthest[tile]);
+                first_rank = first_rank.min(self.tiles.rank[tile]);
+                let [right, down] = [column, row].map(|i| (f64::from(i) - middle) * f64::from(TILE_PX));
+                let bound = self.tiles.bound_along(tile, slopes, half(TILE_PX));
+                at_middle = at_middle.max(bound - (slopes[0] * right + slopes[1] * down));
             }
         }
-        // To a number that is not smaller.
-        let mut plane = DepthPlane::level((farthest as f32).next_up());
-        if at_middle < farthest {
-            let half = (BLOCK_PX - 1) as f32 * 0.5;
-            let (left, top) = (block.column * BLOCK_PX, self.first_row + block.row * BLOCK_PX);
-            let at = (at_middle as f32).next_up();
-            plane = DepthPlane { at, dx, dy, x: left as f32 + half, y: top as f32 + half, ..plane };
+        let mut plane = DepthPlane::level(farthest);
+        if at_middle < f64::from(farthest) {
+            let [x, y] = self.middle(block, BLOCK_PX).map(|at| at as f32);
+            plane = DepthPlane { at: not_below(at_middle), dx, dy, x, y, ..plane };
         }
-        self.blocks.offer(&plane, first_rank, block.row, block.column);
+        self.offer(&plane, first_rank, block);
+    }
+
+    /// Offers a plane to a block.
+    fn offer(&mut self, plane: &DepthPlane, rank: u32, block: Cell) -> bool {
+        let (at, middle) = (self.place(block), self.middle(block, BLOCK_PX));
+        self.blocks.offer(plane, rank, at, middle, half(BLOCK_PX))
+    }
+
+    /// Offers a plane to a tile.
+    fn offer_to_tile(&mut self, plane: &DepthPlane, rank: u32, tile: Cell) -> bool {
+        let (at, middle) = (self.place_of_tile(tile), self.middle(tile, TILE_PX));
+        self.tiles.offer(plane, rank, at, middle, half(TILE_PX))
     }
 
     /// Looks again at the tiles of an area in which something was drawn.
@@ -338,7 +406,7 @@ impl Occluders {
                 for tile in tiles_within(self.area(block, BLOCK_PX), area, self.first_row) {
                     let drawn = band.farthest(simd, self.area(tile, TILE_PX), [0.0; 2]);
                     if let Drawn::Partly { bound, first_rank } = drawn {
-                        is_nearer |= self.tiles.offer(&bound, first_rank, tile.row, tile.column);
+                        is_nearer |= self.offer_to_tile(&bound, first_rank, tile);
                     }
                 }
                 if is_nearer {
@@ -357,7 +425,7 @@ impl Occluders {
         simd: S,
         plane: &DepthPlane,
         rank: u32,
-        (area, tiles): (Area, Option<&[Cell]>),
+        (area, tiles): (Area, Option<&[SeenTiles]>),
         draw: impl FnMut(Area) -> Drawn,
         covers: impl Fn(Area) -> bool,
     ) {
@@ -381,22 +449,25 @@ impl Occluders {
     /// Lists the tiles of an area, which lies in the band, where something of a face may be seen: those of a block one
     /// after the other.
     #[inline(always)]
-    pub(super) fn list_seen<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, area: Area, list: &mut Vec<Cell>) {
+    pub(super) fn list_seen<S: Simd>(
+        &self,
+        simd: S,
+        plane: &DepthPlane,
+        rank: u32,
+        area: Area,
+        list: &mut Vec<SeenTiles>,
+    ) {
         let [top, bottom] = [area.top, area.bottom - 1].map(|y| (y - self.first_row) / BLOCK_PX);
         let [left, right] = [area.left, area.right - 1].map(|x| x / BLOCK_PX);
         for row in top..=bottom {
             for column in (left..=right).step_by(LANES) {
-                let mut seen = self.blocks.seen(simd, plane, rank, row, column) & up_to(right - column);
+                let mut seen = self.seen_blocks(simd, plane, rank, area, Cell { row, column }) & up_to(right - column);
                 while seen != 0 {
                     let block = Cell { row, column: column + seen.trailing_zeros() as i32 };
                     seen &= seen - 1;
-                    for (i, tiles) in self.seen_tiles(simd, plane, rank, area, block).into_iter().enumerate() {
-                        let mut tiles = tiles;
-                        while tiles != 0 {
-                            let column = block.column * TILES + tiles.trailing_zeros() as i32;
-                            tiles &= tiles - 1;
-                            list.push(Cell { row: row * TILES + i as i32, column });
-                        }
+                    let of_block = self.seen_tiles(simd, plane, rank, area, block);
+                    if of_block.tiles != 0 {
+                        list.push(of_block);
                     }
                 }
             }
@@ -409,18 +480,20 @@ impl Occluders {
         &mut self,
         plane: &DepthPlane,
         rank: u32,
-        tiles: &[Cell],
+        tiles: &[SeenTiles],
         mut draw: impl FnMut(Area) -> Drawn,
         covers: impl Fn(Area) -> bool,
     ) {
         // What is drawn is compiled for this place, so that no closure may come between.
-        for of_block in tiles.chunk_by(|a, b| a.block() == b.block()) {
-            let mut is_drawn = false;
-            for tile in of_block {
-                is_drawn |= self.draw_tile(plane, rank, *tile, &mut draw);
+        for of_block in tiles {
+            let (mut is_drawn, mut left) = (false, of_block.tiles);
+            while left != 0 {
+                let tile = of_block.tile(left.trailing_zeros());
+                left &= left - 1;
+                is_drawn |= self.draw_tile(plane, rank, tile, &mut draw);
             }
-            if let (true, Some(tile)) = (is_drawn, of_block.first()) {
-                self.join(plane, rank, tile.block(), &covers);
+            if is_drawn {
+                self.join(plane, rank, of_block.block, &covers);
             }
         }
     }
@@ -430,8 +503,8 @@ impl Occluders {
     fn draw_tile(&mut self, plane: &DepthPlane, rank: u32, tile: Cell, draw: &mut impl FnMut(Area) -> Drawn) -> bool {
         match draw(self.area(tile, TILE_PX)) {
             Drawn::Nothing => false,
-            Drawn::Covered => self.tiles.offer(plane, rank, tile.row, tile.column),
-            Drawn::Partly { bound, first_rank } => self.tiles.offer(&bound, first_rank, tile.row, tile.column),
+            Drawn::Covered => self.offer_to_tile(plane, rank, tile),
+            Drawn::Partly { bound, first_rank } => self.offer_to_tile(&bound, first_rank, tile),
         }
     }
 
@@ -439,11 +512,17 @@ impl Occluders {
     #[inline(always)]
     fn join(&mut self, plane: &DepthPlane, rank: u32, block: Cell, covers: &impl Fn(Area) -> bool) {
         if covers(self.area(block, BLOCK_PX)) {
-            self.blocks.offer(plane, rank, block.row, block.column);
+            self.offer(plane, rank, block);
         } else {
             self.join_tiles(block, [plane.dx, plane.dy]);
         }
     }
+}
+
+/// How far from the middles of some cells the first and the last of these pixels are that are theirs.
+#[inline(always)]
+fn within<S: Simd>(middles: F<S>, [begin, end]: [i32; 2], half: f32) -> [F<S>; 2] {
+    [(begin as f32 - middles).max(-half), ((end - 1) as f32 - middles).min(half)]
 }
 
 /// The tiles of a block that an area touches.
@@ -456,6 +535,43 @@ fn tiles_within(block: Area, area: Area, first_row: i32) -> impl Iterator<Item =
 
 /// Tiles on a side of a block.
 const TILES: i32 = BLOCK_PX / TILE_PX;
+
+/// Tiles of a block.
+const TILES_OF_BLOCK: usize = (TILES * TILES) as usize;
+
+/// The bits from one of a block's columns (or rows) of tiles to another.
+const BITS: [[u32; TILES as usize]; TILES as usize] = {
+    let mut bits = [[0; TILES as usize]; TILES as usize];
+    let mut first = 0;
+    while first < TILES as usize {
+        let mut last = first;
+        while last < TILES as usize {
+            bits[first][last] = (2 << last) - (1 << first);
+            last += 1;
+        }
+        first += 1;
+    }
+    bits
+};
+
+/// For each set of rows of tiles, the bits of the tiles in them.
+const SPREAD: [u32; 1 << TILES] = {
+    let mut spread = [0; 1 << TILES];
+    let mut rows = 0;
+    while rows < spread.len() {
+        let mut row = 0;
+        while row < TILES {
+            if rows >> row & 1 == 1 {
+                spread[rows] |= ((1 << TILES) - 1) << (row * TILES);
+            }
+            row += 1;
+        }
+        rows += 1;
+    }
+    spread
+};
+
+const _: () = assert!(TILES == 4 && TILES_OF_BLOCK.is_multiple_of(LANES) && LANES.is_multiple_of(TILES as usize));
 
 /// Bits up to this one, which may be -1 for none, of those that there are lanes.
 #[inline(always)]

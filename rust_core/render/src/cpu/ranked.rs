@@ -12,7 +12,7 @@
 //! A face that has exactly the corners of one with a higher rank is not drawn at all.
 
 use super::band::Band;
-use super::occlusion::{Cell, Occluders};
+use super::occlusion::{Occluders, SeenTiles};
 use super::screen::{Screen, SUBPIXELS};
 use super::triangles::Corner;
 
@@ -35,7 +35,7 @@ pub(super) struct RankedScratch {
     pub recent_points: Recent<3>,
     /// Memory for the triangles of a face, and for the tiles in which something of it may be seen.
     pub cut: Vec<[Corner; 3]>,
-    pub tiles: Vec<Cell>,
+    pub tiles: Vec<SeenTiles>,
     /// The first rank that is free in this band.
     next_rank: u32,
 }

@@ -16,7 +16,7 @@ use super::band::{meet, pack, unorm8, Band};
 use super::clip::{ClipVertex, Outside, Polygon};
 use super::edges::{Edge, EdgeRows, SmallEdges};
 use super::fill::{can_fill, Fill};
-use super::occlusion::{Area, Cell, Occluders};
+use super::occlusion::{Area, Occluders, SeenTiles};
 use super::ranked::Extent;
 use super::screen::{first_pixel, snap_lanes, Screen, FARTHEST, SUBPIXELS};
 use super::surface::{DepthBias, Paint, Surface};
@@ -277,7 +277,7 @@ pub(super) fn draw_ranked(
     corners: [&Corner; 3],
     surface: &Surface,
     rank: u32,
-    tiles: Option<&[Cell]>,
+    tiles: Option<&[SeenTiles]>,
     band: &mut Band<'_>,
     occluders: &mut Occluders,
 ) {

@@ -131,7 +131,7 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
             let next = next.and_then(|at| Some((at, *ranked.chunks.get(at)?)));
             come += 1;
             if next.is_some() && come % CHUNKS_TO_ASK == 0 {
-                let farthest = |range: &Range| range.hidden_from(ranked.occluders.farthest());
+                let farthest = |range: &Range| range.hidden_from(f64::from(ranked.occluders.farthest()));
                 hidden_from = range.as_ref().map_or(f32::INFINITY, farthest);
                 if in_memory_order.is_none() && std::mem::take(&mut looked_at).are_mostly_hidden() {
                     in_memory_order = Some(come);
