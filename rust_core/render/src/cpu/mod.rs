@@ -19,6 +19,7 @@
 
 mod band;
 mod bins;
+mod cells;
 mod clip;
 mod costs;
 mod cover;

@@ -17,8 +17,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 
 use super::band::Band;
-use super::lanes::{inlined, lane_indices, load, F, LANES, U};
-use super::screen::FARTHEST;
+use super::cells::{half, not_below, Cells};
+use super::lanes::{inlined, lane_indices, F, LANES};
 
 /// Side of a tile in pixels: a window's.
 pub(super) const TILE_PX: i32 = LANES as i32;
@@ -48,7 +48,7 @@ impl DepthPlane {
     }
 
     /// At a place, exactly.
-    fn value(&self, x: f64, y: f64) -> f64 {
+    pub(super) fn value(&self, x: f64, y: f64) -> f64 {
         f64::from(self.at) + f64::from(self.dx) * (x - f64::from(self.x)) + f64::from(self.dy) * (y - f64::from(self.y))
     }
 }
@@ -59,115 +59,6 @@ pub(super) fn rounding(magnitude: f32) -> f32 {
     // Half of the place value of the last of 24 bits.
     const HALF_LAST_BIT: f32 = 1.0 / (1 << 24) as f32;
     f32::from_bits(magnitude.abs().to_bits() & 0x7f80_0000) * HALF_LAST_BIT
-}
-
-/// What is known of cells of one size: a plane for each.
-#[derive(Debug, Default)]
-struct Cells {
-    /// The plane at the cell's middle, in two parts whose sum has more digits than one; infinite where there is none.
-    middle: Vec<f32>,
-    rest: Vec<f32>,
-    dx: Vec<f32>,
-    dy: Vec<f32>,
-    noise: Vec<f32>,
-    /// No pixel of the cell is farther away; infinite where there is no plane.
-    farthest: Vec<f32>,
-    rank: Vec<u32>,
-}
-
-/// From the middle of a cell of this side to the middle of its last pixel.
-const fn half(side_px: i32) -> f32 {
-    (side_px - 1) as f32 * 0.5
-}
-
-impl Cells {
-    fn reset(&mut self, count: usize) {
-        for numbers in [&mut self.rest, &mut self.dx, &mut self.dy, &mut self.noise] {
-            numbers.clear();
-            numbers.resize(count, 0.0);
-        }
-        for numbers in [&mut self.middle, &mut self.farthest] {
-            numbers.clear();
-            numbers.resize(count, f32::INFINITY);
-        }
-        self.rank.clear();
-        self.rank.resize(count, 0);
-    }
-
-    /// In which of [`LANES`] cells from `begin` on something of a face may be seen, given how far their middles are
-    /// from the place of its plane, and how far from their middles to the right and down the face's pixels are.
-    #[inline(always)]
-    fn seen<S: Simd>(
-        &self,
-        simd: S,
-        plane: &DepthPlane,
-        rank: u32,
-        begin: usize,
-        [x, y]: [F<S>; 2],
-        [columns, rows]: [[F<S>; 2]; 2],
-    ) -> u32 {
-        let numbers = inlined(
-            #[inline(always)]
-            |all: &[f32]| load(simd, all, begin),
-        );
-        let ranks = self.rank.get(begin..).and_then(<[u32]>::first_chunk);
-        let is_earlier = ranks.map_or(U::splat(simd, 0), |ranks| U::load_array_ref(simd, ranks)).simd_gt(rank);
-        let apart = plane.at - numbers(&self.middle);
-        let (right, down) = (x * plane.dx, y * plane.dy);
-        let (dx, dy) = (plane.dx - numbers(&self.dx), plane.dy - numbers(&self.dy));
-        // Where the planes are nearest to each other.
-        let (along_row, along_column) = ((dx * columns[0]).min(dx * columns[1]), (dy * rows[0]).min(dy * rows[1]));
-        let behind = (apart + (right + down)) + ((along_row + along_column) - numbers(&self.rest));
-        // Beside the planes' noise, that of the sums here.
-        let sums = (apart.abs() + (right.abs() + down.abs())) + (along_row.abs() + along_column.abs());
-        let unsure = sums * (1.0 / (1 << 20) as f32);
-        let unsure = unsure + (numbers(&self.noise) + plane.noise);
-        let is_hidden = behind.simd_gt(unsure) | (behind.simd_ge(unsure) & is_earlier);
-        // The plane of a steep face leads far before it, but nothing of the face is nearer than its nearest corner.
-        let (least, farthest) = (F::splat(simd, plane.least), numbers(&self.farthest));
-        let is_hidden = is_hidden | least.simd_gt(farthest) | (least.simd_ge(farthest) & is_earlier);
-        !(is_hidden.to_bitmask() as u32) & ((1 << LANES) - 1)
-    }
-
-    /// The largest of what a cell's depths are above a plane of these slopes that has depth 0 in the cell's middle.
-    fn bound_along(&self, cell: usize, [dx, dy]: [f64; 2], half: f32) -> f64 {
-        let slopes = (f64::from(self.dx[cell]) - dx).abs() + (f64::from(self.dy[cell]) - dy).abs();
-        let middle = f64::from(self.middle[cell]) + f64::from(self.rest[cell]);
-        middle + slopes * f64::from(half) + f64::from(self.noise[cell])
-    }
-
-    /// Takes the plane of a face that covers a cell, given where its middle is and half of its side, if it is nearer than
-    /// the one that is there; says whether it is.
-    fn offer(&mut self, plane: &DepthPlane, rank: u32, cell: usize, [x, y]: [f64; 2], half: f32) -> bool {
-        let value = plane.value(x, y);
-        let reach = (f64::from(plane.dx.abs()) + f64::from(plane.dy.abs())) * f64::from(half) + f64::from(plane.noise);
-        // Depths are clamped outside of these, so that a plane says less about them.
-        if !(value - reach > 0.0 && value + reach < f64::from(FARTHEST)) {
-            return false;
-        }
-        let Some(middle) = self.middle.get_mut(cell) else { return false };
-        let known = f64::from(*middle) + f64::from(self.rest[cell]) + f64::from(self.noise[cell]);
-        let offered = value + f64::from(plane.noise);
-        if offered > known || (offered == known && rank <= self.rank[cell]) {
-            return false;
-        }
-        *middle = value as f32;
-        self.rest[cell] = (value - f64::from(*middle)) as f32;
-        (self.dx[cell], self.dy[cell]) = (plane.dx, plane.dy);
-        (self.noise[cell], self.rank[cell]) = (plane.noise, rank);
-        self.farthest[cell] = not_below(value + reach);
-        true
-    }
-}
-
-/// The smallest number that is not below this one.
-fn not_below(exact: f64) -> f32 {
-    let rounded = exact as f32;
-    if f64::from(rounded) < exact {
-        rounded.next_up()
-    } else {
-        rounded
-    }
 }
 
 /// What is known of a tile's pixels after a face was drawn there.
@@ -334,24 +225,65 @@ impl Occluders {
         let rows = BITS[tile(area.top, first_row)][tile(area.bottom - 1, first_row)];
         // A bit for each tile of the area.
         let wanted = columns * 0x1111 & SPREAD[rows as usize];
+        self.for_parts(
+            simd,
+            SeenTiles { block, tiles: wanted },
+            #[inline(always)]
+            |begin, [x, y]| {
+                let within = [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)];
+                self.tiles.seen(simd, plane, rank, begin, [x - plane.x, y - plane.y], within)
+            },
+        )
+    }
+
+    /// Those of some tiles in which something of a face may be seen that ends where a limit is positive: given the
+    /// middles of some tiles, `limit` gives its values there and its changes to the right and down.
+    #[inline(always)]
+    pub(super) fn seen_within<S: Simd>(
+        &self,
+        simd: S,
+        plane: &DepthPlane,
+        area: Area,
+        tiles: SeenTiles,
+        limit: impl Fn([F<S>; 2]) -> [F<S>; 3],
+    ) -> SeenTiles {
+        const HALF: f32 = half(TILE_PX);
+        self.for_parts(
+            simd,
+            tiles,
+            #[inline(always)]
+            |begin, [x, y]| {
+                let within = [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)];
+                let from_plane = [x - plane.x, y - plane.y];
+                self.tiles.seen_within(simd, plane, begin, from_plane, within, limit([x, y]))
+            },
+        )
+    }
+
+    /// Those of some tiles for which `seen` gives a bit: given the place of the first of [`LANES`] and their middles.
+    #[inline(always)]
+    fn for_parts<S: Simd>(
+        &self,
+        simd: S,
+        SeenTiles { block, tiles }: SeenTiles,
+        seen: impl Fn(usize, [F<S>; 2]) -> u32,
+    ) -> SeenTiles {
+        const HALF: f32 = half(TILE_PX);
+        let (first_column, first_row) = (block.column * BLOCK_PX, self.first_row + block.row * BLOCK_PX);
         let lane = lane_indices(simd);
         let right = (lane & (TILES - 1)).to_float::<F<S>>() * TILE_PX as f32;
         let down = (lane >> TILES.ilog2()).to_float::<F<S>>() * TILE_PX as f32;
         let (x, y) = (right + (first_column as f32 + HALF), down + (first_row as f32 + HALF));
-        let columns = within(x, [area.left, area.right], HALF);
         let begin = self.place(block) * TILES_OF_BLOCK;
-        let mut tiles = 0;
+        let mut left = 0;
         for part in 0..TILES_OF_BLOCK / LANES {
-            let of_part = wanted >> (part * LANES) & ((1 << LANES) - 1);
+            let of_part = tiles >> (part * LANES) & ((1 << LANES) - 1);
             if of_part != 0 {
                 let y = y + (part * LANES / TILES as usize * TILE_PX as usize) as f32;
-                let within = [columns, within(y, [area.top, area.bottom], HALF)];
-                let from_plane = [x - plane.x, y - plane.y];
-                let seen = self.tiles.seen(simd, plane, rank, begin + part * LANES, from_plane, within);
-                tiles |= (seen & of_part) << (part * LANES);
+                left |= (of_part & seen(begin + part * LANES, [x, y])) << (part * LANES);
             }
         }
-        SeenTiles { block, tiles }
+        SeenTiles { block, tiles: left }
     }
 
     /// Takes what is known of a block's tiles for the block: one depth for all, or a plane of these changes to the

@@ -12,10 +12,10 @@ use super::place::{BandView, Batch, FaceBlock, AXES, DEPTH, EDGES, PLACE, SIDES}
 use super::rough::RoughFaces;
 use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::band::Band;
-use crate::cpu::lanes::{lane_indices, map, F, I, LANES};
+use crate::cpu::lanes::{inlined, lane_indices, map, F, I, LANES};
 use crate::cpu::occlusion::{rounding, Area, DepthPlane, Drawn, TILE_PX};
 use crate::cpu::ranked::{in_chunk, RankedScratch, CHUNK};
-use crate::cpu::screen::{Screen, FARTHEST};
+use crate::cpu::screen::{Screen, FARTHEST, SUBPIXELS};
 use crate::cpu::triangles;
 use crate::shading::DISC_RADIUS_SQUARED;
 
@@ -337,15 +337,32 @@ fn draw_small<S: Simd, const PAINT: u8>(
             is_inside && (PAINT != DISC || is_in_disc(&places, x as f32, y as f32))
         })
     };
+    // Of tiles beside a face that is about as wide as its bounds there are too few to look for.
+    if PAINT == DISC || is_turned(&edges) {
+        for tiles in &mut ranked.tiles {
+            *tiles = ranked.occluders.seen_within(
+                simd,
+                plane,
+                area,
+                *tiles,
+                #[inline(always)]
+                |[x, y]| {
+                    let from_first = [x - left as f32, y - top as f32];
+                    if PAINT == DISC {
+                        limit_of_disc(&places, from_first)
+                    } else {
+                        limit_of_edges(&edges, from_first)
+                    }
+                },
+            );
+        }
+    }
     ranked.occluders.draw_listed(
         plane,
         rank,
         &ranked.tiles,
         #[inline(always)]
         |tile| {
-            if PAINT == DISC && is_beside_disc(&places, [tile.left - left, tile.top - top]) {
-                return Drawn::Nothing;
-            }
             let columns = lane_indices(simd) + (tile.left - left);
             let mut edges_at = map(
                 edges,
@@ -396,19 +413,49 @@ fn draw_small<S: Simd, const PAINT: u8>(
     );
 }
 
-/// Whether a tile, given by its first pixel from the face's first one, surely is beside its disc: beyond a line that
-/// touches the disc where it is nearest to the tile's middle.
+/// What is positive only beside a disc, beyond a line that touches it where it is nearest to a place, given by its
+/// pixel from the face's first one: its value there, and its changes to the right and down.
 #[inline(always)]
-fn is_beside_disc(places: &[[f32; 3]; 3], [x, y]: [i32; 2]) -> bool {
-    const HALF: f32 = (TILE_PX - 1) as f32 * 0.5;
-    let (x, y) = (x as f32 + HALF, y as f32 + HALF);
-    let [q, u, v] = places.map(|[at, dx, dy]| at + dx * x + dy * y);
+fn limit_of_disc<S: Simd>(places: &[[f32; 3]; 3], [x, y]: [F<S>; 2]) -> [F<S>; 3] {
+    let [q, u, v] = map(
+        *places,
+        #[inline(always)]
+        |[at, dx, dy]| x * dx + at + y * dy,
+    );
+    let radius = DISC_RADIUS_SQUARED.sqrt();
     let distance = (u * u + v * v).sqrt();
-    // How far the tile's middle lies beyond the line, and how much nearer its corners may be; times 1/w.
-    let (along_u, along_v, radius) = (u / distance, v / distance, DISC_RADIUS_SQUARED.sqrt());
-    let change = |i: usize| (along_u * places[1][i] + along_v * places[2][i] - radius * places[0][i]).abs();
-    let beyond = distance - radius * q - (change(1) + change(2)) * HALF;
-    beyond > (distance + q.abs()) * 1e-4
+    let per_distance = 1.0 / distance;
+    let (along_u, along_v) = (u * per_distance, v * per_distance);
+    let change = inlined(
+        #[inline(always)]
+        |i: usize| along_u * places[1][i] + along_v * places[2][i] - radius * places[0][i],
+    );
+    [distance - q * radius - (distance + q.abs()) * 1e-4, change(1), change(2)]
+}
+
+/// Whether an edge of a face runs across several tiles in both directions.
+#[inline(always)]
+fn is_turned(edges: &[[i32; 3]; EDGES]) -> bool {
+    const ACROSS: i32 = 3 * TILE_PX * SUBPIXELS;
+    edges.iter().any(|[_, dx, dy]| dx.abs().min(dy.abs()) >= ACROSS)
+}
+
+/// What is positive only beyond the edge of a face that is the nearest to a place, or farthest beyond.
+#[inline(always)]
+fn limit_of_edges<S: Simd>(edges: &[[i32; 3]; EDGES], [x, y]: [F<S>; 2]) -> [F<S>; 3] {
+    let simd = x.token();
+    let splat = |value: f32| F::splat(simd, value);
+    let mut limit = [splat(f32::NEG_INFINITY), splat(0.0), splat(0.0)];
+    for [at, dx, dy] in edges.map(|edge| edge.map(|value| -value as f32)) {
+        let (right, down) = (x * dx, y * dy);
+        let beyond = (right + at) + down;
+        let beyond = beyond - ((right.abs() + down.abs()) + at.abs()) * 1e-6;
+        let is_nearer = beyond.simd_gt(limit[0]);
+        for (known, value) in limit.iter_mut().zip([beyond, splat(dx), splat(dy)]) {
+            *known = is_nearer.select(value, *known);
+        }
+    }
+    limit
 }
 
 /// Whether a place on a face, given by its pixel from the first one, surely is in its disc.
