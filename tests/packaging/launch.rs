@@ -1,14 +1,81 @@
 //! The launch files: which nodes they start, and that these publish pictures.
 
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Stdio};
+use std::sync::{LazyLock, Mutex};
+
 use rcs_tests::programs::repository;
 use rcs_tests::python_node::PythonNode;
 use rcs_tests::ros::{RosMaster, Running, PATIENCE};
 
 use crate::{bash_command, printed_by, succeed, target};
 
+/// Runs `roslaunch` with the arguments of each line that it reads, as a shell splits them, and answers with the exit
+/// status, the number of lines and the lines that it printed.
+const ROSLAUNCH: &str = "
+import contextlib, io, shlex, sys, roslaunch
+for line in sys.stdin:
+    printed = io.StringIO()
+    sys.argv = ['roslaunch', *shlex.split(line)]
+    try:
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+            roslaunch.main(sys.argv)
+        status = 0
+    except SystemExit as ended:
+        status = ended.code or 0
+    lines = printed.getvalue().splitlines()
+    print(status, len(lines), *lines, sep='\\n', flush=True)
+";
+
+/// One Python with roslaunch for all tests, because roslaunch takes ten times as long to start as to read a launch file.
+/// It ends with the tests, at the end of its standard input.
+struct Roslaunch {
+    process: Child,
+    printed: BufReader<ChildStdout>,
+}
+
+impl Roslaunch {
+    /// With the package as it lies in the repository, and the programs that are built already in a devel space.
+    fn start() -> Self {
+        let space = Path::new(env!("CARGO_TARGET_TMPDIR")).join("launched");
+        let script = format!(
+            "mkdir -p {0}/lib && ln -sfn {1} {0}/lib/rviz_camera_stream && echo {2} >{0}/.catkin
+             {3}
+             export CMAKE_PREFIX_PATH={0}:$CMAKE_PREFIX_PATH
+             exec /usr/bin/python3 -c \"{ROSLAUNCH}\"",
+            space.display(),
+            target().join("release").display(),
+            repository().join("ros_pkg").display(),
+            from_source(),
+        );
+        let mut process = bash_command(&script).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let printed = BufReader::new(process.stdout.take().unwrap());
+        Self { process, printed }
+    }
+
+    /// The exit status and what is printed with these arguments, on both outputs.
+    fn run(&mut self, arguments: &str) -> io::Result<(i32, String)> {
+        writeln!(self.process.stdin.as_mut().ok_or(io::ErrorKind::BrokenPipe)?, "{arguments}")?;
+        let mut lines = self.printed.by_ref().lines();
+        let mut number = || lines.next().unwrap_or_else(|| Err(io::ErrorKind::UnexpectedEof.into()));
+        let [status, count] = [number()?, number()?].map(|number| number.parse::<i32>().unwrap());
+        let printed = (0..count).map(|_| number()).collect::<io::Result<Vec<_>>>()?;
+        Ok((status, printed.iter().map(|line| format!("{line}\n")).collect()))
+    }
+}
+
+/// What `roslaunch` prints with these arguments, with which it must succeed.
+fn roslaunch(arguments: &str) -> String {
+    static RUNNING: LazyLock<Mutex<Roslaunch>> = LazyLock::new(|| Mutex::new(Roslaunch::start()));
+    let (status, printed) = RUNNING.lock().unwrap().run(arguments).unwrap();
+    assert_eq!(status, 0, "{arguments}: {printed}");
+    printed
+}
+
 /// The nodes of a launch file with these arguments.
 fn nodes(launch: &str) -> Vec<String> {
-    let printed = succeed(&format!("{}\nroslaunch --nodes rviz_camera_stream {launch}", from_source()));
+    let printed = roslaunch(&format!("--nodes rviz_camera_stream {launch}"));
     let mut nodes: Vec<_> = printed.lines().map(str::to_owned).collect();
     nodes.sort();
     nodes
@@ -95,7 +162,7 @@ fn each_launch_file_with_a_viewer_names_all_of_them() {
 
 /// The arguments of a launch file by name, and whether they are required.
 fn arguments(launch: &str) -> Vec<(String, bool)> {
-    let printed = succeed(&format!("{}\nroslaunch --ros-args rviz_camera_stream {launch}", from_source()));
+    let printed = roslaunch(&format!("--ros-args rviz_camera_stream {launch}"));
     let mut is_required = false;
     let mut found = Vec::new();
     for line in printed.lines() {
@@ -132,17 +199,7 @@ fn the_fetch_takes_and_passes_on_every_argument_of_the_projection() {
 
 /// The command line with which a launch file starts a node.
 fn command_line(node: &str, launch: &str) -> String {
-    let space = tempfile::tempdir().unwrap();
-    succeed(&format!(
-        "mkdir -p {0}/lib && ln -s {1} {0}/lib/rviz_camera_stream && echo {2} >{0}/.catkin
-         {3}
-         export CMAKE_PREFIX_PATH={0}:$CMAKE_PREFIX_PATH
-         roslaunch --args {node} rviz_camera_stream {launch}",
-        space.path().display(),
-        target().join("release").display(),
-        repository().join("ros_pkg").display(),
-        from_source(),
-    ))
+    roslaunch(&format!("--args {node} rviz_camera_stream {launch}"))
 }
 
 #[test]
