@@ -28,8 +28,8 @@ for line in sys.stdin:
     print(status, len(lines), *lines, sep='\\n', flush=True)
 ";
 
-/// One Python with roslaunch for all tests, because roslaunch takes ten times as long to start as to read a launch file.
-/// It ends with the tests, at the end of its standard input.
+/// One Python with roslaunch for all tests, because roslaunch takes longer to start than to read a launch file. It ends
+/// with the tests, at the end of its standard input.
 struct Roslaunch {
     process: Child,
     printed: BufReader<ChildStdout>,

@@ -224,7 +224,7 @@ impl Occluders {
         let columns = BITS[tile(area.left, first_column)][tile(area.right - 1, first_column)];
         let rows = BITS[tile(area.top, first_row)][tile(area.bottom - 1, first_row)];
         // A bit for each tile of the area.
-        let wanted = columns * 0x1111 & SPREAD[rows as usize];
+        let wanted = (columns * 0x1111) & SPREAD[rows as usize];
         self.for_parts(
             simd,
             SeenTiles { block, tiles: wanted },
