@@ -219,12 +219,14 @@ impl Occluders {
         let (first_column, first_row) = (block.column * BLOCK_PX, self.first_row + block.row * BLOCK_PX);
         let tile = inlined(
             #[inline(always)]
-            |pixel: i32, first: i32| ((pixel - first) / TILE_PX).clamp(0, TILES - 1) as usize,
+            |pixel: i32, first: i32| ((pixel - first) / TILE_PX).clamp(0, TILES - 1),
         );
-        let columns = BITS[tile(area.left, first_column)][tile(area.right - 1, first_column)];
-        let rows = BITS[tile(area.top, first_row)][tile(area.bottom - 1, first_row)];
+        let [left, right] = [tile(area.left, first_column), tile(area.right - 1, first_column)];
+        let [top, bottom] = [tile(area.top, first_row), tile(area.bottom - 1, first_row)];
         // A bit for each tile of the area.
-        let wanted = (columns * 0x1111) & SPREAD[rows as usize];
+        let columns = ((2u32 << right) - (1 << left)) * 0x1111;
+        let rows = (1u32 << ((bottom + 1) * TILES)) - (1 << (top * TILES));
+        let wanted = columns & rows;
         self.for_parts(
             simd,
             SeenTiles { block, tiles: wanted },
@@ -470,38 +472,6 @@ const TILES: i32 = BLOCK_PX / TILE_PX;
 
 /// Tiles of a block.
 const TILES_OF_BLOCK: usize = (TILES * TILES) as usize;
-
-/// The bits from one of a block's columns (or rows) of tiles to another.
-const BITS: [[u32; TILES as usize]; TILES as usize] = {
-    let mut bits = [[0; TILES as usize]; TILES as usize];
-    let mut first = 0;
-    while first < TILES as usize {
-        let mut last = first;
-        while last < TILES as usize {
-            bits[first][last] = (2 << last) - (1 << first);
-            last += 1;
-        }
-        first += 1;
-    }
-    bits
-};
-
-/// For each set of rows of tiles, the bits of the tiles in them.
-const SPREAD: [u32; 1 << TILES] = {
-    let mut spread = [0; 1 << TILES];
-    let mut rows = 0;
-    while rows < spread.len() {
-        let mut row = 0;
-        while row < TILES {
-            if rows >> row & 1 == 1 {
-                spread[rows] |= ((1 << TILES) - 1) << (row * TILES);
-            }
-            row += 1;
-        }
-        rows += 1;
-    }
-    spread
-};
 
 const _: () = assert!(TILES == 4 && TILES_OF_BLOCK.is_multiple_of(LANES) && LANES.is_multiple_of(TILES as usize));
 
