@@ -42,8 +42,8 @@ impl Cells {
         self.rank.resize(count, 0);
     }
 
-    /// In which of [`LANES`] cells from `begin` on something of a face may be seen, given how far their middles are
-    /// from the place of its plane, and how far from their middles to the right and down the face's pixels are.
+    /// In which of [`LANES`] cells from `begin` on something of a face may be seen, given their middles, and how far
+    /// from their middles to the right and down the face's pixels are.
     #[inline(always)]
     pub(super) fn seen<S: Simd>(
         &self,
@@ -61,7 +61,7 @@ impl Cells {
         let ranks = self.rank.get(begin..).and_then(<[u32]>::first_chunk);
         let is_earlier = ranks.map_or(U::splat(simd, 0), |ranks| U::load_array_ref(simd, ranks)).simd_gt(rank);
         let apart = plane.at - numbers(&self.middle);
-        let (right, down) = (x * plane.dx, y * plane.dy);
+        let (right, down) = ((x - plane.x) * plane.dx, (y - plane.y) * plane.dy);
         let (dx, dy) = (plane.dx - numbers(&self.dx), plane.dy - numbers(&self.dy));
         // Where the planes are nearest to each other.
         let (along_row, along_column) = ((dx * columns[0]).min(dx * columns[1]), (dy * rows[0]).min(dy * rows[1]));
@@ -99,7 +99,7 @@ impl Cells {
         );
         let is_beside = (limit + least(limit_dx, limit_dy)).simd_gt(0.0);
         let apart = plane.at - numbers(&self.middle);
-        let (right, down) = (x * plane.dx, y * plane.dy);
+        let (right, down) = ((x - plane.x) * plane.dx, (y - plane.y) * plane.dy);
         let (dx, dy) = (plane.dx - numbers(&self.dx), plane.dy - numbers(&self.dy));
         // What is not positive on the face may be added any number of times and still gives a bound. So many times turn
         // the difference between the planes along the limit, so that the bound is the greatest.

@@ -209,13 +209,12 @@ impl Occluders {
         let x = lane_indices(simd).to_float::<F<S>>() * side + (first.column as f32 * side + HALF);
         let y = F::splat(simd, (self.first_row + first.row * BLOCK_PX) as f32 + HALF);
         let within = [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)];
-        self.blocks.seen(simd, plane, rank, self.place(first), [x - plane.x, y - plane.y], within)
+        self.blocks.seen(simd, plane, rank, self.place(first), [x, y], within)
     }
 
     /// The tiles of a block in which something of a face may be seen.
     #[inline(always)]
     fn seen_tiles<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, area: Area, block: Cell) -> SeenTiles {
-        const HALF: f32 = half(TILE_PX);
         let (first_column, first_row) = (block.column * BLOCK_PX, self.first_row + block.row * BLOCK_PX);
         let tile = inlined(
             #[inline(always)]
@@ -229,12 +228,10 @@ impl Occluders {
         let wanted = columns & rows;
         self.for_parts(
             simd,
+            area,
             SeenTiles { block, tiles: wanted },
             #[inline(always)]
-            |begin, [x, y]| {
-                let within = [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)];
-                self.tiles.seen(simd, plane, rank, begin, [x - plane.x, y - plane.y], within)
-            },
+            |begin, middles, within| self.tiles.seen(simd, plane, rank, begin, middles, within),
         )
     }
 
@@ -249,26 +246,24 @@ impl Occluders {
         tiles: SeenTiles,
         limit: impl Fn([F<S>; 2]) -> [F<S>; 3],
     ) -> SeenTiles {
-        const HALF: f32 = half(TILE_PX);
         self.for_parts(
             simd,
+            area,
             tiles,
             #[inline(always)]
-            |begin, [x, y]| {
-                let within = [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)];
-                let from_plane = [x - plane.x, y - plane.y];
-                self.tiles.seen_within(simd, plane, begin, from_plane, within, limit([x, y]))
-            },
+            |begin, middles, within| self.tiles.seen_within(simd, plane, begin, middles, within, limit(middles)),
         )
     }
 
-    /// Those of some tiles for which `seen` gives a bit: given the place of the first of [`LANES`] and their middles.
+    /// Those of some tiles for which `seen` gives a bit: given the place of the first of [`LANES`], their middles,
+    /// and how far from these the pixels of the area are.
     #[inline(always)]
     fn for_parts<S: Simd>(
         &self,
         simd: S,
+        area: Area,
         SeenTiles { block, tiles }: SeenTiles,
-        seen: impl Fn(usize, [F<S>; 2]) -> u32,
+        seen: impl Fn(usize, [F<S>; 2], [[F<S>; 2]; 2]) -> u32,
     ) -> SeenTiles {
         const HALF: f32 = half(TILE_PX);
         let (first_column, first_row) = (block.column * BLOCK_PX, self.first_row + block.row * BLOCK_PX);
@@ -282,7 +277,8 @@ impl Occluders {
             let of_part = tiles >> (part * LANES) & ((1 << LANES) - 1);
             if of_part != 0 {
                 let y = y + (part * LANES / TILES as usize * TILE_PX as usize) as f32;
-                left |= (of_part & seen(begin + part * LANES, [x, y])) << (part * LANES);
+                let within = [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)];
+                left |= (of_part & seen(begin + part * LANES, [x, y], within)) << (part * LANES);
             }
         }
         SeenTiles { block, tiles: left }
