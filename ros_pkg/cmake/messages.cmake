@@ -5,12 +5,14 @@
 #catkin_lint: ignore env_var
 
 # Only the folders that hold these packages are passed on: rosrust_msg reads everything below the folders that it is given,
-# and would be rebuilt whenever anything in the user's workspace changes.
+# and would be rebuilt whenever anything in the user's workspace changes. For the packages in /usr/share nothing is passed on:
+# .cargo/config.toml names them.
 set(message_packages actionlib_msgs diagnostic_msgs geometry_msgs map_msgs nav_msgs rosgraph_msgs sensor_msgs std_msgs std_srvs
   tf2_msgs visualization_msgs)
 string(REPLACE ":" ";" ros_package_path "$ENV{ROS_PACKAGE_PATH}")
 string(REPLACE ":" ";" environment_prefix_path "$ENV{CMAKE_PREFIX_PATH}")
 set(prefixes)
+set(distribution_packages)
 set(package_folders)
 set(overlay_packages)
 foreach(package ${message_packages})
@@ -18,13 +20,19 @@ foreach(package ${message_packages})
   foreach(prefix ${CMAKE_PREFIX_PATH} ${environment_prefix_path} /usr)
     if(NOT found AND (EXISTS "${prefix}/share/${package}/msg" OR EXISTS "${prefix}/share/${package}/srv"))
       set(found TRUE)
-      list(APPEND prefixes "${prefix}")
+      if("${prefix}" STREQUAL "/usr")
+        list(APPEND distribution_packages "/usr/share/${package}")
+      else()
+        list(APPEND prefixes "${prefix}")
+      endif()
     endif()
   endforeach()
   foreach(folder ${ros_package_path})
     if(EXISTS "${folder}/${package}/msg" OR EXISTS "${folder}/${package}/srv")
       set(found TRUE)
-      list(APPEND package_folders "${folder}")
+      if(NOT "${folder}" STREQUAL "/usr/share")
+        list(APPEND package_folders "${folder}")
+      endif()
     endif()
   endforeach()
   if(NOT found)
@@ -47,6 +55,10 @@ Get them with: apt install ros-${dashed} (Debian) or apt install ros-$ROS_DISTRO
 or source the setup file of the workspace that has them")
   endif()
 endforeach()
+# What is in one of /usr's folders is left to .cargo/config.toml only where everything is.
+if(prefixes OR package_folders OR overlay_packages)
+  list(APPEND overlay_packages ${distribution_packages})
+endif()
 foreach(paths prefixes package_folders overlay_packages)
   if("${${paths}}" MATCHES ".")
     list(REMOVE_DUPLICATES ${paths})
@@ -66,9 +78,9 @@ foreach(folder ${environment_pkg_config_path})
   list(APPEND pkg_config_folders ${folder})
 endforeach()
 string(REPLACE ";" ":" pkg_config_folders "${pkg_config_folders}")
-set(cargo_environment "CMAKE_PREFIX_PATH=${prefixes}")
-foreach(variable_and_value "ROS_PACKAGE_PATH=${package_folders}" "ROSRUST_MSG_PATH=${overlay_packages}"
-    "PKG_CONFIG_PATH=${pkg_config_folders}")
+set(cargo_environment)
+foreach(variable_and_value "CMAKE_PREFIX_PATH=${prefixes}" "ROS_PACKAGE_PATH=${package_folders}"
+    "ROSRUST_MSG_PATH=${overlay_packages}" "PKG_CONFIG_PATH=${pkg_config_folders}")
   if(variable_and_value MATCHES "=.")
     list(APPEND cargo_environment "${variable_and_value}")
   else()
@@ -76,3 +88,8 @@ foreach(variable_and_value "ROS_PACKAGE_PATH=${package_folders}" "ROSRUST_MSG_PA
     list(INSERT cargo_environment 0 "--unset=${variable}")
   endif()
 endforeach()
+if((prefixes OR package_folders) AND NOT overlay_packages)
+  # Empty, as scripts/environment sets it: none but those of the folders above.
+  list(REMOVE_ITEM cargo_environment "--unset=ROSRUST_MSG_PATH")
+  list(APPEND cargo_environment "ROSRUST_MSG_PATH=")
+endif()

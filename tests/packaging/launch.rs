@@ -42,7 +42,7 @@ impl Roslaunch {
         let script = format!(
             "mkdir -p {0}/lib && ln -sfn {1} {0}/lib/rviz_camera_stream && echo {2} >{0}/.catkin
              {3}
-             export CMAKE_PREFIX_PATH={0}:$CMAKE_PREFIX_PATH
+             export CMAKE_PREFIX_PATH={0}:${{CMAKE_PREFIX_PATH:-/usr}}
              exec /usr/bin/python3 -c \"{ROSLAUNCH}\"",
             space.display(),
             target().join("release").display(),
@@ -267,7 +267,7 @@ impl Launched {
         let script = format!(
             "mkdir -p {0}/lib && ln -s {1} {0}/lib/rviz_camera_stream && echo {2} >{0}/.catkin
              {3}
-             export CMAKE_PREFIX_PATH={0}:$CMAKE_PREFIX_PATH
+             export CMAKE_PREFIX_PATH={0}:${{CMAKE_PREFIX_PATH:-/usr}}
              exec roslaunch rviz_camera_stream {launch}",
             space.path().display(),
             target().join("release").display(),

@@ -20,6 +20,7 @@ mod font;
 mod lettering;
 mod lines;
 mod material;
+mod memory;
 mod mesh;
 mod picture;
 mod pixel_map;

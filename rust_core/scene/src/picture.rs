@@ -3,6 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, u8x16, Level};
 
+use crate::memory;
+
 /// The encodings that a CameraPub display offers, by their names in `sensor_msgs/image_encodings`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Encoding {
@@ -154,18 +156,14 @@ impl Picture {
     /// several times what the picture needs: a single huge picture must not occupy it for ever.
     pub fn reset(&mut self, width_px: u32, height_px: u32, encoding: Encoding) {
         *self = Self { width_px, height_px, encoding, data: std::mem::take(&mut self.data) };
-        let needed = self.step() * height_px as usize;
-        self.give_back_memory(needed);
-        self.data.resize(needed, 0);
+        let bytes = self.step() * height_px as usize;
+        memory::resize(&mut self.data, bytes, 0);
     }
 
     /// Gives its memory back, and what it shows with it, if that is several times what a picture of so many bytes
     /// needs.
     pub fn give_back_memory(&mut self, needed_bytes: usize) {
-        const MOST_UNUSED_BYTES: usize = 1 << 20;
-        if self.data.capacity() > needed_bytes.saturating_mul(4).saturating_add(MOST_UNUSED_BYTES) {
-            self.data = Vec::new();
-        }
+        memory::give_back(&mut self.data, needed_bytes);
     }
 
     /// Bytes of a row.

@@ -339,6 +339,9 @@ impl SceneLoop {
         while !in_flight.is_empty() {
             self.finish(in_flight.pop_front());
         }
+        if !shared.cameras().iter().any(CameraOutput::wants_depth) {
+            self.depth = DepthPicture::default();
+        }
     }
 
     /// Looks at what is too old by now.
