@@ -1,7 +1,7 @@
 //! `sensor_msgs/Image` as a view of the received bytes, or of a finished picture.
 //!
 //! A received image keeps its bytes as [`crate::PointCloud2`] does. An image to be sent shares its pixels with the
-//! renderer ([`Image::sharing`]); they are copied once, into the message's bytes, when it is sent.
+//! renderer ([`Image::sharing`]), and with the connections that send it ([`Image::parts`]).
 
 use crate::bytes::{copy_of, Bytes, SharedBytes};
 use crate::std_msgs::Header;
@@ -88,6 +88,18 @@ impl Image {
         self
     }
 
+    /// The message in two parts: what comes before the pixels, and the pixels, which are shared if they are those of
+    /// [`sharing`](Self::sharing), and copied if not.
+    pub fn parts(&self) -> (Vec<u8>, SharedBytes) {
+        let mut beginning = Vec::new();
+        self.write_before_data(&mut beginning);
+        let pixels = match &self.buffer {
+            Bytes::Foreign(owner) => Arc::clone(owner),
+            Bytes::Own(_) => Arc::new(self.data().to_vec()),
+        };
+        (beginning, pixels)
+    }
+
     fn read_around_data(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
         let mut image = Self {
             header: reader.header()?,
@@ -105,7 +117,7 @@ impl Image {
         Ok(image)
     }
 
-    fn write(&self, out: &mut Vec<u8>) {
+    fn write_before_data(&self, out: &mut Vec<u8>) {
         write_header(&self.header, out);
         write_u32(self.height, out);
         write_u32(self.width, out);
@@ -113,6 +125,10 @@ impl Image {
         out.push(self.is_bigendian);
         write_u32(self.step, out);
         write_count(self.data().len(), out);
+    }
+
+    fn write(&self, out: &mut Vec<u8>) {
+        self.write_before_data(out);
         out.extend_from_slice(self.data());
     }
 
@@ -196,6 +212,11 @@ mod tests {
         let shared = Image::sharing(own.header.clone(), [1, 2], "rgb8", 3, Arc::clone(&owner) as SharedBytes);
         assert_eq!(shared.data().as_ptr(), owner.as_ptr());
         assert_eq!(shared.encode_vec().unwrap(), own.encode_vec().unwrap());
+        for image in [&shared, &own] {
+            let (beginning, pixels) = image.parts();
+            assert_eq!([&beginning, (*pixels).as_ref()].concat(), encode(image));
+        }
+        assert_eq!((*shared.parts().1).as_ref().as_ptr(), owner.as_ptr());
         drop(shared);
         assert_eq!(*owner, [1, 2, 3, 4, 5, 6]);
     }

@@ -159,28 +159,24 @@ impl ImagePublisher {
         let header = Header { seq: self.next_seq, stamp, frame_id: info.header.frame_id.clone() };
         self.next_seq = self.next_seq.wrapping_add(1);
         let too_long = |topic: &str, error| SendError::TooLong { topic: topic.to_owned(), error };
-        let beginning = self.beginning(picture, header.clone())?;
-        let pixels: SharedBytes = Arc::<Picture>::clone(picture);
+        let (beginning, pixels) = self.image(picture, header.clone())?.parts();
         self.image.send_parts(&beginning, pixels).map_err(|error| too_long(self.topic(), error))?;
         let info = CameraInfo { header: header.clone(), ..info.clone() };
         self.info.send(&info).map_err(|error| too_long(self.info_topic(), error))?;
         Ok(header)
     }
 
-    /// What comes before the pixels of a picture's message.
-    fn beginning(&self, picture: &Picture, header: Header) -> Result<Vec<u8>, SendError> {
+    /// A picture's message, which shares its pixels.
+    fn image(&self, picture: &Arc<Picture>, header: Header) -> Result<Image, SendError> {
         let (step_bytes, len, height_px) = (picture.step(), picture.data.len(), picture.height_px);
-        let (step, bytes) = (u32::try_from(step_bytes), u32::try_from(len));
-        let (Ok(step), Ok(bytes), true) = (step, bytes, len == step_bytes * height_px as usize) else {
-            return Err(SendError::Size { topic: self.topic().to_owned(), len, height_px, step_bytes });
-        };
-        let size_px = [picture.width_px, height_px];
-        let empty = Image::new(header, size_px, picture.encoding.name(), step, Arc::default());
-        let mut beginning = rcs_messages::encode(&empty);
-        // The last field is the length of the pixels.
-        beginning.truncate(beginning.len() - 4);
-        beginning.extend_from_slice(&bytes.to_le_bytes());
-        Ok(beginning)
+        match u32::try_from(step_bytes) {
+            Ok(step) if len == step_bytes * height_px as usize && u32::try_from(len).is_ok() => {
+                let pixels: SharedBytes = Arc::<Picture>::clone(picture);
+                let size_px = [picture.width_px, height_px];
+                Ok(Image::sharing(header, size_px, picture.encoding.name(), step, pixels))
+            }
+            _ => Err(SendError::Size { topic: self.topic().to_owned(), len, height_px, step_bytes }),
+        }
     }
 }
 

@@ -46,11 +46,12 @@ impl PlainImagePublisher {
         !self.image.subscriber_names().is_empty()
     }
 
-    /// Sends an image. Never waits.
+    /// Sends an image. Never waits, and copies no pixels of [`Image::sharing`].
     ///
     /// # Errors
     /// `InvalidInput` for an image of more than 4 GB.
     pub fn publish(&self, image: &Image) -> io::Result<()> {
-        self.image.send(image)
+        let (beginning, pixels) = image.parts();
+        self.image.send_parts(&beginning, pixels)
     }
 }

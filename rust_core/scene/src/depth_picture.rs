@@ -1,6 +1,6 @@
 //! How far away what a picture shows is.
 
-use crate::memory;
+use crate::memory::resize_block;
 
 /// Metres along the optical axis for each pixel, row by row from the top; NaN where nothing is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,7 +18,7 @@ impl DepthPicture {
     /// picture needs.
     pub fn reset(&mut self, width_px: u32, height_px: u32) {
         (self.width_px, self.height_px) = (width_px, height_px);
-        memory::resize(&mut self.depths_m, width_px as usize * height_px as usize, f32::NAN);
+        resize_block(&mut self.depths_m, width_px as usize * height_px as usize, f32::NAN);
         self.depths_m.fill(f32::NAN);
     }
 }

@@ -1,16 +1,16 @@
-//! The memory of pictures: blocks that are written again and again, some of them large.
+//! The memory of pictures: blocks that are written again and again, and that may be large.
 
 /// A block of this size goes back to the system as soon as it is freed, as glibc maps it by itself. Smaller ones lie
 /// among others once one of their size has been freed, and may stay (mallopt(3), M_MMAP_THRESHOLD, which rises to
 /// 32 MiB at most). What is not used of a block costs addresses only.
 const MAPPED_ALONE_BYTES: usize = 33 << 20;
-/// Blocks from this size on are made that large. It is over a quarter of that, so that [`give_back`] leaves them.
+/// Blocks from this size on are made that large. It is over a quarter of that, so that [`give_back_block`] leaves them.
 const LARGE_BYTES: usize = 9 << 20;
 
-/// Gives `data` this length. Its elements are any that it had, or `blank`. Keeps its memory, unless [`give_back`]
+/// Gives `data` this length. Its elements are any that it had, or `blank`. Keeps its memory, unless [`give_back_block`]
 /// gives it back.
-pub(crate) fn resize<T: Copy>(data: &mut Vec<T>, len: usize, blank: T) {
-    give_back(data, len);
+pub fn resize_block<T: Copy>(data: &mut Vec<T>, len: usize, blank: T) {
+    give_back_block(data, len);
     if data.capacity() < len {
         let bytes = len.saturating_mul(size_of::<T>());
         let least_bytes = if bytes < LARGE_BYTES { 0 } else { MAPPED_ALONE_BYTES };
@@ -21,7 +21,7 @@ pub(crate) fn resize<T: Copy>(data: &mut Vec<T>, len: usize, blank: T) {
 }
 
 /// Gives the memory of `data` back, and what it holds with it, if that is several times what so many elements need.
-pub(crate) fn give_back<T>(data: &mut Vec<T>, len: usize) {
+pub fn give_back_block<T>(data: &mut Vec<T>, len: usize) {
     const MOST_UNUSED_BYTES: usize = 1 << 20;
     let [owned, needed] = [data.capacity(), len].map(|count| count.saturating_mul(size_of::<T>()));
     if owned > needed.saturating_mul(4).saturating_add(MOST_UNUSED_BYTES) {
@@ -38,7 +38,7 @@ mod tests {
         let mut data = Vec::new();
         for len in [3000, 12_000_000, 9_500_000, 50_000_000, 14_000_000, 640 * 480] {
             let before = data.capacity();
-            resize(&mut data, len, 7_u8);
+            resize_block(&mut data, len, 7_u8);
             assert_eq!(data.len(), len);
             let is_kept = data.capacity() == before;
             assert_eq!(is_kept, [9_500_000, 14_000_000].contains(&len), "{before} for {len}");
@@ -51,10 +51,10 @@ mod tests {
         let mut data = Vec::new();
         for bytes in [LARGE_BYTES, LARGE_BYTES + 1, 15_000_000, MAPPED_ALONE_BYTES, 40_000_000] {
             let len = bytes.div_ceil(size_of::<f32>());
-            resize(&mut data, len, 0.0_f32);
+            resize_block(&mut data, len, 0.0_f32);
             assert!(data.capacity() * size_of::<f32>() >= MAPPED_ALONE_BYTES, "{bytes}");
             let place = data.as_ptr();
-            resize(&mut data, len, 0.0);
+            resize_block(&mut data, len, 0.0);
             assert_eq!(data.as_ptr(), place, "{bytes}");
             data = Vec::new();
         }

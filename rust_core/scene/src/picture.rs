@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, u8x16, Level};
 
-use crate::memory;
+use crate::memory::{give_back_block, resize_block};
 
 /// The encodings that a CameraPub display offers, by their names in `sensor_msgs/image_encodings`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -157,13 +157,13 @@ impl Picture {
     pub fn reset(&mut self, width_px: u32, height_px: u32, encoding: Encoding) {
         *self = Self { width_px, height_px, encoding, data: std::mem::take(&mut self.data) };
         let bytes = self.step() * height_px as usize;
-        memory::resize(&mut self.data, bytes, 0);
+        resize_block(&mut self.data, bytes, 0);
     }
 
     /// Gives its memory back, and what it shows with it, if that is several times what a picture of so many bytes
     /// needs.
     pub fn give_back_memory(&mut self, needed_bytes: usize) {
-        memory::give_back(&mut self.data, needed_bytes);
+        give_back_block(&mut self.data, needed_bytes);
     }
 
     /// Bytes of a row.

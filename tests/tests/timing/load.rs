@@ -222,6 +222,35 @@ fn a_huge_picture_gives_its_memory_back() {
 }
 
 #[test]
+fn large_pictures_and_depths_leave_no_memory_behind() {
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    watched(&fixture);
+    let before = of_process(&fixture, "VmRSS");
+    // Of 15 and 20 MB.
+    let come_and_go = |times: u32| {
+        for _ in 0..times {
+            fixture.python("latch('/eye/camera_info', info(width=5000, height=1000, f=4000.0))");
+            fixture.wait_for("viewer.last.width == 5000");
+            fixture.python("latch('/eye/camera_info', info())");
+            fixture.wait_for("viewer.last.width == 64");
+        }
+    };
+    come_and_go(4);
+    let is_small = || of_process(&fixture, "VmRSS") < before + (12 << 10);
+    let kept = || format!("{} kB, {before} kB before", of_process(&fixture, "VmRSS"));
+    assert!(wait_until(PATIENCE, is_small), "{}", kept());
+    println!("{}", kept());
+    fixture
+        .python("depths = rospy.Subscriber('/view/depth', Image, lambda depth: None, queue_size=1, buff_size=1 << 24)");
+    come_and_go(2);
+    fixture.python("depths.unregister()");
+    fixture.python("latch('/cloud', cloud(0x00ff00))");
+    fixture.wait_for("viewer.middle() == (0, 255, 0)");
+    assert!(wait_until(PATIENCE, is_small), "with depths {}", kept());
+    println!("with depths {}", kept());
+}
+
+#[test]
 fn a_hundred_thousand_markers_give_their_memory_back() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
     let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
 use rcs_render::Orientation;
-use rcs_scene::DepthPicture;
+use rcs_scene::{resize_block, DepthPicture};
 
 /// How depths are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -40,16 +40,19 @@ pub struct DepthImage {
 impl DepthImage {
     /// The depths of a picture, turned as the picture is.
     pub fn new(depths: &DepthPicture, encoding: DepthEncoding, orientation: Orientation) -> Self {
-        let bytes: Vec<u8> = match encoding {
-            DepthEncoding::Metres => depths.depths_m.iter().flat_map(|depth| depth.to_le_bytes()).collect(),
-            DepthEncoding::Millimetres => {
-                depths.depths_m.iter().flat_map(|depth| millimetres(*depth).to_le_bytes()).collect()
-            }
-        };
+        let mut bytes = Vec::new();
+        resize_block(&mut bytes, depths.depths_m.len() * encoding.bytes_per_pixel(), 0);
+        match encoding {
+            DepthEncoding::Metres => write_cells(depths, &mut bytes, f32::to_le_bytes),
+            DepthEncoding::Millimetres => write_cells(depths, &mut bytes, |depth| millimetres(depth).to_le_bytes()),
+        }
         let size_px = [depths.width_px, depths.height_px];
-        let mut turned = Vec::new();
-        orientation.turn_cells(size_px, encoding.bytes_per_pixel(), &bytes, &mut turned);
-        Self { size_px: orientation.size_px(size_px), encoding, bytes: Arc::new(turned) }
+        if orientation != Orientation::default() {
+            let mut turned = Vec::new();
+            orientation.turn_cells(size_px, encoding.bytes_per_pixel(), &bytes, &mut turned);
+            bytes = turned;
+        }
+        Self { size_px: orientation.size_px(size_px), encoding, bytes: Arc::new(bytes) }
     }
 
     /// The message. Its pixels are shared.
@@ -59,7 +62,7 @@ impl DepthImage {
             DepthEncoding::Millimetres => "16UC1",
         };
         let step = self.size_px[0] * self.encoding.bytes_per_pixel() as u32;
-        Image::new(header, self.size_px, name, step, Arc::clone(&self.bytes))
+        Image::sharing(header, self.size_px, name, step, Arc::<Vec<u8>>::clone(&self.bytes))
     }
 }
 
@@ -69,6 +72,13 @@ impl DepthEncoding {
             Self::Metres => 4,
             Self::Millimetres => 2,
         }
+    }
+}
+
+/// Writes each depth as these bytes.
+fn write_cells<const N: usize>(depths: &DepthPicture, bytes: &mut [u8], cell: impl Fn(f32) -> [u8; N]) {
+    for (to, depth) in bytes.as_chunks_mut::<N>().0.iter_mut().zip(&depths.depths_m) {
+        *to = cell(*depth);
     }
 }
 

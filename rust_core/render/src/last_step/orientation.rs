@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use rayon::prelude::*;
-use rcs_scene::Picture;
+use rcs_scene::{resize_block, Picture};
 
 /// Rows that a thread writes at once where rows become columns: as many cells as are read together.
 const ROWS: usize = 32;
@@ -81,7 +81,7 @@ impl Orientation {
 
     /// The same for a picture of this size with 1 to 4 bytes for each pixel, row by row.
     pub fn turn_cells(self, size_px: [u32; 2], cell_bytes: usize, from: &[u8], to: &mut Vec<u8>) {
-        to.resize(from.len(), 0);
+        resize_block(to, from.len(), 0);
         match cell_bytes {
             1 => self.turn_cells_of::<1>(size_px, from, to),
             2 => self.turn_cells_of::<2>(size_px, from, to),
