@@ -98,12 +98,13 @@ add_library(rviz_camera_stream SHARED
   src/pixel_reader.cpp src/scene_camera.cpp src/trigger_service.cpp src/camera_pub.h)
 add_dependencies(rviz_camera_stream rviz_camera_stream_core)
 # All files as one: they include the same headers of rviz, which take most of the time to compile. (CMake 3.16 or newer.)
-set_target_properties(rviz_camera_stream PROPERTIES AUTOMOC ON UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0
+# What moc writes names the header by its place below src, not by that seen from the build folder.
+set_target_properties(rviz_camera_stream PROPERTIES AUTOMOC ON AUTOMOC_PATH_PREFIX ON UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0
   LIBRARY_OUTPUT_DIRECTORY "${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_LIB_DESTINATION}")
 # Qt's short names for signals and slots clash with Boost's.
 target_compile_definitions(rviz_camera_stream PRIVATE QT_NO_KEYWORDS)
 target_compile_options(rviz_camera_stream PRIVATE -Wall -Wextra)
-target_include_directories(rviz_camera_stream PRIVATE include)
+target_include_directories(rviz_camera_stream PRIVATE include src)
 target_include_directories(rviz_camera_stream SYSTEM PRIVATE ${rviz_INCLUDE_DIRS} ${image_transport_INCLUDE_DIRS}
   ${pluginlib_INCLUDE_DIRS} ${roscpp_INCLUDE_DIRS} ${OPENGL_INCLUDE_DIR})
 # What Rust's standard library needs comes last; none of its names leave the plugin.

@@ -51,7 +51,7 @@ const NOT_COMPARED: [(&str, &str); 6] = [
     ("--fixed-frame", "its default is the config's own, and the help names none"),
     ("--no-lazy", "a flag; e2e/lazy_streams.rs runs the node with and without it"),
     ("--set-mode", "a flag, of camera_stream"),
-    ("--no-watch", "a flag; timing/settings.rs runs the node with and without it"),
+    ("--no-watch", "a flag; e2e/settings.rs runs the node with and without it"),
     ("--identify", "a flag with a value that may be left out"),
     ("--set-mode", "a flag, of projector_window"),
 ];

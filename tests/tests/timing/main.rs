@@ -11,8 +11,6 @@
 mod floods;
 mod frame_rate;
 mod latency;
-mod lifecycle;
 mod load;
 mod meshes;
-mod settings;
 mod soak;
