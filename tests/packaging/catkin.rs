@@ -182,6 +182,24 @@ fn without_rviz_cmake_says_in_one_line_that_the_plugin_is_left_out() {
 }
 
 #[test]
+fn cargo_and_cmake_read_the_same_message_packages() {
+    let between = |file: &str, begin: &str, end: &str| {
+        let text = fs::read_to_string(repository().join(file)).unwrap();
+        text.split_once(begin).unwrap().1.split_once(end).unwrap().0.to_owned()
+    };
+    let folders = between(".cargo/config.toml", "value = \"", "\"");
+    let mut of_cargo: Vec<_> = folders
+        .split(':')
+        .map(|folder| folder.strip_prefix("/usr/share/").unwrap().split('/').next().unwrap())
+        .collect();
+    of_cargo.sort_unstable();
+    let packages = between("ros_pkg/cmake/messages.cmake", "set(message_packages ", ")");
+    assert_eq!(of_cargo, packages.split_whitespace().collect::<Vec<_>>());
+    // Of Debian's packages, or of another ROS, which is then sourced.
+    assert!(folders.split(':').all(|folder| Path::new(folder).is_dir()) || std::env::var_os("ROS_DISTRO").is_some());
+}
+
+#[test]
 fn catkin_finds_one_package_in_the_repository() {
     let printed =
         succeed("python3 -c 'from catkin_pkg.packages import find_package_paths; print(find_package_paths(\".\"))'");
