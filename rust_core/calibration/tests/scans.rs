@@ -3,7 +3,9 @@
 use nalgebra::Isometry3;
 use rcs_calibration::patterns::gray_code;
 use rcs_calibration::{decode, points, solve, Lens, Pictures, Report, Sample, SolveOptions, Verdict};
-use rcs_scan_simulator::{seeds, Conditions, DepthCamera, LightError, Rig, Room, Scan, SmoothError, View};
+use rcs_scan_simulator::{
+    has_many_seeds, seeds, Conditions, DepthCamera, LightError, Rig, Room, Scan, SmoothError, View,
+};
 
 const PROJECTOR_PX: [u32; 2] = [1280, 800];
 
@@ -61,7 +63,8 @@ fn light_lands_where_it_should_after_one_scan() {
 }
 
 #[test]
-fn five_scans_average_a_depth_cameras_smooth_error() {
+fn several_scans_average_a_depth_cameras_smooth_error() {
+    let count = if has_many_seeds() { 5 } else { 3 };
     let seed = 210;
     let (room, rig) = (Room::cluttered(seed), Rig::random(seed));
     let depth_camera = |place: u32| DepthCamera {
@@ -70,21 +73,21 @@ fn five_scans_average_a_depth_cameras_smooth_error() {
         ..DepthCamera::kinect(seed)
     };
     let scans: Vec<Vec<Sample>> =
-        (0..5).map(|place| scan(&room, &rig.at_place(place), &depth_camera(place), place)).collect();
+        (0..count).map(|place| scan(&room, &rig.at_place(place), &depth_camera(place), place)).collect();
     let errors = |samples: &[Sample]| {
         let solution = solve(samples, &SolveOptions::new(PROJECTOR_PX)).unwrap();
         let error = light_error(&rig, &solution.lens, &solution.poses[0].projector_from_camera);
         (error.rms_px, Report::new(samples, solution))
     };
     let (one, report_of_one) = errors(&scans[0]);
-    let (five, report_of_five) = errors(&scans.concat());
+    let (several, report_of_several) = errors(&scans.concat());
     println!(
-        "one scan {one:.3} px, five {five:.3} px; smooth error {:.2} mm",
-        1e3 * report_of_five.smooth_depth_error_m
+        "one scan {one:.3} px, {count} {several:.3} px; smooth error {:.2} mm",
+        1e3 * report_of_several.smooth_depth_error_m
     );
     println!("{:?} {:?}", report_of_one.verdict, report_of_one.reasons);
-    assert!(five < 0.3, "{five:.3} px");
-    let seems = report_of_five.smooth_depth_error_m;
+    assert!(several < 0.3 && several < one, "{several:.3} px of {one:.3}");
+    let seems = report_of_several.smooth_depth_error_m;
     assert!((0.4e-3..2.5e-3).contains(&seems), "it seems to be {:.2} mm", 1e3 * seems);
 }
 
