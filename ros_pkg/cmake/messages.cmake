@@ -55,7 +55,7 @@ Get them with: apt install ros-${dashed} (Debian) or apt install ros-$ROS_DISTRO
 or source the setup file of the workspace that has them")
   endif()
 endforeach()
-# What is in one of /usr's folders is left to .cargo/config.toml only where everything is.
+# .cargo/config.toml's list is all or nothing: where some packages come from elsewhere, those of /usr are named here.
 if(prefixes OR package_folders OR overlay_packages)
   list(APPEND overlay_packages ${distribution_packages})
 endif()
