@@ -40,7 +40,7 @@ pub use font::{glyph_atlas, GlyphAtlas, GlyphBox, GLYPH_COUNT};
 pub use lettering::{letters, Letter, LETTER_ASCENT_EM, LETTER_DESCENT_EM};
 pub use lines::{LineTopology, Lines};
 pub use material::{Blending, CullMode, Filtering, Lighting, Material, Texture, Wrapping};
-pub use memory::{give_back_block, resize_block};
+pub use memory::resize_block;
 pub use mesh::{Mesh, Vertex};
 pub use picture::{Encoding, Picture, PixelOrder};
 pub use pixel_map::{MapRun, PixelMap};

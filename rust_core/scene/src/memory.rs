@@ -7,8 +7,8 @@ const MAPPED_ALONE_BYTES: usize = 33 << 20;
 /// Blocks from this size on are made that large. It is over a quarter of that, so that [`give_back_block`] leaves them.
 const LARGE_BYTES: usize = 9 << 20;
 
-/// Gives `data` this length. Its elements are any that it had, or `blank`. Keeps its memory, unless [`give_back_block`]
-/// gives it back.
+/// Gives `data` this length. Its elements are any that it had, or `blank`. Keeps its memory, unless that is several
+/// times what so many elements need.
 pub fn resize_block<T: Copy>(data: &mut Vec<T>, len: usize, blank: T) {
     give_back_block(data, len);
     if data.capacity() < len {
@@ -21,7 +21,7 @@ pub fn resize_block<T: Copy>(data: &mut Vec<T>, len: usize, blank: T) {
 }
 
 /// Gives the memory of `data` back, and what it holds with it, if that is several times what so many elements need.
-pub fn give_back_block<T>(data: &mut Vec<T>, len: usize) {
+pub(crate) fn give_back_block<T>(data: &mut Vec<T>, len: usize) {
     const MOST_UNUSED_BYTES: usize = 1 << 20;
     let [owned, needed] = [data.capacity(), len].map(|count| count.saturating_mul(size_of::<T>()));
     if owned > needed.saturating_mul(4).saturating_add(MOST_UNUSED_BYTES) {
