@@ -93,6 +93,21 @@ pub(super) struct Band<'a> {
     has_ranks: bool,
 }
 
+/// A band's pixels: that in row `y` of the band and column `x` is at `y · stride + x`.
+#[derive(Debug)]
+pub(super) struct Pixels<'a> {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub rows: usize,
+    /// From row to row.
+    pub stride: usize,
+    /// Their colours.
+    pub color: &'a mut [u32],
+    /// Their depths.
+    pub depth: &'a mut [f32],
+}
+
 impl Band<'_> {
     /// The part of a range of picture rows that lies in this band.
     #[inline]
@@ -114,11 +129,20 @@ impl Band<'_> {
     /// The colour and the depth of one pixel, if it is one of the band's.
     #[inline(always)]
     pub(super) fn pixel(&mut self, x: i32, y: i32) -> Option<(&mut u32, &mut f32)> {
-        if x < 0 || x >= self.width || y < self.first_row || y >= self.end_row {
+        // What is negative is then too large.
+        let (x, row) = (x as u32, (y - self.first_row) as u32);
+        if x >= self.width as u32 || row >= (self.end_row - self.first_row) as u32 {
             return None;
         }
-        let at = (y - self.first_row) as usize * self.stride + x as usize;
+        let at = row as usize * self.stride + x as usize;
         Some((self.color.get_mut(at)?, self.depth.get_mut(at)?))
+    }
+
+    /// All of them.
+    #[inline(always)]
+    pub(super) fn pixels(&mut self) -> Pixels<'_> {
+        let rows = (self.end_row - self.first_row) as usize;
+        Pixels { width: self.width as usize, rows, stride: self.stride, color: self.color, depth: self.depth }
     }
 
     /// [`LANES`] pixels from `begin` on of each row of a range. All must be the band's.

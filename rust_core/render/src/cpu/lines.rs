@@ -10,7 +10,7 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, Simd};
 
-use super::band::{meet, unorm8, Band, Mode};
+use super::band::{meet, pack, unorm8, Band, Mode};
 use super::clip::{clip_line, ClipVertex};
 use super::lanes::{lane_indices, F, LANES};
 use super::screen::{snap, Screen, FARTHEST, SUBPIXELS};
@@ -142,19 +142,52 @@ impl Line {
 
     #[inline(always)]
     fn draw_by_lanes<S: Simd>(&self, simd: S, band: &mut Band<'_>) {
-        let length = (self.end.along - self.begin.along).max(f32::MIN_POSITIVE);
         // Of one colour at both ends.
         let single = self.begin.color.iter().zip(&self.end.color).all(|(a, b)| a == b);
         let single = single.then(|| self.begin.color.map(unorm8));
         let steps = self.steps(band);
+        match single.filter(|_| self.mode == Mode::OPAQUE).map(pack) {
+            Some(color) if self.steep => self.draw_plain::<S, true>(simd, steps, color, band),
+            Some(color) => self.draw_plain::<S, false>(simd, steps, color, band),
+            None => self.draw_any(simd, steps, single, band),
+        }
+    }
+
+    /// Draws an opaque line of one colour. `STEEP` is whether it is steep.
+    #[inline(always)]
+    fn draw_plain<S: Simd, const STEEP: bool>(&self, simd: S, steps: Range<i32>, color: u32, band: &mut Band<'_>) {
+        let mut across = Across::new(&self.ends, steps.start);
+        let (along, across_from) = if STEEP { (band.first_row, 0) } else { (0, band.first_row) };
+        let pixels = band.pixels();
+        let (along_stride, across_stride, limit) =
+            if STEEP { (pixels.stride, 1, pixels.width) } else { (1, pixels.stride, pixels.rows) };
+        for begin in steps.clone().step_by(LANES) {
+            let (_, depths) = self.at(simd, begin);
+            let mut place = (begin - along) as usize * along_stride;
+            for depth in depths.into_iter().take((steps.end - begin) as usize) {
+                let across = (across.step() - across_from) as u32 as usize;
+                let at = place + across * across_stride;
+                place += along_stride;
+                // What is negative is too large as well.
+                if across >= limit {
+                    continue;
+                }
+                if let (Some(pixel), Some(pixel_depth)) = (pixels.color.get_mut(at), pixels.depth.get_mut(at)) {
+                    // Which are seen is hard to predict: each is written, many as they are. NaN is not drawn.
+                    let is_seen = depth <= *pixel_depth;
+                    *pixel = if is_seen { color } else { *pixel };
+                    *pixel_depth = if is_seen { depth } else { *pixel_depth };
+                }
+            }
+        }
+    }
+
+    /// Draws any line; `single` is its colour if it has but one.
+    #[inline(always)]
+    fn draw_any<S: Simd>(&self, simd: S, steps: Range<i32>, single: Option<[u8; 4]>, band: &mut Band<'_>) {
         let mut across = Across::new(&self.ends, steps.start);
         for begin in steps.clone().step_by(LANES) {
-            let t = (lane_indices(simd).to_float::<F<S>>() + begin as f32 - self.begin.along) / length;
-            let depths = t * (self.end.depth - self.begin.depth) + self.begin.depth;
-            // NaN stays.
-            let depths = depths.simd_lt(0.0).select(F::splat(simd, 0.0), depths);
-            let depths = depths.simd_gt(FARTHEST).select(F::splat(simd, FARTHEST), depths);
-            let (t, depths) = (t.to_array(), depths.to_array());
+            let (t, depths) = self.at(simd, begin);
             for (lane, along) in (begin..steps.end).take(LANES).enumerate() {
                 let across = across.step();
                 let (x, y) = if self.steep { (across, along) } else { (along, across) };
@@ -166,6 +199,18 @@ impl Line {
                 meet(pixel, depth, depths[lane], color, self.mode);
             }
         }
+    }
+
+    /// Of several pixels along the share of the way and the depth.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, begin: i32) -> ([f32; LANES], [f32; LANES]) {
+        let length = (self.end.along - self.begin.along).max(f32::MIN_POSITIVE);
+        let t = (lane_indices(simd).to_float::<F<S>>() + begin as f32 - self.begin.along) / length;
+        let depths = t * (self.end.depth - self.begin.depth) + self.begin.depth;
+        // NaN stays.
+        let depths = depths.simd_lt(0.0).select(F::splat(simd, 0.0), depths);
+        let depths = depths.simd_gt(FARTHEST).select(F::splat(simd, FARTHEST), depths);
+        (t.to_array(), depths.to_array())
     }
 
     /// The colour at a share of the way.

@@ -52,7 +52,7 @@ pub(in crate::cpu) struct InstanceScratch {
     /// Their depths, and one over w.
     pub(super) depth: Vec<f32>,
     pub(super) inverse_w: Vec<f32>,
-    /// The colours of a solid's vertices that were lit at once: red, green, blue.
+    /// The colours of a solid's vertices by their normals, which were lit at once: red, green, blue.
     pub(super) rgb: [Vec<f32>; 3],
     /// Of a solid of a crowd, the triangles that may be seen.
     pub(super) seen: Vec<u32>,
@@ -93,13 +93,13 @@ impl InstanceScratch {
         [&self.x, &self.y].map(|all| all.get(place as usize).copied().unwrap_or_default())
     }
 
-    /// The corner at a place, given the number of its vertex, of a solid whose vertices were placed and lit.
+    /// The corner at a place with a normal, of a solid whose vertices were placed and lit.
     #[inline]
-    pub(super) fn lit_corner(&self, vertex: u32, place: u32, alpha: f32) -> Corner {
+    pub(super) fn lit_corner(&self, normal: u32, place: u32, alpha: f32) -> Corner {
         let [x, y] = self.place_of(place);
         let number = |all: &[f32], at: u32| all.get(at as usize).copied().unwrap_or_default();
         let [r, g, b] = &self.rgb;
-        let color = [number(r, vertex), number(g, vertex), number(b, vertex), alpha];
+        let color = [number(r, normal), number(g, normal), number(b, normal), alpha];
         let (depth, inverse_w) = (number(&self.depth, place), number(&self.inverse_w, place));
         Corner { position: ScreenPosition { x, y, depth, inverse_w }, color, uv: [0.0; 2] }
     }

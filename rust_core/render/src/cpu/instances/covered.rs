@@ -44,17 +44,17 @@ pub(super) fn for_covered(
             let lane = covering.trailing_zeros() as usize % LANES;
             covering &= covering - 1;
             let number = triangles[lane] as usize;
-            let (Some(&corners), Some(&places)) = (shape.triangles.get(number), shape.places.get(number)) else {
-                continue;
-            };
             if let Some(light) = &light {
+                let (normals, places) = (shape.triangle_normals.get(number), shape.places.get(number));
+                let (Some(normals), Some(places)) = (normals, places) else { continue };
                 if !std::mem::replace(&mut is_lit, true) {
                     dispatch!(screen.simd_level, simd => light.light(simd, shape, scratch));
                 }
-                let corner = |i: usize| scratch.lit_corner(corners[i], places[i], light.alpha());
+                let corner = |i: usize| scratch.lit_corner(normals[i], places[i], light.alpha());
                 draw([&corner(0), &corner(1), &corner(2)], triangles[lane], &mut cover.rows(lane));
                 continue;
             }
+            let Some(&corners) = shape.triangles.get(number) else { continue };
             let mut place = |key| scratch.corner(key, source, screen, true);
             if let [Some((a, _)), Some((b, _)), Some((c, _))] = corners.map(&mut place) {
                 draw([&a, &b, &c], triangles[lane], &mut cover.rows(lane));

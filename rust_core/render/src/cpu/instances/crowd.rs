@@ -67,7 +67,7 @@ impl Instances {
         screen: &Screen,
         scratch: &mut InstanceScratch,
     ) {
-        super::for_each_mesh(piece, batches, view, |placed, [batch, item]| {
+        super::for_each_mesh(piece, batches, |placed, [batch, item]| {
             let view_from_object = view.view_from_fixed * placed.fixed_from_mesh;
             let rows = ObjectTransform::clip_rows(view.view.camera, &view_from_object);
             match placed.shape.bounds.map(|bounds| reach(&bounds, &rows, screen)) {

@@ -1,8 +1,8 @@
 //! The light on a solid's vertices, several at once.
 //!
 //! Of a small solid that is seen, most vertices that face the eye are a corner of what is drawn. So it is faster to
-//! light all of them side by side than each one where it is met. The arithmetic is that of
-//! [`vertex_color`](crate::cpu::lighting::vertex_color), in the same order.
+//! light all of them side by side than each one where it is met, and each normal only once, which many vertices have in
+//! common. The arithmetic is that of [`vertex_color`](crate::cpu::lighting::vertex_color), in the same order.
 
 use fearless_simd::prelude::*;
 use rcs_scene::{Lighting, Rgba};
@@ -37,7 +37,7 @@ impl<'a> PlainLight<'a> {
         self.diffuse[3].clamp(0.0, 1.0)
     }
 
-    /// Lights all vertices, for [`InstanceScratch::lit_corner`].
+    /// Lights all normals, for [`InstanceScratch::lit_corner`].
     #[inline(always)]
     pub(super) fn light<S: Simd>(&self, simd: S, shape: &Shape, scratch: &mut InstanceScratch) {
         let count = shape.normals[0].len();
@@ -104,7 +104,8 @@ mod tests {
                 *emissive = Rgba::new(er, eg, eb, ea);
             }
             let vertices: Vec<Vertex> = normals.iter().map(|normal| Vertex::new([0.0; 3], *normal)).collect();
-            let mesh = Mesh { vertices, indices: Vec::new() };
+            let indices = (0..vertices.len() as u32).flat_map(|vertex| [vertex; 3]).collect();
+            let mesh = Mesh { vertices, indices };
             let transform = ObjectTransform {
                 clip_from_object: [[0.0; 4]; 4],
                 view_from_normal: Matrix3::from_row_slice(&turn),
@@ -119,8 +120,8 @@ mod tests {
             for level in levels() {
                 let mut scratch = InstanceScratch::default();
                 dispatch!(level, simd => light.light(simd, &shape, &mut scratch));
-                for (i, vertex) in mesh.vertices.iter().enumerate() {
-                    let [red, green, blue] = [0, 1, 2].map(|channel: usize| scratch.rgb[channel][i]);
+                for ([normal, ..], vertex) in shape.triangle_normals.iter().zip(&mesh.vertices) {
+                    let [red, green, blue] = [0, 1, 2].map(|channel: usize| scratch.rgb[channel][*normal as usize]);
                     let lit = [red, green, blue, light.alpha()];
                     prop_assert_eq!(lit.map(f32::to_bits), vertex_color(&material, &transform, vertex).map(f32::to_bits));
                 }

@@ -30,7 +30,7 @@ mod text;
 
 use fearless_simd::dispatch;
 use nalgebra::Matrix4;
-use rcs_scene::{Material, Mesh};
+use rcs_scene::{Material, Mesh, Solid};
 
 pub(super) use self::batch::{Batch, BatchPiece, BatchView, SmallMesh};
 pub(super) use self::corners::InstanceScratch;
@@ -94,9 +94,14 @@ pub(super) struct Instances {
 struct PlacedMesh<'a> {
     fixed_from_mesh: Matrix4<f64>,
     mesh: &'a Mesh,
-    material: &'a Material,
-    surface: &'a Surface,
     shape: &'a Shape,
+    look: Look<'a>,
+}
+
+/// How a mesh is lit and painted; of a solid that is worked out where it may be seen.
+enum Look<'a> {
+    Solid(&'a Solid),
+    Mesh(&'a Material, &'a Surface),
 }
 
 impl Instances {
@@ -130,7 +135,7 @@ impl Instances {
         if let Some(Batch::Text(text, drawable)) = batches.get(piece.batch) {
             self.add_text(text, drawable, piece, view, screen, scratch);
         }
-        for_each_mesh(piece, batches, view, |placed, ids| self.add_mesh(placed, ids, view, screen, scratch));
+        for_each_mesh(piece, batches, |placed, ids| self.add_mesh(placed, ids, view, screen, scratch));
     }
 
     fn add_mesh(
@@ -141,13 +146,21 @@ impl Instances {
         screen: &Screen,
         scratch: &mut InstanceScratch,
     ) {
-        let &PlacedMesh { mesh, material, surface, shape, .. } = placed;
+        let &PlacedMesh { mesh, shape, .. } = placed;
         let view_from_object = view.view_from_fixed * placed.fixed_from_mesh;
         let rows = ObjectTransform::clip_rows(view.view.camera, &view_from_object);
         let reach = shape.bounds.map_or(Reach::Crossing, |bounds| reach(&bounds, &rows, screen));
         if reach == Reach::Unseen {
             return;
         }
+        let of_solid;
+        let (material, surface) = match placed.look {
+            Look::Solid(solid) => {
+                of_solid = Material::lit(solid.color);
+                (&of_solid, view.surface_of_solid(solid))
+            }
+            Look::Mesh(material, surface) => (material, surface),
+        };
         self.load.in_order |= surface.mode != Mode::OPAQUE || !can_fill(surface);
         let first = self.next;
         let is_inside = matches!(reach, Reach::Inside(_));
@@ -255,6 +268,20 @@ impl Instances {
         Some((self.placed.get(next.checked_sub(1)?)?, end))
     }
 
+    /// The same, with the thing's index, of a thing that is not before an index. What is near to it is found soonest.
+    fn placed_from(&self, from: usize, number: u32) -> Option<(usize, &Placed, u32)> {
+        let rest = self.placed.get(from..)?;
+        let mut end = 1;
+        while rest.get(end).is_some_and(|placed| placed.first <= number) {
+            end *= 2;
+        }
+        let (begin, end) = (end / 2, end.min(rest.len()));
+        let after = begin + rest.get(begin..end)?.partition_point(|placed| placed.first <= number);
+        let end = rest.get(after).map_or(u32::MAX, |placed| placed.first);
+        let at = after.checked_sub(1)?;
+        Some((from + at, rest.get(at)?, end))
+    }
+
     /// Draws the rows of a band.
     pub(super) fn draw(
         &self,
@@ -266,7 +293,9 @@ impl Instances {
         band: &mut Band<'_>,
     ) {
         let mut numbers = self.bins.band(index);
-        while let Some((placed, end)) = numbers.first().and_then(|&number| self.placed(number)) {
+        let mut from = 0;
+        while let Some((at, placed, end)) = numbers.first().and_then(|&number| self.placed_from(from, number)) {
+            from = at + 1;
             // Numbers ascend, so that those of a thing lie side by side; mostly they are few of very many.
             let after = numbers.iter().position(|&number| number >= end);
             let (these, rest) = numbers.split_at(after.unwrap_or(numbers.len()));
@@ -416,7 +445,6 @@ impl Placed {
 fn for_each_mesh(
     piece: &BatchPiece,
     batches: &[Batch<'_>],
-    view: &BatchView<'_>,
     mut work: impl FnMut(&PlacedMesh<'_>, [u32; 2]),
 ) {
     match batches.get(piece.batch) {
@@ -425,14 +453,15 @@ fn for_each_mesh(
             for (item, solid) in range.clone().zip(solids.as_slice().get(range).unwrap_or(&[])) {
                 let (mesh, shape) = (solids.shapes().get(solid.shape()), shapes.get(solid.shape()));
                 let (Some(mesh), Some(shape)) = (mesh, shape) else { continue };
-                let (surface, material) = (view.surface_of_solid(solid), &Material::lit(solid.color));
-                let placed = PlacedMesh { fixed_from_mesh: solid.matrix(), mesh, material, surface, shape };
+                let look = Look::Solid(solid);
+                let placed = PlacedMesh { fixed_from_mesh: solid.matrix(), mesh, shape, look };
                 work(&placed, [piece.batch as u32, item as u32]);
             }
         }
         Some(Batch::Mesh(SmallMesh { drawable, mesh, material, surface, shape })) => {
             let fixed_from_mesh = drawable.fixed_from_object;
-            work(&PlacedMesh { fixed_from_mesh, mesh, material, surface, shape }, [piece.batch as u32, 0]);
+            let look = Look::Mesh(material, surface);
+            work(&PlacedMesh { fixed_from_mesh, mesh, shape, look }, [piece.batch as u32, 0]);
         }
         Some(Batch::Text(..)) | None => {}
     }

@@ -14,12 +14,14 @@ use crate::cpu::lanes::LANES;
 pub(in crate::cpu) struct Shape {
     /// The coordinates of the places of vertices, each place once, filled up to a whole number of lanes.
     pub(super) coordinates: [Vec<f32>; 3],
-    /// The normals of the vertices, filled up to a whole number of lanes; none where one is not finite.
+    /// The normals of the vertices, each once, filled up to a whole number of lanes; none where one is not finite.
     pub(super) normals: [Vec<f32>; 3],
     /// The corners of each triangle, which all exist.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The places of each triangle's corners.
     pub(super) places: Vec<[u32; 3]>,
+    /// The normals of each triangle's corners.
+    pub(super) triangle_normals: Vec<[u32; 3]>,
     /// Of each triangle the [`minors`] of its corners, filled up to a whole number of lanes: the plane that it lies in.
     pub(super) planes: [Vec<f32>; 4],
     /// The most that a triangle reaches along one of the axes, over what the box does.
@@ -30,27 +32,18 @@ pub(in crate::cpu) struct Shape {
 
 impl Shape {
     pub(super) fn new(mesh: &Mesh) -> Self {
-        let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
-        let mut coordinates: [Vec<f32>; 3] = Default::default();
-        let place_of_vertex: Vec<u32> = mesh
-            .vertices
-            .iter()
-            .map(|vertex| {
-                *numbers.entry(vertex.position.map(f32::to_bits)).or_insert_with(|| {
-                    coordinates.iter_mut().zip(vertex.position).for_each(|(all, coordinate)| all.push(coordinate));
-                    coordinates[0].len() as u32 - 1
-                })
-            })
-            .collect();
-        coordinates.iter_mut().for_each(|all| all.resize(all.len().next_multiple_of(LANES), 0.0));
+        let (coordinates, place_of_vertex) = each_once(mesh.vertices.iter().map(|vertex| vertex.position));
+        let (normals, normal_of_vertex) = each_once(mesh.vertices.iter().map(|vertex| vertex.normal));
         let corners = mesh.indices.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]);
-        let place = |corner: u32| place_of_vertex.get(corner as usize).copied();
-        let (triangles, places): (Vec<_>, Vec<_>) = corners
-            .filter_map(|corners| {
-                let [Some(a), Some(b), Some(c)] = corners.map(place) else { return None };
-                Some((corners, [a, b, c]))
-            })
-            .unzip();
+        let of = |corners: [u32; 3], all: &[u32]| {
+            let [a, b, c] = corners.map(|corner| all.get(corner as usize).copied());
+            Some([a?, b?, c?])
+        };
+        let triangles: Vec<[u32; 3]> = corners.filter(|&corners| of(corners, &place_of_vertex).is_some()).collect();
+        let [places, triangle_normals] = [&place_of_vertex, &normal_of_vertex]
+            .map(|all| triangles.iter().filter_map(|&corners| of(corners, all)).collect::<Vec<_>>());
+        let has_normals = normals.iter().flatten().all(|coordinate| coordinate.is_finite());
+        let normals = if has_normals { normals } else { Default::default() };
         let positions = || mesh.vertices.iter().map(|vertex| Vector3::from(vertex.position));
         let is_finite = positions().all(|position| position.iter().all(|c| c.is_finite()));
         let low = positions().reduce(|low, position| low.inf(&position));
@@ -58,7 +51,7 @@ impl Shape {
         let bounds = low.zip(high).filter(|_| is_finite).map(|(low, high)| ShapeBounds::new(low, high));
         let planes = planes(&coordinates, &places);
         let longest = longest(&coordinates, &places);
-        Self { coordinates, normals: normals(mesh), triangles, places, planes, longest, bounds }
+        Self { coordinates, normals, triangles, places, triangle_normals, planes, longest, bounds }
     }
 
     /// Whether the normals are there.
@@ -67,16 +60,21 @@ impl Shape {
     }
 }
 
-/// As [`Shape::normals`].
-fn normals(mesh: &Mesh) -> [Vec<f32>; 3] {
-    let mut normals: [Vec<f32>; 3] = Default::default();
-    if mesh.vertices.iter().all(|vertex| vertex.normal.iter().all(|coordinate| coordinate.is_finite())) {
-        for (all, i) in normals.iter_mut().zip(0..) {
-            all.extend(mesh.vertices.iter().map(|vertex| vertex.normal[i]));
-            all.resize(all.len().next_multiple_of(LANES), 0.0);
-        }
-    }
-    normals
+/// Places or normals, each of them once and the axes by themselves, filled up to a whole number of lanes; and for each
+/// that was given which one it is.
+fn each_once(all: impl Iterator<Item = [f32; 3]>) -> ([Vec<f32>; 3], Vec<u32>) {
+    let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
+    let mut once: [Vec<f32>; 3] = Default::default();
+    let which = all
+        .map(|values| {
+            *numbers.entry(values.map(f32::to_bits)).or_insert_with(|| {
+                once.iter_mut().zip(values).for_each(|(axis, value)| axis.push(value));
+                once[0].len() as u32 - 1
+            })
+        })
+        .collect();
+    once.iter_mut().for_each(|axis| axis.resize(axis.len().next_multiple_of(LANES), 0.0));
+    (once, which)
 }
 
 /// The corners of each triangle, given the coordinates of the places and its own places.
@@ -157,6 +155,8 @@ mod tests {
         let shape = Shape::new(&mesh);
         assert_eq!(shape.coordinates[0], [0.0, 1.0, 0.0, 1.0, 5.0, 0.0, 0.0, 0.0]);
         assert_eq!(shape.triangles, [[0, 1, 2], [3, 4, 5], [6, 6, 6], [0, 1, 2], [6, 0, 1]]);
+        // All vertices have one normal.
+        assert_eq!((&shape.normals[2][..2], shape.triangle_normals.as_slice()), (&[1.0, 0.0][..], &[[0; 3]; 5][..]));
         assert_eq!(shape.places, [[0, 1, 2], [2, 1, 3], [4, 4, 4], [0, 1, 2], [4, 0, 1]]);
         // The triangle that is a point has no plane, and the others lie in z = 0; the last one is the largest.
         assert_eq!(shape.planes.each_ref().map(Vec::len), [8; 4]);
