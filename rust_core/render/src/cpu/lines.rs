@@ -273,7 +273,10 @@ impl Across {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+    use crate::cpu::band::BandBuffers;
 
     #[test]
     fn the_pixel_across_is_that_of_a_division_at_each_step() {
@@ -290,6 +293,37 @@ mod tests {
             for along in first..first + 300 {
                 assert_eq!(across.step(), Across::new(&ends, along).step());
             }
+        }
+    }
+
+    /// A band's colours and depths.
+    fn contents(band: &Band<'_>) -> (Vec<[u8; 4]>, Vec<u32>) {
+        let depths = band.depth_rows().flatten().map(|depth| depth.to_bits());
+        (band.pixel_rows().flatten().copied().collect(), depths.collect())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn plain_lines_are_drawn_as_any_others(
+            lines in proptest::collection::vec(([-2.5..2.5_f32, -2.5..2.5, -0.9..0.9], [-2.5..2.5_f32, -2.5..2.5, -0.9..0.9], 0.5..4.0_f32), 1..12),
+            index in 0..3_usize,
+        ) {
+            let screen = Screen::new(70, 150);
+            let [mut plain, mut any] = [(); 2].map(|()| BandBuffers::default());
+            let [mut plain, mut any] = [&mut plain, &mut any].map(|buffers| buffers.begin(&screen, index, 7));
+            // Each twice: of equal depths the later one is seen.
+            for (number, &([ax, ay, az], [bx, by, bz], w)) in (1..).zip(lines.iter().chain(&lines)) {
+                let color = [number as f32 / 24.0; 4];
+                let vertex = |position| ClipVertex { position, color, uv: [0.0; 2] };
+                let ends = [vertex([ax, ay, az, 1.0]), vertex([bx * w, by * w, bz * w, w])];
+                let Some(line) = set_up(ends[0], ends[1], Mode::OPAQUE, &screen) else { continue };
+                line.draw(&mut plain);
+                let steps = line.steps(&any);
+                dispatch!(screen.simd_level, simd => line.draw_any(simd, steps, Some(color.map(unorm8)), &mut any));
+            }
+            prop_assert_eq!(contents(&plain), contents(&any));
         }
     }
 }
