@@ -302,12 +302,16 @@ mod tests {
         (band.pixel_rows().flatten().copied().collect(), depths.collect())
     }
 
+    fn place() -> impl Strategy<Value = [f32; 3]> {
+        [-2.5..2.5_f32, -2.5..2.5, -0.9..0.9]
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
         #[test]
         fn plain_lines_are_drawn_as_any_others(
-            lines in proptest::collection::vec(([-2.5..2.5_f32, -2.5..2.5, -0.9..0.9], [-2.5..2.5_f32, -2.5..2.5, -0.9..0.9], 0.5..4.0_f32), 1..12),
+            lines in proptest::collection::vec((place(), place(), 0.5..4.0_f32), 1..12),
             index in 0..3_usize,
         ) {
             let screen = Screen::new(70, 150);

@@ -442,11 +442,7 @@ impl Placed {
 }
 
 /// Passes on the solids or the mesh of a piece, each with the indices of its batch and in it.
-fn for_each_mesh(
-    piece: &BatchPiece,
-    batches: &[Batch<'_>],
-    mut work: impl FnMut(&PlacedMesh<'_>, [u32; 2]),
-) {
+fn for_each_mesh(piece: &BatchPiece, batches: &[Batch<'_>], mut work: impl FnMut(&PlacedMesh<'_>, [u32; 2])) {
     match batches.get(piece.batch) {
         Some(Batch::Solids(solids, shapes)) => {
             let range = piece.range.clone();
