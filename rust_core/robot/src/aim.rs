@@ -148,7 +148,8 @@ impl Problem<'_> {
 
     /// Goes downhill from a posture, within the limits where there are any.
     fn descend(&self, from: [f64; 2], limits: [Travel; 2], bends: Bends) -> Option<Aim> {
-        let mut positions = from;
+        // The end of a span is rounded, perhaps beyond a limit, and a controller may refuse what is beyond.
+        let mut positions = [0, 1].map(|joint| limits[joint].clamp(from[joint]));
         let mut miss = self.miss(positions)?;
         let mut damping = 1e-3;
         for _ in 0..MOST_STEPS {

@@ -62,6 +62,15 @@ fn what_lies_behind_a_limit_is_missed_by_the_least_angle() {
 }
 
 #[test]
+fn what_is_missed_is_missed_within_the_limits_to_the_last_digit() {
+    // Of these limits, the end of the grid of beginnings lies 4e-16 beyond the upper one.
+    let pan = Travel { lower: -3.92139976983135, upper: -0.36475648440321606 };
+    let unit = usual_unit([pan, Travel { lower: -1.5, upper: 0.1 }]);
+    let aim = unit.aim(&straight(), Point3::new(2.0, 1.0, -1.5), [0.0, 0.0]).unwrap();
+    assert_eq!(aim.positions, [pan.upper, 0.1]);
+}
+
+#[test]
 fn a_continuous_pan_goes_the_shorter_way_and_keeps_its_turns() {
     let unit = usual_unit([Travel::ENDLESS, WIDE[1]]);
     let target = Point3::new(-1.0, -0.2, 0.1);
