@@ -261,14 +261,14 @@ impl Instances {
         self.bins.add(number, row(begin), row(end));
     }
 
-    /// The thing that a triangle belongs to; the number of the next one's first triangle.
-    fn placed(&self, number: u32) -> Option<(&Placed, u32)> {
-        let next = self.placed.partition_point(|placed| placed.first <= number);
-        let end = self.placed.get(next).map_or(u32::MAX, |placed| placed.first);
-        Some((self.placed.get(next.checked_sub(1)?)?, end))
+    /// The thing that a triangle belongs to.
+    fn placed(&self, number: u32) -> Option<&Placed> {
+        let after = self.placed.partition_point(|placed| placed.first <= number);
+        self.placed.get(after.checked_sub(1)?)
     }
 
-    /// The same, with the thing's index, of a thing that is not before an index. What is near to it is found soonest.
+    /// The same of a thing that is not before an index, what is near to that being found soonest; with its own index
+    /// before it, and behind it the number of the next thing's first triangle.
     fn placed_from(&self, from: usize, number: u32) -> Option<(usize, &Placed, u32)> {
         let rest = self.placed.get(from..)?;
         let mut end = 1;
@@ -361,7 +361,7 @@ impl Instances {
         ranked: &mut RankedScratch,
         band: &mut Band<'_>,
     ) {
-        let Some((placed, _)) = self.placed(number) else { return };
+        let Some(placed) = self.placed(number) else { return };
         let Some(transform) = self.transform_of(placed) else { return };
         placed.with_source(transform, batches, view, |source, triangle| {
             if let Some(corners) = triangle(number - placed.first) {
