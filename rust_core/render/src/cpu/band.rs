@@ -9,7 +9,7 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
 
-use super::lanes::{inlined, lane_indices, F, LANES, M, U};
+use super::lanes::{inlined, lane_indices, WideF, F, LANES, M, U};
 use super::occlusion::{rounding, Area, DepthPlane, Drawn, TILE_PX};
 use super::screen::{Screen, FARTHEST};
 
@@ -181,6 +181,29 @@ impl Band<'_> {
             };
             work(RankedWindow { colors, depths, ranks });
             at += self.stride;
+        }
+    }
+
+    /// The depths of [`LANES`] pixels from `begin` on of each two rows of a range, one behind the other; of a row after
+    /// the last one, infinitely near. All pixels must be the band's.
+    #[inline(always)]
+    pub(super) fn for_row_pairs<S: Simd>(
+        &self,
+        simd: S,
+        rows: Range<i32>,
+        begin: i32,
+        mut work: impl FnMut(WideF<S>),
+    ) {
+        let mut at = (rows.start - self.first_row) as usize * self.stride + begin as usize;
+        for row in rows.clone().step_by(2) {
+            let depths = inlined(
+                #[inline(always)]
+                |at: usize| self.depth.get(at..).and_then(<[f32]>::first_chunk::<LANES>),
+            );
+            let Some(upper) = depths(at) else { return };
+            let lower = depths(at + self.stride).filter(|_| row + 1 < rows.end).unwrap_or(&[f32::NEG_INFINITY; LANES]);
+            work(F::load_array_ref(simd, upper).combine(F::load_array_ref(simd, lower)));
+            at += 2 * self.stride;
         }
     }
 

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 
-use super::lanes::{inlined, load, F, LANES, U};
+use super::lanes::{inlined, WideF, WideU, WIDE};
 use super::occlusion::{DepthPlane, TILE_PX};
 use super::screen::FARTHEST;
 
@@ -20,6 +20,13 @@ pub(super) struct Cells {
     pub farthest: Vec<f32>,
     /// None of the pixels that are as far away as that has a lower one.
     pub rank: Vec<u32>,
+}
+
+/// The numbers from `begin` on, which must exist.
+#[inline(always)]
+fn load<S: Simd>(simd: S, all: &[f32], begin: usize) -> WideF<S> {
+    let numbers = all.get(begin..).and_then(<[f32]>::first_chunk);
+    numbers.map_or(WideF::splat(simd, 0.0), |numbers| WideF::load_array_ref(simd, numbers))
 }
 
 /// From the middle of a cell of this side to the middle of its last pixel.
@@ -42,7 +49,7 @@ impl Cells {
         self.rank.resize(count, 0);
     }
 
-    /// In which of [`LANES`] cells from `begin` on something of a face may be seen, given their middles, and how far
+    /// In which of [`WIDE`] cells from `begin` on something of a face may be seen, given their middles, and how far
     /// from their middles to the right and down the face's pixels are.
     #[inline(always)]
     pub(super) fn seen<S: Simd>(
@@ -51,15 +58,15 @@ impl Cells {
         plane: &DepthPlane,
         rank: u32,
         begin: usize,
-        [x, y]: [F<S>; 2],
-        [columns, rows]: [[F<S>; 2]; 2],
+        [x, y]: [WideF<S>; 2],
+        [columns, rows]: [[WideF<S>; 2]; 2],
     ) -> u32 {
         let numbers = inlined(
             #[inline(always)]
             |all: &[f32]| load(simd, all, begin),
         );
         let ranks = self.rank.get(begin..).and_then(<[u32]>::first_chunk);
-        let is_earlier = ranks.map_or(U::splat(simd, 0), |ranks| U::load_array_ref(simd, ranks)).simd_gt(rank);
+        let is_earlier = ranks.map_or(WideU::splat(simd, 0), |ranks| WideU::load_array_ref(simd, ranks)).simd_gt(rank);
         let apart = plane.at - numbers(&self.middle);
         let (right, down) = ((x - plane.x) * plane.dx, (y - plane.y) * plane.dy);
         let (dx, dy) = (plane.dx - numbers(&self.dx), plane.dy - numbers(&self.dy));
@@ -72,9 +79,9 @@ impl Cells {
         let unsure = unsure + (numbers(&self.noise) + plane.noise);
         let is_hidden = behind.simd_gt(unsure) | (behind.simd_ge(unsure) & is_earlier);
         // The plane of a steep face leads far before it, but nothing of the face is nearer than its nearest corner.
-        let (least, farthest) = (F::splat(simd, plane.least), numbers(&self.farthest));
+        let (least, farthest) = (WideF::splat(simd, plane.least), numbers(&self.farthest));
         let is_hidden = is_hidden | least.simd_gt(farthest) | (least.simd_ge(farthest) & is_earlier);
-        !(is_hidden.to_bitmask() as u32) & ((1 << LANES) - 1)
+        !(is_hidden.to_bitmask() as u32) & ((1 << WIDE) - 1)
     }
 
     /// As [`seen`](Self::seen), whatever the rank, of a face that ends where a limit is positive. The limit is given by
@@ -85,9 +92,9 @@ impl Cells {
         simd: S,
         plane: &DepthPlane,
         begin: usize,
-        [x, y]: [F<S>; 2],
-        [columns, rows]: [[F<S>; 2]; 2],
-        [limit, limit_dx, limit_dy]: [F<S>; 3],
+        [x, y]: [WideF<S>; 2],
+        [columns, rows]: [[WideF<S>; 2]; 2],
+        [limit, limit_dx, limit_dy]: [WideF<S>; 3],
     ) -> u32 {
         let numbers = inlined(
             #[inline(always)]
@@ -95,7 +102,7 @@ impl Cells {
         );
         let least = inlined(
             #[inline(always)]
-            |dx: F<S>, dy: F<S>| (dx * columns[0]).min(dx * columns[1]) + (dy * rows[0]).min(dy * rows[1]),
+            |dx: WideF<S>, dy: WideF<S>| (dx * columns[0]).min(dx * columns[1]) + (dy * rows[0]).min(dy * rows[1]),
         );
         let is_beside = (limit + least(limit_dx, limit_dy)).simd_gt(0.0);
         let apart = plane.at - numbers(&self.middle);
@@ -103,7 +110,7 @@ impl Cells {
         let (dx, dy) = (plane.dx - numbers(&self.dx), plane.dy - numbers(&self.dy));
         // What is not positive on the face may be added any number of times and still gives a bound. So many times turn
         // the difference between the planes along the limit, so that the bound is the greatest.
-        let zero = F::splat(simd, 0.0);
+        let zero = WideF::splat(simd, 0.0);
         let times = (zero - (dx * limit_dx + dy * limit_dy)) / (limit_dx * limit_dx + limit_dy * limit_dy);
         let times = times.max(0.0);
         let (more, more_dx, more_dy) = (times * limit, times * limit_dx, times * limit_dy);
@@ -113,7 +120,7 @@ impl Cells {
         let slopes = (dx.abs() + more_dx.abs() + dy.abs() + more_dy.abs()) * TILE_PX as f32;
         let unsure = (sums + slopes) * (1.0 / (1 << 20) as f32) + (numbers(&self.noise) + plane.noise);
         let is_hidden = is_beside | behind.simd_gt(unsure);
-        !(is_hidden.to_bitmask() as u32) & ((1 << LANES) - 1)
+        !(is_hidden.to_bitmask() as u32) & ((1 << WIDE) - 1)
     }
 
     /// The largest of what a cell's depths are above a plane of these slopes that has depth 0 in the cell's middle.

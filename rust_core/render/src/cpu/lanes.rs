@@ -9,12 +9,15 @@
 //! and [`inlined`] instead of an array's `map` and plain closures.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, i32x8, mask32x8, u32x8};
+use fearless_simd::{f32x16, f32x8, i32x16, i32x8, mask32x8, u32x16, u32x8};
 
 use crate::shading::Number;
 
 /// How many numbers stand side by side.
 pub(super) const LANES: usize = 8;
+
+/// How many are compared at once where there are always so many: twice as many, in one go where the processor can.
+pub(super) const WIDE: usize = 2 * LANES;
 
 /// Numbers.
 pub(super) type F<S> = f32x8<S>;
@@ -22,6 +25,17 @@ pub(super) type F<S> = f32x8<S>;
 pub(super) type I<S> = i32x8<S>;
 /// Colours.
 pub(super) type U<S> = u32x8<S>;
+/// Numbers, however many.
+pub(super) trait Floats<S: Simd>: SimdFloat<S, Element = f32> {}
+
+impl<S: Simd, T: SimdFloat<S, Element = f32>> Floats<S> for T {}
+
+/// [`WIDE`] numbers.
+pub(super) type WideF<S> = f32x16<S>;
+/// [`WIDE`] whole numbers.
+pub(super) type WideI<S> = i32x16<S>;
+/// [`WIDE`] whole numbers without a sign.
+pub(super) type WideU<S> = u32x16<S>;
 /// A mask of the lanes.
 pub(super) type M<S> = mask32x8<S>;
 
@@ -29,6 +43,12 @@ pub(super) type M<S> = mask32x8<S>;
 #[inline(always)]
 pub(super) fn lane_indices<S: Simd>(simd: S) -> I<S> {
     I::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7])
+}
+
+/// As [`lane_indices`], of [`WIDE`] lanes.
+#[inline(always)]
+pub(super) fn wide_indices<S: Simd>(simd: S) -> WideI<S> {
+    WideI::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15])
 }
 
 /// The numbers from `begin` on, which must exist.

@@ -18,7 +18,7 @@ use fearless_simd::Simd;
 
 use super::band::Band;
 use super::cells::{half, not_below, Cells};
-use super::lanes::{inlined, lane_indices, F, LANES};
+use super::lanes::{inlined, wide_indices, WideF, LANES, WIDE};
 
 /// Side of a tile in pixels: a window's.
 pub(super) const TILE_PX: i32 = LANES as i32;
@@ -77,9 +77,9 @@ pub(super) enum Drawn {
 pub(super) struct Occluders {
     /// Those of a block one after the other, row by row.
     tiles: Cells,
-    /// Row by row.
+    /// Two rows of them at a time, from the left: the upper and the lower one of each column.
     blocks: Cells,
-    /// Blocks from row to row: behind each row there is room for a window's.
+    /// Columns of blocks: behind each row there is room for a window's.
     stride: usize,
     width: i32,
     first_row: i32,
@@ -108,6 +108,14 @@ struct Cell {
     column: i32,
 }
 
+impl Cell {
+    /// The block of this bit of those from this one on.
+    #[inline(always)]
+    fn block(self, bit: u32) -> Self {
+        Self { row: self.row + bit as i32 % BLOCK_ROWS, column: self.column + bit as i32 / BLOCK_ROWS }
+    }
+}
+
 /// The tiles of a block in which something may be seen: a bit for each, row by row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SeenTiles {
@@ -127,8 +135,9 @@ impl SeenTiles {
 impl Occluders {
     /// Forgets all, for a band of these rows.
     pub(super) fn reset(&mut self, width: i32, first_row: i32, end_row: i32) {
-        self.stride = (width as usize).div_ceil(BLOCK_PX as usize) + LANES;
-        let blocks = self.stride * ((end_row - first_row) as usize).div_ceil(BLOCK_PX as usize);
+        self.stride = (width as usize).div_ceil(BLOCK_PX as usize) + BLOCK_COLUMNS as usize;
+        let rows = ((end_row - first_row) as usize).div_ceil(BLOCK_PX as usize);
+        let blocks = self.stride * rows.next_multiple_of(BLOCK_ROWS as usize);
         self.blocks.reset(blocks);
         self.tiles.reset(blocks * TILES_OF_BLOCK);
         (self.width, self.first_row, self.end_row) = (width, first_row, end_row);
@@ -157,7 +166,8 @@ impl Occluders {
     /// The place of a block among the blocks.
     #[inline(always)]
     fn place(&self, block: Cell) -> usize {
-        block.row as usize * self.stride + block.column as usize
+        let (rows, row) = (block.row / BLOCK_ROWS, block.row % BLOCK_ROWS);
+        (rows as usize * self.stride + block.column as usize) * BLOCK_ROWS as usize + row as usize
     }
 
     /// The place of a tile among the tiles.
@@ -186,11 +196,12 @@ impl Occluders {
     pub(super) fn hides<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, area: Area) -> bool {
         let [top, bottom] = [area.top, area.bottom - 1].map(|y| (y - self.first_row) / BLOCK_PX);
         let [left, right] = [area.left, area.right - 1].map(|x| x / BLOCK_PX);
-        for row in top..=bottom {
-            for column in (left..=right).step_by(LANES) {
-                let mut seen = self.seen_blocks(simd, plane, rank, area, Cell { row, column }) & up_to(right - column);
+        for row in (top - top % BLOCK_ROWS..=bottom).step_by(BLOCK_ROWS as usize) {
+            for column in (left..=right).step_by(BLOCK_COLUMNS as usize) {
+                let first = Cell { row, column };
+                let mut seen = self.seen_blocks(simd, plane, rank, area, first);
                 while seen != 0 {
-                    let block = Cell { row, column: column + seen.trailing_zeros() as i32 };
+                    let block = first.block(seen.trailing_zeros());
                     seen &= seen - 1;
                     if self.seen_tiles(simd, plane, rank, area, block).tiles != 0 {
                         return false;
@@ -201,15 +212,17 @@ impl Occluders {
         true
     }
 
-    /// In which of [`LANES`] blocks from this one on something of a face may be seen.
+    /// In which of [`WIDE`] blocks from this one on something of a face may be seen.
     #[inline(always)]
     fn seen_blocks<S: Simd>(&self, simd: S, plane: &DepthPlane, rank: u32, area: Area, first: Cell) -> u32 {
         const HALF: f32 = half(BLOCK_PX);
-        let side = BLOCK_PX as f32;
-        let x = lane_indices(simd).to_float::<F<S>>() * side + (first.column as f32 * side + HALF);
-        let y = F::splat(simd, (self.first_row + first.row * BLOCK_PX) as f32 + HALF);
-        let within = [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)];
-        self.blocks.seen(simd, plane, rank, self.place(first), [x, y], within)
+        let lane = wide_indices(simd);
+        let [right, down] = [lane >> BLOCK_ROWS.ilog2(), lane & (BLOCK_ROWS - 1)];
+        let x = right.to_float::<WideF<S>>() * BLOCK_PX as f32 + ((first.column * BLOCK_PX) as f32 + HALF);
+        let y = down.to_float::<WideF<S>>() * BLOCK_PX as f32 + ((self.first_row + first.row * BLOCK_PX) as f32 + HALF);
+        let (columns, rows) = (within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF));
+        let touched = columns[0].simd_le(columns[1]) & rows[0].simd_le(rows[1]);
+        self.blocks.seen(simd, plane, rank, self.place(first), [x, y], [columns, rows]) & touched.to_bitmask() as u32
     }
 
     /// The tiles of a block in which something of a face may be seen.
@@ -226,13 +239,9 @@ impl Occluders {
         let columns = ((2u32 << right) - (1 << left)) * 0x1111;
         let rows = (1u32 << ((bottom + 1) * TILES)) - (1 << (top * TILES));
         let wanted = columns & rows;
-        self.for_parts(
-            simd,
-            area,
-            SeenTiles { block, tiles: wanted },
-            #[inline(always)]
-            |begin, middles, within| self.tiles.seen(simd, plane, rank, begin, middles, within),
-        )
+        let (middles, within) = self.tiles_of(simd, area, block);
+        let tiles = wanted & self.tiles.seen(simd, plane, rank, self.place(block) * TILES_OF_BLOCK, middles, within);
+        SeenTiles { block, tiles }
     }
 
     /// Those of some tiles in which something of a face may be seen that ends where a limit is positive: given the
@@ -243,45 +252,25 @@ impl Occluders {
         simd: S,
         plane: &DepthPlane,
         area: Area,
-        tiles: SeenTiles,
-        limit: impl Fn([F<S>; 2]) -> [F<S>; 3],
+        SeenTiles { block, tiles }: SeenTiles,
+        limit: impl Fn([WideF<S>; 2]) -> [WideF<S>; 3],
     ) -> SeenTiles {
-        self.for_parts(
-            simd,
-            area,
-            tiles,
-            #[inline(always)]
-            |begin, middles, within| self.tiles.seen_within(simd, plane, begin, middles, within, limit(middles)),
-        )
+        let (middles, within) = self.tiles_of(simd, area, block);
+        let begin = self.place(block) * TILES_OF_BLOCK;
+        let seen = self.tiles.seen_within(simd, plane, begin, middles, within, limit(middles));
+        SeenTiles { block, tiles: tiles & seen }
     }
 
-    /// Those of some tiles for which `seen` gives a bit: given the place of the first of [`LANES`], their middles,
-    /// and how far from these the pixels of the area are.
+    /// The middles of a block's tiles, and how far from these the pixels of an area are.
     #[inline(always)]
-    fn for_parts<S: Simd>(
-        &self,
-        simd: S,
-        area: Area,
-        SeenTiles { block, tiles }: SeenTiles,
-        seen: impl Fn(usize, [F<S>; 2], [[F<S>; 2]; 2]) -> u32,
-    ) -> SeenTiles {
+    fn tiles_of<S: Simd>(&self, simd: S, area: Area, block: Cell) -> ([WideF<S>; 2], [[WideF<S>; 2]; 2]) {
         const HALF: f32 = half(TILE_PX);
         let (first_column, first_row) = (block.column * BLOCK_PX, self.first_row + block.row * BLOCK_PX);
-        let lane = lane_indices(simd);
-        let right = (lane & (TILES - 1)).to_float::<F<S>>() * TILE_PX as f32;
-        let down = (lane >> TILES.ilog2()).to_float::<F<S>>() * TILE_PX as f32;
-        let (x, y) = (right + (first_column as f32 + HALF), down + (first_row as f32 + HALF));
-        let begin = self.place(block) * TILES_OF_BLOCK;
-        let mut left = 0;
-        for part in 0..TILES_OF_BLOCK / LANES {
-            let of_part = tiles >> (part * LANES) & ((1 << LANES) - 1);
-            if of_part != 0 {
-                let y = y + (part * LANES / TILES as usize * TILE_PX as usize) as f32;
-                let within = [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)];
-                left |= (of_part & seen(begin + part * LANES, [x, y], within)) << (part * LANES);
-            }
-        }
-        SeenTiles { block, tiles: left }
+        let lane = wide_indices(simd);
+        let [right, down] = [lane & (TILES - 1), lane >> TILES.ilog2()];
+        let x = right.to_float::<WideF<S>>() * TILE_PX as f32 + (first_column as f32 + HALF);
+        let y = down.to_float::<WideF<S>>() * TILE_PX as f32 + (first_row as f32 + HALF);
+        ([x, y], [within(x, [area.left, area.right], HALF), within(y, [area.top, area.bottom], HALF)])
     }
 
     /// Takes what is known of a block's tiles for the block: one depth for all, or a plane of these changes to the
@@ -389,11 +378,12 @@ impl Occluders {
     ) {
         let [top, bottom] = [area.top, area.bottom - 1].map(|y| (y - self.first_row) / BLOCK_PX);
         let [left, right] = [area.left, area.right - 1].map(|x| x / BLOCK_PX);
-        for row in top..=bottom {
-            for column in (left..=right).step_by(LANES) {
-                let mut seen = self.seen_blocks(simd, plane, rank, area, Cell { row, column }) & up_to(right - column);
+        for row in (top - top % BLOCK_ROWS..=bottom).step_by(BLOCK_ROWS as usize) {
+            for column in (left..=right).step_by(BLOCK_COLUMNS as usize) {
+                let first = Cell { row, column };
+                let mut seen = self.seen_blocks(simd, plane, rank, area, first);
                 while seen != 0 {
-                    let block = Cell { row, column: column + seen.trailing_zeros() as i32 };
+                    let block = first.block(seen.trailing_zeros());
                     seen &= seen - 1;
                     let of_block = self.seen_tiles(simd, plane, rank, area, block);
                     if of_block.tiles != 0 {
@@ -451,7 +441,7 @@ impl Occluders {
 
 /// How far from the middles of some cells the first and the last of these pixels are that are theirs.
 #[inline(always)]
-fn within<S: Simd>(middles: F<S>, [begin, end]: [i32; 2], half: f32) -> [F<S>; 2] {
+fn within<S: Simd>(middles: WideF<S>, [begin, end]: [i32; 2], half: f32) -> [WideF<S>; 2] {
     [(begin as f32 - middles).max(-half), ((end - 1) as f32 - middles).min(half)]
 }
 
@@ -469,14 +459,10 @@ const TILES: i32 = BLOCK_PX / TILE_PX;
 /// Tiles of a block.
 const TILES_OF_BLOCK: usize = (TILES * TILES) as usize;
 
-const _: () = assert!(TILES == 4 && TILES_OF_BLOCK.is_multiple_of(LANES) && LANES.is_multiple_of(TILES as usize));
+const _: () = assert!(TILES.count_ones() == 1 && TILES_OF_BLOCK == WIDE);
 
-/// Bits up to this one, which may be -1 for none, of those that there are lanes.
-#[inline(always)]
-fn up_to(bit: i32) -> u32 {
-    match bit {
-        ..0 => 0,
-        bit if bit >= LANES as i32 - 1 => (1 << LANES) - 1,
-        bit => (2 << bit) - 1,
-    }
-}
+/// Rows of blocks that are looked at together.
+const BLOCK_ROWS: i32 = 2;
+
+/// Columns of blocks that are looked at together.
+const BLOCK_COLUMNS: i32 = WIDE as i32 / BLOCK_ROWS;

@@ -26,6 +26,7 @@ mod paint;
 mod place;
 mod ranked;
 mod rough;
+mod small;
 mod sprites;
 #[cfg(test)]
 mod tests;

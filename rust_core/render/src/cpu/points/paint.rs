@@ -12,7 +12,7 @@ use super::place::{
 };
 use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::band::{channel_shift, pack, Band};
-use crate::cpu::lanes::{lane_indices, map, F, I, LANES, M, U};
+use crate::cpu::lanes::{lane_indices, map, F, Floats, I, LANES, M, U};
 use crate::cpu::screen::Screen;
 use crate::cpu::triangles;
 use crate::shading::{
@@ -145,7 +145,7 @@ fn draw_face<S: Simd, const PAINT: u8>(
         let columns = columns.to_float::<F<S>>();
         let from_first = columns * depth_right;
         let mut row = 0.0;
-        let first_places = first_row_of::<S, PAINT>(simd, places, columns);
+        let first_places = first_row_of::<S, _, PAINT>(places, columns);
         band.for_windows(
             top..bottom,
             begin,
@@ -160,7 +160,7 @@ fn draw_face<S: Simd, const PAINT: u8>(
                     mode,
                     #[inline(always)]
                     |seen| {
-                        let places_at = in_row::<S, PAINT>(first_places, places, row);
+                        let places_at = in_row::<S, _, PAINT>(first_places, places, F::splat(simd, row));
                         (paint.mask(places_at, seen), paint.colors(places_at))
                     },
                 );
@@ -175,9 +175,9 @@ fn draw_face<S: Simd, const PAINT: u8>(
 
 /// The places of a face's pixels in its first row, for faces whose colour depends on them.
 #[inline(always)]
-pub(super) fn first_row_of<S: Simd, const PAINT: u8>(simd: S, places: [Plane<f32>; 3], columns: F<S>) -> [F<S>; 3] {
+pub(super) fn first_row_of<S: Simd, T: Floats<S>, const PAINT: u8>(places: [Plane<f32>; 3], columns: T) -> [T; 3] {
     if PAINT == PLAIN {
-        return [F::splat(simd, 0.0); 3];
+        return [columns; 3];
     }
     map(
         places,
@@ -188,15 +188,21 @@ pub(super) fn first_row_of<S: Simd, const PAINT: u8>(simd: S, places: [Plane<f32
 
 /// As [`first_row_of`], so many rows below.
 #[inline(always)]
-pub(super) fn in_row<S: Simd, const PAINT: u8>(first: [F<S>; 3], places: [Plane<f32>; 3], row: f32) -> [F<S>; 3] {
+pub(super) fn in_row<S: Simd, T: Floats<S>, const PAINT: u8>(first: [T; 3], places: [Plane<f32>; 3], row: T) -> [T; 3] {
     if PAINT == PLAIN {
         return first;
     }
     let mut at = first;
     for k in 0..3 {
-        at[k] = first[k] + places[k][2] * row;
+        at[k] = first[k] + row * places[k][2];
     }
     at
+}
+
+/// Which of the places given by 1/w, u/w and v/w lie in their disc.
+#[inline(always)]
+pub(super) fn in_disc<S: Simd, T: Floats<S>>([q, u, v]: [T; 3]) -> T::Mask {
+    (u * u + v * v).simd_lt(q * q * DISC_RADIUS_SQUARED)
 }
 
 /// How a face is painted.
@@ -234,9 +240,9 @@ impl<S: Simd, const PAINT: u8> FacePaint<S, PAINT> {
 
     /// Which of the places given by 1/w, u/w and v/w belong to the face.
     #[inline(always)]
-    pub(super) fn mask(&self, [q, u, v]: [F<S>; 3], mask: M<S>) -> M<S> {
+    pub(super) fn mask(&self, places: [F<S>; 3], mask: M<S>) -> M<S> {
         if PAINT == DISC {
-            mask & (u * u + v * v).simd_lt(q * q * DISC_RADIUS_SQUARED)
+            mask & in_disc(places)
         } else {
             mask
         }

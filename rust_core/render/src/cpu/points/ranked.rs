@@ -4,20 +4,19 @@
 //! something may be seen. Of large faces only a plane below all of their depths is set up at first, several at once:
 //! most are hidden and need no more. The triangles of the others are made and drawn one by one.
 
-use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, Simd};
 
-use super::paint::{first_row_of, in_row, place_faces, sides_of, FacePaint, DISC};
-use super::place::{BandView, Batch, FaceBlock, AXES, DEPTH, EDGES, PLACE, SIDES};
+use super::paint::{place_faces, sides_of};
+use super::place::{BandView, Batch, FaceBlock, AXES, SIDES};
 use super::rough::RoughFaces;
+use super::small::{depths_of, SmallFace};
 use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::band::Band;
-use crate::cpu::lanes::{inlined, lane_indices, map, F, I, LANES};
-use crate::cpu::occlusion::{rounding, Area, DepthPlane, Drawn, TILE_PX};
+use crate::cpu::lanes::LANES;
+use crate::cpu::occlusion::Drawn;
 use crate::cpu::ranked::{in_chunk, RankedScratch, CHUNK};
-use crate::cpu::screen::{Screen, FARTHEST, SUBPIXELS};
+use crate::cpu::screen::{Screen, FARTHEST};
 use crate::cpu::triangles;
-use crate::shading::DISC_RADIUS_SQUARED;
 
 /// After so many chunks it is asked again how far away a band is covered everywhere.
 const CHUNKS_TO_ASK: usize = 128;
@@ -222,8 +221,8 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
                         faces.trace(simd, &quads[side], begin);
                         is_traced[side] = true;
                     }
-                    let color = (AXES[side], points.colors[i]);
-                    draw_small::<S, PAINT>(simd, faces, i, (&plane, area), color, ranks[i], ranked, band);
+                    let face = SmallFace::<S, PAINT>::new(simd, faces, i, (plane, area), AXES[side], points.colors[i]);
+                    draw_small(simd, &face, ranks[i], ranked, band);
                 }
             }
         }
@@ -281,185 +280,43 @@ fn make_triangles(cloud: &Cloud<'_>, index: u32, faces: u32, screen: &Screen, ra
     });
 }
 
-/// A bound of a small face's depths, and its pixels.
-#[inline(always)]
-fn depths_of(faces: &FaceBlock, i: usize) -> (DepthPlane, Area) {
-    let [left, right, top, bottom] = faces.bounds.each_ref().map(|all| all[i]);
-    let area = Area { left, right, top, bottom };
-    let [at, dx, dy] = faces.plane(DEPTH, i);
-    let (columns, rows) = ((right - left) as f32, (bottom - top) as f32);
-    let noise = if dx == 0.0 && dy == 0.0 {
-        0.0
-    } else {
-        let (right, down) = (dx.abs() * columns, dy.abs() * rows);
-        let from_first = right + down;
-        let depth = (at.abs() + from_first).min(2.0 * FARTHEST);
-        1.01 * (rounding(right) + rounding(down) + rounding(from_first) + rounding(depth))
-    };
-    // At the nearest corner of its pixels.
-    let least = at + dx.min(0.0) * (columns - 1.0) + dy.min(0.0) * (rows - 1.0) - noise;
-    (DepthPlane { at, dx, dy, x: left as f32, y: top as f32, noise, least }, area)
-}
-
 /// Draws a small face in the tiles that are listed.
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "it is a part of the loop above")]
 fn draw_small<S: Simd, const PAINT: u8>(
     simd: S,
-    faces: &FaceBlock,
-    i: usize,
-    (plane, area): (&DepthPlane, Area),
-    (axis, color): (usize, u32),
+    face: &SmallFace<S, PAINT>,
     rank: u32,
     ranked: &mut RankedScratch,
     band: &mut Band<'_>,
 ) {
-    let Area { left, right, top, bottom } = area;
-    let [depth, depth_right, depth_down] = faces.plane(DEPTH, i);
-    let edges = [faces.edge(0, i), faces.edge(1, i), faces.edge(2, i), faces.edge(3, i)];
-    let places = [faces.plane(PLACE, i), faces.plane(PLACE + 1, i), faces.plane(PLACE + 2, i)];
-    let paint = FacePaint::<S, PAINT>::new(simd, color, axis, faces.along & 1 << i != 0);
-    let covers = |pixels: Area| {
-        let corners = [
-            [pixels.left, pixels.top],
-            [pixels.right - 1, pixels.top],
-            [pixels.left, pixels.bottom - 1],
-            [pixels.right - 1, pixels.bottom - 1],
-        ];
-        corners.iter().all(|[x, y]| {
-            let (x, y) = (x - left, y - top);
-            // Beyond the face's bounds an edge's value might not fit into its number.
-            let is_inside = x >= 0
-                && y >= 0
-                && x < right - left
-                && y < bottom - top
-                && edges.iter().all(|[at, dx, dy]| at + dx * x + dy * y >= 0);
-            is_inside && (PAINT != DISC || is_in_disc(&places, x as f32, y as f32))
-        })
-    };
-    // Of tiles beside a face that is about as wide as its bounds there are too few to look for.
-    if PAINT == DISC || is_turned(&edges) {
+    let plane = face.depths;
+    if face.leaves_tiles_out() {
         for tiles in &mut ranked.tiles {
             *tiles = ranked.occluders.seen_within(
                 simd,
-                plane,
-                area,
+                &plane,
+                face.area,
                 *tiles,
                 #[inline(always)]
-                |[x, y]| {
-                    let from_first = [x - left as f32, y - top as f32];
-                    if PAINT == DISC {
-                        limit_of_disc(&places, from_first)
-                    } else {
-                        limit_of_edges(&edges, from_first)
-                    }
-                },
+                |middles| face.limit(middles),
             );
         }
     }
     ranked.occluders.draw_listed(
-        plane,
+        &plane,
         rank,
         &ranked.tiles,
         #[inline(always)]
         |tile| {
-            let columns = lane_indices(simd) + (tile.left - left);
-            let mut edges_at = map(
-                edges,
-                #[inline(always)]
-                |[at, dx, _]| columns * dx + at,
-            );
-            let columns = columns.to_float::<F<S>>();
-            let from_first = columns * depth_right;
-            let first_places = first_row_of::<S, PAINT>(simd, places, columns);
-            let rows = tile.top.max(top) - top;
-            for k in 0..EDGES {
-                edges_at[k] += edges[k][2] * rows;
-            }
-            let mut row = rows as f32;
-            let mut is_seen = false;
-            band.for_ranked_windows(
-                tile.top.max(top)..tile.bottom.min(bottom),
-                tile.left,
-                #[inline(always)]
-                |window| {
-                    let [e0, e1, e2, e3] = edges_at;
-                    let mask = ((e0 | e1) | (e2 | e3)).simd_ge(I::splat(simd, 0));
-                    is_seen |= window.meet(
-                        mask,
-                        (from_first + depth_down * row) + depth,
-                        rank,
-                        #[inline(always)]
-                        |seen| {
-                            let places_at = in_row::<S, PAINT>(first_places, places, row);
-                            (paint.mask(places_at, seen), paint.colors(places_at))
-                        },
-                    );
-                    for k in 0..EDGES {
-                        edges_at[k] += edges[k][2];
-                    }
-                    row += 1.0;
-                },
-            );
-            if !is_seen {
+            if !face.draw(tile, rank, band) {
                 Drawn::Nothing
-            } else if covers(tile) {
+            } else if face.covers(tile) {
                 Drawn::Covered
             } else {
-                band.farthest(simd, tile, [depth_right, depth_down])
+                band.farthest(simd, tile, [plane.dx, plane.dy])
             }
         },
-        covers,
-    );
-}
-
-/// What is positive only beside a disc, beyond a line that touches it where it is nearest to a place, given by its
-/// pixel from the face's first one: its value there, and its changes to the right and down.
-#[inline(always)]
-fn limit_of_disc<S: Simd>(places: &[[f32; 3]; 3], [x, y]: [F<S>; 2]) -> [F<S>; 3] {
-    let [q, u, v] = map(
-        *places,
         #[inline(always)]
-        |[at, dx, dy]| x * dx + at + y * dy,
+        |pixels| face.covers(pixels),
     );
-    let radius = DISC_RADIUS_SQUARED.sqrt();
-    let distance = (u * u + v * v).sqrt();
-    let per_distance = 1.0 / distance;
-    let (along_u, along_v) = (u * per_distance, v * per_distance);
-    let change = inlined(
-        #[inline(always)]
-        |i: usize| along_u * places[1][i] + along_v * places[2][i] - radius * places[0][i],
-    );
-    [distance - q * radius - (distance + q.abs()) * 1e-4, change(1), change(2)]
-}
-
-/// Whether an edge of a face runs across several tiles in both directions.
-#[inline(always)]
-fn is_turned(edges: &[[i32; 3]; EDGES]) -> bool {
-    const ACROSS: i32 = 3 * TILE_PX * SUBPIXELS;
-    edges.iter().any(|[_, dx, dy]| dx.abs().min(dy.abs()) >= ACROSS)
-}
-
-/// What is positive only beyond the edge of a face that is the nearest to a place, or farthest beyond.
-#[inline(always)]
-fn limit_of_edges<S: Simd>(edges: &[[i32; 3]; EDGES], [x, y]: [F<S>; 2]) -> [F<S>; 3] {
-    let simd = x.token();
-    let splat = |value: f32| F::splat(simd, value);
-    let mut limit = [splat(f32::NEG_INFINITY), splat(0.0), splat(0.0)];
-    for [at, dx, dy] in edges.map(|edge| edge.map(|value| -value as f32)) {
-        let (right, down) = (x * dx, y * dy);
-        let beyond = (right + at) + down;
-        let beyond = beyond - ((right.abs() + down.abs()) + at.abs()) * 1e-6;
-        let is_nearer = beyond.simd_gt(limit[0]);
-        for (known, value) in limit.iter_mut().zip([beyond, splat(dx), splat(dy)]) {
-            *known = is_nearer.select(value, *known);
-        }
-    }
-    limit
-}
-
-/// Whether a place on a face, given by its pixel from the first one, surely is in its disc.
-fn is_in_disc(places: &[[f32; 3]; 3], x: f32, y: f32) -> bool {
-    let [q, u, v] = places.map(|[at, dx, dy]| at + dx * x + dy * y);
-    u * u + v * v < q * q * (DISC_RADIUS_SQUARED * 0.999)
 }
