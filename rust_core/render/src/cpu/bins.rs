@@ -9,7 +9,7 @@ use super::screen::Screen;
 #[derive(Debug, Default)]
 pub(super) struct Bins {
     bands: Vec<Vec<u32>>,
-    band_shift: u32,
+    band_rows: u32,
 }
 
 impl Bins {
@@ -17,7 +17,7 @@ impl Bins {
     pub(super) fn reset(&mut self, screen: &Screen) {
         self.bands.iter_mut().for_each(Vec::clear);
         self.bands.resize_with(screen.bands(), Vec::new);
-        self.band_shift = screen.band_shift;
+        self.band_rows = screen.band_rows() as u32;
     }
 
     /// Adds a thing that touches these rows; rows outside of the picture have no band.
@@ -26,7 +26,7 @@ impl Bins {
         if begin_row >= end_row {
             return;
         }
-        for band in begin_row >> self.band_shift..=(end_row - 1) >> self.band_shift {
+        for band in begin_row / self.band_rows..=(end_row - 1) / self.band_rows {
             if let Some(band) = self.bands.get_mut(band as usize) {
                 band.push(number);
             }
@@ -51,15 +51,15 @@ mod tests {
     #[test]
     fn things_keep_their_order_in_every_band_they_touch() {
         let screen = Screen::new(640, 200);
-        assert_eq!((screen.band_rows(), screen.bands()), (64, 4));
+        assert_eq!((screen.band_rows(), screen.bands()), (50, 4));
         let mut bins = Bins::default();
         bins.reset(&screen);
-        for (thing, begin_row, end_row) in [('a', 190, 200), ('b', 60, 70), ('-', 64, 64), ('c', 0, 1), ('d', 0, 200)] {
+        for (thing, begin_row, end_row) in [('a', 190, 200), ('b', 45, 55), ('-', 50, 50), ('c', 0, 1), ('d', 0, 200)] {
             bins.add(thing as u32, begin_row, end_row);
         }
         let names = |band: usize| bins.band(band).iter().filter_map(|&t| char::from_u32(t)).collect::<String>();
-        assert_eq!([names(0), names(1), names(2), names(3), names(4)], ["bcd", "bd", "ad", "ad", ""]);
-        assert_eq!(bins.all().count(), 9);
+        assert_eq!([names(0), names(1), names(2), names(3), names(4)], ["bcd", "bd", "d", "ad", ""]);
+        assert_eq!(bins.all().count(), 8);
         bins.reset(&screen);
         assert!(bins.band(0).is_empty());
     }

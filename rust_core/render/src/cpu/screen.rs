@@ -29,8 +29,7 @@ pub(super) struct Screen {
     pub width_px: u32,
     /// Rows.
     pub height_px: u32,
-    /// A band has `1 << band_shift` rows.
-    pub band_shift: u32,
+    band_rows: u32,
     /// The instruction set that loops over points and pixels use.
     pub simd_level: Level,
     half_width: f32,
@@ -38,14 +37,18 @@ pub(super) struct Screen {
 }
 
 impl Screen {
-    /// Bands are made so high that one band's colours and depths stay in a core's cache.
+    /// Bands are made so high that one band's colours and depths stay in a core's cache. Of few bands there is an even
+    /// number of the same height: else one of two workers waits while the other one draws a last one.
     pub(super) fn new(width_px: u32, height_px: u32) -> Self {
         const BAND_PX: u32 = 40_960;
-        let rows = (BAND_PX / width_px.max(1)).clamp(4, 64);
+        const FEW: u32 = 12;
+        let most_rows = 1 << (BAND_PX / width_px.max(1)).clamp(4, 64).ilog2();
+        let bands = height_px.div_ceil(most_rows);
+        let band_rows = if bands > FEW { most_rows } else { height_px.div_ceil(bands.next_multiple_of(2).max(2)) };
         Self {
             width_px,
             height_px,
-            band_shift: rows.ilog2(),
+            band_rows: band_rows.max(1),
             simd_level: Level::new(),
             half_width: width_px as f32 * 0.5,
             half_height: height_px as f32 * 0.5,
@@ -54,7 +57,7 @@ impl Screen {
 
     /// Rows of a band; the last one may have fewer.
     pub(super) fn band_rows(&self) -> usize {
-        1 << self.band_shift
+        self.band_rows as usize
     }
 
     /// How many bands there are.
@@ -183,6 +186,20 @@ mod tests {
             let screen = Screen::new(width, height);
             assert!(screen.bands() * screen.band_rows() >= height as usize);
             assert!((screen.bands() - 1) * screen.band_rows() < height as usize);
+            assert!(screen.band_rows() <= 64);
         }
+    }
+
+    #[test]
+    fn few_bands_are_an_even_number_of_one_height() {
+        let bands = |width, height| {
+            let screen = Screen::new(width, height);
+            (screen.bands(), screen.band_rows())
+        };
+        assert_eq!(bands(640, 480), (8, 60));
+        assert_eq!(bands(640, 360), (6, 60));
+        assert_eq!(bands(320, 200), (4, 50));
+        assert_eq!(bands(1280, 800), (25, 32));
+        assert_eq!(bands(16384, 1), (1, 1));
     }
 }
