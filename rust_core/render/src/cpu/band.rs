@@ -187,13 +187,7 @@ impl Band<'_> {
     /// The depths of [`LANES`] pixels from `begin` on of each two rows of a range, one behind the other; of a row after
     /// the last one, infinitely near. All pixels must be the band's.
     #[inline(always)]
-    pub(super) fn for_row_pairs<S: Simd>(
-        &self,
-        simd: S,
-        rows: Range<i32>,
-        begin: i32,
-        mut work: impl FnMut(WideF<S>),
-    ) {
+    pub(super) fn for_row_pairs<S: Simd>(&self, simd: S, rows: Range<i32>, begin: i32, mut work: impl FnMut(WideF<S>)) {
         let mut at = (rows.start - self.first_row) as usize * self.stride + begin as usize;
         for row in rows.clone().step_by(2) {
             let depths = inlined(

@@ -12,7 +12,7 @@ use super::place::{
 };
 use super::{Cloud, PointScratch, BLOCK};
 use crate::cpu::band::{channel_shift, pack, Band};
-use crate::cpu::lanes::{lane_indices, map, F, Floats, I, LANES, M, U};
+use crate::cpu::lanes::{lane_indices, map, Floats, F, I, LANES, M, U};
 use crate::cpu::screen::Screen;
 use crate::cpu::triangles;
 use crate::shading::{
