@@ -4,10 +4,18 @@
 //! returns vectors of that size to the operating system and gets them anew, cleared page by page. So a vector that is
 //! done with is given back to a pool, which the next one is taken from.
 
+use std::time::Instant;
+
 /// Vectors that are not in use, the longest unused first.
 #[derive(Debug)]
 pub struct BufferPool<T> {
-    vectors: Vec<Vec<T>>,
+    unused: Vec<Unused<T>>,
+}
+
+#[derive(Debug)]
+struct Unused<T> {
+    vector: Vec<T>,
+    since: Instant,
 }
 
 /// Vectors of fewer bytes are left to the allocator, which keeps them.
@@ -23,7 +31,7 @@ const ROOM_ON_TOP: usize = 8;
 impl<T> BufferPool<T> {
     /// An empty pool.
     pub const fn new() -> Self {
-        Self { vectors: Vec::new() }
+        Self { unused: Vec::new() }
     }
 
     /// An empty vector with room for so many elements: the smallest unused one that fits, or a new one.
@@ -45,10 +53,11 @@ impl<T> BufferPool<T> {
 
     fn find(&mut self, len: usize) -> Vec<T> {
         let is_small = len.saturating_mul(size_of::<T>()) < MIN_BYTES;
-        let fits = |vector: &Vec<T>| vector.capacity() >= len && vector.capacity() / MAX_WASTE <= len;
-        let fitting = self.vectors.iter().enumerate().filter(|(_, vector)| !is_small && fits(vector));
-        match fitting.min_by_key(|(_, vector)| vector.capacity()).map(|(i, _)| i) {
-            Some(i) => self.vectors.remove(i),
+        let fits = |capacity: usize| capacity >= len && capacity / MAX_WASTE <= len;
+        let capacities = self.unused.iter().map(|unused| unused.vector.capacity()).enumerate();
+        let fitting = capacities.filter(|(_, capacity)| !is_small && fits(*capacity));
+        match fitting.min_by_key(|(_, capacity)| *capacity) {
+            Some((i, _)) => self.unused.remove(i).vector,
             None => Vec::with_capacity(if is_small { len } else { len + len / ROOM_ON_TOP }),
         }
     }
@@ -56,21 +65,28 @@ impl<T> BufferPool<T> {
     /// Returns a vector whose content is not needed any more.
     pub fn give(&mut self, vector: Vec<T>) {
         if vector.capacity().saturating_mul(size_of::<T>()) >= MIN_BYTES {
-            self.vectors.push(vector);
+            self.unused.push(Unused { vector, since: Instant::now() });
         }
+    }
+
+    /// Frees those that have been unused since before a time.
+    pub fn free_unused_since(&mut self, time: Instant) {
+        let count = self.unused.partition_point(|unused| unused.since < time);
+        self.unused.drain(..count);
     }
 
     /// Frees those that have been unused for longest, until the rest has room for no more than so many elements
     /// together.
     pub fn limit_to(&mut self, elements: usize) {
-        let mut room: usize = self.vectors.iter().map(Vec::capacity).sum();
-        let too_many = self.vectors.iter().take_while(|vector| {
+        let capacities = || self.unused.iter().map(|unused| unused.vector.capacity());
+        let mut room: usize = capacities().sum();
+        let too_many = capacities().take_while(|capacity| {
             let is_over = room > elements;
-            room -= vector.capacity();
+            room -= capacity;
             is_over
         });
         let count = too_many.count();
-        self.vectors.drain(..count);
+        self.unused.drain(..count);
     }
 }
 
@@ -83,6 +99,10 @@ impl<T> Default for BufferPool<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn capacities(pool: &BufferPool<u8>) -> Vec<usize> {
+        pool.unused.iter().map(|unused| unused.vector.capacity()).collect()
+    }
 
     #[test]
     fn the_memory_of_one_cloud_is_used_for_the_next() {
@@ -115,8 +135,22 @@ mod tests {
             pool.give(Vec::<u8>::with_capacity(len));
         }
         pool.limit_to(13_500);
-        assert_eq!(pool.vectors.iter().map(Vec::capacity).collect::<Vec<_>>(), [7000, 6000]);
+        assert_eq!(capacities(&pool), [7000, 6000]);
         pool.limit_to(0);
-        assert!(pool.vectors.is_empty());
+        assert!(capacities(&pool).is_empty());
+    }
+
+    #[test]
+    fn those_unused_since_before_a_time_are_freed() {
+        let mut pool = BufferPool::new();
+        pool.give(Vec::<u8>::with_capacity(5000));
+        pool.give(Vec::with_capacity(7000));
+        let between = Instant::now();
+        let other = pool.take(5000);
+        pool.give(other);
+        pool.free_unused_since(between);
+        assert_eq!(capacities(&pool), [5000], "it was in use since");
+        pool.free_unused_since(Instant::now());
+        assert!(capacities(&pool).is_empty());
     }
 }

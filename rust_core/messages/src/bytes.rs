@@ -6,17 +6,27 @@
 use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use crate::buffer_pool::BufferPool;
 
 /// What the pool holds at most, in bytes. All of it was in use at some time, and most of it soon is again.
 const MAX_POOLED_BYTES: usize = 256 << 20;
 
+/// After so long a time it no longer seems that it will be: as of a cloud of millions of points that came once.
+const UNUSED_TIME: Duration = Duration::from_secs(10);
+
 static POOL: Mutex<BufferPool<u8>> = Mutex::new(BufferPool::new());
 
 /// An empty buffer with room for so many bytes of a message, in an earlier message's memory where there is some.
 pub fn pooled_bytes(len: usize) -> Vec<u8> {
-    POOL.lock().unwrap_or_else(PoisonError::into_inner).take(len)
+    let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let bytes = pool.take(len);
+    // Some message comes all the time.
+    if let Some(time) = Instant::now().checked_sub(UNUSED_TIME) {
+        pool.free_unused_since(time);
+    }
+    bytes
 }
 
 /// A copy of a message's bytes.
