@@ -5,11 +5,14 @@
 
 use super::screen::Screen;
 
+const PART_BITS: u32 = 20;
+
 /// Things by band.
 #[derive(Debug, Default)]
 pub(super) struct Bins {
     bands: Vec<Vec<u32>>,
-    band_rows: u32,
+    /// What a row is multiplied by for its band, in parts of 2^20: pictures have at most 2^14 rows, bands at most 64.
+    bands_per_row: u64,
 }
 
 impl Bins {
@@ -17,7 +20,7 @@ impl Bins {
     pub(super) fn reset(&mut self, screen: &Screen) {
         self.bands.iter_mut().for_each(Vec::clear);
         self.bands.resize_with(screen.bands(), Vec::new);
-        self.band_rows = screen.band_rows() as u32;
+        self.bands_per_row = (1_u64 << PART_BITS).div_ceil(screen.band_rows() as u64);
     }
 
     /// Adds a thing that touches these rows; rows outside of the picture have no band.
@@ -26,7 +29,8 @@ impl Bins {
         if begin_row >= end_row {
             return;
         }
-        for band in begin_row / self.band_rows..=(end_row - 1) / self.band_rows {
+        let band = |row: u32| (u64::from(row) * self.bands_per_row) >> PART_BITS;
+        for band in band(begin_row)..=band(end_row - 1) {
             if let Some(band) = self.bands.get_mut(band as usize) {
                 band.push(number);
             }
@@ -62,5 +66,19 @@ mod tests {
         assert_eq!(bins.all().count(), 8);
         bins.reset(&screen);
         assert!(bins.band(0).is_empty());
+    }
+
+    #[test]
+    fn a_row_is_in_the_band_of_its_quotient() {
+        for (width, height) in [(640, 480), (640, 360), (320, 200), (1280, 800), (16384, 16384), (1, 16384), (1, 1)] {
+            let screen = Screen::new(width, height);
+            let mut bins = Bins::default();
+            bins.reset(&screen);
+            (0..height).for_each(|row| bins.add(row, row, row + 1));
+            for index in 0..screen.bands() {
+                let rows = index * screen.band_rows()..(height as usize).min((index + 1) * screen.band_rows());
+                assert!(bins.band(index).iter().map(|&row| row as usize).eq(rows), "{width}x{height}, band {index}");
+            }
+        }
     }
 }
