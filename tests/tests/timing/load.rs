@@ -251,6 +251,30 @@ fn large_pictures_and_depths_leave_no_memory_behind() {
 }
 
 #[test]
+fn a_huge_message_leaves_no_memory_behind_once_it_is_unused() {
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    watched(&fixture);
+    let before = of_process(&fixture, "VmRSS");
+    // One point and 64 MB that no field is in.
+    fixture.python(
+        "huge = cloud(0x00ff00); huge.data += bytes(64 << 20); huge.point_step = huge.row_step = len(huge.data)\n\
+         latch('/cloud', huge)",
+    );
+    fixture.wait_for("viewer.middle() == (0, 255, 0)");
+    fixture.python("latch('/cloud', cloud(0x0000ff))");
+    fixture.wait_for("viewer.middle() == (0, 0, 255)");
+    let kept = of_process(&fixture, "VmRSS");
+    // As on a robot, whose transforms come all the time.
+    fixture.python("repeated = PublishRepeatedly(10, lambda i: tf('map', 'wheel'), '/tf')");
+    let is_small = || of_process(&fixture, "VmRSS") < before + (12 << 10);
+    let now =
+        || format!("{} MB, {} MB at first, then {} MB", before >> 10, kept >> 10, of_process(&fixture, "VmRSS") >> 10);
+    assert!(wait_until(PATIENCE, is_small), "{}", now());
+    println!("{}", now());
+    assert!(kept > before + (60 << 10), "there was nothing to give back: {}", now());
+}
+
+#[test]
 fn a_hundred_thousand_markers_give_their_memory_back() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
     let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
