@@ -98,6 +98,8 @@ impl<T> Default for BufferPool<T> {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
 
     fn capacities(pool: &BufferPool<u8>) -> Vec<usize> {
@@ -145,12 +147,16 @@ mod tests {
         let mut pool = BufferPool::new();
         pool.give(Vec::<u8>::with_capacity(5000));
         pool.give(Vec::with_capacity(7000));
-        let between = Instant::now();
+        let a_moment_later = || {
+            std::thread::sleep(Duration::from_millis(1));
+            Instant::now()
+        };
+        let between = a_moment_later();
         let other = pool.take(5000);
         pool.give(other);
         pool.free_unused_since(between);
         assert_eq!(capacities(&pool), [5000], "it was in use since");
-        pool.free_unused_since(Instant::now());
+        pool.free_unused_since(a_moment_later());
         assert!(capacities(&pool).is_empty());
     }
 }

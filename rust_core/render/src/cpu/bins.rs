@@ -5,6 +5,7 @@
 
 use super::screen::Screen;
 
+/// Bands are counted in 2^20 parts of one.
 const PART_BITS: u32 = 20;
 
 /// Things by band.

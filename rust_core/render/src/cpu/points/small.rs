@@ -69,7 +69,7 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
     pub(super) fn draw(&self, tile: Area, rank: u32, band: &mut Band<'_>) -> bool {
         let Area { top, bottom, .. } = self.area;
         let pixels = Area { top: tile.top.max(top), bottom: tile.bottom.min(bottom), ..tile };
-        // A disc is seen in one of three tiles that are drawn, where colours need not be known; others are in most.
+        // A disc is seen in one of three tiles that are drawn, which needs no colours to be known; others are in more.
         if PAINT == DISC {
             let seen = self.seen(pixels, band);
             self.draw_seen(seen, pixels, rank, band)
