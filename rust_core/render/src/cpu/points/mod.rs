@@ -22,6 +22,7 @@
 
 mod choose;
 mod faces;
+mod hiding;
 mod paint;
 mod place;
 mod ranked;
@@ -37,6 +38,7 @@ use rcs_scene::{Camera, PointStyle, Points};
 
 use self::choose::PointBlock;
 use self::faces::Faces;
+use self::hiding::InnerAreas;
 use self::paint::{BOX_SIDE, DISC, EDGED, PLAIN};
 use self::place::FaceBlock;
 use self::rough::RoughFaces;
@@ -185,12 +187,19 @@ pub(super) struct PointScratch {
     points: PointBlock,
     /// Their faces.
     faces: Box<[FaceBlock; place::SIDES]>,
+    /// The pixels that surely are theirs.
+    inner: [InnerAreas; place::SIDES],
     /// Their large faces.
     rough: RoughFaces,
 }
 
 impl Default for PointScratch {
     fn default() -> Self {
-        Self { points: PointBlock::default(), faces: FaceBlock::of_boxes(), rough: RoughFaces::default() }
+        Self {
+            points: PointBlock::default(),
+            faces: FaceBlock::of_boxes(),
+            inner: Default::default(),
+            rough: RoughFaces::default(),
+        }
     }
 }

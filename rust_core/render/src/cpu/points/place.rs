@@ -35,7 +35,7 @@ pub(super) const AXES: [usize; SIDES] = [2, 0, 1];
 const SMALL_PX: f32 = 512.0;
 
 /// Snapped places to a pixel.
-const SUB: f32 = SUBPIXELS as f32;
+pub(super) const SUB: f32 = SUBPIXELS as f32;
 
 /// A value that is linear in the window: at the centre of the face's first pixel, and its change by a pixel to the
 /// right and down.
@@ -105,9 +105,9 @@ impl FaceBlock {
 #[derive(Clone, Copy)]
 pub(super) struct Corner<S: Simd> {
     /// Snapped.
-    x: F<S>,
+    pub x: F<S>,
     /// Snapped.
-    y: F<S>,
+    pub y: F<S>,
     /// 0 to [`FARTHEST`].
     depth: F<S>,
     /// 1/w in units of the middle's 1/w.
@@ -132,7 +132,7 @@ impl<S: Simd> Corner<S> {
 
     /// `one` where the mask is set, else `other`.
     #[inline(always)]
-    fn select(mask: M<S>, one: &Self, other: &Self) -> Self {
+    pub(super) fn select(mask: M<S>, one: &Self, other: &Self) -> Self {
         Self {
             x: mask.select(one.x, other.x),
             y: mask.select(one.y, other.y),
@@ -153,13 +153,13 @@ fn snap<S: Simd>(window: F<S>) -> F<S> {
 
 /// The largest whole number not above a value that is a multiple of 1/256.
 #[inline(always)]
-fn floor<S: Simd>(value: F<S>) -> F<S> {
+pub(super) fn floor<S: Simd>(value: F<S>) -> F<S> {
     nearest(value - (0.5 - 0.5 / SUB))
 }
 
 /// The smallest whole number not below a value that is a multiple of 1/256.
 #[inline(always)]
-fn ceil<S: Simd>(value: F<S>) -> F<S> {
+pub(super) fn ceil<S: Simd>(value: F<S>) -> F<S> {
     nearest(value + (0.5 - 0.5 / SUB))
 }
 
@@ -235,7 +235,7 @@ pub(super) struct BandView {
 #[derive(Clone, Copy)]
 pub(super) struct Quads<S: Simd> {
     /// Counter-clockwise from the lower left.
-    corners: [Corner<S>; 4],
+    pub corners: [Corner<S>; 4],
     /// The first pixels' columns and rows.
     left: F<S>,
     top: F<S>,

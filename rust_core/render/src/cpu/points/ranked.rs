@@ -6,7 +6,8 @@
 
 use fearless_simd::{dispatch, Simd};
 
-use super::paint::{place_faces, sides_of};
+use super::hiding::FaceBefore;
+use super::paint::{place_faces, sides_of, BOX_SIDE, EDGED};
 use super::place::{BandView, Batch, FaceBlock, AXES, SIDES};
 use super::rough::RoughFaces;
 use super::small::{depths_of, SmallFace};
@@ -185,12 +186,20 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
         band: &mut Band<'_>,
     ) {
         let cloud = self.cloud;
-        let PointScratch { points, faces, rough } = scratch;
+        let PointScratch { points, faces, inner, rough } = scratch;
         points.gather(cloud, indices);
+        // Faces that are turned to the eye each are nearer than their neighbours somewhere.
+        let is_fixed = PAINT == BOX_SIDE || PAINT == EDGED && cloud.faces.tile_sides().is_some();
+        let mut before: [Option<FaceBefore>; SIDES] = [None; SIDES];
         faces.iter_mut().take(sides_of::<PAINT>()).for_each(FaceBlock::clear);
         for begin in (0..points.len).step_by(LANES) {
             let batch = Batch { simd, cloud, view, points, begin };
             let quads = place_faces::<S, PAINT>(&batch, faces);
+            if is_fixed {
+                for side in 0..sides_of::<PAINT>() {
+                    inner[side].find(&quads[side], begin);
+                }
+            }
             let mut is_traced = [false; SIDES];
             let there = ((1 << (points.len - begin).min(LANES)) - 1) << begin;
             let sides = 0..sides_of::<PAINT>();
@@ -212,8 +221,18 @@ impl<'i, I: Fn(usize) -> &'i [u32]> Run<'_, I> {
                         continue;
                     }
                     let (plane, area) = depths_of(faces, i);
+                    let mut left = area;
+                    if is_fixed {
+                        if let Some(before) = &before[side] {
+                            left = before.leaves(&plane, ranks[i], area);
+                        }
+                        before[side] = Some(FaceBefore { depths: plane, rank: ranks[i], inner: inner[side].of(i) });
+                        if left.left >= left.right || left.top >= left.bottom {
+                            continue;
+                        }
+                    }
                     ranked.tiles.clear();
-                    ranked.occluders.list_seen(simd, &plane, ranks[i], area, &mut ranked.tiles);
+                    ranked.occluders.list_seen(simd, &plane, ranks[i], left, &mut ranked.tiles);
                     if ranked.tiles.is_empty() {
                         continue;
                     }
