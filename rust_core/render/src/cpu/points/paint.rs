@@ -135,16 +135,17 @@ fn draw_face<S: Simd, const PAINT: u8>(
     let places = [faces.plane(PLACE, i), faces.plane(PLACE + 1, i), faces.plane(PLACE + 2, i)];
     let paint = FacePaint::<S, PAINT>::new(simd, color, axis, faces.along & 1 << i != 0);
     let mode = cloud.surface.mode;
+    let rows_above = top - faces.first_rows[i];
     for begin in (left..right).step_by(LANES) {
         let columns = lane_indices(simd) + (begin - left);
         let mut edges_at = map(
             edges,
             #[inline(always)]
-            |[at, dx, _]| columns * dx + at,
+            |[at, dx, dy]| columns * dx + (at + dy * rows_above),
         );
         let columns = columns.to_float::<F<S>>();
         let from_first = columns * depth_right;
-        let mut row = 0.0;
+        let mut row = rows_above as f32;
         let first_places = first_row_of::<S, _, PAINT>(places, columns);
         band.for_windows(
             top..bottom,

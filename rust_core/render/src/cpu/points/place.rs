@@ -37,8 +37,8 @@ const SMALL_PX: f32 = 512.0;
 /// Snapped places to a pixel.
 pub(super) const SUB: f32 = SUBPIXELS as f32;
 
-/// A value that is linear in the window: at the centre of the face's first pixel, and its change by a pixel to the
-/// right and down.
+/// A value that is linear in the window: at the centre of the first pixel of the face's first row, and its change by a
+/// pixel to the right and down.
 pub(super) type Plane<T> = [T; 3];
 
 /// Edges of a face.
@@ -60,6 +60,9 @@ pub(super) struct FaceBlock {
     pub along: u32,
     /// The face's pixels: left, right (past the last), top, bottom (past the last).
     pub bounds: [[i32; BLOCK]; 4],
+    /// The face's first row in the picture, whether the band has it or not: from there all that is linear is measured, so
+    /// that no pixel depends on how high bands are.
+    pub first_rows: [i32; BLOCK],
     /// A pixel is inside of an edge where the edge's value is not negative.
     edges: [Plane<[i32; BLOCK]>; EDGES],
     planes: [Plane<[f32; BLOCK]>; PLANES],
@@ -75,6 +78,7 @@ impl FaceBlock {
             general: 0,
             along: 0,
             bounds: [[0; BLOCK]; 4],
+            first_rows: [0; BLOCK],
             edges: [[[0; BLOCK]; 3]; EDGES],
             planes: [[[0.0; BLOCK]; 3]; PLANES],
         };
@@ -236,9 +240,9 @@ pub(super) struct BandView {
 pub(super) struct Quads<S: Simd> {
     /// Counter-clockwise from the lower left.
     pub corners: [Corner<S>; 4],
-    /// The first pixels' columns and rows.
+    /// The first pixels' columns and rows in the picture.
     left: F<S>,
-    top: F<S>,
+    first_row: F<S>,
     per_spread: F<S>,
     with_place: bool,
 }
@@ -250,7 +254,7 @@ impl<S: Simd> Quads<S> {
     fn plane(&self, at: F<S>, along_right: F<S>, along_up: F<S>) -> Plane<F<S>> {
         let [a, b, _, d] = &self.corners;
         let (x1, y1, x3, y3) = (b.x - a.x, b.y - a.y, d.x - a.x, d.y - a.y);
-        let (dx, dy) = (self.left * SUB - a.x, self.top * SUB - a.y);
+        let (dx, dy) = (self.left * SUB - a.x, self.first_row * SUB - a.y);
         let slope_x = (along_right * y3 - along_up * y1) * self.per_spread;
         let slope_y = (along_up * x1 - along_right * x3) * self.per_spread;
         [at + (slope_x * dx + slope_y * dy), slope_x * SUB, slope_y * SUB]
@@ -281,7 +285,8 @@ impl FaceBlock {
         let per_sub = 1.0 / SUB;
         let left = ceil(x_low * per_sub).max(0.0);
         let right = (floor(x_high * per_sub) + 1.0).min(view.width_px);
-        let top = ceil(y_low * per_sub).max(view.rows[0]);
+        let first_row = ceil(y_low * per_sub).max(0.0);
+        let top = first_row.max(view.rows[0]);
         let bottom = (floor(y_high * per_sub) + 1.0).min(view.rows[1]);
         let is_seen = left.simd_lt(right) & top.simd_lt(bottom);
 
@@ -300,11 +305,12 @@ impl FaceBlock {
         self.small |= small << begin;
         self.general |= (!is_done.to_bitmask() as u32 & ((1 << LANES) - 1)) << begin;
         let per_spread = 1.0 / spread.doubled_area;
-        let quads = Quads { corners, left, top, per_spread, with_place: kind.with_place };
+        let quads = Quads { corners, left, first_row, per_spread, with_place: kind.with_place };
         if small != 0 {
             for (all, value) in self.bounds.iter_mut().zip([left, right, top, bottom]) {
                 store_whole(all, begin, whole(value));
             }
+            store_whole(&mut self.first_rows, begin, whole(first_row));
             let [a, b, _, d] = &quads.corners;
             self.store_plane(DEPTH, begin, quads.plane(a.depth, b.depth - a.depth, d.depth - a.depth));
         }
@@ -316,7 +322,7 @@ impl FaceBlock {
     pub(super) fn trace<S: Simd>(&mut self, simd: S, quads: &Quads<S>, begin: usize) {
         let [a, b, c, d] = &quads.corners;
         // In whole pixels, whose fractions decide nothing: an edge's changes are whole numbers of them.
-        let (left, top) = (whole(quads.left), whole(quads.top));
+        let (left, top) = (whole(quads.left), whole(quads.first_row));
         let (xs, ys) = (map([a.x, b.x, c.x, d.x], whole), map([a.y, b.y, c.y, d.y], whole));
         let none = I::splat(simd, 0);
         for (plane, (a, b)) in self.edges.iter_mut().zip([(0, 3), (3, 2), (2, 1), (1, 0)]) {

@@ -17,7 +17,8 @@ pub(super) fn depths_of(faces: &FaceBlock, i: usize) -> (DepthPlane, Area) {
     let [left, right, top, bottom] = faces.bounds.each_ref().map(|all| all[i]);
     let area = Area { left, right, top, bottom };
     let [at, dx, dy] = faces.plane(DEPTH, i);
-    let (columns, rows) = ((right - left) as f32, (bottom - top) as f32);
+    let first_row = faces.first_rows[i];
+    let (columns, rows) = ((right - left) as f32, (bottom - first_row) as f32);
     let noise = if dx == 0.0 && dy == 0.0 {
         0.0
     } else {
@@ -27,15 +28,19 @@ pub(super) fn depths_of(faces: &FaceBlock, i: usize) -> (DepthPlane, Area) {
         1.01 * (rounding(right) + rounding(down) + rounding(from_first) + rounding(depth))
     };
     // At the nearest corner of its pixels.
-    let least = at + dx.min(0.0) * (columns - 1.0) + dy.min(0.0) * (rows - 1.0) - noise;
-    (DepthPlane { at, dx, dy, x: left as f32, y: top as f32, noise, least }, area)
+    let row = if dy < 0.0 { rows - 1.0 } else { (top - first_row) as f32 };
+    let least = at + dx.min(0.0) * (columns - 1.0) + dy * row - noise;
+    (DepthPlane { at, dx, dy, x: left as f32, y: first_row as f32, noise, least }, area)
 }
 
 /// A small face, ready to be drawn.
 pub(super) struct SmallFace<S: Simd, const PAINT: u8> {
     simd: S,
     pub depths: DepthPlane,
+    /// Its pixels in the band.
     pub area: Area,
+    /// The row from which all below is measured.
+    first_row: i32,
     edges: [Plane<i32>; EDGES],
     /// 1/w, u/w and v/w.
     places: [Plane<f32>; 3],
@@ -58,6 +63,7 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
             simd,
             depths,
             area,
+            first_row: faces.first_rows[i],
             edges: [faces.edge(0, i), faces.edge(1, i), faces.edge(2, i), faces.edge(3, i)],
             places: [faces.plane(PLACE, i), faces.plane(PLACE + 1, i), faces.plane(PLACE + 2, i)],
             paint: FacePaint::new(simd, color, axis, faces.along & 1 << i != 0),
@@ -81,9 +87,9 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
     /// Draws the pixels of a tile row by row.
     #[inline(always)]
     fn draw_all(&self, pixels: Area, rank: u32, band: &mut Band<'_>) -> bool {
-        let Self { simd, depths, area, edges, places, ref paint } = *self;
+        let Self { simd, depths, area, first_row, edges, places, ref paint } = *self;
         let columns = lane_indices(simd) + (pixels.left - area.left);
-        let rows = pixels.top - area.top;
+        let rows = pixels.top - first_row;
         let mut edges_at = map(
             edges,
             #[inline(always)]
@@ -123,10 +129,10 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
     /// The pixels of a tile in which a face is not farther away than what is there: a bit for each, row by row.
     #[inline(always)]
     fn seen(&self, pixels: Area, band: &Band<'_>) -> u64 {
-        let Self { simd, depths, area, edges, places, .. } = *self;
+        let Self { simd, depths, area, first_row, edges, places, .. } = *self;
         let lane = wide_indices(simd);
         let columns = (lane & (TILE_PX - 1)) + (pixels.left - area.left);
-        let rows = (lane >> TILE_PX.ilog2()) + (pixels.top - area.top);
+        let rows = (lane >> TILE_PX.ilog2()) + (pixels.top - first_row);
         let mut edges_at = map(
             edges,
             #[inline(always)]
@@ -162,7 +168,7 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
     /// Draws those pixels of a tile that are [seen](Self::seen), unless equally far ones there have a higher rank.
     #[inline(always)]
     fn draw_seen(&self, mut seen: u64, pixels: Area, rank: u32, band: &mut Band<'_>) -> bool {
-        let Self { simd, depths, area, places, ref paint, .. } = *self;
+        let Self { simd, depths, area, first_row, places, ref paint, .. } = *self;
         let columns = (lane_indices(simd) + (pixels.left - area.left)).to_float::<F<S>>();
         let from_first = columns * depths.dx;
         let first_places = first_row_of::<S, _, PAINT>(places, columns);
@@ -172,7 +178,7 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
             let of_row = seen >> (row * TILE_PX) & ((1 << TILE_PX) - 1);
             seen ^= of_row << (row * TILE_PX);
             let row = pixels.top + row;
-            let down = (row - area.top) as f32;
+            let down = (row - first_row) as f32;
             band.for_ranked_windows(
                 row..row + 1,
                 pixels.left,
@@ -205,13 +211,10 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
             [pixels.right - 1, pixels.bottom - 1],
         ];
         corners.iter().all(|[x, y]| {
-            let (x, y) = (x - left, y - top);
             // Beyond the face's bounds an edge's value might not fit into its number.
-            let is_inside = x >= 0
-                && y >= 0
-                && x < right - left
-                && y < bottom - top
-                && self.edges.iter().all(|[at, dx, dy]| at + dx * x + dy * y >= 0);
+            let is_within = *x >= left && *y >= top && *x < right && *y < bottom;
+            let (x, y) = (x - left, y - self.first_row);
+            let is_inside = is_within && self.edges.iter().all(|[at, dx, dy]| at + dx * x + dy * y >= 0);
             is_inside && (PAINT != DISC || is_in_disc(&self.places, x as f32, y as f32))
         })
     }
@@ -227,7 +230,7 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
     /// right and down.
     #[inline(always)]
     pub(super) fn limit(&self, [x, y]: [WideF<S>; 2]) -> [WideF<S>; 3] {
-        let from_first = [x - self.area.left as f32, y - self.area.top as f32];
+        let from_first = [x - self.area.left as f32, y - self.first_row as f32];
         if PAINT == DISC {
             limit_of_disc(&self.places, from_first)
         } else {
