@@ -536,7 +536,7 @@ mod tests {
     #[test]
     fn of_equal_depths_the_later_wins_and_translucent_ones_leave_the_depth() {
         let mut buffers = BandBuffers::default();
-        let screen = Screen::new(2, 1);
+        let screen = Screen::new(2, 1, 1);
         let mut band = buffers.begin(&screen, 0, pack([9, 9, 9, 255]));
         let mut put = |x: i32, depth: f32, level: u8, mode: Mode| {
             let (_, colors, depths) = band.span(0, x, x + 1);

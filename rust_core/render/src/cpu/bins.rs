@@ -5,14 +5,14 @@
 
 use super::screen::Screen;
 
-/// Bands are counted in 2^20 parts of one.
-const PART_BITS: u32 = 20;
+/// Bands are counted in 2^24 parts of one.
+const PART_BITS: u32 = 24;
 
 /// Things by band.
 #[derive(Debug, Default)]
 pub(super) struct Bins {
     bands: Vec<Vec<u32>>,
-    /// What a row is multiplied by for its band, in parts of 2^20: pictures have at most 2^14 rows, bands at most 64.
+    /// What a row is multiplied by for its band, in parts of 2^24: pictures have at most 2^14 rows, bands at most 128.
     bands_per_row: u64,
 }
 
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn things_keep_their_order_in_every_band_they_touch() {
-        let screen = Screen::new(640, 200);
+        let screen = Screen::new(640, 200, 2);
         assert_eq!((screen.band_rows(), screen.bands()), (50, 4));
         let mut bins = Bins::default();
         bins.reset(&screen);
@@ -72,13 +72,16 @@ mod tests {
     #[test]
     fn a_row_is_in_the_band_of_its_quotient() {
         for (width, height) in [(640, 480), (640, 360), (320, 200), (1280, 800), (16384, 16384), (1, 16384), (1, 1)] {
-            let screen = Screen::new(width, height);
-            let mut bins = Bins::default();
-            bins.reset(&screen);
-            (0..height).for_each(|row| bins.add(row, row, row + 1));
-            for index in 0..screen.bands() {
-                let rows = index * screen.band_rows()..(height as usize).min((index + 1) * screen.band_rows());
-                assert!(bins.band(index).iter().map(|&row| row as usize).eq(rows), "{width}x{height}, band {index}");
+            for workers in [1, 2, 3, 100] {
+                let screen = Screen::new(width, height, workers);
+                let mut bins = Bins::default();
+                bins.reset(&screen);
+                (0..height).for_each(|row| bins.add(row, row, row + 1));
+                for index in 0..screen.bands() {
+                    let rows = index * screen.band_rows()..(height as usize).min((index + 1) * screen.band_rows());
+                    let in_band = bins.band(index).iter().map(|&row| row as usize);
+                    assert!(in_band.eq(rows), "{width}x{height}, {workers} workers, band {index}");
+                }
             }
         }
     }

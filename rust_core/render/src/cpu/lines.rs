@@ -314,7 +314,7 @@ mod tests {
             lines in proptest::collection::vec((place(), place(), 0.5..4.0_f32), 1..12),
             index in 0..3_usize,
         ) {
-            let screen = Screen::new(70, 150);
+            let screen = Screen::new(70, 150, 1);
             let [mut plain, mut any] = [(); 2].map(|()| BandBuffers::default());
             let [mut plain, mut any] = [&mut plain, &mut any].map(|buffers| buffers.begin(&screen, index, 7));
             // Each twice: of equal depths the later one is seen.

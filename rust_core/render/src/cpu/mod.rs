@@ -266,7 +266,7 @@ impl CpuRenderer {
         }
         let scene = view.scene.seen_from(view.camera);
         let view = &View { scene: &scene, ..*view };
-        let mut screen = Screen::new(width_px, height_px);
+        let mut screen = Screen::new(width_px, height_px, self.workers.len());
         screen.simd_level = self.simd_level.unwrap_or(screen.simd_level);
         self.textures.forget_dead();
         self.shapes.forget_dead();

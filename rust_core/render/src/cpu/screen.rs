@@ -37,14 +37,20 @@ pub(super) struct Screen {
 }
 
 impl Screen {
-    /// Bands are made so high that one band's colours and depths stay in a core's cache. Of few bands there is an even
-    /// number of the same height: else one of two workers waits while the other one draws a last one.
-    pub(super) fn new(width_px: u32, height_px: u32) -> Self {
+    /// A picture of this size, to be drawn by so many workers. How it is cut into bands changes none of its pixels.
+    ///
+    /// One band's colours and depths stay in a core's cache; what lies across several bands is looked at in each, so that
+    /// high ones are better as long as there are two for each worker. Of few bands there is an even number of the same
+    /// height: else one of two workers waits while the other one draws a last one.
+    pub(super) fn new(width_px: u32, height_px: u32, workers: usize) -> Self {
         const BAND_PX: u32 = 40_960;
         const FEW: u32 = 12;
-        let most_rows = 1 << (BAND_PX / width_px.max(1)).clamp(4, 64).ilog2();
-        let bands = height_px.div_ceil(most_rows);
-        let band_rows = if bands > FEW { most_rows } else { height_px.div_ceil(bands.next_multiple_of(2).max(2)) };
+        let low = 1 << (BAND_PX / width_px.max(1)).clamp(4, 64).ilog2();
+        let (high, workers) = (2 * low, u32::try_from(workers).unwrap_or(u32::MAX));
+        let bands_of = |rows: u32| height_px.div_ceil(rows);
+        let bands = bands_of(low).min(workers.saturating_mul(2)).max(bands_of(high));
+        let as_high = [high, low].into_iter().find(|rows| bands > FEW && bands_of(*rows) == bands);
+        let band_rows = as_high.unwrap_or_else(|| height_px.div_ceil(bands.next_multiple_of(2).max(2)));
         Self {
             width_px,
             height_px,
@@ -183,23 +189,25 @@ mod tests {
     #[test]
     fn bands_cover_the_picture() {
         for (width, height) in [(1, 1), (1280, 800), (16384, 16384), (16384, 1), (1, 16384), (333, 217)] {
-            let screen = Screen::new(width, height);
-            assert!(screen.bands() * screen.band_rows() >= height as usize);
-            assert!((screen.bands() - 1) * screen.band_rows() < height as usize);
-            assert!(screen.band_rows() <= 64);
+            for workers in [1, 2, 4, 64] {
+                let screen = Screen::new(width, height, workers);
+                assert!(screen.bands() * screen.band_rows() >= height as usize);
+                assert!((screen.bands() - 1) * screen.band_rows() < height as usize);
+                assert!(screen.band_rows() <= 128);
+            }
         }
     }
 
     #[test]
-    fn few_bands_are_an_even_number_of_one_height() {
-        let bands = |width, height| {
-            let screen = Screen::new(width, height);
+    fn bands_are_high_while_there_are_two_for_each_worker() {
+        let bands = |width, height, workers| {
+            let screen = Screen::new(width, height, workers);
             (screen.bands(), screen.band_rows())
         };
-        assert_eq!(bands(640, 480), (8, 60));
-        assert_eq!(bands(640, 360), (6, 60));
-        assert_eq!(bands(320, 200), (4, 50));
-        assert_eq!(bands(1280, 800), (25, 32));
-        assert_eq!(bands(16384, 1), (1, 1));
+        assert_eq!([1, 2, 3, 16].map(|workers| bands(640, 480, workers)), [(4, 120), (4, 120), (6, 80), (8, 60)]);
+        assert_eq!([2, 3].map(|workers| bands(640, 360, workers)), [(4, 90), (6, 60)]);
+        assert_eq!([1, 2].map(|workers| bands(320, 200, workers)), [(2, 100), (4, 50)]);
+        assert_eq!([1, 7, 16].map(|workers| bands(1280, 800, workers)), [(13, 64), (14, 58), (25, 32)]);
+        assert_eq!(bands(16384, 1, 2), (1, 1));
     }
 }

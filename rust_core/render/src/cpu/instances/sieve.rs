@@ -142,7 +142,7 @@ mod tests {
     fn sure(shape: &Shape, optical_from_solid: &Matrix4<f64>, cull: CullMode) -> Option<[usize; 2]> {
         let p = [300.0, 0.0, 150.0, 0.0, 0.0, 310.0, 100.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let camera = Camera::new(Intrinsics::from_p(301, 203, &p).unwrap(), &Isometry3::identity(), 0.01);
-        let screen = Screen::new(301, 203);
+        let screen = Screen::new(301, 203, 1);
         let view_from_solid = camera.fixed_from_view().inverse().to_homogeneous() * optical_from_solid;
         let rows = ObjectTransform::clip_rows(&camera, &view_from_solid);
         let Reach::Inside(footprint) = reach(&shape.bounds.unwrap(), &rows, &screen) else { return None };

@@ -85,7 +85,7 @@ fn all_instruction_sets_draw_the_same_picture() {
 fn faces_of_any_size_cover_the_pixels_of_their_triangles() {
     let p = [500.0, 0.0, 320.0, 0.0, 0.0, 500.0, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let camera = Camera::new(Intrinsics::from_p(640, 480, &p).unwrap(), &Isometry3::identity(), 0.05);
-    let screen = Screen::new(640, 480);
+    let screen = Screen::new(640, 480, 2);
     let object = Isometry3::new(Vector3::new(0.0, 0.0, 1.3), Vector3::new(0.5, -0.4, 0.7)).to_homogeneous();
     let view_from_object = camera.fixed_from_view().inverse().to_homogeneous() * object;
     let mut scratch = PointScratch::default();
