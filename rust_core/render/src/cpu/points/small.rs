@@ -6,6 +6,7 @@ use fearless_simd::Simd;
 use super::paint::{first_row_of, in_disc, in_row, FacePaint, DISC};
 use super::place::{FaceBlock, Plane, DEPTH, EDGES, PLACE};
 use crate::cpu::band::Band;
+use crate::cpu::cells::half;
 use crate::cpu::lanes::{inlined, lane_indices, map, wide_indices, WideF, F, I, M};
 use crate::cpu::occlusion::{rounding, Area, DepthPlane, TILE_PX};
 use crate::cpu::screen::{FARTHEST, SUBPIXELS};
@@ -239,24 +240,27 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
     }
 }
 
-/// What is positive only beside a disc, beyond a line that touches it where it is nearest to a place, given by its
-/// pixel from the face's first one: its value there, and its changes to the right and down.
+/// What is positive only beside a disc, beyond a line that its rim is parallel to where it is nearest to the middle of a
+/// tile, given by its pixel from the face's first one: its value there, and its changes to the right and down.
 #[inline(always)]
 fn limit_of_disc<S: Simd>(places: &[[f32; 3]; 3], [x, y]: [WideF<S>; 2]) -> [WideF<S>; 3] {
+    const HALF: f32 = half(TILE_PX);
     let [q, u, v] = map(
         *places,
         #[inline(always)]
         |[at, dx, dy]| x * dx + at + y * dy,
     );
-    let radius = DISC_RADIUS_SQUARED.sqrt();
-    let distance = (u * u + v * v).sqrt();
-    let per_distance = 1.0 / distance;
-    let (along_u, along_v) = (u * per_distance, v * per_distance);
+    // The square of the distance from the disc's middle, less that of its radius. It lies above the plane that touches
+    // it, but for what the square of 1/w bends the other way.
+    let (distance, radius) = (u * u + v * v, q * DISC_RADIUS_SQUARED);
     let change = inlined(
         #[inline(always)]
-        |i: usize| along_u * places[1][i] + along_v * places[2][i] - radius * places[0][i],
+        |i: usize| (u * places[1][i] + v * places[2][i] - radius * places[0][i]) * 2.0,
     );
-    [distance - q * radius - (distance + q.abs()) * 1e-4, change(1), change(2)]
+    let [_, q_right, q_down] = places[0];
+    let bend = (q_right.abs() + q_down.abs()) * HALF;
+    let bend = bend * bend * DISC_RADIUS_SQUARED;
+    [distance - q * radius - ((distance + q * q) * 2e-4 + bend), change(1), change(2)]
 }
 
 /// Whether an edge of a face runs across several tiles in both directions.
