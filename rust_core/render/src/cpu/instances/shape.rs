@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use rcs_scene::Mesh;
 
 use super::reach::ShapeBounds;
-use crate::cpu::lanes::LANES;
+use crate::cpu::lanes::{LANES, WIDE};
 
 /// A mesh as solids use it.
 #[derive(Debug)]
@@ -22,8 +22,8 @@ pub(in crate::cpu) struct Shape {
     pub(super) places: Vec<[u32; 3]>,
     /// The normals of each triangle's corners.
     pub(super) triangle_normals: Vec<[u32; 3]>,
-    /// Of each triangle the [`minors`] of its corners, filled up to a whole number of lanes: the plane that it lies in.
-    pub(super) planes: [Vec<f32>; 4],
+    /// Of so many triangles side by side the [`minors`] of their corners: the planes that they lie in.
+    pub(super) planes: Vec<[[f32; WIDE]; 4]>,
     /// The most that a triangle reaches along one of the axes, over what the box does.
     pub(super) longest: f32,
     /// The box around the vertices; `None` where one is not finite.
@@ -84,14 +84,16 @@ fn corners<'a>(coordinates: &'a [Vec<f32>; 3], places: &'a [[u32; 3]]) -> impl I
 }
 
 /// As [`Shape::planes`].
-fn planes(coordinates: &[Vec<f32>; 3], places: &[[u32; 3]]) -> [Vec<f32>; 4] {
-    let mut planes: [Vec<f32>; 4] = Default::default();
-    for corners in corners(coordinates, places) {
-        let plane = minors(corners.map(|[x, y, z]| [x, y, z, 1.0].map(f64::from)));
-        planes.iter_mut().zip(plane).for_each(|(all, number)| all.push(number as f32));
-    }
-    planes.iter_mut().for_each(|all| all.resize(all.len().next_multiple_of(LANES), 0.0));
-    planes
+fn planes(coordinates: &[Vec<f32>; 3], places: &[[u32; 3]]) -> Vec<[[f32; WIDE]; 4]> {
+    let of_several = |places| {
+        let mut planes = [[0.0; WIDE]; 4];
+        for (lane, corners) in corners(coordinates, places).enumerate() {
+            let plane = minors(corners.map(|[x, y, z]| [x, y, z, 1.0].map(f64::from)));
+            planes.iter_mut().zip(plane).for_each(|(all, number)| all[lane] = number as f32);
+        }
+        planes
+    };
+    places.chunks(WIDE).map(of_several).collect()
 }
 
 /// As [`Shape::longest`].
@@ -159,8 +161,8 @@ mod tests {
         assert_eq!((&shape.normals[2][..2], shape.triangle_normals.as_slice()), (&[1.0, 0.0][..], &[[0; 3]; 5][..]));
         assert_eq!(shape.places, [[0, 1, 2], [2, 1, 3], [4, 4, 4], [0, 1, 2], [4, 0, 1]]);
         // The triangle that is a point has no plane, and the others lie in z = 0; the last one is the largest.
-        assert_eq!(shape.planes.each_ref().map(Vec::len), [8; 4]);
-        assert_eq!(shape.planes[2][..5], [1.0, 1.0, 0.0, 1.0, 5.0]);
+        assert_eq!(shape.planes.len(), 1);
+        assert_eq!(shape.planes[0][2][..6], [1.0, 1.0, 0.0, 1.0, 5.0, 0.0]);
         assert_eq!(shape.longest, 1.0);
     }
 }

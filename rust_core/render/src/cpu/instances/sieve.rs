@@ -4,7 +4,7 @@
 //! the division by w, twice its area on the picture is the determinant of its corners' x, y and w, over the product of
 //! their w; and that determinant is, by Cauchy and Binet, the scalar product of two vectors of four [`minors`]: those
 //! of the corners, which a shape keeps for each triangle, and those of the matrix's rows for x, y and w, which stand
-//! for the eye. So that takes eight triangles a few steps. It leaves open what rounding and snapping may turn round:
+//! for the eye. So that takes sixteen triangles a few steps. It leaves open what rounding and snapping may turn round:
 //! where the product is small, the snapped places decide, as they do for all where perspective is strong.
 
 use fearless_simd::prelude::*;
@@ -13,7 +13,7 @@ use rcs_scene::CullMode;
 use super::corners::InstanceScratch;
 use super::reach::Footprint;
 use super::shape::{minors, Shape};
-use crate::cpu::lanes::{load, F, LANES};
+use crate::cpu::lanes::{WideF, WIDE};
 use crate::cpu::screen::Screen;
 use crate::cpu::surface::Surface;
 use crate::cpu::triangles;
@@ -58,15 +58,15 @@ impl Facing {
         Some(Self { eye, unsure: unsure_area * most_w * most_w * most_w })
     }
 
-    /// Of eight triangles a bit for each: whether it is sure to be seen from the side that is drawn, and from the
-    /// other.
+    /// Of some triangles, given by their planes, a bit for each: whether it is sure to be seen from the side that is
+    /// drawn, and from the other.
     #[inline(always)]
-    fn sides<S: Simd>(&self, simd: S, shape: &Shape, begin: usize) -> [u32; 2] {
+    fn sides<S: Simd>(&self, simd: S, planes: &[[f32; WIDE]; 4]) -> [u32; 2] {
         // Of the sum of four products, several times.
         const ROUNDING: f32 = 2e-6;
-        let (mut towards, mut size) = (F::splat(simd, 0.0), F::splat(simd, 0.0));
-        for (plane, eye) in shape.planes.iter().zip(self.eye) {
-            let product = load(simd, plane, begin) * eye;
+        let (mut towards, mut size) = (WideF::splat(simd, 0.0), WideF::splat(simd, 0.0));
+        for (plane, eye) in planes.iter().zip(self.eye) {
+            let product = WideF::load_array_ref(simd, plane) * eye;
             towards += product;
             size += product.abs();
         }
@@ -98,8 +98,8 @@ pub(super) fn sieve<S: Simd>(
         CullMode::Front => [true, false],
     };
     let mut kept = 0;
-    for (begin, all) in (0..).step_by(LANES).zip(shape.places.chunks(LANES)) {
-        let [shown, hidden] = facing.map_or([0; 2], |facing| facing.sides(simd, shape, begin));
+    for ((begin, all), planes) in (0..).step_by(WIDE).zip(shape.places.chunks(WIDE)).zip(&shape.planes) {
+        let [shown, hidden] = facing.map_or([0; 2], |facing| facing.sides(simd, planes));
         let mut left = !hidden & ((1 << all.len()) - 1);
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
@@ -155,8 +155,8 @@ mod tests {
             known = 0;
             for (number, places) in shape.places.iter().enumerate() {
                 let Some(facing) = &facing else { continue };
-                let [shown, hidden] = dispatch!(level, simd => facing.sides(simd, shape, number / LANES * LANES));
-                let [shown, hidden] = [shown, hidden].map(|sides| sides >> (number % LANES) & 1 == 1);
+                let [shown, hidden] = dispatch!(level, simd => facing.sides(simd, &shape.planes[number / WIDE]));
+                let [shown, hidden] = [shown, hidden].map(|sides| sides >> (number % WIDE) & 1 == 1);
                 let doubled_area = triangles::doubled_area_of(places.map(|place| scratch.place_of(place)));
                 let is_drawn = if cull == CullMode::Back { doubled_area < 0 } else { doubled_area > 0 };
                 assert!(!(shown && hidden), "{number}");
