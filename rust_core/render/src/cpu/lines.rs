@@ -161,23 +161,28 @@ impl Line {
         let pixels = band.pixels();
         let (along_stride, across_stride, limit) =
             if STEEP { (pixels.stride, 1, pixels.width) } else { (1, pixels.stride, pixels.rows) };
+        let len = pixels.color.len().min(pixels.depth.len());
+        let (colors, behind) = (&mut pixels.color[..len], &mut pixels.depth[..len]);
         for begin in steps.clone().step_by(LANES) {
             let (_, depths) = self.at(simd, begin);
+            // NaN is not drawn.
+            let depths = depths.simd_le(FARTHEST).select(depths, F::splat(simd, f32::INFINITY)).to_array();
             let mut place = (begin - along) as usize * along_stride;
             for depth in depths.into_iter().take((steps.end - begin) as usize) {
                 let across = (across.step() - across_from) as u32 as usize;
                 let at = place + across * across_stride;
                 place += along_stride;
                 // What is negative is too large as well.
-                if across >= limit {
+                if across >= limit || at >= len {
                     continue;
                 }
-                if let (Some(pixel), Some(pixel_depth)) = (pixels.color.get_mut(at), pixels.depth.get_mut(at)) {
-                    // Which are seen is hard to predict: each is written, many as they are. NaN is not drawn.
-                    let is_seen = depth <= *pixel_depth;
-                    *pixel = if is_seen { color } else { *pixel };
-                    *pixel_depth = if is_seen { depth } else { *pixel_depth };
-                }
+                // Which are seen is hard to predict: each is written, many as they are, and no comparison decides, which
+                // the compiler could make a branch of. Of numbers that are not negative, the larger one has the larger
+                // bits.
+                let (depth, there) = (depth.to_bits() as i32, behind[at].to_bits() as i32);
+                let is_hidden = (there - depth) >> 31;
+                behind[at] = f32::from_bits((depth ^ ((depth ^ there) & is_hidden)) as u32);
+                colors[at] = color ^ ((color ^ colors[at]) & is_hidden as u32);
             }
         }
     }
@@ -188,6 +193,7 @@ impl Line {
         let mut across = Across::new(&self.ends, steps.start);
         for begin in steps.clone().step_by(LANES) {
             let (t, depths) = self.at(simd, begin);
+            let (t, depths) = (t.to_array(), depths.to_array());
             for (lane, along) in (begin..steps.end).take(LANES).enumerate() {
                 let across = across.step();
                 let (x, y) = if self.steep { (across, along) } else { (along, across) };
@@ -203,14 +209,14 @@ impl Line {
 
     /// Of several pixels along the share of the way and the depth.
     #[inline(always)]
-    fn at<S: Simd>(&self, simd: S, begin: i32) -> ([f32; LANES], [f32; LANES]) {
+    fn at<S: Simd>(&self, simd: S, begin: i32) -> (F<S>, F<S>) {
         let length = (self.end.along - self.begin.along).max(f32::MIN_POSITIVE);
         let t = (lane_indices(simd).to_float::<F<S>>() + begin as f32 - self.begin.along) / length;
         let depths = t * (self.end.depth - self.begin.depth) + self.begin.depth;
         // NaN stays.
-        let depths = depths.simd_lt(0.0).select(F::splat(simd, 0.0), depths);
+        let depths = depths.simd_le(0.0).select(F::splat(simd, 0.0), depths);
         let depths = depths.simd_gt(FARTHEST).select(F::splat(simd, FARTHEST), depths);
-        (t.to_array(), depths.to_array())
+        (t, depths)
     }
 
     /// The colour at a share of the way.
