@@ -224,6 +224,19 @@ fn heavy_scenes_look_the_same_without_culling() {
     }
 }
 
+/// More workers have more bands of rows; no pixel may depend on where these begin.
+#[test]
+fn a_picture_is_the_same_for_any_number_of_workers() {
+    for row in rows(0.01) {
+        let scene = row.scene();
+        let draw = |threads| render(&mut CpuRenderer::with_threads(threads), &scene, &row.camera);
+        let picture = draw(1);
+        for threads in [2, 3, 8] {
+            assert!(draw(threads) == picture, "{}, {threads} workers", row.name);
+        }
+    }
+}
+
 /// A fan of equal triangles, and the last one wins everywhere.
 #[test]
 fn of_equally_deep_faces_the_last_is_seen() {
