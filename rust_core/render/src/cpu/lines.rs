@@ -176,9 +176,9 @@ impl Line {
                 if across >= limit || at >= len {
                     continue;
                 }
-                // Which are seen is hard to predict: each is written, many as they are, and no comparison decides, which
-                // the compiler could make a branch of. Of numbers that are not negative, the larger one has the larger
-                // bits.
+                // Which are seen is hard to predict: each is written, many as they are, and no comparison decides, of
+                // which the compiler would make a branch. Of numbers that are not negative, the larger one has the
+                // larger bits.
                 let (depth, there) = (depth.to_bits() as i32, behind[at].to_bits() as i32);
                 let is_hidden = (there - depth) >> 31;
                 behind[at] = f32::from_bits((depth ^ ((depth ^ there) & is_hidden)) as u32);

@@ -39,9 +39,9 @@ pub(super) struct Screen {
 impl Screen {
     /// A picture of this size, to be drawn by so many workers. How it is cut into bands changes none of its pixels.
     ///
-    /// One band's colours and depths stay in a core's cache; what lies across several bands is looked at in each, so that
-    /// high ones are better as long as there are two for each worker. Of few bands there is an even number of the same
-    /// height: else one of two workers waits while the other one draws a last one.
+    /// One band's colours and depths stay in a core's cache; what lies across several bands is looked at in each, so
+    /// that high ones are better as long as there are two for each worker. Of few bands there is an even number of the
+    /// same height: else one of two workers waits while the other one draws a last one.
     pub(super) fn new(width_px: u32, height_px: u32, workers: usize) -> Self {
         const BAND_PX: u32 = 40_960;
         const FEW: u32 = 12;

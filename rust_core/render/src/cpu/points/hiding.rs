@@ -1,8 +1,8 @@
 //! What a face leaves to be seen of the next one.
 //!
-//! Neighbours in an organised cloud lie over each other but for a strip that may be a pixel wide. In the tiles along
-//! their edges nothing is covered everywhere, so that [`Occluders`](crate::cpu::occlusion::Occluders) know nothing of
-//! what is hidden there; but a few comparisons with the face before find that strip, and only its tiles are looked at.
+//! In an organised cloud, neighbouring faces overlap except for a strip that may be one pixel wide. A tile along the
+//! edge of a face is covered only in part, so that [`Occluders`](crate::cpu::occlusion::Occluders) cannot tell what is
+//! hidden in it. A few comparisons with the face before find the strip, and only its tiles are looked at.
 
 use fearless_simd::prelude::*;
 use fearless_simd::Simd;
@@ -12,8 +12,8 @@ use super::BLOCK;
 use crate::cpu::lanes::{inlined, store_whole, whole, F};
 use crate::cpu::occlusion::{Area, DepthPlane};
 
-/// Of each face of a block a rectangle of pixels that all are the face's, whether they are in the band or not: left,
-/// right (past the last), top, bottom (past the last). It is empty where the face is turned in the picture.
+/// For each face of a block a rectangle of pixels that the face covers, in the band or not: left, right (past the
+/// last), top, bottom (past the last). It is empty where the face is turned in the picture.
 #[derive(Clone, Debug)]
 pub(super) struct InnerAreas([[i32; BLOCK]; 4]);
 
@@ -31,7 +31,7 @@ impl InnerAreas {
         // Which neighbour of the first corner is beside it, and which above or below.
         let is_level = (b.x - a.x).abs().simd_gt((b.y - a.y).abs());
         let (beside, across) = (Corner::select(is_level, b, d), Corner::select(is_level, d, b));
-        // Between two corners on one side and two on the other, on neither of their edges.
+        // Strictly between two corners on one side and two on the other, as not every edge owns the pixels on it.
         let between = inlined(
             #[inline(always)]
             |one: [F<S>; 2], other: [F<S>; 2]| {
@@ -47,7 +47,7 @@ impl InnerAreas {
         }
     }
 
-    /// That of a face.
+    /// The rectangle of a face.
     #[inline(always)]
     pub(super) fn of(&self, i: usize) -> Area {
         let [left, right, top, bottom] = self.0.each_ref().map(|all| all[i]);
@@ -55,17 +55,18 @@ impl InnerAreas {
     }
 }
 
-/// A face of a band that was drawn, or not as it is hidden.
+/// A face that was drawn in the band or found to be hidden there: no pixel that it covers shows anything farther away.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FaceBefore {
     pub depths: DepthPlane,
     pub rank: u32,
-    /// All of these pixels are the face's.
+    /// Pixels that it covers.
     pub inner: Area,
 }
 
 impl FaceBefore {
-    /// The part of an area where something may be seen of a later face; the area itself where that is no rectangle.
+    /// The part of another face's area in which something of it may be seen; the whole area where that part is no
+    /// rectangle.
     #[inline(always)]
     pub(super) fn leaves(&self, plane: &DepthPlane, rank: u32, area: Area) -> Area {
         let inner = self.inner;

@@ -60,8 +60,8 @@ pub(super) struct FaceBlock {
     pub along: u32,
     /// The face's pixels: left, right (past the last), top, bottom (past the last).
     pub bounds: [[i32; BLOCK]; 4],
-    /// The face's first row in the picture, whether the band has it or not: from there all that is linear is measured, so
-    /// that no pixel depends on how high bands are.
+    /// The face's first row in the picture, whether the band has it or not: from there all that is linear is measured,
+    /// so that no pixel depends on how high bands are.
     pub first_rows: [i32; BLOCK],
     /// A pixel is inside of an edge where the edge's value is not negative.
     edges: [Plane<[i32; BLOCK]>; EDGES],

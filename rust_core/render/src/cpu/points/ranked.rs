@@ -1,8 +1,9 @@
 //! Drawing a cloud whose faces lie over each other many times, by [ranks](crate::cpu::ranked).
 //!
-//! Small faces are placed as always; [`paint`](super::paint)'s way over their pixels leads through the tiles of which
-//! something may be seen. Of large faces only a plane below all of their depths is set up at first, several at once:
-//! most are hidden and need no more. The triangles of the others are made and drawn one by one.
+//! Small faces are placed as always; [`paint`](super::paint)'s way over their pixels leads through the tiles in which
+//! something may be seen; for boxes and tiles, those of the strip that the face before [leaves](super::hiding). Of
+//! large faces only a plane below all of their depths is set up at first, several at once: most are hidden and need no
+//! more. The triangles of the others are made and drawn one by one.
 
 use fearless_simd::{dispatch, Simd};
 

@@ -240,8 +240,8 @@ impl<S: Simd, const PAINT: u8> SmallFace<S, PAINT> {
     }
 }
 
-/// What is positive only beside a disc, beyond a line that its rim is parallel to where it is nearest to the middle of a
-/// tile, given by its pixel from the face's first one: its value there, and its changes to the right and down.
+/// What is positive only beside a disc, beyond a line along its rim where that is nearest to the middle of a tile,
+/// given by its pixel from the face's first one: its value there, and its changes to the right and down.
 #[inline(always)]
 fn limit_of_disc<S: Simd>(places: &[[f32; 3]; 3], [x, y]: [WideF<S>; 2]) -> [WideF<S>; 3] {
     const HALF: f32 = half(TILE_PX);
