@@ -11,9 +11,10 @@ pub(super) struct Scale {
 
 impl Scale {
     /// Quantities from `low` to `high` at places from `from` to `to`. An empty range is widened, so that every scale
-    /// can be drawn.
+    /// can be drawn; so is one so narrow that no round number in it could be told from its ends.
     pub(super) fn new([low, high]: [f64; 2], [from, to]: [f64; 2]) -> Self {
-        let is_range = low.is_finite() && high.is_finite() && high > low;
+        const NARROWEST: f64 = 1e-12;
+        let is_range = low.is_finite() && high.is_finite() && high - low > NARROWEST * low.abs().max(high.abs());
         let (low, high) = match (is_range, low.is_finite()) {
             (true, _) => (low, high),
             (false, true) => (low, low + low.abs().max(1.0)),
@@ -112,6 +113,9 @@ mod tests {
         assert_eq!(texts([0.0, 1.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(texts([-0.013, 0.03]), ["-0.01", "0.00", "0.01", "0.02", "0.03"]);
         assert_eq!(texts([2.0, 2.0]), ["2.0", "2.5", "3.0", "3.5", "4.0"]);
+        // So narrow that rounding would put them outside.
+        assert_eq!(texts([1.0, 1.0_f64.next_up()]), ["1.0", "1.2", "1.4", "1.6", "1.8", "2.0"]);
+        assert_eq!(texts([-1e20, (-1e20_f64).next_up()]), texts([-1e20, -1e20]));
     }
 
     #[test]
