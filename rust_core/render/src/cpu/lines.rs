@@ -178,9 +178,9 @@ impl Line {
                 }
                 // Which are seen is hard to predict: each is written, many as they are, and no comparison decides, of
                 // which the compiler would make a branch. Of numbers that are not negative, the larger one has the
-                // larger bits.
+                // larger bits; what is there may be negative by rounding, and its bits are, too.
                 let (depth, there) = (depth.to_bits() as i32, behind[at].to_bits() as i32);
-                let is_hidden = (there - depth) >> 31;
+                let is_hidden = ((i64::from(there) - i64::from(depth)) >> 63) as i32;
                 behind[at] = f32::from_bits((depth ^ ((depth ^ there) & is_hidden)) as u32);
                 colors[at] = color ^ ((color ^ colors[at]) & is_hidden as u32);
             }
