@@ -178,9 +178,11 @@ impl Line {
                 }
                 // Which are seen is hard to predict: each is written, many as they are, and no comparison decides, of
                 // which the compiler would make a branch. Of numbers that are not negative, the larger one has the
-                // larger bits; what is there may be negative by rounding, and its bits are, too.
+                // larger bits. What is there may be negative by rounding, and any such number hides the line; zero is
+                // added so that -0 becomes 0.
                 let (depth, there) = (depth.to_bits() as i32, behind[at].to_bits() as i32);
-                let is_hidden = ((i64::from(there) - i64::from(depth)) >> 63) as i32;
+                let nearest = ((behind[at] + 0.0).to_bits() as i32).max(-1);
+                let is_hidden = (nearest - depth) >> 31;
                 behind[at] = f32::from_bits((depth ^ ((depth ^ there) & is_hidden)) as u32);
                 colors[at] = color ^ ((color ^ colors[at]) & is_hidden as u32);
             }
@@ -312,8 +314,37 @@ mod tests {
         [-2.5..2.5_f32, -2.5..2.5, -0.9..0.9]
     }
 
+    /// Depths that faces may have left, some of them below 0 by rounding.
+    fn depths_there() -> impl Strategy<Value = Vec<f32>> {
+        let depth = prop_oneof![Just(0.0_f32), Just(-0.0), -2.0..2.0_f32, 0.0..FARTHEST, Just(FARTHEST)];
+        proptest::collection::vec(depth, 1..200)
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn plain_lines_are_hidden_as_any_others(
+            ends in ([-1.0..1.0_f32, -1.0..1.0], [-1.0..1.0_f32, -1.0..1.0]),
+            z in prop_oneof![Just([-1.0_f32; 2]), [-1.0..-0.999_f32, -1.0..-0.999], [-1.2..1.2_f32, -1.2..1.2]],
+            there in depths_there(),
+        ) {
+            let screen = Screen::new(70, 50, 1);
+            let [mut plain, mut any] = [(); 2].map(|()| BandBuffers::default());
+            let [mut plain, mut any] = [&mut plain, &mut any].map(|buffers| buffers.begin(&screen, 0, 7));
+            for band in [&mut plain, &mut any] {
+                let depths = band.pixels().depth;
+                depths.iter_mut().zip(there.iter().cycle()).for_each(|(depth, there)| *depth = *there);
+            }
+            let vertex = |[x, y]: [f32; 2], z| ClipVertex { position: [x, y, z, 1.0], color: [1.0; 4], uv: [0.0; 2] };
+            let line = set_up(vertex(ends.0, z[0]), vertex(ends.1, z[1]), Mode::OPAQUE, &screen);
+            if let Some(line) = line {
+                line.draw(&mut plain);
+                let steps = line.steps(&any);
+                dispatch!(screen.simd_level, simd => line.draw_any(simd, steps, Some([255; 4]), &mut any));
+            }
+            prop_assert_eq!(contents(&plain), contents(&any));
+        }
 
         #[test]
         fn plain_lines_are_drawn_as_any_others(
