@@ -23,7 +23,7 @@ static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// What may stay of a scene that was deleted: buffers that every picture needs, and lists with a few bytes for each
 /// thing that was drawn.
-const LEFT_BYTES: usize = 2 << 20;
+const LEFT_BYTES: usize = 1 << 20;
 
 struct Limits {
     /// From the decoded message to the picture.
@@ -36,14 +36,20 @@ fn live_bytes(stats: &Stats) -> usize {
     stats.bytes_allocated.saturating_sub(stats.bytes_deallocated)
 }
 
-fn check(name: &str, content: Content, count: usize, limits: &Limits) {
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
-    let solids = ManySolids { content, count };
+struct Measured {
+    /// The fastest of several times from the decoded message to the picture.
+    time: Duration,
+    /// What lives while it is shown, and what is left once it was deleted.
+    bytes: usize,
+    left_bytes: usize,
+}
+
+fn measure(name: &str, solids: &ManySolids, threads: usize) -> Measured {
     let mut pipeline = DisplayPipeline::new(&solids.config());
     let mut rendering =
-        Rendering::new(Vec::new(), many_solids_camera().unwrap(), Box::new(CpuRenderer::with_threads(2)));
+        Rendering::new(Vec::new(), many_solids_camera().unwrap(), Box::new(CpuRenderer::with_threads(threads)));
     // What is made once, whatever the scene: glyphs, shapes, buffers for the picture.
-    let warm = ManySolids { content, count: 2_000 };
+    let warm = ManySolids { count: 2_000, ..*solids };
     pipeline.receive("/many", &warm.kind().decode(&warm.bytes(0.0)).unwrap());
     rendering.draw_of(&pipeline.scene).unwrap();
     pipeline.receive("/many", &warm.removal());
@@ -64,12 +70,20 @@ fn check(name: &str, content: Content, count: usize, limits: &Limits) {
     assert!(rendering.covered() > 1e-3, "{name}: nothing is seen");
     pipeline.receive("/many", &solids.removal());
     rendering.draw_of(&pipeline.scene).unwrap();
-    let left = live_bytes(&region.change());
-    let time = times.into_iter().min().unwrap();
-    println!("{name}: {time:?}, {} bytes each, {left} bytes left", bytes / count);
+    Measured { time: times.into_iter().min().unwrap(), bytes, left_bytes: live_bytes(&region.change()) }
+}
+
+fn check(name: &str, content: Content, count: usize, limits: &Limits) {
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let solids = ManySolids { content, count };
+    let Measured { time, bytes, .. } = measure(name, &solids, 2);
+    // A thread makes its buffers (0.6 MB here) when it draws first. Of several, one may draw nothing until after the
+    // first pictures, and its buffers would count as left.
+    let Measured { left_bytes, .. } = measure(name, &solids, 1);
+    println!("{name}: {time:?}, {} bytes each, {left_bytes} bytes left", bytes / count);
     assert!(time <= limits.time, "{name}: {time:?}, {:?} are allowed", limits.time);
     assert!(bytes / count <= limits.bytes_each, "{name}: {} bytes each", bytes / count);
-    assert!(left <= LEFT_BYTES, "{name}: {left} bytes are left of it");
+    assert!(left_bytes <= LEFT_BYTES, "{name}: {left_bytes} bytes are left of it");
 }
 
 fn limits(millis: u64, bytes_each: usize) -> Limits {
