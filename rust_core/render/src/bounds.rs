@@ -57,6 +57,11 @@ impl Bounds {
         Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
     }
 
+    /// The largest distance of a point in it from the frame's origin, in metres.
+    pub(crate) fn reach_m(&self) -> f64 {
+        self.low.coords.abs().sup(&self.high.coords.abs()).norm()
+    }
+
     /// The smallest w in clip coordinates, given the matrix from the object's frame to these.
     pub(crate) fn nearest_w(&self, clip_from_object: &Matrix4<f64>) -> f64 {
         let row = clip_from_object.row(3).transpose();

@@ -23,6 +23,7 @@ pub(super) struct Device {
     queue: wgpu::Queue,
     limits: wgpu::Limits,
     name: String,
+    is_hardware: bool,
     faults: Faults,
     stats: Mutex<GpuStats>,
     /// How long a picture is waited for.
@@ -95,7 +96,8 @@ impl Device {
             }
         });
         let (stats, patience, is_hung) = (Mutex::default(), PATIENCE, AtomicBool::new(false));
-        Ok(Self { wgpu, queue, limits, name, faults, stats, patience, is_hung })
+        let is_hardware = is_hardware(adapter);
+        Ok(Self { wgpu, queue, limits, name, is_hardware, faults, stats, patience, is_hung })
     }
 
     /// Waits until a submission is done.
@@ -114,6 +116,11 @@ impl Device {
             }
             Err(error) => Err(self.error(error.to_string())),
         }
+    }
+
+    /// Whether it is no software driver.
+    pub(super) fn is_hardware(&self) -> bool {
+        self.is_hardware
     }
 
     /// Whether it was waited for in vain. To drop it may then take for ever.

@@ -9,6 +9,7 @@
 //! text       │
 //! cells      ┘
 //! pipeline   what all pipelines have in common, and the fixed state in which they differ
+//! overdraw   which pictures the CPU draws, because their faces lie over each other too many times
 //! geometry   buffers and textures that live as long as the scene's `Arc` they were made from
 //! texture    images with their mipmaps
 //! uniforms   the constants of all drawables of a picture, in one buffer with dynamic offsets
@@ -31,6 +32,7 @@ mod device;
 mod geometry;
 mod hardware;
 mod lines;
+mod overdraw;
 mod pipeline;
 mod points;
 mod readback;
@@ -44,15 +46,16 @@ mod uniforms;
 use std::collections::VecDeque;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use nalgebra::Matrix4;
 use rcs_camera::see_through;
-use rcs_scene::{Camera, DepthPicture, DrawOrder, Encoding, Geometry, Ordered, Picture, PixelMap};
+use rcs_scene::{Camera, DepthPicture, DisplayId, DrawOrder, Encoding, Geometry, Ordered, Picture, PixelMap};
 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
 use self::lines::{LinePipelines, LinesDraw};
+use self::overdraw::Overdraw;
 use self::points::{PointPipelines, PointsDraw};
 use self::readback::Arrival;
 pub use self::stats::GpuStats;
@@ -70,8 +73,10 @@ pub struct GpuRenderer {
     hardware_only: bool,
     name: String,
     gpu: Option<Gpu>,
-    /// Draws depths, which WebGL 2 cannot read back. Made when it is needed.
-    depths: Option<Box<CpuRenderer>>,
+    /// Draws depths, which WebGL 2 cannot read back, and pictures of heavy [`overdraw`]. Made when it is needed.
+    cpu: Option<Box<CpuRenderer>>,
+    /// Whether the picture that was finished last was one of those.
+    last_by_cpu: bool,
 }
 
 /// All that lives on one device.
@@ -85,16 +90,28 @@ struct Gpu {
     texts: TextPipelines,
     cells: CellPipelines,
     order: DrawOrder,
+    overdraw: Overdraw,
     targets: Targets,
     /// The oldest first.
     in_flight: VecDeque<InFlight>,
     /// What is drawn of a picture that a lens bends.
     before_lens: Picture,
+    /// Memory for the next picture that the CPU draws.
+    unused_picture: Picture,
 }
 
 /// A picture that was submitted and not yet returned.
 #[derive(Debug)]
-struct InFlight {
+enum InFlight {
+    /// The GPU draws it.
+    Submitted(Box<Submitted>),
+    /// The CPU has drawn it.
+    Drawn(Picture),
+}
+
+/// What becomes a picture when the GPU has drawn it.
+#[derive(Debug)]
+struct Submitted {
     target: Target,
     arrival: Arrival,
     encoding: Encoding,
@@ -139,7 +156,7 @@ impl GpuRenderer {
     /// [`RenderError::NoAdapter`], or [`RenderError::Gpu`] when the only adapter does not work.
     pub fn new(hardware_only: bool) -> Result<Self, RenderError> {
         let gpu = Gpu::open(hardware_only)?;
-        Ok(Self { hardware_only, name: gpu.device.name().to_owned(), gpu: Some(gpu), depths: None })
+        Ok(Self { hardware_only, name: gpu.device.name().to_owned(), gpu: Some(gpu), cpu: None, last_by_cpu: false })
     }
 
     /// Counts and times since the device was opened; zeros while it is lost and not open again.
@@ -175,26 +192,57 @@ impl Renderer for GpuRenderer {
         PICTURES_AT_ONCE
     }
 
+    fn costs(&self) -> Vec<(DisplayId, Duration)> {
+        self.cpu.as_ref().filter(|_| self.last_by_cpu).map(|cpu| cpu.costs()).unwrap_or_default()
+    }
+
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
+        self.submit_both(view, None)
+    }
+
+    fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
+        self.submit_both(view, Some(depth))
+    }
+
+    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
+        let Some(gpu) = self.gpu.take() else { return Ok(false) };
+        self.last_by_cpu = matches!(gpu.in_flight.front(), Some(InFlight::Drawn(_)));
+        self.on(gpu, |gpu| gpu.finish(picture))
+    }
+}
+
+impl GpuRenderer {
+    fn submit_both(&mut self, view: &View<'_>, depth: Option<&mut DepthPicture>) -> Result<(), RenderError> {
         let gpu = match self.gpu.take() {
             Some(gpu) => gpu,
             None => Gpu::open(self.hardware_only)?,
         };
         gpu.device.name().clone_into(&mut self.name);
-        self.on(gpu, |gpu| gpu.submit(view))
-    }
-
-    fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError> {
-        self.submit(view)?;
-        // The GPU draws meanwhile.
-        self.depths.get_or_insert_with(|| Box::new(CpuRenderer::new())).draw_depth(view, depth)
-    }
-
-    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
-        match self.gpu.take() {
-            Some(gpu) => self.on(gpu, |gpu| gpu.finish(picture)),
-            None => Ok(false),
+        let mut is_heavy = false;
+        self.on(gpu, |gpu| {
+            is_heavy = gpu.is_heavy(view);
+            if is_heavy {
+                Ok(())
+            } else {
+                gpu.submit(view)
+            }
+        })?;
+        if is_heavy {
+            let mut drawn = self.gpu.as_mut().map(|gpu| std::mem::take(&mut gpu.unused_picture)).unwrap_or_default();
+            self.cpu().draw(view, &mut drawn, depth)?;
+            if let Some(gpu) = &mut self.gpu {
+                gpu.in_flight.push_back(InFlight::Drawn(drawn));
+                gpu.device.count(|stats| stats.pictures_by_cpu += 1);
+            }
+        } else if let Some(depth) = depth {
+            // The GPU draws meanwhile.
+            self.cpu().draw_depth(view, depth)?;
         }
+        Ok(())
+    }
+
+    fn cpu(&mut self) -> &mut CpuRenderer {
+        self.cpu.get_or_insert_with(|| Box::new(CpuRenderer::new()))
     }
 }
 
@@ -211,8 +259,29 @@ impl Gpu {
         );
         device.check()?;
         let (targets, in_flight) = (Targets::default(), VecDeque::new());
-        let (order, before_lens) = (DrawOrder::default(), Picture::default());
-        Ok(Self { device, uniforms, points, lines, triangles, texts, cells, order, targets, in_flight, before_lens })
+        let (order, overdraw, before_lens) = (DrawOrder::default(), Overdraw::new(), Picture::default());
+        Ok(Self {
+            device,
+            uniforms,
+            points,
+            lines,
+            triangles,
+            texts,
+            cells,
+            order,
+            overdraw,
+            targets,
+            in_flight,
+            before_lens,
+            unused_picture: Picture::default(),
+        })
+    }
+
+    /// Whether the faces of a picture lie over each other so many times that the CPU draws it sooner.
+    fn is_heavy(&mut self, view: &View<'_>) -> bool {
+        self.overdraw.forget_dead();
+        // A software driver has no more ways to leave out what is hidden than to blend quickly.
+        self.overdraw.is_heavy(view, !self.device.is_hardware())
     }
 
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {
@@ -254,7 +323,8 @@ impl Gpu {
         let arrival = target.readback().map(submission);
         self.device.check()?;
         let lens = view.camera.lens().map(|map| LensView { map: Arc::clone(map), background: view.background });
-        self.in_flight.push_back(InFlight { target, arrival, encoding: view.encoding, lens });
+        let submitted = Submitted { target, arrival, encoding: view.encoding, lens };
+        self.in_flight.push_back(InFlight::Submitted(Box::new(submitted)));
         self.device.count(|stats| {
             stats.pictures += 1;
             stats.draws += draws.len() as u64;
@@ -265,7 +335,15 @@ impl Gpu {
     }
 
     fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
-        let Some(InFlight { target, arrival, encoding, lens }) = self.in_flight.pop_front() else { return Ok(false) };
+        let Submitted { target, arrival, encoding, lens } = match self.in_flight.pop_front() {
+            Some(InFlight::Submitted(submitted)) => *submitted,
+            Some(InFlight::Drawn(drawn)) => {
+                self.unused_picture = std::mem::replace(picture, drawn);
+                self.unused_picture.give_back_memory(picture.data.len());
+                return Ok(true);
+            }
+            None => return Ok(false),
+        };
         let [width_px, height_px] = target.size_px();
         if let Some(LensView { map, background }) = lens {
             self.before_lens.reset(width_px, height_px, Encoding::Rgba8);

@@ -5,14 +5,9 @@
 //! (several for millions of points); style, size and opacity are uniforms, so that changing them costs nothing. There
 //! is a pipeline for each style, opaque and blended.
 //!
-//! Of an opaque cloud right before the lens, points that lie exactly where a later one does are not drawn: a depth
-//! camera gives all points that it does not see the same place.
-//!
 //! Reproduces the shaders that rviz takes without geometry shaders, as it does on Mesa: squares turn to the eye around
 //! the cloud's y axis, they are not parallel to the picture plane. GL 3.3 has no storage buffers, from
 //! which a vertex could fetch its point.
-
-use std::collections::HashSet;
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Vector3};
@@ -45,8 +40,6 @@ struct StylePipelines {
 struct UploadedCloud {
     bounds: Option<Bounds>,
     chunks: Vec<Chunk>,
-    /// Those without points that another one surely covers; made where they are needed.
-    uncovered: Option<Vec<Chunk>>,
 }
 
 /// Points on the GPU: all positions, then all colours.
@@ -160,80 +153,11 @@ impl PointPipelines {
         if !cloud.bounds?.may_be_seen(viewpoint.camera, fixed_from_object) {
             return None;
         }
-        let chunks = if is_crowded(viewpoint, fixed_from_object, points, cloud.bounds?) {
-            cloud.uncovered.get_or_insert_with(|| upload_uncovered(device, &points.buffer)).clone()
-        } else {
-            Vec::new()
-        };
-        let chunks = if chunks.is_empty() { cloud.chunks.clone() } else { chunks };
         let slot = uniforms.push(&constants(viewpoint, fixed_from_object, points))?;
         let pipeline = style.pipelines.get(device, FixedState::plain(points.blended));
         let vertices = if shows_insides(points) { INSIDE_OUT_BOX_VERTICES } else { style.vertices };
-        Some(PointsDraw { pipeline, vertices, chunks, slot })
+        Some(PointsDraw { pipeline, vertices, chunks: cloud.chunks.clone(), slot })
     }
-}
-
-/// Whether the points of an opaque cloud may cover the picture many times, because it is that near and has that many:
-/// then it is worthwhile to look for points in the same place.
-fn is_crowded(viewpoint: &Viewpoint<'_>, fixed_from_object: &Matrix4<f64>, points: &Points, bounds: Bounds) -> bool {
-    const MANY_TIMES: f64 = 16.0;
-    const FACE_PX: f64 = 256.0;
-    let side_m = match points.style {
-        PointStyle::Points { .. } => 0.0,
-        PointStyle::Squares { size_m } | PointStyle::Spheres { size_m } | PointStyle::Tiles { size_m, .. } => {
-            size_m[0].abs().max(size_m[1].abs())
-        }
-        PointStyle::FlatSquares { side_m } => side_m.abs(),
-        PointStyle::Boxes { size_m } => size_m.iter().fold(0.0, |side: f32, size| side.max(size.abs())),
-    };
-    // A point that is too faint is not drawn and covers nothing.
-    if points.blended || points.auto_size || points.alpha < 0.01 {
-        return false;
-    }
-    let [width, height] = viewpoint.size_px().map(f64::from);
-    let picture_px = width * height;
-    let clip: Matrix4<f64> = viewpoint.clip_from_fixed * fixed_from_object;
-    let rows =
-        [clip.row(0), clip.row(1), clip.row(3)].map(|row| [row[0] as f32, row[1] as f32, row[2] as f32, row[3] as f32]);
-    let [_, _, w_row] = rows;
-    // Pixels of a face at a distance of one.
-    let length = |row: [f32; 4]| f64::from(row[0].hypot(row[1]).hypot(row[2]));
-    let side_px = f64::from(side_m) * (length(rows[0]) * width).max(length(rows[1]) * height) * 0.5;
-    let face_px = |w: f64| (side_px / w).powi(2).min(picture_px);
-    let count = points.buffer.positions.len() as f64;
-    let nearest_w = bounds.nearest_w(&clip).max(viewpoint.camera.near_m());
-    if face_px(nearest_w) < FACE_PX || face_px(nearest_w) * count < MANY_TIMES * picture_px {
-        return false;
-    }
-    let near_w = (side_px / FACE_PX.sqrt()) as f32;
-    let covered_px = |positions: &[[f32; 3]]| -> f64 {
-        let w = positions.iter().map(|[x, y, z]| w_row[0] * x + w_row[1] * y + w_row[2] * z + w_row[3]);
-        w.filter(|w| *w > 0.0 && *w < near_w).map(|w| face_px(f64::from(w).max(nearest_w))).sum()
-    };
-    let covered_px: f64 = points.buffer.positions.par_chunks(POINTS_IN_SHARE).map(covered_px).sum();
-    covered_px > MANY_TIMES * picture_px
-}
-
-/// Uploads a cloud without those points that lie exactly where a later one does, which is not transparent and so covers
-/// them. Nothing where there are hardly any.
-fn upload_uncovered(device: &Device, cloud: &PointBuffer) -> Vec<Chunk> {
-    let mut places: HashSet<[u32; 3]> = HashSet::with_capacity(cloud.positions.len());
-    let mut kept: Vec<usize> = Vec::new();
-    for (i, position) in cloud.positions.iter().enumerate().rev() {
-        let place = position.map(f32::to_bits);
-        let [.., alpha] = cloud.colors.get(i);
-        let is_covered = if alpha == u8::MAX { !places.insert(place) } else { places.contains(&place) };
-        if !is_covered {
-            kept.push(i);
-        }
-    }
-    if kept.len() * 10 > cloud.positions.len() * 9 {
-        return Vec::new();
-    }
-    let kept = kept.into_iter().rev();
-    let points = kept.filter_map(|i| Some((*cloud.positions.get(i)?, cloud.colors.get(i))));
-    let (positions, colors) = points.unzip();
-    UploadedCloud::new(device, &PointBuffer { positions, colors: PointColors::PerPoint(colors) }).chunks
 }
 
 /// Vertices of a box that may show its far sides.

@@ -5,8 +5,10 @@ use std::time::Duration;
 /// Since the device was opened: a lost device loses its figures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GpuStats {
-    /// Pictures that were begun.
+    /// Pictures that were begun on the GPU.
     pub pictures: u64,
+    /// Pictures that the CPU has drawn, because their faces lie over each other too many times.
+    pub pictures_by_cpu: u64,
     /// Uploads of geometries and images. Large ones go in several pieces, each of which counts.
     pub uploads: u64,
     /// Bytes uploaded.
