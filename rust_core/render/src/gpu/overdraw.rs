@@ -383,6 +383,10 @@ mod tests {
         for (name, geometry) in all_kinds(places) {
             assert_eq!(estimates(geometry)[1], 0.0, "{name}");
         }
+        // Right behind the eye, where solids may reach before it.
+        for (name, geometry) in all_kinds(vec![[0.0, 0.0, -0.3]]).into_iter().filter(|(name, _)| *name != "solids") {
+            assert_eq!(estimates(geometry)[1], 0.0, "{name}");
+        }
         assert_eq!(estimates(cloud(Vec::new(), PointStyle::FlatSquares { side_m: 1.0 })), [0.0; 2]);
         let not_finite = vec![[f32::NAN, 0.0, 1.0], [f32::INFINITY; 3]];
         for (name, geometry) in all_kinds(not_finite) {
