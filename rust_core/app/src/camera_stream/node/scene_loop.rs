@@ -444,17 +444,46 @@ impl SceneLoop {
     /// Records the result of rendering and publishing a camera's picture. An error is logged once and does not end the
     /// node. A GPU that `auto` chose and that fails is replaced by the CPU.
     fn record_result(&mut self, index: usize, result: Result<()>) {
-        let gpu_failed = matches!(&result, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })));
+        let gpu_failed = has_gpu_failed(&result);
         let mut cameras = self.shared.cameras();
         if let Some(camera) = cameras.get_mut(index) {
             camera.record_result(result);
         }
         if gpu_failed {
             cameras.iter_mut().for_each(CameraOutput::discard_in_flight);
+            if let Some(renderer) = instead_of_gpu(self.renderer_choice) {
+                self.renderer = renderer;
+                log::warn!("drawing with {} from now on", self.renderer.describe());
+            }
         }
-        if gpu_failed && self.renderer_choice == RendererChoice::Auto {
-            self.renderer = Box::new(CpuRenderer::new());
-            log::warn!("drawing with {} from now on", self.renderer.describe());
+    }
+}
+
+/// Whether a picture is missing because the GPU is lost, hangs or is out of memory.
+fn has_gpu_failed(result: &Result<()>) -> bool {
+    matches!(result, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })))
+}
+
+/// What draws when the GPU has failed; `None`: the GPU again, which is opened anew.
+fn instead_of_gpu(choice: RendererChoice) -> Option<Box<dyn Renderer>> {
+    (choice == RendererChoice::Auto).then(|| Box::new(CpuRenderer::new()) as Box<dyn Renderer>)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gpu_that_fails_is_replaced_by_the_cpu_where_auto_had_chosen_it() {
+        let lost = RenderError::Gpu { adapter: "a GPU".into(), reason: "the device was lost".into() };
+        let too_large =
+            RenderError::TooLarge { width_px: 9, height_px: 9, limit_px: 8, renderer: "gpu (a GPU)".into() };
+        assert!(has_gpu_failed(&Err(lost.into())));
+        assert!(!has_gpu_failed(&Err(too_large.into())) && !has_gpu_failed(&Ok(())));
+        let replaced = instead_of_gpu(RendererChoice::Auto).map(|renderer| renderer.describe());
+        assert!(replaced.is_some_and(|name| name.starts_with("cpu")));
+        for choice in [RendererChoice::Gpu, RendererChoice::Cpu] {
+            assert!(instead_of_gpu(choice).is_none());
         }
     }
 }
