@@ -1,5 +1,6 @@
 //! Things that the user clicks in rviz with Publish Point, as points of the camera's optical frame.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -16,7 +17,7 @@ use crate::small_node::{self, EndRequest};
 const PATIENCE: Duration = Duration::from_secs(3);
 /// How often the end is looked for.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
-/// Clicks that wait, at most.
+/// Clicks that wait to be looked at, and for TF, at most.
 const QUEUE_SIZE: usize = 20;
 
 /// A thing that was clicked.
@@ -51,7 +52,7 @@ impl Clicks {
         let Some(node) = small_node::connect("projector_calibrate", &self.end)? else { return Ok(frames) };
         node.subscribe_transforms()?;
         let clicked = node.subscribe(&self.topic, MessageKind::PointStamped, QUEUE_SIZE)?;
-        let mut waiting: Vec<(Arc<PointStamped>, Instant)> = Vec::new();
+        let mut waiting = VecDeque::new();
         while !self.end.is_requested() {
             for event in node.events().wait(POLL_PERIOD) {
                 frames.take(&event);
@@ -59,7 +60,7 @@ impl Clicks {
                     NodeEvent::Message { topic, message: AnyMessage::PointStamped(point), received, .. }
                         if topic == *clicked.topic() =>
                     {
-                        waiting.push((point, received));
+                        keep(&mut waiting, point, received);
                     }
                     _ => {}
                 }
@@ -91,5 +92,31 @@ impl Clicks {
             Some(projector_from_parent(place) * parent_from_camera * point)
         });
         Ok(Click { point, in_projector })
+    }
+}
+
+/// Has a click wait for TF. Of more than [`QUEUE_SIZE`], the oldest is left out.
+fn keep(waiting: &mut VecDeque<(Arc<PointStamped>, Instant)>, point: Arc<PointStamped>, received: Instant) {
+    if waiting.len() == QUEUE_SIZE {
+        waiting.pop_front();
+        log::warn!("the oldest click is left out: more than {QUEUE_SIZE} wait for their frames");
+    }
+    waiting.push_back((point, received));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_clicks_whose_frames_do_not_come_the_newest_wait() {
+        let mut waiting = VecDeque::new();
+        for number in 0..100 {
+            let mut point = PointStamped::default();
+            point.point.x = f64::from(number);
+            keep(&mut waiting, Arc::new(point), Instant::now());
+        }
+        let kept: Vec<f64> = waiting.iter().map(|(point, _)| point.point.x).collect();
+        assert_eq!(kept, (80..100).map(f64::from).collect::<Vec<_>>());
     }
 }

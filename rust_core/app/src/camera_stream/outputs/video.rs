@@ -6,8 +6,9 @@
 use std::ffi::{OsStr, OsString};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use rcs_scene::Encoding;
 
@@ -15,6 +16,14 @@ use super::{Frame, Output, OutputError};
 
 /// Looked up in PATH.
 const ENCODER: &str = "ffmpeg";
+/// How long the encoder may take to say which one it is.
+const START_TIMEOUT: Duration = Duration::from_secs(60);
+/// How long it may take for the rest once it has all pictures.
+const END_TIMEOUT: Duration = Duration::from_secs(600);
+/// How long what it printed may take, once it has ended.
+const PRINTED_TIMEOUT: Duration = Duration::from_secs(5);
+/// How often its end is looked for.
+const POLL_PERIOD: Duration = Duration::from_millis(10);
 
 /// Why a video was not written.
 #[derive(Debug, thiserror::Error)]
@@ -71,6 +80,7 @@ pub struct VideoFile {
     file: PathBuf,
     unfinished: PathBuf,
     rate_hz: f64,
+    end_timeout: Duration,
     running: Option<Running>,
 }
 
@@ -91,27 +101,19 @@ impl VideoFile {
     pub fn create(file: &Path, rate_hz: f64) -> Result<Self, VideoError> {
         let mut version = Command::new(ENCODER);
         version.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-        version.status().map_err(|source| run_error(file, source))?;
+        let mut child = version.spawn().map_err(|source| run_error(file, source))?;
+        if end_of(&mut child, START_TIMEOUT).map_err(|source| run_error(file, source))?.is_none() {
+            return Err(run_error(file, io::ErrorKind::TimedOut.into()));
+        }
         let (file, unfinished) = (file.to_owned(), unfinished_name(file));
-        Ok(Self { file, unfinished, rate_hz, running: None })
+        Ok(Self { file, unfinished, rate_hz, end_timeout: END_TIMEOUT, running: None })
     }
 
     fn start(&self, size_px: [u32; 2], encoding: Encoding) -> Result<Running, VideoError> {
         let mut command = Command::new(ENCODER);
         command.args(arguments(size_px, encoding, self.rate_hz, &self.unfinished));
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
-        let mut child = command.spawn().map_err(|source| run_error(&self.file, source))?;
-        let mut stderr = child.stderr.take();
-        let read = move || {
-            let mut text = Vec::new();
-            if let Some(stderr) = &mut stderr {
-                // What was read before an error is all there is to report.
-                let _ = stderr.read_to_end(&mut text);
-            }
-            String::from_utf8_lossy(&text).into_owned()
-        };
-        let printed = std::thread::Builder::new().name("ffmpeg-errors".to_owned()).spawn(read);
-        let printed = printed.map_err(|source| run_error(&self.file, source))?;
+        let (child, printed) = started(&mut command).map_err(|source| run_error(&self.file, source))?;
         Ok(Running { child, size_px, printed })
     }
 
@@ -119,11 +121,21 @@ impl VideoFile {
     fn wait(&self, mut running: Running) -> Result<(), VideoError> {
         // The end of the pictures.
         drop(running.child.stdin.take());
-        let status = running.child.wait().map_err(|source| run_error(&self.file, source))?;
-        let printed = running.printed.join().unwrap_or_default();
+        let status = end_of(&mut running.child, self.end_timeout).map_err(|source| run_error(&self.file, source))?;
+        let Some(status) = status else {
+            let reason = format!("it has not ended within {:?} after the last picture", self.end_timeout);
+            return Err(VideoError::Failed { path: self.file.clone(), reason });
+        };
         if status.success() {
             return Ok(());
         }
+        // Another process may hold its standard error open.
+        let until = Instant::now() + PRINTED_TIMEOUT;
+        while !running.printed.is_finished() && Instant::now() < until {
+            std::thread::sleep(POLL_PERIOD);
+        }
+        let printed =
+            if running.printed.is_finished() { running.printed.join().unwrap_or_default() } else { String::new() };
         let last = printed.lines().map(str::trim).rfind(|line| !line.is_empty());
         let reason = last.map_or_else(|| status.to_string(), str::to_owned);
         Err(VideoError::Failed { path: self.file.clone(), reason })
@@ -183,6 +195,38 @@ impl Drop for VideoFile {
     }
 }
 
+/// A process, and what it prints on standard error, which a thread reads.
+fn started(command: &mut Command) -> io::Result<(Child, JoinHandle<String>)> {
+    let mut child = command.spawn()?;
+    let mut stderr = child.stderr.take();
+    let read = move || {
+        let mut text = Vec::new();
+        if let Some(stderr) = &mut stderr {
+            // What was read before an error is all there is to report.
+            let _ = stderr.read_to_end(&mut text);
+        }
+        String::from_utf8_lossy(&text).into_owned()
+    };
+    let printed = std::thread::Builder::new().name("ffmpeg-errors".to_owned()).spawn(read)?;
+    Ok((child, printed))
+}
+
+/// How a process has ended. `None` if it has not within this time: then it is killed.
+fn end_of(child: &mut Child, timeout: Duration) -> io::Result<Option<ExitStatus>> {
+    let until = Instant::now() + timeout;
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(Some(status));
+        }
+        if Instant::now() >= until {
+            child.kill()?;
+            child.wait()?;
+            return Ok(None);
+        }
+        std::thread::sleep(POLL_PERIOD);
+    }
+}
+
 fn run_error(file: &Path, source: io::Error) -> VideoError {
     let path = file.to_owned();
     if source.kind() == io::ErrorKind::NotFound {
@@ -224,4 +268,36 @@ fn arguments(size_px: [u32; 2], encoding: Encoding, rate_hz: f64, file: &Path) -
     let mut address = OsString::from("file:");
     address.push(file);
     words.chain([address]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What `finish` says where the encoder does this once it has all pictures, and how long that took.
+    fn finished(script: &str, end_timeout: Duration) -> (String, Duration) {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("out.mp4");
+        let unfinished = unfinished_name(&file);
+        let mut video = VideoFile { file, unfinished, rate_hz: 1.0, end_timeout, running: None };
+        let mut command = Command::new("sh");
+        command.args(["-c", script]).stdin(Stdio::piped()).stderr(Stdio::piped());
+        let (child, printed) = started(&mut command).unwrap();
+        video.running = Some(Running { child, size_px: [2, 2], printed });
+        let begun = Instant::now();
+        let error = video.finish().unwrap_err().to_string();
+        (error, begun.elapsed())
+    }
+
+    #[test]
+    fn an_encoder_that_hangs_at_the_end_is_ended_and_what_it_leaves_running_is_not_waited_for() {
+        let (error, took) = finished("exec sleep 100", Duration::from_millis(200));
+        assert!(error.ends_with("ffmpeg failed: it has not ended within 200ms after the last picture"), "{error}");
+        assert!(took < Duration::from_secs(50), "{took:?}");
+        let (error, took) = finished("echo wrong >&2; sleep 60 & exit 3", END_TIMEOUT);
+        assert!(error.contains("ffmpeg failed: exit status: 3"), "{error}");
+        assert!(took < Duration::from_secs(50), "{took:?}");
+        let (error, _) = finished("echo first >&2; echo wrong >&2; exit 3", END_TIMEOUT);
+        assert!(error.ends_with("ffmpeg failed: wrong"), "{error}");
+    }
 }
