@@ -5,8 +5,10 @@
 mod bench;
 mod catkin;
 mod demo;
+mod environment;
 mod files;
 mod launch;
+mod options;
 mod packages;
 mod test_command;
 
