@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use rcs_rviz_config::{classes, properties, Role, ENTRY};
+use rcs_rviz_config::{classes, properties, CameraPubSettings, DisplaySettings, Role, ENTRY};
 
 const CAMERA_PUB: &str = "rviz_camera_stream/CameraPub";
 
@@ -122,6 +122,39 @@ fn a_camera_pub_without_enabled_is_off_as_the_readme_has_it() {
     let text = format!("Visualization Manager:\n  Displays:\n  - {{Class: {CAMERA_PUB}, Name: camera}}\n");
     let config = rcs_rviz_config::parse(&text, "a.rviz").unwrap();
     assert_eq!(documented(CAMERA_PUB)["Enabled"], config.displays[0].enabled.to_string());
+}
+
+/// The block to paste, below `Displays:` and beside the display that it names.
+#[test]
+fn the_readmes_camera_is_read_as_it_says() {
+    let page = page("README.md");
+    let block = page.split("```yaml\n").find(|block| block.starts_with("    - Class: rviz_camera_stream/CameraPub"));
+    let block = block.and_then(|block| block.split("```").next()).expect("the README has a CameraPub");
+    let grid = "    - Class: rviz/Grid\n      Name: Grid\n      Enabled: true\n";
+    let text = format!("Visualization Manager:\n  Displays:\n{grid}{block}");
+    let config = rcs_rviz_config::parse(&text, "a.rviz").unwrap();
+    assert_eq!(config.findings, []);
+    let camera = &config.displays[1];
+    assert_eq!((&*camera.name, camera.enabled), ("Projector", true));
+    let DisplaySettings::CameraPub(settings) = &camera.settings else { panic!("{:?}", camera.settings) };
+    let topics = [&settings.camera_info_topic, &settings.image_topic, &settings.display_namespace];
+    assert_eq!(topics, ["/proj_view/camera_info", "/proj_view/image", "proj_view"]);
+    // The topics and the visibility are the camera's own; all else is the default, as the table has it.
+    let expected = CameraPubSettings {
+        camera_info_topic: settings.camera_info_topic.clone(),
+        image_topic: settings.image_topic.clone(),
+        display_namespace: settings.display_namespace.clone(),
+        visibility: settings.visibility.clone(),
+        ..CameraPubSettings::default()
+    };
+    assert_eq!(*settings, expected);
+    assert!(format!("{:?}", settings.visibility).contains("Grid"), "{:?}", settings.visibility);
+    // Every row of the table but those for the plugin is in the block.
+    for key in
+        documented(CAMERA_PUB).into_keys().filter(|key| !["Projection", "Undistort", "Depth Topic"].contains(&&**key))
+    {
+        assert!(block.contains(&format!(" {key}:")), "{key} is not in the block");
+    }
 }
 
 #[test]
