@@ -395,3 +395,20 @@ fn obj_meshes_are_drawn_object_by_object() {
     let firsts: Vec<_> = mesh.parts.iter().map(|part| positions(part)[0]).collect();
     assert_eq!(firsts, [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]);
 }
+
+/// Names are compared and opened, and given to no shell.
+#[test]
+fn a_command_in_an_address_is_not_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = store_of(folder.path());
+    let inside = folder.path().join("ran");
+    // A name of a package has no slash: the command would leave its file where the test runs.
+    let beside = format!("ran_by_an_address_{}", std::process::id());
+    for target in [beside.clone(), inside.display().to_string()] {
+        let command = format!("$(touch {target})`touch {target}`;touch {target};'\"|touch {target}&");
+        for address in ["package://", "file://", "file:///", ""].map(|scheme| format!("{scheme}{command}/a.stl")) {
+            assert!(get(&store, &address).is_err(), "{address}");
+        }
+    }
+    assert!(!inside.exists() && !Path::new(&beside).exists());
+}
