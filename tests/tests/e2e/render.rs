@@ -413,3 +413,26 @@ fn packages_of_meshes_are_found_in_the_package_path_of_the_command_line() {
     assert!(output.status.success() && warnings.contains("package://"), "a missing mesh is reported: {warnings}");
     assert!(fs::read(render.path("with.png")).unwrap() != fs::read(render.path("without.png")).unwrap());
 }
+
+/// Where the real ffmpeg is installed: its video is played again.
+#[test]
+fn a_video_by_the_real_ffmpeg_plays() {
+    if Command::new("ffmpeg").arg("-version").output().is_err() {
+        println!("skipped: ffmpeg is not installed");
+        return;
+    }
+    let render = Render::with_scene();
+    render.good("-d scene.rviz --bag scene.bag --video out.mp4 --rate 2");
+    let mut play = Command::new("ffmpeg");
+    play.args(["-v", "error", "-i", "out.mp4", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]);
+    let played = play.current_dir(render.folder.path()).output().unwrap();
+    assert!(played.status.success(), "{}", String::from_utf8_lossy(&played.stderr));
+    let frames: Vec<&[u8]> = played.stdout.chunks(64 * 48 * 3).collect();
+    assert_eq!((frames.len(), frames[6].len()), (7, 64 * 48 * 3));
+    let middle = (24 * 64 + 32) * 3;
+    for (frame, brightest) in [(0, 0), (3, 1), (6, 2)] {
+        let pixel = &frames[frame][middle..middle + 3];
+        // Compression changes colours a little.
+        assert!((0..3).all(|channel| (pixel[channel] > 200) == (channel == brightest)), "{frame}: {pixel:?}");
+    }
+}

@@ -277,3 +277,27 @@ fn saving_the_file_changes_the_picture() {
     fixture.wait_for(format!("corner() == {BLACK} and viewer.middle() == {RED}"));
     assert_eq!(fixture.python("before == (connections('/cloud'), viewer_connections())"), "True");
 }
+
+/// What `dynparam set` does: a process connects, sets one value and is gone, with its connections to the node's topics.
+#[test]
+fn clients_that_set_a_value_and_leave_are_no_warning_and_no_error() {
+    let fixture = fixture(&config(&[CLOUD], &[camera()]), &["--no-watch"]);
+    for blue in [10, 200, 30, 255] {
+        let mut set = fixture.master.environment(Command::new("python3"));
+        let script = format!(
+            "import rospy\nfrom dynamic_reconfigure.client import Client\nrospy.init_node('dynparam', anonymous=True)\n\
+             Client('/camera_stream/CameraPub', timeout=30).update_configuration({{'background_blue': {blue}}})"
+        );
+        let output = set.args(["-c", &script]).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        fixture.wait_for(format!("corner() == (0, 0, {blue})"));
+    }
+    // What is published to a connection that has ended fails at the latest with the second message.
+    fixture.python("c = client()");
+    for blue in [1, 2, 3, 255] {
+        fixture.python(format!("c.update_configuration({{'background_blue': {blue}}})"));
+    }
+    fixture.wait_for(format!("corner() == {BLUE}"));
+    let log = fixture.log();
+    assert!(!["ERROR", "WARN", "Broken pipe"].iter().any(|word| log.contains(word)), "{log}");
+}
