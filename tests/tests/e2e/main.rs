@@ -28,6 +28,7 @@ mod diagnostics;
 mod eye_safety;
 mod lazy_streams;
 mod lifecycle;
+mod listening;
 mod live_equals_offline;
 mod never_false;
 mod node_log;
