@@ -220,14 +220,131 @@ fn programs_hold_no_tests() {
     assert!(checked > 10, "{checked} programs");
 }
 
+/// A source file without comments and blanks, up to its tests.
+fn code(text: &str) -> String {
+    let mut lines = text.lines();
+    let mut code = String::new();
+    while let Some(line) = lines.next() {
+        if line == "#[cfg(test)]" {
+            let item = lines.find(|line| !line.starts_with("#[")).unwrap_or_default();
+            // A module of tests in a file of its own is no end, nor is a helper for tests.
+            if item.starts_with("mod ") && item.ends_with('{') {
+                break;
+            }
+        } else if !line.trim_start().starts_with("//") {
+            code.extend(line.split_whitespace());
+        }
+    }
+    code
+}
+
+/// The programs' sources by their paths in the repository, each with its [`code`].
+fn sources() -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for file in rust_files(&repository().join("rust_core")) {
+        // Of the whole path, this crate's folder is a part.
+        let name = file.strip_prefix(repository()).unwrap_or(&file);
+        let has = |folder: &str| name.components().any(|part| part.as_os_str() == folder);
+        if has("src") && !has("tests") && !has("tests.rs") {
+            let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+            found.push((name.display().to_string(), code(&text)));
+        }
+    }
+    found
+}
+
+/// What starts a thread without a name in this code, if anything does.
+fn unnamed_thread(code: &str) -> Option<&str> {
+    let plain = ["thread::spawn", "thread::scope", "thread::{spawn", "thread::{scope", "rayon::spawn"];
+    let named = [("thread::Builder::new()", ".name("), ("ThreadPoolBuilder::new()", ".thread_name(")];
+    let is_unnamed = |(start, name): &(&str, &str)| code.split(start).skip(1).any(|rest| !rest.starts_with(name));
+    let found = plain.into_iter().find(|start| code.contains(start));
+    found.or_else(|| named.into_iter().find(is_unnamed).map(|(start, _)| start))
+}
+
+#[test]
+fn threads_without_a_name_are_recognised() {
+    for unnamed in [
+        "let thread = std::thread::spawn(run);",
+        "use std::thread::{spawn, sleep};",
+        "thread::scope(|scope| { scope.spawn(run); });",
+        "let thread = thread::Builder::new()\n    .stack_size(9)\n    .spawn(run)?;",
+        "rayon::ThreadPoolBuilder::new().num_threads(2).build()",
+        "#[cfg(test)]\nmod tests;\n\nfn run() {\n    thread::spawn(run);\n}",
+    ] {
+        assert!(unnamed_thread(&code(unnamed)).is_some(), "{unnamed}");
+    }
+    for named in [
+        "let builder = std::thread::Builder::new()\n    .name(name)\n    .stack_size(9);",
+        "rayon::ThreadPoolBuilder::new().thread_name(name).build_global()",
+        "// Not by thread::spawn.",
+        "let child = command.spawn()?;",
+        "#[cfg(test)]\nmod tests {\n    thread::spawn(run);\n}",
+    ] {
+        assert_eq!(unnamed_thread(&code(named)), None, "{named}");
+    }
+}
+
 #[test]
 fn every_thread_is_started_with_a_name() {
-    let core = rust_files(&repository().join("rust_core"));
-    let programs = core.iter().filter(|file| file.components().any(|part| part.as_os_str() == "src"));
-    for file in programs.filter(|file| !file.components().any(|part| part.as_os_str() == "tests")) {
-        let text = fs::read_to_string(file).unwrap();
-        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-        assert!(!code.contains("thread::spawn("), "{}: std::thread::Builder gives a name", file.display());
+    let sources = sources();
+    for (file, code) in &sources {
+        assert_eq!(unnamed_thread(code), None, "{file} starts a thread without a name");
+    }
+    let started = sources.iter().map(|(_, code)| code.matches("thread::Builder::new()").count()).sum::<usize>();
+    assert!(started > 20, "{started} threads");
+}
+
+/// The pool of threads that share work has names if it is named before its first use: by each program that draws or
+/// calculates, and by the C interface.
+#[test]
+fn the_pool_of_threads_is_named_by_all_that_use_it() {
+    let naming = "rcs_scene::name_threads();";
+    let sources = sources();
+    let found: BTreeSet<&str> =
+        sources.iter().filter(|(_, code)| code.contains(naming)).map(|(file, _)| file.as_str()).collect();
+    let app = "rust_core/app/src";
+    let expected = [
+        "camera_stream/check/live.rs",
+        "camera_stream/mod.rs",
+        "camera_stream/node/mod.rs",
+        "projector_blend/mod.rs",
+        "projector_calibrate/mod.rs",
+    ];
+    let mut expected: BTreeSet<String> = expected.iter().map(|file| format!("{app}/{file}")).collect();
+    expected.insert("rust_core/capi/src/camera.rs".to_owned());
+    assert_eq!(found, expected.iter().map(String::as_str).collect());
+}
+
+/// Nothing that comes from outside reaches a shell: SECURITY.md names the two places that start a program.
+#[test]
+fn programs_are_started_in_two_places_and_no_shell_is() {
+    let sources = sources();
+    let starting = |code: &str| {
+        ["Command::new(", "process::Command", "libc::system", "execv"].iter().any(|word| code.contains(word))
+    };
+    let found: Vec<&str> = sources.iter().filter(|(_, code)| starting(code)).map(|(file, _)| file.as_str()).collect();
+    let expected = ["rust_core/app/src/camera_stream/outputs/video.rs", "rust_core/ros/src/startup.rs"];
+    assert_eq!(found.into_iter().collect::<BTreeSet<_>>(), BTreeSet::from(expected));
+    for (file, code) in &sources {
+        assert!(!["\"sh\"", "\"bash\"", "/bin/sh"].iter().any(|shell| code.contains(shell)), "{file} names a shell");
+    }
+}
+
+/// What works for the pictures on a thread of its own is watched, or a hang of it is not named in the log.
+#[test]
+fn what_works_for_the_pictures_is_watched() {
+    let sources = sources();
+    for (file, registering) in [
+        ("node/mod.rs", "let_watchdog=Watchdog::start()"),
+        ("node/shared.rs", "watchdog::watch(&activity);"),
+        ("node/control.rs", "Task::watched(\"answeringcalls\")"),
+        ("outputs/compressed.rs", "Task::watched(format!(\"compressingapictureof{}\""),
+        ("outputs/window.rs", "watchdog::watch(&showing);"),
+    ] {
+        let name = format!("rust_core/app/src/camera_stream/{file}");
+        let code = sources.iter().find(|(source, _)| *source == name).map_or("", |(_, code)| code);
+        assert!(code.contains(registering), "{name} no longer has {registering}");
     }
 }
 

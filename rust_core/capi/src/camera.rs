@@ -151,6 +151,10 @@ impl RcsCamera {
     /// # Safety
     /// The pointers of `info` are as it says.
     unsafe fn set_info(&mut self, info: &RcsCameraInfo, model: CameraModel, near_clip_m: f64) -> Result<(), Fault> {
+        // Only a lens is work that is shared.
+        if model.undistort {
+            rcs_scene::name_threads();
+        }
         // SAFETY: as the caller promises.
         let (optics, warning) = unsafe {
             with_fields(info, |fields| {

@@ -165,3 +165,16 @@ fn bad_numbers_from_c_are_refused() {
         }
     }
 }
+
+/// rviz has threads of many libraries. Miri has names of its own for threads.
+#[test]
+#[cfg_attr(miri, ignore)]
+fn the_threads_that_a_lens_starts_have_names() {
+    let (camera, _) = camera(true);
+    let tasks = std::fs::read_dir("/proc/self/task").unwrap();
+    let names = tasks.filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok());
+    let names: Vec<String> = names.collect();
+    assert!(names.iter().any(|name| name == "draw-0\n"), "{names:?}");
+    // SAFETY: it was not freed.
+    unsafe { rcs_camera_free(camera) };
+}

@@ -58,10 +58,3 @@ pub use cpu::{CpuRenderer, Culling};
 pub use gpu::{GpuRenderer, GpuStats};
 pub use last_step::{Blend, BlendError, KeepOut, LastStep, LightMask, Orientation, Sphere};
 pub use renderer::{create, RenderError, Renderer, RendererChoice, View};
-
-/// Names the threads that draw `draw-0`, `draw-1`, …, for `top -H` and debuggers. To be called before anything is
-/// drawn; later it changes nothing.
-pub fn name_threads() {
-    // Fails if they run already.
-    let _ = rayon::ThreadPoolBuilder::new().thread_name(|index| format!("draw-{index}")).build_global();
-}

@@ -29,6 +29,7 @@ mod ribbons;
 mod scene;
 mod solids;
 mod text;
+mod workers;
 
 pub use camera::{require_finite, Camera, CameraError, Intrinsics, FAR_CLIP_M, MAX_SIDE_PX};
 pub use cells::{CellSheet, CellTile, Cells, TILE_SIDE, UNSET_CELL};
@@ -49,3 +50,4 @@ pub use ribbons::{RibbonElement, Ribbons};
 pub use scene::{DirectionalLight, DisplayId, DisplayMask, Drawable, Geometry, RenderGroup, Scene};
 pub use solids::{Solid, Solids};
 pub use text::{Glyph, HorizontalAlignment, Text, VerticalAlignment};
+pub use workers::name_threads;

@@ -42,6 +42,7 @@ mod render;
 mod samples;
 mod settings;
 mod simulated_time;
+mod thread_names;
 mod transforms;
 mod viewers;
 mod wrong_messages;

@@ -145,6 +145,7 @@ fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
 
 fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     log_findings(config, &[]);
+    rcs_scene::name_threads();
     let packages = PackageIndex::from_env(&args.package_path);
     // The user's own files may lie beside each other, in no package.
     let options = cli.resources.options_beside(&[&args.display_config, &args.bag]);

@@ -57,6 +57,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse_from(own_arguments());
     logging::start(false);
+    rcs_scene::name_threads();
     let result = match &arguments.command {
         Command::Manual(arguments) => manual::run(arguments),
         Command::Patterns(arguments) => patterns::run(arguments),

@@ -60,6 +60,7 @@ pub fn run(config: &Config, args: &LiveArgs, out: &mut dyn Write) -> Result<bool
     // The master would end the running node if this one took its name.
     let name = NodeName::of_this_process()?;
     let end = EndRequest::watch_signals()?;
+    rcs_scene::name_threads();
     let ros = RosNode::connect_now(&name.own, &|| end.is_requested())?;
     let result = check(config, args, &name, &ros, &end, out);
     ros.shutdown();

@@ -55,7 +55,7 @@ use shared::Shared;
 pub fn run(cli: &Cli, config: &Config) -> Result<()> {
     log_findings(config, &[]);
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    rcs_render::name_threads();
+    rcs_scene::name_threads();
     let Some(ros) = small_node::connect(NODE_NAME, &end)? else { return Ok(()) };
     let shared = Arc::new(Shared::new(ros));
     run_threads(cli, config, &shared, &end)?;
