@@ -29,7 +29,7 @@ pub(crate) fn of_process(fixture: &RosFixture, name: &str) -> u64 {
 }
 
 /// How much of a core the node uses, over a time.
-fn core_share(fixture: &RosFixture, time: Duration) -> f64 {
+pub(crate) fn core_share(fixture: &RosFixture, time: Duration) -> f64 {
     let ticks = || {
         let stat = fs::read_to_string(format!("/proc/{}/stat", fixture.node.id())).unwrap();
         let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
@@ -42,7 +42,7 @@ fn core_share(fixture: &RosFixture, time: Duration) -> f64 {
 }
 
 /// Python functions that make messages of many things before the camera.
-const MANY: &str = "from std_msgs.msg import ColorRGBA, Header\n\
+pub(crate) const MANY: &str = "from std_msgs.msg import ColorRGBA, Header\n\
      from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped, Quaternion, Vector3\n\
      from nav_msgs.msg import Path\n\
      from visualization_msgs.msg import Marker, MarkerArray\n\
@@ -59,7 +59,7 @@ const MANY: &str = "from std_msgs.msg import ColorRGBA, Header\n\
          return cloud(0x0000ff, points=[(i % 100 * .02 - 1 + shift, i // 100 * .02 - 1, 2.5) for i in range(count)])";
 
 /// Sends messages of two places in turn, which are written only once.
-fn in_turn(rate_hz: u32, topic: &str, make: &str, count: usize) -> String {
+pub(crate) fn in_turn(rate_hz: u32, topic: &str, make: &str, count: usize) -> String {
     format!(
         "repeated = globals().get('repeated', []) + [PublishRepeatedly({rate_hz}, \
              lambda i, both=[written({make}({count}, shift)) for shift in (0, 0.03)]: both[i % 2], '{topic}')]"
@@ -87,7 +87,7 @@ fn calls_signals_and_pictures_go_on_while_a_picture_takes_long() {
     for call in ["trigger('/camera_trigger')", "c.update_configuration({'near_clip': 0.02})"] {
         let secs: f64 = fixture.python(format!("timed(lambda: {call})")).parse().unwrap();
         println!("{call} is answered after {secs:.3} s");
-        assert!(secs < 0.3, "{call}: {secs} s");
+        assert!(secs < 0.2, "{call}: {secs} s");
     }
     fixture.rewrite(&config(&[CLOUD], &[CameraPub::default()]));
     let answer = fixture.python("trigger('/camera_stream/reload_config')");
@@ -128,17 +128,22 @@ fn changes_that_a_camera_does_not_show_make_no_picture_and_others_no_more_than_t
     watched(&fixture);
     fixture.python("all_shown = Viewer('/all/image')");
     fixture.python("moving = lambda i: tf('map', 'hand', xyz=(0, i * 1e-3, 2), stamp=rospy.Time.now())");
-    fixture.python("repeated = PublishRepeatedly(100, moving, '/tf')");
-    fixture.wait_for("len({i[6] for i in all_shown.images}) > 3");
-    fixture.python("viewer.forget(); all_shown.forget(); arrays.clear()");
-    fixture.wait_for("len(arrays) > 1");
-    let before = drawn(&fixture);
-    fixture.python("begun = time.time(); all_shown.forget()");
-    fixture.wait_for("len(all_shown.images) > 120 and len(arrays) > 5");
-    let rate: f64 = fixture.python("len(all_shown.images) / (time.time() - begun)").parse().unwrap();
-    println!("{rate:.1} pictures a second of a scene that changes 100 times");
-    assert!((25.0..31.0).contains(&rate), "{rate} pictures a second");
-    assert_eq!(drawn(&fixture), before, "the camera that does not show the frames draws nothing");
+    for changes_hz in [100, 300] {
+        fixture.python(format!("all_shown.forget(); repeated = PublishRepeatedly({changes_hz}, moving, '/tf')"));
+        fixture.wait_for("len({i[6] for i in all_shown.images}) > 3");
+        fixture.python("viewer.forget(); all_shown.forget(); arrays.clear()");
+        fixture.wait_for("len(arrays) > 1");
+        let before = drawn(&fixture);
+        fixture.python("begun = time.time(); all_shown.forget()");
+        let cores = core_share(&fixture, Duration::from_secs(3));
+        fixture.wait_for("len(all_shown.images) > 120 and len(arrays) > 5");
+        let rate: f64 = fixture.python("len(all_shown.images) / (time.time() - begun)").parse().unwrap();
+        let percent = 100.0 * cores;
+        println!("changes at {changes_hz} Hz: {rate:.1} pictures a second, {percent:.0} % of a core");
+        assert!((25.0..31.0).contains(&rate), "{rate} pictures a second");
+        assert_eq!(drawn(&fixture), before, "the camera that does not show the frames draws nothing");
+        fixture.python("repeated.stop()");
+    }
 }
 
 #[test]
@@ -210,8 +215,8 @@ fn a_huge_picture_gives_its_memory_back() {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);
     let before = of_process(&fixture, "VmRSS");
-    fixture.python("latch('/eye/camera_info', info(width=8192, height=8192, f=9000.0))");
-    fixture.wait_for("viewer.last.width == 8192");
+    fixture.python("latch('/eye/camera_info', info(width=16384, height=16384, f=9000.0))");
+    fixture.wait_for("viewer.last.width == 16384");
     let huge = of_process(&fixture, "VmHWM");
     fixture.python("latch('/eye/camera_info', info())");
     fixture.wait_for("viewer.last.width == 64");
@@ -293,7 +298,7 @@ fn a_hundred_thousand_markers_give_their_memory_back() {
 }
 
 /// Arrows or texts behind the cloud, and how long no new picture of the cloud came.
-const CROWD: &str = "def crowd(count, kind):\n    \
+pub(crate) const CROWD: &str = "def crowd(count, kind):\n    \
          def marker(i):\n        \
              at = Point(i % 317 * 0.01 - 1.58, i // 317 * 0.0076 - 1.2, 2.5 + i % 7 * 0.2)\n        \
              size = Vector3(.1, .01, .01) if kind == Marker.ARROW else Vector3(.05, .05, .05)\n        \
@@ -310,7 +315,7 @@ const CROWD: &str = "def crowd(count, kind):\n    \
 #[test]
 fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
-    for kind in ["ARROW", "TEXT_VIEW_FACING"] {
+    for (kind, kept_mb) in [("SPHERE", 90), ("ARROW", 130), ("TEXT_VIEW_FACING", 170)] {
         let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
         watched(&fixture);
         fixture.python(MANY);
@@ -321,18 +326,31 @@ fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
         fixture.python("viewer.forget()");
         fixture.wait_for("len(viewer.images) > 60");
         let before = fixture.python("longest_gap()");
-        fixture.python("viewer.forget(); send('/markers', array)");
-        fixture.wait_for("viewer.last and max(viewer.last.data[1::3]) > 100");
-        fixture.python("shown = len(viewer.images)");
-        fixture.wait_for("len(viewer.images) > shown + 10");
-        let gap: f64 = fixture.python("longest_gap()").parse().unwrap();
-        println!("{kind}: at most {gap:.3} s between pictures, {before} s before");
-        assert!(gap < 1.5, "{kind}: {gap} s without a new picture");
+        let memory = of_process(&fixture, "VmRSS");
+        let mut gaps = Vec::new();
+        // On a busy machine the best of some rounds counts.
+        while gaps.len() < 2 || gaps.len() < 5 && gaps.iter().all(|gap| *gap > 1.0) {
+            fixture.python("viewer.forget(); send('/markers', array)");
+            fixture.wait_for("viewer.last and max(viewer.last.data[1::3]) > 0");
+            fixture.python("shown = len(viewer.images)");
+            fixture.wait_for("len(viewer.images) > shown + 10");
+            gaps.push(fixture.python("longest_gap()").parse::<f64>().unwrap());
+            fixture.python("send('/markers', MarkerArray([Marker(action=Marker.DELETEALL)]))");
+            fixture.wait_for("max(viewer.last.data[1::3]) == 0");
+        }
+        println!("{kind}: at most {gaps:.3?} s between pictures, {before} s before");
+        assert!(gaps.iter().any(|gap| *gap < 1.0), "{kind}: {gaps:?} s without a new picture");
+        let most = of_process(&fixture, "VmHWM");
+        let grown_mb = || of_process(&fixture, "VmRSS").saturating_sub(memory) >> 10;
+        let is_given_back = wait_until(PATIENCE, || grown_mb() < kept_mb);
+        println!("{kind}: {} MB, at most {} MB, then {} MB more", memory >> 10, most >> 10, grown_mb());
+        assert!(is_given_back, "{kind}: {} MB more than before", grown_mb());
+        assert!(most < 350 << 10, "{kind}: {most} kB");
     }
 }
 
 /// Two cores draw 640×480 and send it while Python makes and receives it.
-const CAMERA: &str = "latch('/eye/camera_info', info(width=640, height=480, f=500.0))";
+pub(crate) const CAMERA: &str = "latch('/eye/camera_info', info(width=640, height=480, f=500.0))";
 
 fn pictures_per_second(fixture: &RosFixture) -> f64 {
     fixture.python("viewer.forget(); begun = time.time()");

@@ -10,6 +10,7 @@
 
 mod floods;
 mod frame_rate;
+mod heavy;
 mod latency;
 mod load;
 mod meshes;
