@@ -36,6 +36,8 @@ fn rows() -> Vec<(&'static str, ManySolids)> {
         ("path of 100,000 poses as axes", of(Content::PathAxes, 100_000)),
         ("path of 100,000 poses as arrows", of(Content::PathArrows, 100_000)),
         ("array of 10,000 poses as arrows", of(Content::PoseArrows, 10_000)),
+        ("path of 1,000,000 poses as a line", of(Content::PathLine, 1_000_000)),
+        ("array of 1,000,000 poses as flat arrows", of(Content::FlatArrows, 1_000_000)),
         ("text of 1,000,000 characters", of(Content::Text, 1_000_000)),
     ]
 }

@@ -1,14 +1,13 @@
 //! In the steady state a frame allocates nothing that grows with the scene.
 //!
 //! Every allocation of the process is counted while frames take the same path as in the node, except for the
-//! connections to ROS: a message's bytes as rosrust hands them over, the message, its display, the scene, the CPU
+//! connections to ROS: a message's bytes as a connection hands them over, the message, its display, the scene, the CPU
 //! renderer, the picture, the picture's bytes on the wire. Each kind of scene is rendered small and large; a frame of
 //! the large one may allocate no more than one of the small one, except for what a thread pool allocates now and then.
 //!
 //! What is left out, and why:
 //!
-//! - rosrust's own copies of a message (one for the socket, one for each subscription) and the bytes of a picture that
-//!   it takes and frees: both are allocated in its code. The latter are as many as the picture's, whatever the scene.
+//! - The connections, which read a message into the bytes that it keeps, and send a picture's from where they are.
 //! - The GPU renderer: the driver's allocations are not ours.
 //! - Loading meshes and textures, and laying out text: that happens once.
 //! - A scene that is rebuilt because something in it changed is a list of its drawables, some hundred bytes each; so is

@@ -1,7 +1,8 @@
 //! Very many small solids are quick to show, take little memory, and give it back.
 //!
-//! A tenth of the scenes that `examples/many_solids.rs` measures, from a message to its picture on the CPU. Times are
-//! the fastest of several, have about three times the room that they need on two cores, and are printed.
+//! Scenes that `examples/many_solids.rs` measures, some of them with a tenth of their things, from a decoded message to
+//! its picture on the CPU. Times are the fastest of several and are printed. They may be about three times what two cores
+//! need, and always less than before, when each solid was a mesh of its own (16 to 37 µs and more).
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::alloc::System;
@@ -25,6 +26,10 @@ static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 /// thing that was drawn.
 const LEFT_BYTES: usize = 1 << 20;
 
+/// How many times a scene is measured.
+const LEAST_TIMES: u32 = 5;
+const MOST_TIMES: u32 = 25;
+
 struct Limits {
     /// From the decoded message to the picture.
     time: Duration,
@@ -44,7 +49,29 @@ struct Measured {
     left_bytes: usize,
 }
 
-fn measure(name: &str, solids: &ManySolids, threads: usize) -> Measured {
+/// The processor time of this process's threads so far, where the system tells.
+fn processor_time() -> Option<Duration> {
+    let threads = std::fs::read_dir("/proc/self/task").ok()?.flatten();
+    let nanos = threads.filter_map(|thread| {
+        let line = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        line.split_whitespace().next()?.parse::<u64>().ok()
+    });
+    Some(Duration::from_nanos(nanos.sum()))
+}
+
+/// How long something takes, or the processor time of all threads if that is less, as it is where others keep the
+/// processors busy.
+fn time_of(work: impl FnOnce()) -> Duration {
+    let (start, before) = (Instant::now(), processor_time());
+    work();
+    let elapsed = start.elapsed();
+    let used = processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
+    // Counted from one tick of the system to another.
+    used.filter(|used| *used > Duration::from_millis(10)).map_or(elapsed, |used| used.min(elapsed))
+}
+
+/// Measures five times, and again where others keep the processors busy, until the time is short enough.
+fn measure(name: &str, solids: &ManySolids, threads: usize, enough: Duration) -> Measured {
     let mut pipeline = DisplayPipeline::new(&solids.config());
     let mut rendering =
         Rendering::new(Vec::new(), many_solids_camera().unwrap(), Box::new(CpuRenderer::with_threads(threads)));
@@ -56,30 +83,33 @@ fn measure(name: &str, solids: &ManySolids, threads: usize) -> Measured {
     rendering.draw_of(&pipeline.scene).unwrap();
 
     let region = Region::new(ALLOCATOR);
-    let mut times = Vec::new();
+    let mut time = Duration::MAX;
     let mut bytes = 0;
-    for number in 0..5 {
+    for number in 0..MOST_TIMES {
+        if number >= LEAST_TIMES && time <= enough {
+            break;
+        }
         let message = solids.kind().decode(&solids.bytes(f64::from(number) * 1e-3)).unwrap();
-        let start = Instant::now();
-        pipeline.receive("/many", &message);
-        rendering.draw_of(&pipeline.scene).unwrap();
-        times.push(start.elapsed());
+        time = time.min(time_of(|| {
+            pipeline.receive("/many", &message);
+            rendering.draw_of(&pipeline.scene).unwrap();
+        }));
         drop(message);
         bytes = live_bytes(&region.change());
     }
     assert!(rendering.covered() > 1e-3, "{name}: nothing is seen");
     pipeline.receive("/many", &solids.removal());
     rendering.draw_of(&pipeline.scene).unwrap();
-    Measured { time: times.into_iter().min().unwrap(), bytes, left_bytes: live_bytes(&region.change()) }
+    Measured { time, bytes, left_bytes: live_bytes(&region.change()) }
 }
 
 fn check(name: &str, content: Content, count: usize, limits: &Limits) {
     let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let solids = ManySolids { content, count };
-    let Measured { time, bytes, .. } = measure(name, &solids, 2);
+    let Measured { time, bytes, .. } = measure(name, &solids, 2, limits.time);
     // A thread makes its buffers (0.6 MB here) when it draws first. Of several, one may draw nothing until after the
     // first pictures, and its buffers would count as left.
-    let Measured { left_bytes, .. } = measure(name, &solids, 1);
+    let Measured { left_bytes, .. } = measure(name, &solids, 1, Duration::MAX);
     println!("{name}: {time:?}, {} bytes each, {left_bytes} bytes left", bytes / count);
     assert!(time <= limits.time, "{name}: {time:?}, {:?} are allowed", limits.time);
     assert!(bytes / count <= limits.bytes_each, "{name}: {} bytes each", bytes / count);
@@ -95,19 +125,19 @@ fn arrays_of_markers() {
     for (name, marker_type) in
         [("spheres", Marker::SPHERE), ("arrows", Marker::ARROW), ("texts", Marker::TEXT_VIEW_FACING)]
     {
-        check(name, Content::Markers(marker_type), 10_000, &limits(500, 3000));
+        check(name, Content::Markers(marker_type), 10_000, &limits(90, 3000));
     }
 }
 
 #[test]
 fn spheres_that_take_turns_with_labels() {
-    check("spheres with labels", Content::LabelledSpheres, 10_000, &limits(500, 3000));
+    check("spheres with labels", Content::LabelledSpheres, 10_000, &limits(90, 3000));
 }
 
 #[test]
 fn markers_that_change_fifty_times_a_second() {
     for (name, marker_type) in [("spheres", Marker::SPHERE), ("cubes", Marker::CUBE), ("arrows", Marker::ARROW)] {
-        check(name, Content::Markers(marker_type), 3_000, &limits(250, 3000));
+        check(name, Content::Markers(marker_type), 3_000, &limits(35, 3000));
     }
 }
 
@@ -118,11 +148,18 @@ fn poses_of_paths_and_arrays() {
         ("path as arrows", Content::PathArrows),
         ("array as arrows", Content::PoseArrows),
     ] {
-        check(name, content, 10_000, &limits(500, 2000));
+        check(name, content, 10_000, &limits(90, 2000));
+    }
+}
+
+#[test]
+fn poses_as_lines() {
+    for (name, content) in [("path as a line", Content::PathLine), ("array as flat arrows", Content::FlatArrows)] {
+        check(name, content, 200_000, &limits(200, 300));
     }
 }
 
 #[test]
 fn a_long_text() {
-    check("text", Content::Text, 1_000_000, &limits(300, 40));
+    check("text", Content::Text, 1_000_000, &limits(60, 40));
 }

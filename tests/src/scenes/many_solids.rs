@@ -1,7 +1,7 @@
 //! Very many small solids and labels, as the bytes of one message each: markers, poses of a path, a long text.
 //!
 //! Everything stands in the view of [`CAMERA`], 2 to 6 metres away, so that a marker of 5 cm covers some 4 to 12
-//! pixels.
+//! pixels; but for poses as lines, which are all round it.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rcs_messages::geometry_msgs::{Pose, PoseArray, PoseStamped};
@@ -26,8 +26,12 @@ pub enum Content {
     PathAxes,
     /// Poses of a path, as arrows.
     PathArrows,
+    /// Poses of a path round the camera, as one line.
+    PathLine,
     /// Poses of an array, as solid arrows.
     PoseArrows,
+    /// Poses of an array round the camera, as three lines each.
+    FlatArrows,
     /// One text marker of so many characters in lines of a thousand.
     Text,
 }
@@ -50,6 +54,16 @@ fn pose(number: usize, shift_m: f64) -> Pose {
     let turn = UnitQuaternion::from_scaled_axis(Vector3::new(u, v, z) * 3.0);
     let [x, y, z, w] = turn.coords.into();
     (pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w) = (x, y, z, w);
+    pose
+}
+
+/// Up to 2 m away from the camera, on all sides.
+fn pose_around(number: usize, shift_m: f64) -> Pose {
+    let mut pose = pose(number, shift_m);
+    let share = |step: f64| (number as f64 * step).fract() * 4.0 - 2.0;
+    let position = &mut pose.position;
+    (position.x, position.y) = (share(0.754_877_666_246_693) + shift_m, share(0.569_840_290_998_053));
+    position.z = share(0.819_172_513_396_164_4);
     pose
 }
 
@@ -77,6 +91,8 @@ impl ManySolids {
                 "Class: rviz/Path, Topic: /many, Pose Style: Arrows, Shaft Length: 0.06, Head Length: 0.03, \
                  Shaft Diameter: 0.01, Head Diameter: 0.02"
             }
+            Content::PathLine => "Class: rviz/Path, Topic: /many, Line Style: Lines",
+            Content::FlatArrows => "Class: rviz/PoseArray, Topic: /many, Shape: Arrow (Flat), Arrow Length: 0.06",
             Content::PoseArrows => {
                 "Class: rviz/PoseArray, Topic: /many, Shape: Arrow (3D), Shaft Length: 0.06, Head Length: 0.03, \
                  Shaft Radius: 0.01, Head Radius: 0.02"
@@ -105,17 +121,19 @@ impl ManySolids {
                 text.text = numbers.map(letter).collect();
                 array(std::iter::once(text))
             }
-            Content::PathAxes | Content::PathArrows => {
+            Content::PathAxes | Content::PathArrows | Content::PathLine => {
+                let place = if self.content == Content::PathLine { pose_around } else { pose };
                 let mut path = Path::default();
                 path.header.frame_id = "map".to_owned();
                 path.poses =
-                    numbers.map(|i| PoseStamped { pose: pose(i, shift_m), ..PoseStamped::default() }).collect();
+                    numbers.map(|i| PoseStamped { pose: place(i, shift_m), ..PoseStamped::default() }).collect();
                 encoded(&path)
             }
-            Content::PoseArrows => {
+            Content::PoseArrows | Content::FlatArrows => {
+                let place = if self.content == Content::FlatArrows { pose_around } else { pose };
                 let mut poses = PoseArray::default();
                 poses.header.frame_id = "map".to_owned();
-                poses.poses = numbers.map(|number| pose(number, shift_m)).collect();
+                poses.poses = numbers.map(|number| place(number, shift_m)).collect();
                 encoded(&poses)
             }
         }
@@ -124,8 +142,8 @@ impl ManySolids {
     /// The message's type.
     pub fn kind(&self) -> MessageKind {
         match self.content {
-            Content::PathAxes | Content::PathArrows => MessageKind::Path,
-            Content::PoseArrows => MessageKind::PoseArray,
+            Content::PathAxes | Content::PathArrows | Content::PathLine => MessageKind::Path,
+            Content::PoseArrows | Content::FlatArrows => MessageKind::PoseArray,
             _ => MessageKind::MarkerArray,
         }
     }
@@ -133,12 +151,12 @@ impl ManySolids {
     /// What takes all of it away.
     pub fn removal(&self) -> AnyMessage {
         match self.content {
-            Content::PathAxes | Content::PathArrows => {
+            Content::PathAxes | Content::PathArrows | Content::PathLine => {
                 let mut path = Path::default();
                 path.header.frame_id = "map".to_owned();
                 AnyMessage::Path(path.into())
             }
-            Content::PoseArrows => {
+            Content::PoseArrows | Content::FlatArrows => {
                 let mut poses = PoseArray::default();
                 poses.header.frame_id = "map".to_owned();
                 AnyMessage::PoseArray(poses.into())
