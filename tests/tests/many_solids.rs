@@ -1,8 +1,8 @@
 //! Very many small solids are quick to show, take little memory, and give it back.
 //!
 //! Scenes that `examples/many_solids.rs` measures, some of them with a tenth of their things, from a decoded message to
-//! its picture on the CPU. Times are the fastest of several and are printed. They may be about three times what two cores
-//! need, and always less than before, when each solid was a mesh of its own (16 to 37 µs and more).
+//! its picture on the CPU. Times are the fastest of several and are printed. They may be about three times what two
+//! cores need, and always less than before, when each solid was a mesh of its own (16 to 37 µs and more).
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::alloc::System;
