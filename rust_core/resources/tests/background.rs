@@ -64,24 +64,34 @@ fn a_missing_package_is_searched_for_once_and_beside() {
     for i in 0..1500 {
         fs::create_dir_all(dir.path().join(format!("a{i}/b/c"))).unwrap();
     }
-    let (store, woken) = background(&[dir.path()], dir.path());
-    let url = "package://late/a.stl";
-    let asking = Instant::now();
-    let mut longest = Duration::ZERO;
-    let mut answers = 0;
-    // Many markers of that package, of different files.
-    for i in 0..200 {
-        let begin = Instant::now();
-        answers += usize::from(store.mesh(&format!("package://late/{i}.stl"), Retry::Yes).is_ready());
-        longest = longest.max(begin.elapsed());
-    }
-    println!("200 questions in {:?}, the longest took {longest:?}", asking.elapsed());
-    assert!(store.mesh(url, Retry::Yes).is_pending() || answers > 0);
-    assert!(matches!(wait(&store, &woken, url), Err(ResourceError::NoSuchPackage { .. })));
     let searching = Instant::now();
     PackageIndex::new([dir.path().to_owned()]).package("late");
     let search = searching.elapsed();
     println!("a search takes {search:?}");
+    let url = "package://late/a.stl";
+    // Many markers of that package, of different files. Where others keep the processors busy, the best of some rounds
+    // counts.
+    let asked = || {
+        let (store, woken) = background(&[dir.path()], dir.path());
+        let asking = Instant::now();
+        let urls = || (0..200).map(|i| format!("package://late/{i}.stl"));
+        let time_of = |url: String| {
+            let begin = Instant::now();
+            let _ = store.mesh(&url, Retry::Yes);
+            begin.elapsed()
+        };
+        let longest = urls().map(time_of).max().unwrap();
+        for url in urls() {
+            assert!(matches!(wait(&store, &woken, &url), Err(ResourceError::NoSuchPackage { .. })));
+        }
+        let all = asking.elapsed();
+        println!("the longest of 200 questions took {longest:?}, all are answered after {all:?}");
+        (longest < search / 2 && all < search * 20, store, woken)
+    };
+    let (is_quick, store, woken) = (0..10).map(|_| asked()).find(|round| round.0).unwrap_or_else(asked);
+    assert!(is_quick, "a question waits for a search, or there is more than one");
+    let _ = store.mesh(url, Retry::Yes);
+    assert!(matches!(wait(&store, &woken, url), Err(ResourceError::NoSuchPackage { .. })));
 
     // It is installed, deep in the tree, and the config is reloaded.
     fs::create_dir_all(dir.path().join("x/y/late")).unwrap();
