@@ -180,18 +180,30 @@ impl RosFixture {
         }
     }
 
-    /// Has the Python node's `viewer` receive so many pictures more, and prints the longest time between two of them.
+    /// Has the Python node's `viewer` receive so many pictures more, prints the longest time between two of them, and
+    /// returns it.
     ///
     /// # Panics
-    /// When that is over `limit`, or they do not come.
+    /// When they do not come.
     #[expect(clippy::panic, reason = "a test cannot go on")]
-    pub fn pictures_go_on(&self, count: usize, limit: Duration) {
+    pub fn longest_gap(&self, count: usize) -> Duration {
         self.python("viewer.forget()");
         self.wait_for(format!("len(viewer.images) > {count}"));
         let gap = self.python("max(b[0] - a[0] for a, b in zip(viewer.images, viewer.images[1:]))");
         println!("{count} pictures, at most {gap} s apart");
-        if !gap.parse().is_ok_and(|secs: f64| secs < limit.as_secs_f64()) {
-            panic!("{gap} s without a picture");
+        let gap = gap.parse().ok().and_then(|secs| Duration::try_from_secs_f64(secs).ok());
+        gap.unwrap_or_else(|| panic!("a picture came before the last one"))
+    }
+
+    /// As [`longest_gap`](Self::longest_gap), with a limit.
+    ///
+    /// # Panics
+    /// When the gap is over `limit`, or the pictures do not come.
+    #[expect(clippy::panic, reason = "a test cannot go on")]
+    pub fn pictures_go_on(&self, count: usize, limit: Duration) {
+        let gap = self.longest_gap(count);
+        if gap >= limit {
+            panic!("{gap:?} without a picture");
         }
     }
 }

@@ -121,14 +121,56 @@ fn a_stalled_subscriber_does_not_stop_anothers_pictures() {
     let subscribers = |count: u32| format!("values('camera_stream: CameraPub').get('subscribers') == '{count}'");
     fixture.wait_for(subscribers(2));
     let signal = |name: &str| Command::new("kill").args([name, &stalled.id().to_string()]).status().unwrap();
-    assert!(signal("-STOP").success());
-    // Many more than the stalled one's buffers hold.
-    fixture.pictures_go_on(60, Duration::from_millis(600));
-    // It was not cut off, and goes on with what is new.
-    fixture.wait_for(subscribers(2));
-    let newest: f64 = fixture.python("viewer.images[-1][2]").parse().unwrap();
-    assert!(signal("-CONT").success());
-    assert!(stalled.wait_for(PATIENCE, format!("received[-1].header.stamp.to_sec() > {newest}")));
+    // The best of some rounds counts: a machine's other work only ever adds. It is stopped in each of them, because a
+    // pause would come only once.
+    let is_undisturbed = (0..5).any(|_| {
+        assert!(signal("-STOP").success());
+        // Many more than the stalled one's buffers hold.
+        let gap = fixture.longest_gap(60);
+        // It was not cut off, and goes on with what is new.
+        fixture.wait_for(subscribers(2));
+        let newest: f64 = fixture.python("viewer.images[-1][2]").parse().unwrap();
+        assert!(signal("-CONT").success());
+        assert!(stalled.wait_for(PATIENCE, format!("received[-1].header.stamp.to_sec() > {newest}")));
+        gap < Duration::from_millis(100)
+    });
+    assert!(is_undisturbed);
+}
+
+#[test]
+fn nothing_is_drawn_when_a_viewer_has_left_and_one_that_returns_gets_a_picture_at_once() {
+    // One of them repeats its picture each 50 s.
+    let rare =
+        CameraPub { name: "Rare", image: "/rare/image", namespace: "rare", rate: "0.02", ..CameraPub::default() };
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default(), rare]), &[]).unwrap();
+    fixture.python("latch('/eye/camera_info', info()); latch('/cloud', cloud(0xff0000)); topic = '/diagnostics'");
+    fixture.python("moving = lambda i: tf('map', 'eye', xyz=(i * 1e-4, 0, 0), stamp=rospy.Time.now())");
+    fixture.python(MONITOR);
+    let of = |camera: &str, value: &str| format!("int(values('camera_stream: {camera}').get('{value}', -1))");
+    let are_gone = format!("{} == 0 and {} == 0", of("CameraPub", "subscribers"), of("Rare", "subscribers"));
+    // With a moving camera every picture is another one, while somebody watches.
+    fixture.python("moves = PublishRepeatedly(60, moving, '/tf'); viewer = Viewer('/view/image')");
+    fixture.wait_for(format!("viewer.middle() == (255, 0, 0) and {} > 30", of("CameraPub", "frames drawn")));
+    fixture.python("viewer.close()");
+    fixture.wait_for(&are_gone);
+    let drawn = fixture.python(of("CameraPub", "frames drawn"));
+    fixture.python("del arrays[:]");
+    fixture.wait_for("len(arrays) > 2");
+    assert_eq!(fixture.python(of("CameraPub", "frames drawn")), drawn, "drawn for nobody");
+    fixture.python("moves.stop()");
+
+    // The best of some rounds counts: a machine's other work only ever adds.
+    let returned = (0..4).map(|_| {
+        fixture.python("began = time.time(); viewer = Viewer('/rare/image')");
+        fixture.wait_for("len(viewer.images) > 0 and viewer.middle() == (255, 0, 0)");
+        let took: f64 = fixture.python("viewer.images[0][0] - began").parse().unwrap();
+        println!("a picture {took:.3} s after subscribing");
+        fixture.python("viewer.close()");
+        fixture.wait_for(&are_gone);
+        took
+    });
+    let returned: Vec<f64> = returned.collect();
+    assert!(returned.iter().all(|took| *took < 5.0) && returned.iter().any(|took| *took < 0.3), "{returned:?}");
 }
 
 #[test]
