@@ -14,6 +14,22 @@ const CLIENT: &str = "from dynamic_reconfigure.client import Client\n\
      def connections(topic): return sorted(c.id for c in publishers[topic].impl.connections)\n\
      def viewer_connections(): return [c.id for s in viewer.subscribers for c in s.impl.connections]\n\
      def corner(): return viewer.pixel(1, 1)\n";
+/// Python that registers two publishers of `/other`: one never says where the topic is, the other never answers there.
+const HANGING: &str = "
+import os, socket, xmlrpc.client, xmlrpc.server
+silent = [socket.create_server(('127.0.0.1', 0), backlog=50) for _ in range(2)]
+ports = [server.getsockname()[1] for server in silent]
+reached = [[], []]
+def keep(index):
+    while True: reached[index].append(silent[index].accept())
+for index in range(2): threading.Thread(target=keep, args=(index,), daemon=True).start()
+api = xmlrpc.server.SimpleXMLRPCServer(('127.0.0.1', 0), logRequests=False)
+api.register_function(lambda *_: [1, '', ['TCPROS', '127.0.0.1', ports[1]]], 'requestTopic')
+threading.Thread(target=api.serve_forever, daemon=True).start()
+core = xmlrpc.client.ServerProxy(os.environ['ROS_MASTER_URI'])
+for name, port in (('/asleep', ports[0]), ('/silent', api.server_address[1])):
+    core.registerPublisher(name, '/other', 'sensor_msgs/PointCloud2', f'http://127.0.0.1:{port}/')
+";
 const BLACK: &str = "(0, 0, 0)";
 const BLUE: &str = "(0, 0, 255)";
 const RED: &str = "(255, 0, 0)";
@@ -193,6 +209,20 @@ fn pictures_go_on_when_the_file_changes_while_the_master_hangs() {
     fixture.master.signal("CONT");
     fixture.python("second = Viewer('/second/image')");
     fixture.wait_for(format!("second.middle() == {RED}"));
+}
+
+#[test]
+fn pictures_go_on_when_the_file_changes_while_publishers_hang_in_the_handshake() {
+    let fixture = fixture(&config(&[CLOUD], &[camera()]), &[]);
+    fixture.python(HANGING);
+    let other = CLOUD.replace("Name: cloud", "Name: other").replace("/cloud", "/other");
+    fixture.rewrite(&config(&[CLOUD, &other], &[blue()]));
+    fixture.pictures_go_on(60, Duration::from_secs(1));
+    fixture.wait_for(format!("corner() == {BLUE} and all(reached)"));
+    // Nor does leaving them wait for their answers.
+    fixture.rewrite(&config(&[CLOUD], &[camera()]));
+    fixture.pictures_go_on(60, Duration::from_secs(1));
+    fixture.wait_for(format!("corner() == {BLACK} and viewer.middle() == {RED}"));
 }
 
 #[test]
