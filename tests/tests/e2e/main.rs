@@ -26,6 +26,7 @@ mod compressed;
 mod depth;
 mod diagnostics;
 mod eye_safety;
+mod hanging_master;
 mod lazy_streams;
 mod lifecycle;
 mod listening;
