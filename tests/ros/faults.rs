@@ -4,11 +4,15 @@ use crate::probe;
 use crate::raw::{call, hanging_publisher, header, node_uri, topic_port};
 use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE};
 use std::fs;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
 const POINT: &str = "geometry_msgs/PointStamped";
+/// Connections that send garbage, those that say nothing, and the memory that may be left of them.
+const GARBAGE: usize = 800;
+const SILENT: usize = 200;
+const LEFT_KB: u64 = 8_000;
 
 fn publish_points(master: &RosMaster, topic: &str, frame: &str) -> Running {
     let message = format!("{{header: {{frame_id: {frame}}}}}");
@@ -25,6 +29,13 @@ fn ends_within(program: &mut Running, signal: &str, limit: Duration) -> Duration
 
 fn descriptors_and_threads(program: &Running) -> [usize; 2] {
     ["fd", "task"].map(|kind| fs::read_dir(format!("/proc/{}/{kind}", program.id())).unwrap().count())
+}
+
+/// Its resident memory.
+fn memory_kb(program: &Running) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{}/status", program.id())).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse().unwrap()
 }
 
 #[test]
@@ -57,6 +68,7 @@ fn a_dead_publishers_name_is_one_warning() {
     let warnings = || probe.errors().iter().filter(|line| line.starts_with("WARN")).count();
     assert!(wait_until(PATIENCE, || warnings() > 0));
     std::thread::sleep(Duration::from_secs(4));
+    println!("{} lines after 4 s", probe.errors().len());
     assert_eq!(warnings(), 1, "{:?}", probe.errors());
     let warning = probe.errors().into_iter().find(|line| line.starts_with("WARN")).unwrap();
     let expected = format!("WARN Failed to contact publisher [/dead] at {uri} for topics [/a], [/b]: ");
@@ -84,27 +96,65 @@ fn a_node_that_starts_at_a_master_that_hangs_can_be_ended() {
     master.signal("STOP");
     let mut probe = probe(&master, &["listen"]);
     std::thread::sleep(Duration::from_secs(1));
-    ends_within(&mut probe, "INT", Duration::from_secs(2));
+    let took = ends_within(&mut probe, "INT", Duration::from_secs(2));
+    println!("ended in {took:.0?} while it started at a master that hangs");
     master.signal("CONT");
+}
+
+/// The address of a server that answers each request with the next of these, or says nothing where that is empty.
+fn no_master(answers: &'static [&[u8]]) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let uri = format!("http://{}/", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        let mut silent = Vec::new();
+        for (stream, answer) in listener.incoming().zip(answers.iter().cycle()) {
+            let mut stream = stream.unwrap();
+            if answer.is_empty() {
+                silent.push(stream);
+                continue;
+            }
+            // All of the request, or what it has not read would break the connection.
+            let (mut request, mut piece) = (String::new(), [0; 4096]);
+            while !request.contains("</methodCall>") {
+                let len = stream.read(&mut piece).unwrap_or_default();
+                assert!(len > 0, "{request}");
+                request += &String::from_utf8_lossy(&piece[..len]);
+            }
+            let _ = stream.write_all(answer);
+        }
+    });
+    uri
 }
 
 #[test]
 fn what_is_no_master_is_one_line() {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let uri = format!("http://{}/", listener.local_addr().unwrap());
-    std::thread::spawn(move || {
-        for stream in listener.incoming() {
-            let _ = stream.unwrap().write_all(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n");
-        }
-    });
+    const NOT_FOUND: &[u8] = b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n";
+    const BUSY: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\n\r\n";
     let master = RosMaster::reserve().unwrap();
-    let mut command = master.environment(std::process::Command::new(env!("CARGO_BIN_EXE_ros_probe")));
-    let mut probe = Running::start(command.arg("listen").env("ROS_MASTER_URI", &uri)).unwrap();
-    assert!(wait_until(PATIENCE, || !probe.errors().is_empty()));
-    std::thread::sleep(Duration::from_secs(2));
-    let errors = probe.errors();
-    assert!(errors.len() == 1 && errors[0].contains("404") && errors[0].contains(&uri), "{errors:?}");
-    ends_within(&mut probe, "TERM", Duration::from_secs(1));
+    // What it answers, what the first line says of it, and the number of lines.
+    let cases: [(&[&[u8]], &str, usize); 7] = [
+        (&[NOT_FOUND], "404", 1),
+        (&[b"\x16\x03\x01\x02\0\x01\0\x01\xfc\n\n\xff\xfe\r\n\r\n"], "not HTTP", 1),
+        (&[b"SSH-2.0-OpenSSH_9.2p1 Debian-2\r\n"], "not HTTP", 1),
+        (&[b"HTTP/1.1 200 OK\r\nContent-Length: 25\r\n\r\n<html>\n<body>It works!\n\n\n"], "not XML", 1),
+        (&[b"HTTP/1.1 200 OK\r\nContent-Length: 99999999999\r\n\r\n"], "too long", 1),
+        (&[b""], "timed out", 1),
+        (&[NOT_FOUND, BUSY], "404", 2),
+    ];
+    let mut probes = cases.map(|(answers, reason, lines)| {
+        let uri = no_master(answers);
+        let mut command = master.environment(std::process::Command::new(env!("CARGO_BIN_EXE_ros_probe")));
+        (Running::start(command.arg("listen").env("ROS_MASTER_URI", &uri)).unwrap(), uri, reason, lines)
+    });
+    assert!(wait_until(PATIENCE, || probes.iter().all(|(probe, .., lines)| probe.errors().len() >= *lines)));
+    // Long enough for each to be asked again, also where that takes the time of a call without an answer.
+    std::thread::sleep(Duration::from_secs(4));
+    for (probe, uri, reason, lines) in &mut probes {
+        let errors = probe.errors();
+        println!("{errors:?}");
+        assert!(errors.len() == *lines && errors[0].contains(*reason) && errors[0].contains(&*uri), "{errors:?}");
+        ends_within(probe, "TERM", Duration::from_secs(1));
+    }
 }
 
 #[test]
@@ -145,7 +195,9 @@ fn a_second_node_of_the_name_has_its_services_when_the_first_has_ended() {
     assert!(wait_until(PATIENCE, || master.output("rosservice", &["list"]).unwrap().contains("/probe_trigger")));
     let second = probe(&master, &["listen"]);
     assert!(second.line_with("ready").is_some());
+    let begin = Instant::now();
     assert!(first.wait(PATIENCE).is_some(), "the first node still runs");
+    println!("the first node ended {:.0?} after the second one was ready", begin.elapsed());
     assert!(
         first.errors().iter().any(|line| line.contains("new node registered with same name")),
         "{:?}",
@@ -192,7 +244,7 @@ fn garbage_on_its_ports_leaves_nothing_behind() {
     assert!(probe.line_with("ready").is_some());
     let topics = topic_port(&master, "/probe", "/view/image");
     let api: u16 = node_uri(&master, "/probe").trim_end_matches('/').rsplit(':').next().unwrap().parse().unwrap();
-    let before = descriptors_and_threads(&probe);
+    let (before, memory_before) = (descriptors_and_threads(&probe), memory_kb(&probe));
     let deep = format!("<methodCall>{}", "<value><array><data>".repeat(20_000));
     let deep = format!("POST / HTTP/1.1\r\nContent-Length: {}\r\n\r\n{deep}", deep.len());
     let half = header(&[("callerid", "/x"), ("topic", "/view/image")]);
@@ -205,16 +257,19 @@ fn garbage_on_its_ports_leaves_nothing_behind() {
         (api, b"POST / HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n"),
         (api, b"\x16\x03\x01\x02\0\x01\0\x01\xfc"),
     ];
-    for _ in 0..20 {
+    let mut most_kb = memory_before;
+    for _ in 0..GARBAGE / garbage.len() {
         for (port, bytes) in garbage {
             // It may be refused before all of it is written.
             let _ = TcpStream::connect(("127.0.0.1", port)).unwrap().write_all(bytes);
         }
+        most_kb = most_kb.max(memory_kb(&probe));
     }
-    // As many more that stay open and say nothing, longer than anything waits for them.
+    // More that stay open and say nothing, longer than anything waits for them.
     let silent: Vec<TcpStream> =
-        (0..200).map(|index| TcpStream::connect(("127.0.0.1", [topics, api][index % 2])).unwrap()).collect();
+        (0..SILENT).map(|index| TcpStream::connect(("127.0.0.1", [topics, api][index % 2])).unwrap()).collect();
     assert!(probe.prints_again("published", Duration::from_secs(1)));
+    most_kb = most_kb.max(memory_kb(&probe));
     let is_clean = || {
         let now = descriptors_and_threads(&probe);
         now[0] <= before[0] + 1 && now[1] <= before[1] + 1
@@ -223,4 +278,10 @@ fn garbage_on_its_ports_leaves_nothing_behind() {
     drop(silent);
     let mut viewer = crate::raw::subscribe(&master, "/probe", "/view/image", "/viewer");
     crate::raw::read_framed(&mut viewer).unwrap();
+    let after_kb = memory_kb(&probe);
+    println!(
+        "descriptors and threads {before:?}, then {:?}; {memory_before} kB, at most {most_kb} kB, then {after_kb} kB",
+        descriptors_and_threads(&probe)
+    );
+    assert!(after_kb < memory_before + LEFT_KB, "{memory_before} kB, then {after_kb} kB");
 }

@@ -7,6 +7,8 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 /// How deep values may be nested. ROS nests four deep; a parser's stack is not endless.
 const MAX_DEPTH: usize = 32;
+/// How deep elements may be nested: each value in another one is three elements, such as value, array and data.
+const MAX_ELEMENT_DEPTH: usize = 3 * (MAX_DEPTH + 1) + 6;
 /// How many XML nodes a message may have. A `getSystemState` of a thousand topics has some ten thousand.
 const MAX_NODES: u32 = 2_000_000;
 
@@ -69,7 +71,26 @@ pub(crate) enum XmlError {
     Fault { code: i32, text: String },
 }
 
+/// Whether elements are nested deeper than any message's. Found out before a tree of them is made, which would be many
+/// times as large as the text.
+fn is_too_deep(text: &str) -> bool {
+    let mut depth = 0_usize;
+    // What follows each '<'. One in a comment counts as an element that never ends, but no client of ROS sends any.
+    text.split('<').skip(1).any(|tag| {
+        match tag.as_bytes().first() {
+            Some(b'/') => depth = depth.saturating_sub(1),
+            Some(b'!' | b'?') | None => {}
+            Some(_) if tag.split('>').next().is_some_and(|inside| inside.ends_with('/')) => {}
+            Some(_) => depth += 1,
+        }
+        depth > MAX_ELEMENT_DEPTH
+    })
+}
+
 fn document(text: &str) -> Result<Document<'_>, XmlError> {
+    if is_too_deep(text) {
+        return Err(XmlError::TooDeep);
+    }
     let options = ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     Document::parse_with_options(text, options).map_err(|error| XmlError::Xml(error.to_string()))
 }
@@ -292,8 +313,8 @@ mod tests {
                 "<methodResponse><params><param>{open}<value>x</value>{close}</param></params></methodResponse>"
             ))
         };
-        assert!(deep(10).is_ok());
-        assert_eq!(deep(100), Err(XmlError::TooDeep));
-        assert!(deep(100_000).is_err(), "and the parser's own stack is not used up");
+        assert!(deep(MAX_DEPTH).is_ok());
+        assert_eq!(deep(MAX_DEPTH + 1), Err(XmlError::TooDeep));
+        assert_eq!(deep(100_000), Err(XmlError::TooDeep), "before a tree is made of it");
     }
 }
