@@ -10,6 +10,8 @@ use crate::NodeError;
 
 /// How often a master that is not there yet is tried.
 const WAIT_PERIOD: Duration = Duration::from_millis(300);
+/// So many reasons why there is none are logged: one that sends garbage may give another each time.
+const MOST_REASONS: usize = 4;
 
 fn check_uri(uri: &str) -> Result<(), NodeError> {
     host_and_port(uri).map(drop).ok_or_else(|| NodeError::MasterUri(uri.to_owned()))
@@ -21,7 +23,7 @@ pub(crate) fn check_master(uri: &str) -> Result<(), NodeError> {
     ping(uri).map_err(|error| NodeError::NoMaster { uri: uri.to_owned(), reason: error.to_string() })
 }
 
-/// Waits until a ROS master answers, or `cancelled` returns true. Why there is none yet is logged once.
+/// Waits until a ROS master answers, or `cancelled` returns true. Each reason why there is none yet is logged once.
 ///
 /// Calls it on a thread of its own, so that cancelling never waits for the network.
 pub(crate) fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result<(), NodeError> {
@@ -29,7 +31,7 @@ pub(crate) fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result
     let (found, is_found) = channel();
     let uri_of_thread = uri.to_owned();
     let trying = move || {
-        let mut logged = None;
+        let mut logged = Vec::new();
         loop {
             let result = ping(&uri_of_thread);
             // Sending fails once the caller has given up.
@@ -38,11 +40,11 @@ pub(crate) fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result
             }
             let Err(error) = result else { return };
             let reason = error.to_string();
-            if logged.as_ref() == Some(&reason) {
+            if logged.contains(&reason) || logged.len() >= MOST_REASONS {
                 log::debug!("still no ROS master at {uri_of_thread}: {reason}");
             } else {
                 log::warn!("no ROS master at {uri_of_thread} yet, waiting for it: {reason}");
-                logged = Some(reason);
+                logged.push(reason);
             }
             std::thread::sleep(WAIT_PERIOD);
         }
