@@ -459,6 +459,19 @@ mod tests {
     }
 
     #[test]
+    fn a_subscriber_that_vanished_without_a_word_is_noticed_after_three_minutes_of_silence() {
+        let bench = Bench::start(false);
+        let _viewer = bench.subscribe("/viewer");
+        let stream = &bench.publication.subscribers()[0].stream;
+        assert!(sockopt::socket_keepalive(stream).unwrap());
+        let idle = sockopt::tcp_keepidle(stream).unwrap();
+        let (period, probes) = (sockopt::tcp_keepintvl(stream).unwrap(), sockopt::tcp_keepcnt(stream).unwrap());
+        assert_eq!(idle + probes * period, Duration::from_secs(180), "{idle:?} {probes} {period:?}");
+        // Pictures are not given up any earlier than TCP does it, because a viewer that is stopped is not gone.
+        assert_eq!(sockopt::tcp_user_timeout(stream).unwrap(), 0);
+    }
+
+    #[test]
     fn one_that_does_not_read_holds_up_nobody_and_then_gets_the_newest() {
         const LEN: usize = 3_000_000;
         let bench = Bench::start(false);

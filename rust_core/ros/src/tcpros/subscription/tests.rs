@@ -82,19 +82,32 @@ fn send(stream: &mut TcpStream, bytes: &[u8]) {
 const PANICS: &[u8] = b"panics";
 const PATIENCE: Duration = Duration::from_secs(5);
 
-#[test]
-fn messages_come_with_their_publisher_and_again_after_each_break() {
+/// Subscribes, breaks the connection after each of the first messages, and measures how long each break lasts.
+fn breaks(count: usize) -> Vec<Duration> {
     let (publisher, (subscription, messages)) = (Publisher::start(), subscribe());
     subscription.set_publishers(&[publisher.uri()]);
-    for value in 0..4 {
+    let mut lasted = Vec::new();
+    for value in 0..=count {
         let begin = Instant::now();
         let mut stream = publisher.accept();
-        assert!(begin.elapsed() < Duration::from_millis(2500), "broken for {:?}", begin.elapsed());
-        send(&mut stream, &[value; 3]);
+        lasted.push(begin.elapsed());
+        send(&mut stream, &[value as u8; 3]);
         let (bytes, source) = messages.recv_timeout(PATIENCE).unwrap();
-        assert_eq!((bytes, &*source.name, source.is_latching), (vec![value; 3], "/talker", true));
+        assert_eq!((bytes, &*source.name, source.is_latching), (vec![value as u8; 3], "/talker", true));
     }
-    assert_eq!(subscription.links()[0].received_messages.load(Ordering::Relaxed), 4);
+    assert_eq!(subscription.links()[0].received_messages.load(Ordering::Relaxed), 1 + count as u64);
+    // The first is no break.
+    lasted.split_off(1)
+}
+
+#[test]
+fn messages_come_with_their_publisher_and_again_after_each_break() {
+    let lasted = breaks(6);
+    println!("breaks of {lasted:.2?}");
+    assert!(lasted.iter().all(|broken| *broken < Duration::from_millis(2200)), "{lasted:?}");
+    // The best of some rounds counts: a machine's other work only ever adds.
+    let first = (0..4).map(|_| breaks(1)[0]).chain([lasted[0]]).min().unwrap();
+    assert!(first < Duration::from_millis(500), "{first:?}");
 }
 
 #[test]
