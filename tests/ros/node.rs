@@ -98,7 +98,9 @@ fn a_node_that_ends_with_an_error_is_unregistered() {
     let master = RosMaster::start().unwrap();
     // It fails after it has subscribed to transforms and offered its service.
     let mut probe = probe(&master, &["listen", "/a", "no_such/Type", "1"]);
+    let begin = Instant::now();
     assert!(!probe.wait(PATIENCE).unwrap().success());
+    println!("started, failed and unregistered in {:.0?}", begin.elapsed());
     assert!(probe.errors().iter().any(|line| line.contains("unknown type")), "{:?}", probe.errors());
     let nodes = master.output("rosnode", &["list"]).unwrap();
     assert!(nodes.contains("/rosout") && !nodes.contains("/probe"), "{nodes}");
