@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 
 const POINT: &str = "geometry_msgs/PointStamped";
 /// Connections that send garbage, those that say nothing, and the memory that may be left of them.
-const GARBAGE: usize = 800;
+const GARBAGE: usize = 805;
 const SILENT: usize = 200;
-const LEFT_KB: u64 = 8_000;
+const LEFT_KB: u64 = 30_000;
 
 fn publish_points(master: &RosMaster, topic: &str, frame: &str) -> Running {
     let message = format!("{{header: {{frame_id: {frame}}}}}");
