@@ -207,7 +207,8 @@ impl CpuRenderer {
         drawn
     }
 
-    /// Draws a picture, and how far away is what it shows. A panic is an error: what the renderer kept for the next pictures is dropped, and those go on.
+    /// Draws a picture, and how far away is what it shows. A panic is an error: what the renderer kept for the next
+    /// pictures is dropped, and those go on.
     pub(crate) fn draw(
         &mut self,
         view: &View<'_>,
