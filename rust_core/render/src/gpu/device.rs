@@ -23,7 +23,7 @@ pub(super) struct Device {
     queue: wgpu::Queue,
     limits: wgpu::Limits,
     name: String,
-    is_hardware: bool,
+    kind: DeviceType,
     faults: Faults,
     stats: Mutex<GpuStats>,
     /// How long a picture is waited for.
@@ -96,8 +96,7 @@ impl Device {
             }
         });
         let (stats, patience, is_hung) = (Mutex::default(), PATIENCE, AtomicBool::new(false));
-        let is_hardware = is_hardware(adapter);
-        Ok(Self { wgpu, queue, limits, name, is_hardware, faults, stats, patience, is_hung })
+        Ok(Self { wgpu, queue, limits, name, kind: kind(adapter), faults, stats, patience, is_hung })
     }
 
     /// Waits until a submission is done.
@@ -118,9 +117,9 @@ impl Device {
         }
     }
 
-    /// Whether it is no software driver.
-    pub(super) fn is_hardware(&self) -> bool {
-        self.is_hardware
+    /// What it draws with.
+    pub(super) fn kind(&self) -> DeviceType {
+        self.kind
     }
 
     /// Whether it was waited for in vain. To drop it may then take for ever.
@@ -228,19 +227,25 @@ fn open_first(adapters: Vec<Adapter>, failure: &mut Option<RenderError>) -> Opti
     })
 }
 
-/// Whether it is no software driver. GL does not report what it runs on; wgpu then recognises llvmpipe and its like by
-/// their names.
-fn is_hardware(adapter: &Adapter) -> bool {
+/// What an adapter draws with. GL does not report what it runs on; wgpu then recognises llvmpipe and its like by their
+/// names.
+fn kind(adapter: &Adapter) -> DeviceType {
     let info = adapter.get_info();
-    match info.device_type {
-        DeviceType::DiscreteGpu | DeviceType::IntegratedGpu | DeviceType::VirtualGpu => true,
-        DeviceType::Cpu => false,
-        DeviceType::Other => {
-            let name = info.name.to_lowercase();
-            info.backend == Backend::Gl
-                && !["pipe", "software", "swrast", "swr"].iter().any(|software| name.contains(software))
-        }
+    if info.device_type != DeviceType::Other {
+        return info.device_type;
     }
+    let name = info.name.to_lowercase();
+    let is_software = ["pipe", "software", "swrast", "swr"].iter().any(|software| name.contains(software));
+    if info.backend != Backend::Gl || is_software {
+        DeviceType::Cpu
+    } else {
+        DeviceType::Other
+    }
+}
+
+/// Whether it is no software driver.
+fn is_hardware(adapter: &Adapter) -> bool {
+    kind(adapter) != DeviceType::Cpu
 }
 
 fn rank(adapter: &Adapter) -> u8 {

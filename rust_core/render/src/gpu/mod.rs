@@ -55,7 +55,7 @@ use rcs_scene::{Camera, DepthPicture, DisplayId, DrawOrder, Encoding, Geometry, 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
 use self::lines::{LinePipelines, LinesDraw};
-use self::overdraw::Overdraw;
+use self::overdraw::{Limit, Overdraw};
 use self::points::{PointPipelines, PointsDraw};
 use self::readback::Arrival;
 pub use self::stats::GpuStats;
@@ -280,8 +280,7 @@ impl Gpu {
     /// Whether the faces of a picture lie over each other so many times that the CPU draws it sooner.
     fn is_heavy(&mut self, view: &View<'_>) -> bool {
         self.overdraw.forget_dead();
-        // A software driver has no more ways to leave out what is hidden than to blend quickly.
-        self.overdraw.is_heavy(view, !self.device.is_hardware())
+        self.overdraw.is_heavy(view, Limit::of(self.device.kind()))
     }
 
     fn submit(&mut self, view: &View<'_>) -> Result<(), RenderError> {

@@ -3,8 +3,8 @@
 //! A GPU visits each pixel of each face, also where something nearer hides it. 300,000 points of 4 mm that lie 6 cm
 //! before the lens have thousands of millions of them. The CPU renderer looks for what is hidden before it draws, and
 //! takes a tenth of a second for such a picture on two cores, so that it draws these instead: the ones whose faces
-//! cover more than [`MAX_FACE_PX`]. How many pixels that are is estimated from distances and sizes, generously, and
-//! depends on nothing but the scene and the camera, so that equal views are drawn by the same renderer.
+//! cover more than a [`Limit`]. How many pixels that are is estimated from distances and sizes, generously, and depends
+//! on nothing but the scene and the camera, so that equal views are drawn by the same renderer.
 //!
 //! Lines of a pixel, text and cells cover little, or lie side by side.
 
@@ -19,9 +19,24 @@ use crate::bounds::Bounds;
 use crate::shading::drawn_point_size_px;
 use crate::View;
 
-/// The most pixels of faces that a GPU draws in one picture. Integrated graphics visit some ten thousand million in a
-/// second.
-pub(super) const MAX_FACE_PX: f64 = 128e6;
+/// How much a GPU draws in one picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Limit {
+    /// The most pixels of its faces.
+    face_px: f64,
+    /// Whether those that blend with what is behind them count as well. No renderer can leave out what they hide, but a
+    /// software driver visits their pixels no faster than the CPU renderer does.
+    with_blended: bool,
+}
+
+impl Limit {
+    /// Of a GPU of this kind, for some 10 ms. Discrete ones visit a hundred thousand million pixels in a second, integrated
+    /// graphics a tenth of that.
+    pub(super) fn of(kind: wgpu::DeviceType) -> Self {
+        let face_px = if kind == wgpu::DeviceType::DiscreteGpu { 1024e6 } else { 128e6 };
+        Self { face_px, with_blended: kind == wgpu::DeviceType::Cpu }
+    }
+}
 
 /// A core looks at so many faces before it takes the next.
 const FACES_IN_SHARE: usize = 1 << 13;
@@ -133,20 +148,19 @@ impl Overdraw {
         self.meshes.forget_dead();
     }
 
-    /// Whether the faces of a picture cover more than [`MAX_FACE_PX`]. What is blended counts where `with_blended`: no
-    /// renderer can leave out what it hides.
-    pub(super) fn is_heavy(&mut self, view: &View<'_>, with_blended: bool) -> bool {
+    /// Whether the faces of a picture cover more than a limit.
+    pub(super) fn is_heavy(&mut self, view: &View<'_>, Limit { face_px, with_blended }: Limit) -> bool {
         let shown = view.scene.drawables.iter().filter(|drawable| view.visible.shows(drawable.display));
         let counted: Vec<&Drawable> =
             shown.filter(|drawable| with_blended || !is_blended(&drawable.geometry)).collect();
         let at_most: f64 = counted.iter().map(|drawable| self.at_most_px(drawable, view)).sum();
-        if at_most <= MAX_FACE_PX {
+        if at_most <= face_px {
             return false;
         }
         let mut sum_px = 0.0;
         counted.into_iter().any(|drawable| {
             sum_px += self.faces_px(drawable, view, with_blended);
-            sum_px > MAX_FACE_PX
+            sum_px > face_px
         })
     }
 
@@ -342,6 +356,31 @@ mod tests {
         let mut overdraw = Overdraw::new();
         let drawable = &scene.drawables[0];
         [overdraw.at_most_px(drawable, &view), overdraw.faces_px(drawable, &view, true)]
+    }
+
+    #[test]
+    fn each_kind_of_gpu_has_its_limit() {
+        use wgpu::DeviceType::{Cpu, DiscreteGpu, IntegratedGpu, Other, VirtualGpu};
+        assert_eq!(Limit::of(DiscreteGpu), Limit { face_px: 1024e6, with_blended: false });
+        for kind in [IntegratedGpu, VirtualGpu, Other] {
+            assert_eq!(Limit::of(kind), Limit { face_px: 128e6, with_blended: false });
+        }
+        assert_eq!(Limit::of(Cpu), Limit { face_px: 128e6, with_blended: true });
+        // 500 squares of one metre at one metre and less fill the picture; 150 million pixels.
+        let places: Vec<[f32; 3]> = (0..500).map(|i| [0.0, 0.0, 0.5 + i as f32 * 0.001]).collect();
+        let blended = |blended: bool| match cloud(places.clone(), PointStyle::FlatSquares { side_m: 1.0 }) {
+            Geometry::Points(points) => Geometry::Points(Points { blended, ..points }),
+            other => other,
+        };
+        let is_heavy = |geometry: Geometry, limit: Limit| {
+            let scene = Scene { drawables: vec![drawable(geometry)], light: None };
+            let (camera, visible, background) = (camera(), DisplayMask::all(), [0; 3]);
+            let view = View { scene: &scene, camera: &camera, visible: &visible, background, encoding: Encoding::Rgb8 };
+            Overdraw::new().is_heavy(&view, limit)
+        };
+        let [discrete, integrated, software] = [DiscreteGpu, IntegratedGpu, Cpu].map(Limit::of);
+        assert_eq!([discrete, integrated, software].map(|limit| is_heavy(blended(false), limit)), [false, true, true]);
+        assert_eq!([discrete, integrated, software].map(|limit| is_heavy(blended(true), limit)), [false, false, true]);
     }
 
     fn all_kinds(places: Vec<[f32; 3]>) -> [(&'static str, Geometry); 5] {
