@@ -24,7 +24,7 @@ answers, sys.stdout = sys.stdout.buffer, sys.stderr
 
 def publisher(topic, kind, latch):
     if topic not in publishers:
-        publishers[topic] = rospy.Publisher(topic, kind, latch=latch, queue_size=20)
+        publishers[topic] = rospy.Publisher(topic, kind, latch=latch, queue_size=100)
     return publishers[topic]
 
 

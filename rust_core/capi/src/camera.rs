@@ -151,13 +151,13 @@ impl RcsCamera {
     /// # Safety
     /// The pointers of `info` are as it says.
     unsafe fn set_info(&mut self, info: &RcsCameraInfo, model: CameraModel, near_clip_m: f64) -> Result<(), Fault> {
-        // Only a lens is work that is shared.
-        if model.undistort {
-            rcs_scene::name_threads();
-        }
         // SAFETY: as the caller promises.
         let (optics, warning) = unsafe {
             with_fields(info, |fields| {
+                // Only a lens is work that is shared, and rviz needs no threads for what is none.
+                if model.undistort && fields.d.iter().any(|coefficient| *coefficient != 0.0) {
+                    rcs_scene::name_threads();
+                }
                 let optics = optics(fields, TOPIC, model, &self.lenses);
                 let optics = optics.map_err(|error| Fault::new(RcsResult::BadCameraInfo, error))?;
                 let no_lens: Option<NoLens> = self.lenses.problem(TOPIC).filter(|_| model.undistort);
