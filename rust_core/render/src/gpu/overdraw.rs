@@ -30,8 +30,8 @@ pub(super) struct Limit {
 }
 
 impl Limit {
-    /// Of a GPU of this kind, for some 10 ms. Discrete ones visit a hundred thousand million pixels in a second, integrated
-    /// graphics a tenth of that.
+    /// Of a GPU of this kind, for some 10 ms. Discrete ones visit a hundred thousand million pixels in a second,
+    /// integrated graphics a tenth of that.
     pub(super) fn of(kind: wgpu::DeviceType) -> Self {
         let face_px = if kind == wgpu::DeviceType::DiscreteGpu { 1024e6 } else { 128e6 };
         Self { face_px, with_blended: kind == wgpu::DeviceType::Cpu }
