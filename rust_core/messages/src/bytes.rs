@@ -22,11 +22,19 @@ static POOL: Mutex<BufferPool<u8>> = Mutex::new(BufferPool::new());
 pub fn pooled_bytes(len: usize) -> Vec<u8> {
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let bytes = pool.take(len);
-    // Some message comes all the time.
+    free_unused(&mut pool);
+    bytes
+}
+
+/// Frees the memory of earlier messages that none has needed for ten seconds, as each next message does, too.
+pub fn free_unused_bytes() {
+    free_unused(&mut POOL.lock().unwrap_or_else(PoisonError::into_inner));
+}
+
+fn free_unused(pool: &mut BufferPool<u8>) {
     if let Some(time) = Instant::now().checked_sub(UNUSED_TIME) {
         pool.free_unused_since(time);
     }
-    bytes
 }
 
 /// A copy of a message's bytes.

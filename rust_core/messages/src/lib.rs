@@ -37,7 +37,7 @@ pub mod trajectory_msgs;
 
 pub use any::{header, AnyMessage, MessageKind, MessageVisitor, TypedMessage};
 pub use buffer_pool::BufferPool;
-pub use bytes::{pooled_bytes, SharedBytes};
+pub use bytes::{free_unused_bytes, pooled_bytes, SharedBytes};
 pub use cloud_points::NoPositions;
 pub use convert::{point_xyz, quaternion_xyzw, stamp_nanos, translation_xyz, PlainTransform};
 pub use image::Image;

@@ -291,8 +291,10 @@ fn a_hundred_thousand_markers_give_their_memory_back() {
     let most = of_process(&fixture, "VmHWM");
     fixture.python("send('/markers', MarkerArray([Marker(action=Marker.DELETEALL)]))");
     fixture.wait_for("max(viewer.last.data[1::3]) == 0");
-    let is_small = || of_process(&fixture, "VmRSS") < before + (50 << 10);
+    let gone = Instant::now();
+    let is_small = || of_process(&fixture, "VmRSS") < before + (12 << 10);
     assert!(wait_until(PATIENCE, is_small), "{} kB, {before} kB before", of_process(&fixture, "VmRSS"));
+    println!("given back after {:.1} s", gone.elapsed().as_secs_f64());
     println!("{} MB, at most {} MB, then {} MB", before >> 10, most >> 10, of_process(&fixture, "VmRSS") >> 10);
     assert!(most < 300 << 10, "{most} kB");
 }
@@ -315,7 +317,7 @@ pub(crate) const CROWD: &str = "def crowd(count, kind):\n    \
 #[test]
 fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";
-    for (kind, kept_mb) in [("SPHERE", 90), ("ARROW", 130), ("TEXT_VIEW_FACING", 170)] {
+    for kind in ["SPHERE", "ARROW", "TEXT_VIEW_FACING"] {
         let fixture = RosFixture::start(&config(&[CLOUD, markers], &[CameraPub::default()]), &[]).unwrap();
         watched(&fixture);
         fixture.python(MANY);
@@ -342,7 +344,7 @@ fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
         assert!(gaps.iter().any(|gap| *gap < 1.0), "{kind}: {gaps:?} s without a new picture");
         let most = of_process(&fixture, "VmHWM");
         let grown_mb = || of_process(&fixture, "VmRSS").saturating_sub(memory) >> 10;
-        let is_given_back = wait_until(PATIENCE, || grown_mb() < kept_mb);
+        let is_given_back = wait_until(PATIENCE, || grown_mb() < 20);
         println!("{kind}: {} MB, at most {} MB, then {} MB more", memory >> 10, most >> 10, grown_mb());
         assert!(is_given_back, "{kind}: {} MB more than before", grown_mb());
         assert!(most < 350 << 10, "{kind}: {most} kB");

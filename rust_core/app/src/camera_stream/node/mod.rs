@@ -64,6 +64,9 @@ pub fn run(cli: &Cli, config: &Config) -> Result<()> {
 }
 
 fn run_threads(cli: &Cli, config: &Config, shared: &Arc<Shared>, end: &EndRequest) -> Result<()> {
+    // First, while little is in use.
+    let _memory = rcs_memory::Keeper::start(rcs_messages::free_unused_bytes)
+        .context("cannot start the thread that gives memory back")?;
     let scene = SceneLoop::start(cli, config, shared)?;
     let control = Control::start(cli, config, shared)?;
     let _watchdog = Watchdog::start().context("cannot start the watchdog's thread")?;
