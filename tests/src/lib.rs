@@ -7,3 +7,4 @@ pub mod python_node;
 pub mod ros;
 pub mod ros_fixture;
 pub mod scenes;
+pub mod sources;

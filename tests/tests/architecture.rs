@@ -5,6 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rcs_tests::programs::repository;
+use rcs_tests::sources::{code, rust_files, sources};
+
 /// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
 const LAYERS: [(&str, &[&str]); 17] = [
     ("calibration", &["rosrust", "rosrust_msg", "rosbag", "wgpu", "winit", "image", "serde"]),
@@ -46,10 +49,6 @@ const APART: [(&str, &[&str]); 9] = [
     ("ros", &["transforms", "rviz_config", "resources", "displays", "render", "files", "bag"]),
     ("window", &["messages", "transforms", "rviz_config", "resources", "displays", "render", "bag", "ros"]),
 ];
-
-fn repository() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
 
 /// The folders of all crates, by the names that the tables give them.
 fn crate_folders() -> BTreeMap<String, PathBuf> {
@@ -110,27 +109,6 @@ fn dependencies_point_downwards_only() {
             assert!(!dependencies.contains(&format!("rcs_{wrong}")), "{name} depends on rcs_{wrong}");
         }
     }
-}
-
-/// The folders of the repository that are generated.
-const GENERATED: [&str; 2] = ["target", "test_output"];
-
-/// All Rust files below a folder, without what is generated or hidden.
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let unreadable = |error: std::io::Error| -> ! { panic!("{}: {error}", folder.display()) };
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).unwrap_or_else(|error| unreadable(error)) {
-        let entry = entry.unwrap_or_else(|error| unreadable(error));
-        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-            if !name.starts_with('.') && !GENERATED.contains(&&*name) {
-                files.extend(rust_files(&path));
-            }
-        } else if name.ends_with(".rs") {
-            files.push(path);
-        }
-    }
-    files
 }
 
 /// Whether a line has the keyword, or an attribute that allows it. Comments and names in quotes have neither.
@@ -224,39 +202,6 @@ fn programs_hold_no_tests() {
         checked += 1;
     }
     assert!(checked > 10, "{checked} programs");
-}
-
-/// A source file without comments and blanks, up to its tests.
-fn code(text: &str) -> String {
-    let mut lines = text.lines();
-    let mut code = String::new();
-    while let Some(line) = lines.next() {
-        if line == "#[cfg(test)]" {
-            let item = lines.find(|line| !line.starts_with("#[")).unwrap_or_default();
-            // A module of tests in a file of its own is no end, nor is a helper for tests.
-            if item.starts_with("mod ") && item.ends_with('{') {
-                break;
-            }
-        } else if !line.trim_start().starts_with("//") {
-            code.extend(line.split_whitespace());
-        }
-    }
-    code
-}
-
-/// The programs' sources by their paths in the repository, each with its [`code`].
-fn sources() -> Vec<(String, String)> {
-    let mut found = Vec::new();
-    for file in rust_files(&repository().join("rust_core")) {
-        // Of the whole path, this crate's folder is a part.
-        let name = file.strip_prefix(repository()).unwrap_or(&file);
-        let has = |folder: &str| name.components().any(|part| part.as_os_str() == folder);
-        if has("src") && !has("tests") && !has("tests.rs") {
-            let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-            found.push((name.display().to_string(), code(&text)));
-        }
-    }
-    found
 }
 
 /// What starts a thread without a name in this code, if anything does.

@@ -6,7 +6,7 @@
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{channel, RecvTimeoutError, Sender};
+use std::sync::mpsc::{sync_channel, RecvTimeoutError, SyncSender};
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -20,7 +20,7 @@ const POLL_PERIOD: Duration = Duration::from_millis(100);
 
 /// Watches a window from before its opening until this is dropped.
 pub(crate) struct WindowWatch {
-    _open: Sender<()>,
+    _open: SyncSender<()>,
 }
 
 impl WindowWatch {
@@ -29,7 +29,7 @@ impl WindowWatch {
     /// # Errors
     /// The system's, where there is no thread left.
     pub(crate) fn start(exit_status: i32, is_ending: impl Fn() -> bool + Send + 'static) -> io::Result<Self> {
-        let (open, is_closed) = channel::<()>();
+        let (open, is_closed) = sync_channel::<()>(0);
         let watching = move || {
             let still_open = |period| is_closed.recv_timeout(period) == Err(RecvTimeoutError::Timeout);
             while still_open(POLL_PERIOD) {

@@ -7,8 +7,16 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use rcs_scene::join_within;
+use rustix::event::{poll, PollFd, PollFlags};
+
+use crate::IDLE_TIMEOUT;
+
 /// How long accepting pauses after an error: no descriptor is left, say, and others may be closed soon.
 const ERROR_PAUSE: Duration = Duration::from_millis(20);
+
+/// How long the accepting thread may take to end. It does nothing else, so that this is never reached.
+const END_PATIENCE: Duration = Duration::from_secs(2);
 
 /// How often it is logged that connections cannot be served.
 const WARNING_PERIOD: Duration = Duration::from_secs(60);
@@ -42,6 +50,8 @@ impl Acceptor {
         limits: Limits,
         serve: impl Fn(TcpStream) -> io::Result<()> + Send + Sync + 'static,
     ) -> io::Result<Self> {
+        // Who wanted to connect may have gone again, and accepting must not wait for the next one then.
+        listener.set_nonblocking(true)?;
         let (address, listener) = (listener.local_addr()?, Arc::new(listener));
         let is_ended = Arc::new(AtomicBool::new(false));
         let (accepting, end, serve) = (Arc::clone(&listener), Arc::clone(&is_ended), Arc::new(serve));
@@ -63,7 +73,9 @@ impl Acceptor {
         let _ = rustix::net::shutdown(&*self.listener, rustix::net::Shutdown::Both);
         if let Some(thread) = self.thread.take() {
             // A panic there was reported by its own thread.
-            let _ = thread.join();
+            if join_within(thread, END_PATIENCE).is_none() {
+                log::warn!("connections are still accepted at {} after {END_PATIENCE:?}", self.address);
+            }
         }
     }
 }
@@ -105,12 +117,15 @@ where
     let open = Arc::new(AtomicUsize::new(0));
     let mut warned = Warned::default();
     loop {
-        let accepted = listener.accept();
+        let waited = poll(&mut [PollFd::new(listener, PollFlags::IN)], Some(&IDLE_TIMEOUT));
+        let accepted = waited.map_err(io::Error::from).and_then(|_| listener.accept());
         if is_ended.load(Ordering::Acquire) {
             return;
         }
         let stream = match accepted {
             Ok((stream, _)) => stream,
+            // Nobody has come, or has gone again.
+            Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted) => continue,
             Err(error) => {
                 if warned.is_due(Instant::now()) {
                     log::warn!("{name}: connections cannot be accepted at present: {error}");

@@ -91,6 +91,11 @@ pub use topic_publisher::TopicPublisher;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use rustix::event::Timespec;
+
+/// [`rcs_scene::IDLE_PERIOD`], for `poll`.
+const IDLE_TIMEOUT: Timespec = Timespec { tv_sec: rcs_scene::IDLE_PERIOD.as_secs() as i64, tv_nsec: 0 };
+
 /// Locks, also after a panic of another thread: what these locks protect is whole at any time.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)

@@ -20,7 +20,7 @@ use rcs_messages::std_srvs::{Trigger, TriggerRes};
 use rcs_messages::{AnyMessage, MessageKind, ServicePair, Time};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{channel, RecvTimeoutError};
+use std::sync::mpsc::{sync_channel, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard, Weak};
 use std::time::Duration;
 
@@ -435,7 +435,7 @@ impl RosNode {
         if self.network().is_ended() {
             return;
         }
-        let (done, is_done) = channel();
+        let (done, is_done) = sync_channel(1);
         let shared = Arc::clone(&self.shared);
         let subscriptions = std::mem::take(&mut *lock(&self.own_subscriptions));
         let ending = move || {
@@ -509,7 +509,7 @@ fn unless_cancelled(
     cancelled: &dyn Fn() -> bool,
     start: impl FnOnce(&dyn Fn() -> bool) -> Result<RosNode, NodeError> + Send + 'static,
 ) -> Result<RosNode, NodeError> {
-    let (started, is_started) = channel();
+    let (started, is_started) = sync_channel(1);
     let is_abandoned = Arc::new(AtomicBool::new(false));
     let given_up = Arc::clone(&is_abandoned);
     let starting = move || {

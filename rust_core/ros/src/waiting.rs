@@ -1,6 +1,6 @@
 //! Waiting for a ROS master: the node starts once one answers.
 
-use std::sync::mpsc::{channel, RecvTimeoutError};
+use std::sync::mpsc::{sync_channel, RecvTimeoutError};
 use std::time::Duration;
 
 use crate::graph::ping;
@@ -28,7 +28,7 @@ pub(crate) fn check_master(uri: &str) -> Result<(), NodeError> {
 /// Calls it on a thread of its own, so that cancelling never waits for the network.
 pub(crate) fn wait_for_master(uri: &str, cancelled: &dyn Fn() -> bool) -> Result<(), NodeError> {
     check_uri(uri)?;
-    let (found, is_found) = channel();
+    let (found, is_found) = sync_channel(1);
     let uri_of_thread = uri.to_owned();
     let trying = move || {
         let mut logged = Vec::new();

@@ -29,6 +29,7 @@ mod ribbons;
 mod scene;
 mod solids;
 mod text;
+mod waits;
 mod workers;
 
 pub use camera::{require_finite, Camera, CameraError, Intrinsics, FAR_CLIP_M, MAX_SIDE_PX};
@@ -50,4 +51,5 @@ pub use ribbons::{RibbonElement, Ribbons};
 pub use scene::{DirectionalLight, DisplayId, DisplayMask, Drawable, Geometry, RenderGroup, Scene};
 pub use solids::{Solid, Solids};
 pub use text::{Glyph, HorizontalAlignment, Text, VerticalAlignment};
+pub use waits::{join_within, wait_while, IDLE_PERIOD};
 pub use workers::name_threads;

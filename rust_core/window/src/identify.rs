@@ -3,6 +3,8 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
+use rcs_scene::join_within;
+
 use crate::test_pictures::identification;
 use crate::{
     list_monitors, run_with, MonitorChoice, MonitorInfo, PictureSink, ScreenPicture, WindowError, WindowOptions,
@@ -10,6 +12,9 @@ use crate::{
 
 /// How often the end is asked for.
 const PERIOD: Duration = Duration::from_millis(50);
+
+/// How long all windows together may take to close.
+const END_PATIENCE: Duration = Duration::from_secs(4);
 
 /// Shows on each monitor which one it is, until a key ends it there, for `duration`, or until `is_ending`.
 ///
@@ -29,9 +34,15 @@ pub fn identify(duration: Duration, is_ending: impl Fn() -> bool) -> Result<(), 
         thread::sleep(PERIOD);
     }
     shown.iter().for_each(|(sink, _)| sink.close());
-    let ended = shown.into_iter().map(|(_, thread)| thread.join());
-    // A thread that panicked has said so.
-    ended.map(|result| result.unwrap_or(Ok(()))).fold(Ok(()), Result::and)
+    let asked = Instant::now();
+    let ended = shown.into_iter().map(|(_, thread)| join_within(thread, END_PATIENCE.saturating_sub(asked.elapsed())));
+    let results = ended.map(|result| match result {
+        Some(Ok(result)) => result,
+        // A thread that panicked has said so.
+        Some(Err(_)) => Ok(()),
+        None => Err(WindowError::Lost("the display server does not answer".to_owned())),
+    });
+    results.fold(Ok(()), Result::and)
 }
 
 fn show(index: usize, monitor: &MonitorInfo, sink: &PictureSink) -> Result<(), WindowError> {

@@ -5,7 +5,7 @@
 //! step that takes longer than [`HANG_AFTER`]; again after each doubling.
 
 use std::io;
-use std::sync::mpsc::{channel, RecvTimeoutError, Sender};
+use std::sync::mpsc::{sync_channel, RecvTimeoutError, SyncSender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -75,7 +75,7 @@ pub fn watch<W: Worker + 'static>(worker: &Arc<W>) {
 /// Watches all workers until it is dropped.
 #[derive(Debug)]
 pub struct Watchdog {
-    _end: Sender<()>,
+    _end: SyncSender<()>,
 }
 
 impl Watchdog {
@@ -84,7 +84,7 @@ impl Watchdog {
     /// # Errors
     /// The system's, where there is no thread left.
     pub fn start() -> io::Result<Self> {
-        let (end, is_ended) = channel();
+        let (end, is_ended) = sync_channel(0);
         let watching = move || {
             while is_ended.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
                 for line in hangs(&mut lock(&WORKERS), Instant::now()) {

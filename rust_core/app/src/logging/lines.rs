@@ -118,7 +118,7 @@ impl Shared {
         let Some(mut stream) = self.waiting().stream.take() else { return };
         loop {
             let is_idle = |waiting: &mut Waiting| waiting.lines.is_empty();
-            let mut waiting = self.changed.wait_while(self.waiting(), is_idle).unwrap_or_else(PoisonError::into_inner);
+            let mut waiting = rcs_scene::wait_while(&self.changed, self.waiting(), is_idle);
             let dropped = std::mem::take(&mut waiting.dropped);
             let Some(line) = waiting.pop() else { continue };
             waiting.is_writing = true;

@@ -3,10 +3,12 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
+use std::time::Duration;
 
 use anyhow::{anyhow, Context as _};
 use nalgebra::{Isometry3, Point2, Point3};
 use rcs_calibration::{Lens, Sample};
+use rcs_scene::join_within;
 use rcs_window::{self as window, PictureSink, ScreenPicture, UserEvent, WindowKey};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
@@ -22,6 +24,8 @@ use crate::window_watch::WindowWatch;
 const LARGE_STEP_PX: i64 = 25;
 /// How well a crosshair is steered onto a thing by eye, pixels.
 const STEERED_PX: f64 = 1.0;
+/// How long the thread that listens to clicks may take to end: it ends a node.
+const END_PATIENCE: Duration = Duration::from_secs(10);
 /// So many things determine a pose that can be judged.
 const LEAST_THINGS: usize = 6;
 
@@ -87,12 +91,16 @@ pub(super) fn steer(
     });
     drop(watch);
     end.iter().for_each(crate::small_node::EndRequest::request);
-    let heard = listening.map(JoinHandle::join);
+    let heard = listening.map(|thread| join_within(thread, END_PATIENCE));
     shown.map_err(Failure::refused)?;
     if let Some(error) = failure {
         return Err(Failure::Refused(error));
     }
-    let frames = heard.map(|heard| heard.unwrap_or_else(|_| Err(anyhow!("listening to clicks has ended early"))));
+    let frames = heard.map(|heard| match heard {
+        Some(Ok(frames)) => frames,
+        Some(Err(_)) => Err(anyhow!("listening to clicks has ended early")),
+        None => Err(anyhow!("listening to clicks does not end, so it is left behind")),
+    });
     let frames = frames.transpose().map_err(Failure::Unreadable)?;
     let steering = lock(&steering);
     if !steering.is_finished() {

@@ -76,7 +76,7 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
         return Ok(window::keep_over(title, &options.monitor, || end.is_requested())?);
     }
     // The node runs on a thread of its own and closes the window when it ends.
-    let (outcome, node_outcome) = mpsc::channel();
+    let (outcome, node_outcome) = mpsc::sync_channel(1);
     let has_timeout = options.stale_timeout.is_some();
     let node_end = end.clone();
     let shown = window::run(&options, move |sink| {

@@ -7,7 +7,7 @@
 //! The memory is cut into bands of rows, since a picture of 16384×16384 is larger than a buffer may be; the usual sizes
 //! are one band.
 
-use std::sync::mpsc::{channel, Receiver};
+use std::sync::mpsc::{sync_channel, Receiver};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -86,7 +86,7 @@ impl Readback {
 
     /// Maps the memory, once the commands with the copy are submitted.
     pub(super) fn map(&self, submission: wgpu::SubmissionIndex) -> Arrival {
-        let (sender, mapped) = channel();
+        let (sender, mapped) = sync_channel(self.bands.len());
         for band in &self.bands {
             let sender = sender.clone();
             band.buffer.map_async(wgpu::MapMode::Read, .., move |result| {

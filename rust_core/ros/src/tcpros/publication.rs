@@ -19,7 +19,7 @@ use rcs_messages::SharedBytes;
 
 use super::header::Header;
 use super::keep_alive;
-use crate::lock;
+use crate::{lock, IDLE_TIMEOUT};
 
 /// What waits in the kernel for a subscriber that does not read is old when it goes on, so it is kept small.
 const SEND_BUFFER_BYTES: usize = 512 * 1024;
@@ -287,12 +287,13 @@ struct Woken {
     is_readable: bool,
 }
 
-/// Waits for something to send, for room to send it if `wants_room`, or for the connection's end.
+/// Waits for something to send, for room to send it if `wants_room`, or for the connection's end; or for none of them,
+/// so that whoever waits looks from time to time by himself.
 fn wait(subscriber: &Subscriber, wants_room: bool) -> io::Result<Woken> {
     let interest = if wants_room { PollFlags::IN | PollFlags::OUT } else { PollFlags::IN };
     let mut descriptors =
         [PollFd::new(&subscriber.stream, interest | PollFlags::RDHUP), PollFd::new(&subscriber.wake, PollFlags::IN)];
-    match poll(&mut descriptors, None) {
+    match poll(&mut descriptors, Some(&IDLE_TIMEOUT)) {
         Ok(_) | Err(rustix::io::Errno::INTR) => {}
         Err(error) => return Err(error.into()),
     }

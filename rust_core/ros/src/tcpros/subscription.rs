@@ -12,6 +12,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use rcs_scene::IDLE_PERIOD;
+
 use super::header::Header;
 use super::keep_alive;
 use crate::lock;
@@ -391,7 +393,7 @@ fn read_messages(
     handler: &dyn Handler,
     is_logged: &mut bool,
 ) -> Result<(), LinkError> {
-    stream.set_read_timeout(None).map_err(LinkError::Broken)?;
+    stream.set_read_timeout(Some(IDLE_PERIOD)).map_err(LinkError::Broken)?;
     keep_alive(&stream).map_err(LinkError::Broken)?;
     let shared = stream.try_clone().map_err(LinkError::Broken)?;
     *lock(&link.connection) = Some((shared, source.clone()));
@@ -401,7 +403,7 @@ fn read_messages(
     }
     handler.connected(source);
     while !link.is_ended() {
-        let bytes = match read_message(&mut stream) {
+        let bytes = match read_message(&mut stream, &|| link.is_ended()) {
             Ok(bytes) => bytes,
             Err(_) if link.is_ended() => return Ok(()),
             Err(error) => return Err(LinkError::Broken(error)),
@@ -416,19 +418,33 @@ fn read_messages(
     Ok(())
 }
 
-fn read_message(stream: &mut impl Read) -> io::Result<Vec<u8>> {
-    let mut len = [0; 4];
-    stream.read_exact(&mut len)?;
-    let len = u32::from_le_bytes(len);
+/// Reads a message, however long its publisher is silent, before it or within it. Where a read has a time limit, it is
+/// looked then whether the link has ended.
+fn read_message(stream: &mut impl Read, is_ended: &dyn Fn() -> bool) -> io::Result<Vec<u8>> {
+    let mut head = Vec::with_capacity(4);
+    read_up_to(stream, 4, &mut head, is_ended)?;
+    let len = head.try_into().map_or(0, u32::from_le_bytes);
     if len > MAX_MESSAGE_BYTES {
         return Err(io::Error::new(io::ErrorKind::InvalidData, format!("a message of {len} bytes is announced")));
     }
     let mut bytes = rcs_messages::pooled_bytes((len as usize).min(FIRST_ROOM_BYTES));
-    let read = stream.take(u64::from(len)).read_to_end(&mut bytes)?;
-    if read < len as usize {
-        return Err(io::ErrorKind::UnexpectedEof.into());
-    }
+    read_up_to(stream, len as usize, &mut bytes, is_ended)?;
     Ok(bytes)
+}
+
+/// Reads until there are `len` bytes.
+fn read_up_to(stream: &mut impl Read, len: usize, bytes: &mut Vec<u8>, is_ended: &dyn Fn() -> bool) -> io::Result<()> {
+    while bytes.len() < len {
+        let rest = (len - bytes.len()) as u64;
+        match stream.take(rest).read_to_end(bytes) {
+            Ok(read) if (read as u64) < rest => return Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(_) => {}
+            // What has come by then is kept.
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock && !is_ended() => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

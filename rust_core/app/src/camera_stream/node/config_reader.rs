@@ -1,7 +1,7 @@
 //! Reads the config again, on a thread of its own: a file on a network share may not be there for minutes.
 
 use std::path::Path;
-use std::sync::mpsc::{channel, Receiver, TryRecvError};
+use std::sync::mpsc::{sync_channel, Receiver, TryRecvError};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -54,7 +54,7 @@ impl ConfigReader {
             self.is_asked_again = true;
             return;
         }
-        let (sender, result) = channel();
+        let (sender, result) = sync_channel(1);
         let (read, wake) = (Arc::clone(&self.read), Arc::clone(&self.wake));
         let reading = move || {
             // Fails at the node's end.
@@ -98,6 +98,7 @@ impl ConfigReader {
 #[cfg(test)]
 mod tests {
     use std::sync::atomic::{AtomicBool, Ordering};
+    use std::sync::mpsc::channel;
     use std::sync::{Mutex, PoisonError};
 
     use super::*;

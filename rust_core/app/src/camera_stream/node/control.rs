@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::{anyhow, Context, Result};
 use rcs_ros::{RosNode, ServiceCall, TriggerReply};
 use rcs_rviz_config::Config;
+use rcs_scene::join_within;
 
 use super::activity::Busy;
 use super::camera_plan;
@@ -106,15 +107,9 @@ impl Control {
             self.take_config();
         }
         shared.end();
-        let asked = Instant::now();
-        while !scene.is_finished() && asked.elapsed() < END_PATIENCE {
-            std::thread::sleep(Duration::from_millis(5));
-        }
         // One that still draws ends with the process.
-        if scene.is_finished() {
-            scene.join().map_err(|_| anyhow!("the scene's thread has panicked"))?;
-        }
-        Ok(())
+        let ended = join_within(scene, END_PATIENCE);
+        ended.unwrap_or(Ok(())).map_err(|_| anyhow!("the scene's thread has panicked"))
     }
 
     /// Does what the scene's thread cannot do while it is busy.

@@ -5,7 +5,7 @@
 //! Nothing is encoded while nobody subscribes, and the thread starts with the first picture that somebody gets.
 
 use std::panic::{catch_unwind, AssertUnwindSafe};
-use std::sync::mpsc::{channel, Receiver};
+use std::sync::mpsc::{sync_channel, Receiver};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
@@ -14,7 +14,7 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::std_msgs::Header;
 use rcs_ros::image_topic::CompressedPublisher;
 use rcs_ros::{ReconfigureServer, RosNode};
-use rcs_scene::Picture;
+use rcs_scene::{wait_while, Picture};
 
 use super::compressed_settings::{CompressionSettings, NAMES};
 use crate::camera_stream::watchdog::Task;
@@ -51,7 +51,7 @@ impl Shared {
     /// The next picture, with the settings for it; `None` at the end.
     fn wait(&self) -> Option<(Arc<Picture>, Header, CompressionSettings)> {
         let idle = |work: &mut Work| work.next.is_none() && !work.is_ended;
-        let mut work = self.changed.wait_while(self.work(), idle).unwrap_or_else(PoisonError::into_inner);
+        let mut work = wait_while(&self.changed, self.work(), idle);
         let (picture, header) = work.next.take().filter(|_| !work.is_ended)?;
         Some((picture, header, work.settings))
     }
@@ -63,7 +63,7 @@ impl CompressedOutput {
         let settings = CompressionSettings::default();
         let work = Mutex::new(Work { next: None, settings, is_ended: false });
         let shared = Arc::new(Shared { publisher: Arc::clone(publisher), work, changed: Condvar::new() });
-        let (sender, start) = channel();
+        let (sender, start) = sync_channel(1);
         let events = Arc::clone(ros.events());
         // The master may be silent.
         let names = NAMES.map(|name| format!("{}/{name}", publisher.topic()));

@@ -10,7 +10,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use rcs_scene::Encoding;
+use rcs_scene::{join_within, Encoding};
 
 use super::{Frame, Output, OutputError};
 
@@ -22,6 +22,8 @@ const START_TIMEOUT: Duration = Duration::from_secs(60);
 const END_TIMEOUT: Duration = Duration::from_secs(600);
 /// How long what it printed may take, once it has ended.
 const PRINTED_TIMEOUT: Duration = Duration::from_secs(5);
+/// How long its end may take once it is killed.
+const KILL_TIMEOUT: Duration = Duration::from_secs(5);
 /// How often its end is looked for.
 const POLL_PERIOD: Duration = Duration::from_millis(10);
 
@@ -130,12 +132,7 @@ impl VideoFile {
             return Ok(());
         }
         // Another process may hold its standard error open.
-        let until = Instant::now() + PRINTED_TIMEOUT;
-        while !running.printed.is_finished() && Instant::now() < until {
-            std::thread::sleep(POLL_PERIOD);
-        }
-        let printed =
-            if running.printed.is_finished() { running.printed.join().unwrap_or_default() } else { String::new() };
+        let printed = join_within(running.printed, PRINTED_TIMEOUT).and_then(Result::ok).unwrap_or_default();
         let last = printed.lines().map(str::trim).rfind(|line| !line.is_empty());
         let reason = last.map_or_else(|| status.to_string(), str::to_owned);
         Err(VideoError::Failed { path: self.file.clone(), reason })
@@ -186,9 +183,7 @@ impl Output for VideoFile {
 impl Drop for VideoFile {
     fn drop(&mut self) {
         if let Some(mut running) = self.running.take() {
-            // Both fail only if it has ended.
-            let _ = running.child.kill();
-            let _ = running.child.wait();
+            end_now(&mut running.child);
         }
         // There is none after success, and after a failure at the start.
         let _ = std::fs::remove_file(&self.unfinished);
@@ -219,10 +214,19 @@ fn end_of(child: &mut Child, timeout: Duration) -> io::Result<Option<ExitStatus>
             return Ok(Some(status));
         }
         if Instant::now() >= until {
-            child.kill()?;
-            child.wait()?;
+            end_now(child);
             return Ok(None);
         }
+        std::thread::sleep(POLL_PERIOD);
+    }
+}
+
+/// Kills a process and waits for its end: a moment, or it hangs in a file system and is left to that.
+fn end_now(child: &mut Child) {
+    // Fails only if it has ended.
+    let _ = child.kill();
+    let until = Instant::now() + KILL_TIMEOUT;
+    while matches!(child.try_wait(), Ok(None)) && Instant::now() < until {
         std::thread::sleep(POLL_PERIOD);
     }
 }

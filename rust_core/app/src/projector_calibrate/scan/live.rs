@@ -3,10 +3,11 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{anyhow, Context};
 use rcs_ros::RosNode;
+use rcs_scene::join_within;
 use rcs_window::{self as window, UserEvent, WindowOptions};
 
 use super::super::arguments::Size;
@@ -95,7 +96,7 @@ pub(super) fn in_window<T: Send + 'static>(
     drop(watch);
     // The window may have been closed first.
     end.request();
-    let scanned = scanning.map(|thread| joined(thread, END_PATIENCE));
+    let scanned = scanning.map(|thread| join_within(thread, END_PATIENCE));
     if let Some(refusal) = refusal {
         return Err(Failure::Refused(refusal));
     }
@@ -106,18 +107,6 @@ pub(super) fn in_window<T: Send + 'static>(
         Some(Err(_)) => Err(Failure::Refused(anyhow!("the scan's thread has ended early"))),
         None => Err(Failure::Refused(anyhow!("the scan's thread does not end, so it is left behind"))),
     })
-}
-
-/// What a thread returns, if it ends within `patience`.
-fn joined<T>(thread: JoinHandle<T>, patience: Duration) -> Option<thread::Result<T>> {
-    let asked = Instant::now();
-    while !thread.is_finished() {
-        if asked.elapsed() >= patience {
-            return None;
-        }
-        thread::sleep(Duration::from_millis(10));
-    }
-    Some(thread.join())
 }
 
 /// Scans and writes. Nothing is written once `is_void` is set.
@@ -160,20 +149,4 @@ fn scan_on(
     });
     node.shutdown();
     result
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::mpsc::channel;
-
-    use super::*;
-
-    #[test]
-    fn a_thread_that_hangs_is_not_waited_for() {
-        let (release, released) = channel::<()>();
-        let hanging = thread::spawn(move || released.recv().is_ok());
-        assert!(joined(hanging, Duration::from_millis(30)).is_none());
-        drop(release);
-        assert_eq!(joined(thread::spawn(|| 1), Duration::from_secs(20)).unwrap().unwrap(), 1);
-    }
 }

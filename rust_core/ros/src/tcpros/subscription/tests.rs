@@ -195,3 +195,25 @@ fn a_publisher_that_the_master_names_no_more_is_left() {
     stream.set_read_timeout(Some(PATIENCE)).unwrap();
     assert_eq!(stream.read(&mut [0]).unwrap(), 0);
 }
+
+#[test]
+fn a_message_may_come_in_pieces_with_pauses_that_are_longer_than_a_read() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let mut publisher = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+    let mut stream = listener.accept().unwrap().0;
+    stream.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
+    let sending = std::thread::spawn(move || {
+        for piece in [&[6, 0][..], &[0, 0, 1, 2, 3], &[4, 5], &[6]] {
+            std::thread::sleep(Duration::from_millis(30));
+            publisher.write_all(piece).unwrap();
+        }
+        publisher
+    });
+    assert_eq!(read_message(&mut stream, &|| false).unwrap(), [1, 2, 3, 4, 5, 6]);
+    let publisher = sending.join().unwrap();
+    let ended = read_message(&mut stream, &|| true).unwrap_err();
+    assert_eq!(ended.kind(), io::ErrorKind::WouldBlock, "the link has ended");
+    drop(publisher);
+    let closed = read_message(&mut stream, &|| false).unwrap_err();
+    assert_eq!(closed.kind(), io::ErrorKind::UnexpectedEof);
+}

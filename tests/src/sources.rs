@@ -1,0 +1,68 @@
+//! The project's own sources, for tests that look through them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::programs::repository;
+
+/// The folders of the repository that are generated.
+const GENERATED: [&str; 2] = ["target", "test_output"];
+
+/// All Rust files below a folder, without what is generated or hidden.
+///
+/// # Panics
+/// When a folder cannot be read.
+#[expect(clippy::panic, reason = "a test cannot go on")]
+pub fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let unreadable = |error: std::io::Error| -> ! { panic!("{}: {error}", folder.display()) };
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).unwrap_or_else(|error| unreadable(error)) {
+        let entry = entry.unwrap_or_else(|error| unreadable(error));
+        let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            if !name.starts_with('.') && !GENERATED.contains(&&*name) {
+                files.extend(rust_files(&path));
+            }
+        } else if name.ends_with(".rs") {
+            files.push(path);
+        }
+    }
+    files
+}
+
+/// A source file without comments and blanks, up to its tests.
+pub fn code(text: &str) -> String {
+    let mut lines = text.lines();
+    let mut code = String::new();
+    while let Some(line) = lines.next() {
+        if line == "#[cfg(test)]" {
+            let item = lines.find(|line| !line.starts_with("#[")).unwrap_or_default();
+            // A module of tests in a file of its own is no end, nor is a helper for tests.
+            if item.starts_with("mod ") && item.ends_with('{') {
+                break;
+            }
+        } else if !line.trim_start().starts_with("//") {
+            code.extend(line.split_whitespace());
+        }
+    }
+    code
+}
+
+/// The programs' sources by their paths in the repository, each with its [`code`]; without files of tests.
+///
+/// # Panics
+/// When a file cannot be read.
+#[expect(clippy::panic, reason = "a test cannot go on")]
+pub fn sources() -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for file in rust_files(&repository().join("rust_core")) {
+        // Of the whole path, this crate's folder is a part.
+        let name = file.strip_prefix(repository()).unwrap_or(&file);
+        let has = |folder: &str| name.components().any(|part| part.as_os_str() == folder);
+        if has("src") && !has("tests") && !has("tests.rs") && !has("test_world.rs") {
+            let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+            found.push((name.display().to_string(), code(&text)));
+        }
+    }
+    found
+}
