@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use rcs_tests::programs::repository;
 use rcs_tests::ros::{wait_until, Running};
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
 use crate::files::pixels;
 use crate::{bash, bash_command, printed_by, succeed};
@@ -73,10 +74,34 @@ fn the_papers_turret_lights_the_object_to_grasp() {
     let (shown, printed) = show(folder.path(), "--paper");
     let (width, height, pixels) = pixels(&shown);
     assert_eq!((width, height), (2560, 800), "{printed}");
+    assert!(printed.contains("picture: 1280x800 rgb8 on /proj_view/image, "), "{printed}");
+    assert!(!printed.contains("latency: "), "of a cloud that the scene replaces: {printed}");
     // Green in the spectator's half, and in the middle of the projector's.
     let is_green = |u: usize, v: usize| pixels[(v * 2560 + u) * 3..][..3] == [115, 210, 22];
     assert!((0..800).any(|v| (0..1280).any(|u| is_green(u, v))), "{printed}");
     assert!((380..420).any(|v| (1820..2020).any(|u| is_green(u, v))), "{printed}");
+}
+
+#[test]
+fn the_latency_of_clouds_that_another_node_replaces_is_not_measured() {
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+    fixture.python(
+        "latch('/tf_static', tf('map', 'eye')); latch('/eye/camera_info', info(width=640, height=480, f=500.0))",
+    );
+    fixture.python(
+        "edge = cloud(0xff0000, points=[(0, 0.3, 1)]); repeated = PublishRepeatedly(20, lambda i: edge, '/cloud')",
+    );
+    let measure = "scripts/measure --image /view/image --cloud /cloud --seconds 0.5 --clouds 4";
+    let measure = || bash(&format!("ROS_MASTER_URI={} {measure}", fixture.master.uri()));
+    let output = measure();
+    let printed = printed_by(&output);
+    assert!(!output.status.success() && !printed.contains("latency: "), "{printed}");
+    let reason = printed.lines().last().unwrap();
+    assert!(reason.starts_with("measure: /") && reason.ends_with(" publishes clouds on /cloud, too"), "{printed}");
+    // A latched cloud is replaced by no other.
+    fixture.python("repeated.stop(); repeated.out.unregister(); publishers.clear(); latch('/cloud', edge)");
+    let printed = printed_by(&measure());
+    assert!(printed.contains("latency: ") && printed.ends_with("(4 clouds)\n"), "{printed}");
 }
 
 /// Interrupts the demo once it has printed `when`.
