@@ -62,6 +62,9 @@ pub fn config(displays: &[&str], cameras: &[CameraPub]) -> String {
     text + "  Enabled: true\n  Global Options: {Fixed Frame: map, Frame Rate: 30}\n"
 }
 
+/// Names the renderer of all nodes of these tests: `cpu` (the default), `gpu` or `auto`.
+const RENDERER: &str = "RCS_RENDERER";
+
 /// Name of the config's file.
 const CONFIG: &str = "scene.rviz";
 
@@ -116,7 +119,8 @@ impl RosFixture {
         fs::write(&file, config)?;
         let mut command = master.environment(Command::new(program("camera_stream")));
         command.envs(environment.iter().copied());
-        let node = Running::start(command.arg("-d").arg(&file).args(["--renderer", "cpu"]).args(args))?;
+        let renderer = std::env::var(RENDERER).unwrap_or_else(|_| "cpu".to_owned());
+        let node = Running::start(command.arg("-d").arg(&file).args(["--renderer", &renderer]).args(args))?;
         Ok(Self { node, python, master, folder })
     }
 

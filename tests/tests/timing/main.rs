@@ -4,6 +4,7 @@
 //! cargo build --release -p rcs_app --bins
 //! cargo test --release -p rcs_tests --test timing -- --test-threads=1                   all tests
 //! cargo test --release -p rcs_tests --test timing -- frame_rate::                       the tests of one file
+//! RCS_RENDERER=gpu cargo test ...                                                      the nodes draw on the GPU
 //! ```
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
