@@ -12,7 +12,7 @@ use crate::{
     assemble,
     files::FileStamp,
     import::{self, Source},
-    texture, LoadedMesh, MeshFault, PackageIndex, ResourceError, ResourceOptions,
+    texture, LoadedMesh, MeshFault, MeshPart, PackageIndex, ResourceError, ResourceOptions,
 };
 
 /// Files of at least this size are loaded one at a time, so that their memory does not add up.
@@ -40,6 +40,21 @@ pub(crate) enum Resource {
 }
 
 impl Resource {
+    /// How much memory it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        let of_texture = |texture: &Texture| size_of_val(texture.rgba.as_slice());
+        match self {
+            Self::Mesh(mesh) => {
+                let of_mesh = |part: &MeshPart| {
+                    size_of_val(part.mesh.vertices.as_slice()) + size_of_val(part.mesh.indices.as_slice())
+                };
+                let texture = |part: &MeshPart| part.material.texture.as_deref().map_or(0, of_texture);
+                mesh.parts.iter().map(|part| of_mesh(part) + texture(part)).sum()
+            }
+            Self::Texture(texture) => of_texture(texture),
+        }
+    }
+
     /// Whether nobody but its owner has it.
     pub(crate) fn is_unused(&self) -> bool {
         match self {

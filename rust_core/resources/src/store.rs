@@ -1,13 +1,14 @@
 //! Meshes and textures by address, each loaded once.
 //!
-//! rviz keeps a loaded mesh for as long as it runs and so does this. A failure is kept too, so that a marker that is
+//! rviz keeps a loaded mesh for as long as it runs and so does this, but for a large one that is loaded in the
+//! background: once nobody has used it for a while, its memory is given back. A failure is kept too, so that a marker that is
 //! published ten times a second does not read and report a broken file ten times a second: its file is read again when
 //! somebody asks for it and it is not the same any more.
 //!
 //! A store loads either on the thread that asks, which then has its answer at once: that is for pictures of bags, which
 //! must not depend on how fast files are read. Or it loads in the background: whoever asks is told that the resource
 //! is being loaded, and the store's waker is called when it is there. These threads are started when there is something
-//! to load, run at a low priority, and end when there is nothing more.
+//! to load, run at a low priority, and end when there is nothing more; the last one stays while something large is kept.
 
 use std::{
     collections::HashMap,
@@ -36,6 +37,9 @@ const MAX_RESOURCES: usize = 4096;
 const MAX_THREADS: usize = 4;
 /// A thread that had nothing to load for so long ends.
 const IDLE_TIME: Duration = Duration::from_secs(10);
+/// A resource that takes so much memory is given back after [`UNUSED_TIME`], at the next [`IDLE_TIME`].
+const LARGE_BYTES: usize = 4 << 20;
+const UNUSED_TIME: Duration = Duration::from_secs(30);
 /// A file that could not be used is looked at again after this time at the earliest.
 const CHECK_INTERVAL: Duration = Duration::from_millis(500);
 /// How nice the threads are to those that draw.
@@ -110,6 +114,16 @@ struct Slot {
     is_busy: bool,
     /// The last question.
     asked: u64,
+    /// When it was found first that nobody uses what is large.
+    unused_since: Option<Instant>,
+}
+
+impl Slot {
+    /// What was loaded, if it takes much memory.
+    fn large(&self) -> Option<&Resource> {
+        let loaded = self.outcome.as_ref().and_then(|outcome| outcome.as_ref().ok());
+        loaded.filter(|resource| resource.bytes() >= LARGE_BYTES)
+    }
 }
 
 impl MeshStore {
@@ -226,6 +240,7 @@ impl MeshStore {
         let asked = state.questions;
         let slot = state.slots.entry(key.clone()).or_default();
         slot.asked = asked;
+        slot.unused_since = None;
         let is_wanted = match &slot.outcome {
             None => true,
             Some(Ok(_)) => false,
@@ -261,6 +276,16 @@ impl State {
         let Some(&last) = asked.get(asked.len() / 4) else { return false };
         self.slots.retain(|_, slot| slot.asked > last || !is_unused(slot));
         true
+    }
+
+    /// Takes out what is large and was not used for a while, whose memory is given back when that is dropped.
+    fn take_unused(&mut self, now: Instant) -> Vec<Slot> {
+        for slot in self.slots.values_mut() {
+            let is_unused = !slot.is_busy && slot.large().is_some_and(Resource::is_unused);
+            slot.unused_since = is_unused.then(|| slot.unused_since.unwrap_or(now));
+        }
+        let is_over = |slot: &Slot| slot.unused_since.is_some_and(|since| now.duration_since(since) >= UNUSED_TIME);
+        self.slots.extract_if(|_, slot| is_over(slot)).map(|(_, slot)| slot).collect()
     }
 
     /// Takes what is to be loaded next out of the queue, or returns when that will be.
@@ -315,9 +340,19 @@ impl Shared {
                         self.work.wait_timeout(state, timeout).unwrap_or_else(PoisonError::into_inner);
                     state = woken;
                     state.waiting_threads -= 1;
-                    if due.is_none() && result.timed_out() && state.queue.is_empty() {
-                        break;
+                    if due.is_some() || !result.timed_out() || !state.queue.is_empty() {
+                        continue;
                     }
+                    let unused = state.take_unused(Instant::now());
+                    let ends = state.threads > 1 || state.slots.values().all(|slot| slot.large().is_none());
+                    state.threads -= usize::from(ends);
+                    // Giving memory back takes a while, so not under the lock.
+                    drop(state);
+                    drop(unused);
+                    if ends {
+                        return;
+                    }
+                    state = self.lock();
                 }
             }
         }
@@ -415,5 +450,52 @@ impl fmt::Debug for MeshStore {
             .field("is_background", &self.is_background)
             .field("resources", &self.shared.lock().slots.len())
             .finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rcs_scene::{Mesh, Vertex};
+
+    use super::*;
+    use crate::{MeshMaterial, MeshPart};
+
+    /// A slot with a mesh of so many vertices.
+    fn slot(vertices: usize) -> Slot {
+        let mesh = Mesh { vertices: vec![Vertex::new([0.0; 3], [0.0; 3]); vertices], indices: Vec::new() };
+        let part = MeshPart { mesh: Arc::new(mesh), material: MeshMaterial::none() };
+        let mesh = LoadedMesh { parts: vec![part], warnings: Vec::new() };
+        Slot { outcome: Some(Ok(Resource::Mesh(Arc::new(mesh)))), ..Slot::default() }
+    }
+
+    #[test]
+    fn what_is_large_and_unused_for_a_while_is_given_back() {
+        let large = LARGE_BYTES / size_of::<Vertex>() + 1;
+        let key = |url: &str| Key { kind: Kind::Mesh, url: url.to_owned() };
+        let mut state = State::default();
+        let all = [("small", 8), ("unused", large), ("used", large), ("part", large), ("busy", large)];
+        state.slots.extend(all.map(|(url, vertices)| (key(url), slot(vertices))));
+        state.slots.get_mut(&key("busy")).unwrap().is_busy = true;
+        let mesh = |state: &State, url| match &state.slots[&key(url)].outcome {
+            Some(Ok(Resource::Mesh(mesh))) => Arc::clone(mesh),
+            other => panic!("{other:?}"),
+        };
+        let (used, part) = (mesh(&state, "used"), Arc::clone(&mesh(&state, "part").parts[0].mesh));
+        let begin = Instant::now();
+        let given_back = |state: &mut State, secs| {
+            let count = state.slots.len();
+            drop(state.take_unused(begin + Duration::from_secs(secs)));
+            count - state.slots.len()
+        };
+        assert_eq!([0, 29].map(|secs| given_back(&mut state, secs)), [0, 0]);
+        // Somebody has asked for it meanwhile.
+        state.slots.get_mut(&key("unused")).unwrap().unused_since = None;
+        assert_eq!([30, 59, 60].map(|secs| given_back(&mut state, secs)), [0, 0, 1]);
+        assert!(!state.slots.contains_key(&key("unused")));
+        drop((used, part));
+        assert_eq!([100, 129, 130].map(|secs| given_back(&mut state, secs)), [0, 0, 2]);
+        let mut left: Vec<&str> = state.slots.keys().map(|key| key.url.as_str()).collect();
+        left.sort_unstable();
+        assert_eq!(left, ["busy", "small"]);
     }
 }
