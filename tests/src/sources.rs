@@ -20,7 +20,9 @@ pub fn rust_files(folder: &Path) -> Vec<PathBuf> {
         let entry = entry.unwrap_or_else(|error| unreadable(error));
         let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
         if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-            if !name.starts_with('.') && !GENERATED.contains(&&*name) {
+            // Beside a manifest; elsewhere it is a module of that name.
+            let is_generated = GENERATED.contains(&&*name) && folder.join("Cargo.toml").exists();
+            if !name.starts_with('.') && !is_generated {
                 files.extend(rust_files(&path));
             }
         } else if name.ends_with(".rs") {

@@ -3,6 +3,8 @@
 //! The programs' sources are searched for what waits for as long as it takes and for channels without a bound. What is
 //! allowed all the same is listed here, with the reason.
 
+use std::collections::BTreeMap;
+
 use rcs_tests::sources::{code, sources};
 
 /// Channels that hold as much as is sent into them.
@@ -47,6 +49,41 @@ const ALLOWED: [(&str, &str, &str); 11] = [
     ("render/src/gpu/device.rs", "block_on(", "the GPU's driver, at the start; the second signal ends the program"),
     ("window/src/", ".roundtrip(", "the window's own thread, which the watchdog and WindowWatch look after"),
     ("window/src/", ".reply()", "the same"),
+];
+
+/// Everything that is put at the end of a queue, and what bounds that queue: a piece of the same file's code without
+/// blanks.
+const QUEUES: [(&str, &str); 24] = [
+    ("app/src/camera_stream/lazy_streams.rs", "arrivals.len()>=MESSAGES"),
+    ("app/src/camera_stream/node/scene_loop.rs", "in_flight.len()>=self.renderer.pictures_at_once()"),
+    ("app/src/logging/lines.rs", "self.lines.len()>=MOST_LINES"),
+    ("app/src/projector_calibrate/clicks.rs", "waiting.len()==QUEUE_SIZE"),
+    ("app/src/projector_calibrate/scan/compare.rs", "self.differences.len()>LIKE_DIFFERENCES"),
+    ("app/src/projector_calibrate/scan/light.rs", "last.len()>AVERAGED"),
+    ("app/src/target/waiting.rs", "self.0.len()>=MOST_WAITING"),
+    // A row of filters, which takes and gives one at a time.
+    ("calibration/src/decode/mod.rs", "fnpush_back("),
+    // Each of the picture's rims once.
+    ("calibration/src/verification/rims.rs", "queue.pop_front()"),
+    ("camera/src/picture_rate.rs", "self.published.len()==PICTURES"),
+    ("displays/src/classes/depth_cloud/pairs.rs", "images.len()<=self.queue_size"),
+    ("displays/src/classes/effort.rs", "self.shown.len()>=self.settings.history_lengthasusize"),
+    ("displays/src/classes/interactive_markers/server.rs", "self.updates.len()>=MAX_UPDATES"),
+    ("displays/src/framework/arrivals.rs", "self.on_the_way.len()>=MOST_WAITING"),
+    ("displays/src/framework/message_cache.rs", "kept.len()>=most_kept(message.kind())"),
+    // As many messages as the user asks for, in rviz without a bound, too.
+    ("displays/src/parts/history.rs", "self.counts.len()>=self.length"),
+    // As many pictures as a renderer works on at once.
+    ("render/src/cpu/mod.rs", "self.finished.pop_front()"),
+    ("render/src/gpu/mod.rs", "self.in_flight.pop_front()"),
+    ("ros/src/events.rs", "queue_size.min(MOST_QUEUED)"),
+    // One for each name of a setting.
+    ("ros/src/param_writer.rs", "|(waiting,_)|*waiting==name"),
+    ("ros/src/rosout.rs", "queue.lines.len()>=MAX_LINES"),
+    ("ros/src/tcpros/publication.rs", "queue.len()>=queue_size"),
+    // Ten seconds.
+    ("transforms/src/history.rs", "stamp.saturating_add(cache_length)<newest"),
+    ("transforms/src/waiting.rs", "self.messages.len()>self.queue_size"),
 ];
 
 /// Where a call stands in code without blanks, in which it may follow a keyword directly: not as the end of a longer
@@ -135,6 +172,26 @@ fn every_wait_has_a_limit_and_every_channel_a_bound() {
     assert!(wrong.is_empty(), "without a limit or a bound:\n{}", wrong.join("\n"));
     for ((file, what, _), used) in ALLOWED.iter().zip(used) {
         assert!(used, "{file} no longer has {what}");
+    }
+}
+
+#[test]
+fn every_queue_has_a_bound() {
+    let sources = sources();
+    let with_queue = sources.iter().filter(|(_, code)| code.contains("push_back("));
+    let found: BTreeMap<&str, &str> =
+        with_queue.map(|(file, code)| (file.strip_prefix("rust_core/").unwrap_or_default(), code.as_str())).collect();
+    for file in found.keys() {
+        assert!(QUEUES.iter().any(|(known, _)| known == file), "{file} has a queue: what bounds it?");
+    }
+    for (file, bound) in QUEUES {
+        let code = found.get(file).copied().unwrap_or_default();
+        assert!(code.contains(bound), "{file} no longer has {bound}");
+    }
+    // A queue size without a limit in rviz has one here.
+    for (file, code) in &sources {
+        let unlimited = code.split("WaitingQueue::new(").skip(1).find(|rest| !rest.starts_with("bounded("));
+        assert!(unlimited.is_none(), "{file} has a WaitingQueue that may be unlimited");
     }
 }
 

@@ -20,10 +20,19 @@ pub struct TopicRequest {
 }
 
 impl TopicRequest {
-    /// A request; a queue size of 0 (no limit in ROS) becomes a large one. `None` without a topic.
+    /// A request; its queue size is [`bounded`]. `None` without a topic.
     pub(crate) fn new(topic: &str, kind: MessageKind, queue_size: u32) -> Option<Self> {
-        let queue_size = if queue_size == 0 { 1000 } else { queue_size as usize };
+        let queue_size = bounded(queue_size);
         (!topic.is_empty()).then(|| Self { topic: topic.to_owned(), kind, queue_size })
+    }
+}
+
+/// How many messages wait for a queue size of the config; that of 0, without a limit in rviz, is a large one.
+pub(crate) fn bounded(queue_size: u32) -> usize {
+    if queue_size == 0 {
+        1000
+    } else {
+        queue_size as usize
     }
 }
 

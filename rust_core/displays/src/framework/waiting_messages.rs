@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rcs_messages::std_msgs::Header;
 use rcs_transforms::{Time, WaitingQueue};
 
+use crate::framework::display::bounded;
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::{Level, Statuses, World};
@@ -19,9 +20,9 @@ pub(crate) struct WaitingMessages<M> {
 }
 
 impl<M> WaitingMessages<M> {
-    /// At most `queue_size` messages wait; 0 sets no limit.
+    /// At most `queue_size` messages wait, or a large number for 0.
     pub(crate) fn new(queue_size: u32) -> Self {
-        Self { queue: WaitingQueue::new(queue_size as usize), received: 0, reported_drops: 0 }
+        Self { queue: WaitingQueue::new(bounded(queue_size)), received: 0, reported_drops: 0 }
     }
 
     /// Takes a message that counts as received.
@@ -142,5 +143,18 @@ mod tests {
         let old = "Message removed because it is too old (frame=[arm], stamp=[7.000000000])";
         assert_eq!((level, text.as_str()), (Level::Error, old));
         assert_eq!(statuses.get("Dropped").unwrap().text, "2 messages dropped: 1 too old, 1 no frame");
+    }
+
+    #[test]
+    fn so_many_messages_wait_as_the_config_says_and_a_large_number_without_a_limit_there() {
+        for (queue_size, most) in [(2, 2), (0, 1000)] {
+            let (mut incoming, mut statuses) = (WaitingMessages::new(queue_size), Statuses::default());
+            let received = Arc::new(());
+            for secs in 1..=1500 {
+                incoming.push(&header(secs, "arm"), Arc::clone(&received), &mut statuses);
+            }
+            assert_eq!(Arc::strong_count(&received) - 1, most, "Queue Size {queue_size}");
+            assert!(incoming.is_waiting(stamp(&header(1500, "arm"))), "the newest are kept");
+        }
     }
 }

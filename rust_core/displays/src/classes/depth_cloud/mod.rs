@@ -18,7 +18,7 @@ use rcs_rviz_config::DepthCloudSettings;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::{Time, WaitingQueue};
 
-use crate::framework::display::{Display, TopicRequest};
+use crate::framework::display::{bounded, Display, TopicRequest};
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::parts::cloud::{Clouds, Decoded, NonFinite, PlacedCloud};
@@ -103,7 +103,7 @@ impl DepthCloudDisplay {
             depth,
             color,
             info,
-            waiting: WaitingQueue::new(queue_size as usize),
+            waiting: WaitingQueue::new(bounded(queue_size)),
             pairs: Pairs::new(queue_size),
             last_info: None,
             ready: Vec::new(),

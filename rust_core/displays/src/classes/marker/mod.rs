@@ -41,7 +41,7 @@ use rcs_rviz_config::MarkerSettings;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::{Time, WaitingQueue};
 
-use crate::framework::display::{Display, Follows, TopicRequest};
+use crate::framework::display::{bounded, Display, Follows, TopicRequest};
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::{Level, Statuses, World};
@@ -103,7 +103,7 @@ impl MarkerDisplay {
         Self {
             display,
             takes_single_markers,
-            waiting: WaitingQueue::new(settings.queue_size as usize).keeping_dropped(),
+            waiting: WaitingQueue::new(bounded(settings.queue_size)).keeping_dropped(),
             settings,
             ready: Vec::new(),
             unfinished: None,
