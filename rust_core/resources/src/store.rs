@@ -1,14 +1,14 @@
 //! Meshes and textures by address, each loaded once.
 //!
 //! rviz keeps a loaded mesh for as long as it runs and so does this, but for a large one that is loaded in the
-//! background: once nobody has used it for a while, its memory is given back. A failure is kept too, so that a marker that is
-//! published ten times a second does not read and report a broken file ten times a second: its file is read again when
-//! somebody asks for it and it is not the same any more.
+//! background: once nobody has used it for a while, its memory is given back. A failure is kept too, so that a marker
+//! that is published ten times a second does not read and report a broken file ten times a second: its file is read
+//! again when somebody asks for it and it is not the same any more.
 //!
 //! A store loads either on the thread that asks, which then has its answer at once: that is for pictures of bags, which
 //! must not depend on how fast files are read. Or it loads in the background: whoever asks is told that the resource
 //! is being loaded, and the store's waker is called when it is there. These threads are started when there is something
-//! to load, run at a low priority, and end when there is nothing more; the last one stays while something large is kept.
+//! to load, run at a low priority, and end when there is nothing more; the last stays while something large is kept.
 
 use std::{
     collections::HashMap,

@@ -145,8 +145,8 @@ fn pictures_go_on_while_a_mesh_of_three_million_triangles_comes_and_goes() {
         with = with.max(megabytes());
         let going = gap("send('/markers', Marker(action=Marker.DELETEALL))", "viewer.middle() == (0, 0, 200)");
         println!(
-            "at most {coming:.3} s without a new picture until the mesh is there, which is after {after} s; {staying:.3} s \
-             while it is; {going:.3} s when it goes"
+            "at most {coming:.3} s without a new picture until the mesh is there, which is after {after} s; \
+             {staying:.3} s while it is; {going:.3} s when it goes"
         );
         gaps.push(coming.max(going));
     }

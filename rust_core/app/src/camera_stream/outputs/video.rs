@@ -6,11 +6,13 @@
 use std::ffi::{OsStr, OsString};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{sync_channel, Receiver, RecvTimeoutError, SyncSender};
+use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use rcs_scene::{join_within, Encoding};
+use rcs_scene::{join_within, Encoding, Picture};
 
 use super::{Frame, Output, OutputError};
 
@@ -18,7 +20,7 @@ use super::{Frame, Output, OutputError};
 const ENCODER: &str = "ffmpeg";
 /// How long the encoder may take to say which one it is.
 const START_TIMEOUT: Duration = Duration::from_secs(60);
-/// How long it may take for the rest once it has all pictures.
+/// How long it may take for a picture, and for the rest once it has all of them.
 const END_TIMEOUT: Duration = Duration::from_secs(600);
 /// How long what it printed may take, once it has ended.
 const PRINTED_TIMEOUT: Duration = Duration::from_secs(5);
@@ -91,6 +93,8 @@ pub struct VideoFile {
 struct Running {
     child: Child,
     size_px: [u32; 2],
+    /// The thread that writes to its input.
+    input: Input,
     /// Reads what it prints, so that it never waits for that.
     printed: JoinHandle<String>,
 }
@@ -115,14 +119,13 @@ impl VideoFile {
         let mut command = Command::new(ENCODER);
         command.args(arguments(size_px, encoding, self.rate_hz, &self.unfinished));
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
-        let (child, printed) = started(&mut command).map_err(|source| run_error(&self.file, source))?;
-        Ok(Running { child, size_px, printed })
+        Running::start(&mut command, size_px).map_err(|source| run_error(&self.file, source))
     }
 
     /// Waits for the encoder's end, and returns why it failed.
     fn wait(&self, mut running: Running) -> Result<(), VideoError> {
         // The end of the pictures.
-        drop(running.child.stdin.take());
+        drop(running.input);
         let status = end_of(&mut running.child, self.end_timeout).map_err(|source| run_error(&self.file, source))?;
         let Some(status) = status else {
             let reason = format!("it has not ended within {:?} after the last picture", self.end_timeout);
@@ -138,8 +141,7 @@ impl VideoFile {
         Err(VideoError::Failed { path: self.file.clone(), reason })
     }
 
-    fn add(&mut self, frame: &Frame) -> Result<(), VideoError> {
-        let picture = &frame.picture;
+    fn add(&mut self, picture: &Arc<Picture>) -> Result<(), VideoError> {
         let size_px = [picture.width_px, picture.height_px];
         let mut running = match self.running.take() {
             Some(running) => running,
@@ -150,16 +152,20 @@ impl VideoFile {
             self.running = Some(running);
             return Err(VideoError::SizeChanged { path, first_px, then_px: size_px });
         }
-        let written = running.child.stdin.as_mut().map_or(Ok(()), |stdin| stdin.write_all(&picture.data));
-        match written {
-            Ok(()) => {
+        match running.input.write(picture, self.end_timeout) {
+            Some(Ok(())) => {
                 self.running = Some(running);
                 Ok(())
             }
             // It has closed its input; its own error says why.
-            Err(source) => {
+            Some(Err(source)) => {
                 self.wait(running)?;
                 Err(run_error(&self.file, source))
+            }
+            None => {
+                end_now(&mut running.child);
+                let reason = format!("it has not taken a picture within {:?}", self.end_timeout);
+                Err(VideoError::Failed { path: self.file.clone(), reason })
             }
         }
     }
@@ -167,7 +173,7 @@ impl VideoFile {
 
 impl Output for VideoFile {
     fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
-        Ok(self.add(frame)?)
+        Ok(self.add(&frame.picture)?)
     }
 
     fn finish(&mut self) -> Result<(), OutputError> {
@@ -187,6 +193,56 @@ impl Drop for VideoFile {
         }
         // There is none after success, and after a failure at the start.
         let _ = std::fs::remove_file(&self.unfinished);
+    }
+}
+
+impl Running {
+    fn start(command: &mut Command, size_px: [u32; 2]) -> io::Result<Self> {
+        let (mut child, printed) = started(command)?;
+        let input = Input::start(child.stdin.take())?;
+        Ok(Self { child, size_px, input, printed })
+    }
+}
+
+/// Writes pictures to a process on a thread, so that one that takes none is not waited for without a limit. Dropped, it
+/// ends the process's input.
+#[derive(Debug)]
+struct Input {
+    pictures: SyncSender<Arc<Picture>>,
+    written: Receiver<io::Result<()>>,
+}
+
+impl Input {
+    fn start(stdin: Option<ChildStdin>) -> io::Result<Self> {
+        let (pictures, to_write) = sync_channel::<Arc<Picture>>(1);
+        let (outcome, written) = sync_channel(1);
+        let writing = move || {
+            let mut stdin = stdin;
+            for picture in to_write {
+                let result = stdin.as_mut().map_or(Ok(()), |stdin| stdin.write_all(&picture.data));
+                drop(picture);
+                // Nobody receives it once it has taken too long.
+                if outcome.send(result).is_err() {
+                    return;
+                }
+            }
+        };
+        std::thread::Builder::new().name("ffmpeg-pictures".to_owned()).spawn(writing)?;
+        Ok(Self { pictures, written })
+    }
+
+    /// Writes a picture. `None` if that takes longer than `timeout`.
+    fn write(&self, picture: &Arc<Picture>, timeout: Duration) -> Option<io::Result<()>> {
+        let ended = || Err(io::ErrorKind::BrokenPipe.into());
+        // There is room: each is waited for.
+        if self.pictures.send(Arc::clone(picture)).is_err() {
+            return Some(ended());
+        }
+        match self.written.recv_timeout(timeout) {
+            Ok(result) => Some(result),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => Some(ended()),
+        }
     }
 }
 
@@ -278,19 +334,42 @@ fn arguments(size_px: [u32; 2], encoding: Encoding, rate_hz: f64, file: &Path) -
 mod tests {
     use super::*;
 
-    /// What `finish` says where the encoder does this once it has all pictures, and how long that took.
-    fn finished(script: &str, end_timeout: Duration) -> (String, Duration) {
+    /// What an end of the video says where the encoder does this, and how long that took.
+    fn error_of<E: std::fmt::Display + std::fmt::Debug>(
+        script: &str,
+        end_timeout: Duration,
+        end: impl FnOnce(&mut VideoFile) -> Result<(), E>,
+    ) -> (String, Duration) {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("out.mp4");
         let unfinished = unfinished_name(&file);
         let mut video = VideoFile { file, unfinished, rate_hz: 1.0, end_timeout, running: None };
         let mut command = Command::new("sh");
         command.args(["-c", script]).stdin(Stdio::piped()).stderr(Stdio::piped());
-        let (child, printed) = started(&mut command).unwrap();
-        video.running = Some(Running { child, size_px: [2, 2], printed });
+        video.running = Some(Running::start(&mut command, [512, 512]).unwrap());
         let begun = Instant::now();
-        let error = video.finish().unwrap_err().to_string();
+        let error = end(&mut video).unwrap_err().to_string();
+        assert!(video.running.is_none());
         (error, begun.elapsed())
+    }
+
+    /// What `finish` says where the encoder does this once it has all pictures, and how long that took.
+    fn finished(script: &str, end_timeout: Duration) -> (String, Duration) {
+        error_of(script, end_timeout, VideoFile::finish)
+    }
+
+    #[test]
+    fn an_encoder_that_takes_no_picture_is_ended() {
+        // More than a pipe holds.
+        let data = vec![7; 512 * 512 * 3];
+        let encoding = Encoding::Rgb8;
+        let picture = Arc::new(Picture { width_px: 512, height_px: 512, encoding, data });
+        let write = |video: &mut VideoFile| video.add(&picture);
+        let (error, took) = error_of("exec sleep 100", Duration::from_millis(200), write);
+        assert!(error.ends_with("ffmpeg failed: it has not taken a picture within 200ms"), "{error}");
+        assert!(took < Duration::from_secs(50), "{took:?}");
+        let (error, _) = error_of("echo wrong >&2; exit 3", END_TIMEOUT, write);
+        assert!(error.ends_with("ffmpeg failed: wrong"), "{error}");
     }
 
     #[test]
