@@ -187,6 +187,8 @@ fn a_subscription_whose_publishers_may_be_stale_is_registered_again_once() {
     master.registrar.set_publishers("/a", vec![NOBODY.to_owned()]);
     assert_eq!(next(&master), "registerSubscriber /a");
     println!("registered again after {:.1?}", begin.elapsed());
+    // The lists are compared every 2 s.
+    assert!(begin.elapsed() < Duration::from_secs(3), "{:?}", begin.elapsed());
     while subscription.links().iter().all(|link| link.uri != talker_uri) {
         assert!(begin.elapsed() < Duration::from_secs(5));
         std::thread::sleep(Duration::from_millis(5));
