@@ -2,13 +2,16 @@
 //!
 //! Beside each scene, a square of some pixels in front of it changes its colour thirty times a second. What counts is
 //! the longest time without a new picture of it, from before the scene's message is sent until it has been shown for a
-//! while: on two cores, at 640×480, beside the Python that sends and receives. Of two rounds the better one counts.
+//! while: on two cores, at 640×480, beside the Python that sends and receives, divided by how many times longer the node
+//! took because it waited for a processor. The best of two rounds counts, on a busy machine of five. The limits are at
+//! least twice what that is now, and less than what it is without culling; for lines, where they are prepared ten times,
+//! for translucent spheres, where they are drawn ten times.
 
 use rcs_tests::ros::PATIENCE;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
 use std::time::{Duration, Instant};
 
-use crate::load::{core_share, in_turn, CAMERA, CROWD, MANY};
+use crate::load::{core_share, in_turn, longest_gap, CAMERA, CROWD, MANY};
 
 /// The display whose pictures must go on, so small and near that it hides nothing and nothing hides it.
 const NEAR: &str =
@@ -95,20 +98,22 @@ fn pictures_go_on_beside(fixture: &RosFixture, scenes: &[Heavy]) {
     for (number, scene) in scenes.iter().enumerate() {
         let Heavy { name, topic, message, limit } = scene;
         fixture.python(format!("heavy = {message}"));
-        let gaps = [(); 2].map(|()| {
+        let (limit, mut gaps) = (limit.as_secs_f64(), Vec::new());
+        while gaps.len() < 2 || gaps.len() < 5 && gaps.iter().all(|gap| *gap >= limit) {
             if number > 0 || fixture.python("shown()") == "True" {
                 fixture.python("{topic: send(topic, no_marker if topic == '/markers' else none) for topic in sent_to}");
                 fixture.wait_for("not shown()");
             }
-            fixture.python(format!("viewer.forget(); sent_to = ['{topic}']; send('{topic}', heavy)"));
-            fixture.wait_for("shown()");
-            fixture.python("before = len(viewer.images)");
-            fixture.wait_for("len(viewer.images) > before + 10");
-            fixture.python("longest_gap()").parse::<f64>().unwrap()
-        });
-        let gap = gaps[0].min(gaps[1]);
+            gaps.push(longest_gap(fixture, "", || {
+                fixture.python(format!("viewer.forget(); sent_to = ['{topic}']; send('{topic}', heavy)"));
+                fixture.wait_for("shown()");
+                fixture.python("before = len(viewer.images)");
+                fixture.wait_for("len(viewer.images) > before + 10");
+            }));
+        }
+        let gap = gaps.iter().copied().fold(f64::INFINITY, f64::min);
         println!("{name}: at most {gap:.3} s between pictures ({gaps:.3?})");
-        assert!(gap < limit.as_secs_f64(), "{name}: {gap} s without a new picture");
+        assert!(gap < limit, "{name}: {gap} s without a new picture");
     }
 }
 
@@ -135,12 +140,12 @@ fn pictures_go_on_beside_a_depth_cameras_points_before_the_lens() {
     pictures_go_on_beside(
         &fixture,
         &[
-            heavy("Flat Squares at 6 cm", "/squares", "heavy_cloud(spread(1900, 0.06))", 800),
-            heavy("Flat Squares in one place", "/squares", "heavy_cloud(in_one_place())", 800),
-            heavy("Spheres at 6 cm", "/spheres", "heavy_cloud(spread(1900, 0.06))", 800),
-            heavy("Spheres in one place", "/spheres", "heavy_cloud(in_one_place())", 800),
-            heavy("Boxes at 6 cm", "/boxes", "heavy_cloud(spread(1900, 0.06))", 800),
-            heavy("Boxes in one place", "/boxes", "heavy_cloud(in_one_place())", 800),
+            heavy("Flat Squares at 6 cm", "/squares", "heavy_cloud(spread(1900, 0.06))", 200),
+            heavy("Flat Squares in one place", "/squares", "heavy_cloud(in_one_place())", 200),
+            heavy("Spheres at 6 cm", "/spheres", "heavy_cloud(spread(1900, 0.06))", 200),
+            heavy("Spheres in one place", "/spheres", "heavy_cloud(in_one_place())", 200),
+            heavy("Boxes at 6 cm", "/boxes", "heavy_cloud(spread(1900, 0.06))", 200),
+            heavy("Boxes in one place", "/boxes", "heavy_cloud(in_one_place())", 200),
         ],
     );
     ends_when_asked_to(fixture);
@@ -153,8 +158,8 @@ fn pictures_go_on_beside_five_million_points_near_and_behind_the_lens() {
     pictures_go_on_beside(
         &fixture,
         &[
-            heavy("5 million points around", "/squares", "heavy_cloud(between(5000000, 1900, -0.5, 0.5))", 1500),
-            heavy("5 million points near the lens", "/squares", "heavy_cloud(between(5000000, 1900, 0.05, 0.1))", 1500),
+            heavy("5 million points around", "/squares", "heavy_cloud(between(5000000, 1900, -0.5, 0.5))", 500),
+            heavy("5 million points near the lens", "/squares", "heavy_cloud(between(5000000, 1900, 0.05, 0.1))", 500),
         ],
     );
     ends_when_asked_to(fixture);
@@ -170,10 +175,10 @@ fn pictures_go_on_beside_markers_of_very_many_lines_triangles_and_translucent_sp
     pictures_go_on_beside(
         &fixture,
         &[
-            heavy("a line list of a million points", "/markers", list, 1500),
-            heavy("a line strip of a million points", "/markers", strip, 1500),
-            heavy("100,000 triangles that fill the picture", "/markers", triangles, 1000),
-            heavy("100,000 translucent spheres", "/markers", spheres, 2500),
+            heavy("a line list of a million points", "/markers", list, 250),
+            heavy("a line strip of a million points", "/markers", strip, 250),
+            heavy("100,000 triangles that fill the picture", "/markers", triangles, 200),
+            heavy("100,000 translucent spheres", "/markers", spheres, 400),
         ],
     );
     ends_when_asked_to(fixture);
