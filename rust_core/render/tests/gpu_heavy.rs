@@ -93,7 +93,7 @@ fn heavy_translucent_scenes_are_the_cpus_where_the_gpu_is_one() {
 #[test]
 fn pictures_of_both_renderers_are_returned_in_their_order_with_their_depths() {
     let camera = camera_of(SIZE_PX, 1400.0, TILT);
-    let heavy = Scene { drawables: vec![filling(2_000, Blending::Replace, |i| 1.0 + (i % 7) as f32)], light: None };
+    let heavy = Scene { drawables: vec![filling(6_000, Blending::Replace, |i| 1.0 + (i % 7) as f32)], light: None };
     let light = Scene { drawables: vec![filling(3, Blending::Replace, |i| 2.0 + i as f32)], light: None };
     let scenes = [&heavy, &light, &light, &heavy, &light, &heavy];
     let mut renderer = GpuRenderer::new(false).unwrap();

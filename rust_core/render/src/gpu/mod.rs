@@ -32,6 +32,7 @@ mod device;
 mod geometry;
 mod hardware;
 mod lines;
+mod mesh;
 mod overdraw;
 mod pipeline;
 mod points;

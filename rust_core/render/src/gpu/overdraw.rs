@@ -12,7 +12,9 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix4, Vector3};
 use rayon::prelude::*;
-use rcs_scene::{Blending, Drawable, Geometry, Mesh, PointBuffer, PointStyle, Points, RibbonElement, Ribbons, Solids};
+use rcs_scene::{
+    Blending, Drawable, Geometry, Mesh, PointBuffer, PointStyle, Points, RibbonElement, Ribbons, Solids, Vertex,
+};
 
 use super::geometry::Derived;
 use crate::bounds::Bounds;
@@ -57,10 +59,20 @@ struct Surface {
 
 impl Surface {
     fn of(mesh: &Mesh) -> Self {
-        let positions: Vec<[f32; 3]> = mesh.vertices.iter().map(|vertex| vertex.position).collect();
-        let corners = triangles(&mesh.indices, mesh);
-        Self { bounds: Bounds::around(&positions), area_m2: corners.map(|corners| area_m2(&corners)).sum() }
+        let around = |vertices: &[Vertex]| {
+            let positions: Vec<[f32; 3]> = vertices.iter().map(|vertex| vertex.position).collect();
+            Bounds::around(&positions)
+        };
+        let bounds = mesh.vertices.par_chunks(FACES_IN_SHARE).filter_map(around).reduce_with(Bounds::joined);
+        let area_m2 = |indices: &[u32]| triangles(indices, mesh).map(|corners| area_m2(&corners)).sum();
+        Self { bounds, area_m2: sum_of(mesh.indices.par_chunks(3 * FACES_IN_SHARE).map(area_m2)) }
     }
+}
+
+/// The sum of what all cores find, which does not depend on which of them is first.
+fn sum_of(shares: impl IndexedParallelIterator<Item = f64>) -> f64 {
+    let shares: Vec<f64> = shares.collect();
+    shares.iter().sum()
 }
 
 /// The corners of some triangles.
@@ -284,14 +296,14 @@ fn points_px(points: &Points, projection: &Projection) -> f64 {
         });
         in_view.map(|w| point_px(points, projection, w)).sum()
     };
-    points.buffer.positions.par_chunks(FACES_IN_SHARE).map(share_px).sum()
+    sum_of(points.buffer.positions.par_chunks(FACES_IN_SHARE).map(share_px))
 }
 
 fn mesh_px(mesh: &Mesh, projection: &Projection) -> f64 {
     let share_px = |indices: &[u32]| -> f64 {
         triangles(indices, mesh).map(|corners| projection.cornered_px(corners, area_m2(&corners))).sum()
     };
-    mesh.indices.par_chunks(3 * FACES_IN_SHARE).map(share_px).sum()
+    sum_of(mesh.indices.par_chunks(3 * FACES_IN_SHARE).map(share_px))
 }
 
 fn ribbons_px(ribbons: &Ribbons, projection: &Projection) -> f64 {
@@ -313,7 +325,7 @@ mod tests {
     use nalgebra::{Isometry3, Point3};
     use proptest::prelude::*;
     use rcs_scene::{
-        Camera, CullMode, DisplayMask, Encoding, Intrinsics, Material, PointColors, RenderGroup, Rgba, Scene, Vertex,
+        Camera, CullMode, DisplayMask, Encoding, Intrinsics, Material, PointColors, RenderGroup, Rgba, Scene,
     };
 
     use super::*;

@@ -11,10 +11,11 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Matrix4, Point3};
-use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons, Solids, Texture, Vertex, Wrapping};
+use rcs_scene::{Blending, CullMode, Filtering, Lighting, Material, Mesh, Ribbons, Solids, Texture, Wrapping};
 
 use super::device::Device;
-use super::geometry::{is_finite, Derived, MAX_CHUNK_BYTES};
+use super::geometry::Derived;
+use super::mesh::{upload, GpuVertex, Triangles};
 use super::pipeline::{DepthBias, DepthUse, FixedState, PipelineSet, Program, Stages};
 use super::texture;
 use super::uniforms::{Slot, Uniforms};
@@ -48,29 +49,11 @@ pub(super) struct TrianglesDraw {
     light: Slot,
 }
 
-/// Indexed triangles on the GPU.
-#[derive(Clone, Debug)]
-struct Triangles {
-    vertices: wgpu::Buffer,
-    indices: wgpu::Buffer,
-    index_count: u32,
-}
-
 /// Wide lines as they are seen from one place.
 #[derive(Debug)]
 struct TurnedRibbons {
     eye: Point3<f32>,
     chunks: Arc<[Triangles]>,
-}
-
-/// A vertex as the shader takes it.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct GpuVertex {
-    position: [f32; 3],
-    normal: [f32; 3],
-    uv: [f32; 2],
-    color: [u8; 4],
 }
 
 /// A mesh's place and colours as the shader takes them.
@@ -91,7 +74,7 @@ const STAGES: Stages = Stages {
         Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<GpuVertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Unorm8x4],
+            attributes: &GpuVertex::ATTRIBUTES,
         }),
         Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<Instance>() as u64,
@@ -386,44 +369,4 @@ fn instance_of_mesh(
         instance.emissive = [emissive.r, emissive.g, emissive.b];
     }
     (instance, linear.determinant() < 0.0)
-}
-
-/// The drawable triangles of a mesh: those whose corners exist and are finite.
-fn upload(device: &Device, mesh: &Mesh) -> Arc<[Triangles]> {
-    let vertex = |vertex: &Vertex| GpuVertex {
-        position: vertex.position,
-        normal: if is_finite(&vertex.normal) { vertex.normal } else { [0.0; 3] },
-        uv: vertex.uv.map(|c| if c.is_finite() { c } else { 0.0 }),
-        color: vertex.color,
-    };
-    let drawable = |corners: &[u32]| {
-        corners.iter().all(|&i| mesh.vertices.get(i as usize).is_some_and(|v| is_finite(&v.position)))
-    };
-    let triangles = mesh.indices.chunks_exact(3).filter(|corners| drawable(corners));
-    let one_buffer = mesh.vertices.len() * size_of::<GpuVertex>() <= MAX_CHUNK_BYTES
-        && mesh.indices.len() * size_of::<u32>() <= MAX_CHUNK_BYTES;
-    if one_buffer {
-        let vertices: Vec<GpuVertex> = mesh.vertices.iter().map(vertex).collect();
-        let indices: Vec<u32> = triangles.flatten().copied().collect();
-        return chunk(device, &vertices, &indices).into_iter().collect();
-    }
-    let corners: Vec<u32> = triangles.flatten().copied().collect();
-    let corners_in_chunk = MAX_CHUNK_BYTES / size_of::<GpuVertex>() / 3 * 3;
-    corners
-        .chunks(corners_in_chunk)
-        .filter_map(|corners| {
-            let vertices: Vec<GpuVertex> =
-                corners.iter().filter_map(|&i| mesh.vertices.get(i as usize)).map(vertex).collect();
-            let indices: Vec<u32> = (0..vertices.len() as u32).collect();
-            chunk(device, &vertices, &indices)
-        })
-        .collect()
-}
-
-fn chunk(device: &Device, vertices: &[GpuVertex], indices: &[u32]) -> Option<Triangles> {
-    (!indices.is_empty()).then(|| Triangles {
-        vertices: device.buffer("vertices", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(vertices)),
-        indices: device.buffer("indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(indices)),
-        index_count: indices.len() as u32,
-    })
 }
