@@ -120,7 +120,11 @@ impl RosFixture {
         let mut command = master.environment(Command::new(program("camera_stream")));
         command.envs(environment.iter().copied());
         let renderer = std::env::var(RENDERER).unwrap_or_else(|_| "cpu".to_owned());
-        let node = Running::start(command.arg("-d").arg(&file).args(["--renderer", &renderer]).args(args))?;
+        command.arg("-d").arg(&file).args(args);
+        if !args.contains(&"--renderer") {
+            command.args(["--renderer", &renderer]);
+        }
+        let node = Running::start(&mut command)?;
         Ok(Self { node, python, master, folder })
     }
 

@@ -131,6 +131,10 @@ pub trait Renderer: Send {
     /// flight any more.
     fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError>;
 
+    /// Gives memory back that is kept for the next pictures of the sizes that there were: they have others from now on.
+    /// Pictures in flight are not affected.
+    fn forget_sizes(&mut self) {}
+
     /// Draws into `picture`, which takes the view's size and encoding; its memory is used again. Pictures that are in
     /// flight are dropped.
     ///

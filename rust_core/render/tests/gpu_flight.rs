@@ -260,4 +260,7 @@ fn targets_are_made_for_new_sizes_and_dropped_when_unused() {
     assert_eq!([&small, &tall, &small, &tall].map(&mut targets_after), [1, 2, 2, 2]);
     assert!((0..70).all(|_| targets_after(&tall) == 2));
     assert_eq!(targets_after(&small), 3);
+    renderer.forget_sizes();
+    small.rendered(&mut renderer);
+    assert_eq!(renderer.stats().targets, 4);
 }

@@ -253,6 +253,23 @@ fn a_huge_picture_gives_its_memory_back() {
 }
 
 #[test]
+fn a_large_picture_of_the_gpu_gives_its_memory_back() {
+    let cloud_and_camera = config(&[CLOUD], &[CameraPub::default()]);
+    let fixture = RosFixture::start(&cloud_and_camera, &["--renderer", "gpu"]).unwrap();
+    watched(&fixture);
+    let before = of_process(&fixture, "VmRSS");
+    // Its colours, its depths and the copy that is read back have 72 MB each.
+    fixture.python("latch('/eye/camera_info', info(width=6000, height=3000, f=4000.0))");
+    fixture.wait_for("viewer.last.width == 6000");
+    let large = of_process(&fixture, "VmHWM");
+    fixture.python("latch('/eye/camera_info', info())");
+    fixture.wait_for("viewer.last.width == 64");
+    let is_small = || of_process(&fixture, "VmRSS") < before + (60 << 10);
+    assert!(wait_until(PATIENCE, is_small), "{} kB, {before} kB before", of_process(&fixture, "VmRSS"));
+    println!("{} MB, at most {} MB, then {} MB", before >> 10, large >> 10, of_process(&fixture, "VmRSS") >> 10);
+}
+
+#[test]
 fn large_pictures_and_depths_leave_no_memory_behind() {
     let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
     watched(&fixture);

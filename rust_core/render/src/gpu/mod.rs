@@ -210,6 +210,13 @@ impl Renderer for GpuRenderer {
         self.last_by_cpu = matches!(gpu.in_flight.front(), Some(InFlight::Drawn(_)));
         self.on(gpu, |gpu| gpu.finish(picture))
     }
+
+    fn forget_sizes(&mut self) {
+        if let Some(gpu) = &mut self.gpu {
+            gpu.targets.clear();
+            gpu.before_lens = Picture::default();
+        }
+    }
 }
 
 impl GpuRenderer {

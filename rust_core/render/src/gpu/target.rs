@@ -45,6 +45,11 @@ impl Targets {
         }
     }
 
+    /// Drops all.
+    pub(super) fn clear(&mut self) {
+        self.free.clear();
+    }
+
     /// Takes a target back whose picture is finished.
     pub(super) fn give_back(&mut self, target: Target) {
         self.free.push((target, self.pictures));

@@ -64,6 +64,8 @@ pub(super) struct SceneLoop {
     depth: DepthPicture,
     /// Memory to turn pictures with.
     turned: Picture,
+    /// Pixels in a row and rows of each camera's last picture; none before the first.
+    sizes_px: Vec<Option<[u32; 2]>>,
     subscriptions: Subscriptions,
     /// The command line's, which overrides the config's.
     fixed_frame: Option<String>,
@@ -124,6 +126,7 @@ impl SceneLoop {
             depth_encoding: private_parameters::depth_encoding(ros, cli.node.depth.depth_encoding)?,
             depth: DepthPicture::default(),
             turned: Picture::default(),
+            sizes_px: Vec::new(),
             subscriptions,
             fixed_frame: cli.node.fixed_frame.clone(),
             scene: None,
@@ -327,6 +330,8 @@ impl SceneLoop {
         self.assess();
         let mut in_flight = VecDeque::new();
         let count = shared.cameras().len();
+        let sizes_px = self.sizes_px.clone();
+        self.sizes_px.resize(count, None);
         for index in 0..count {
             match self.begin(index) {
                 Ok(true) => in_flight.push_back(index),
@@ -338,6 +343,10 @@ impl SceneLoop {
         }
         while !in_flight.is_empty() {
             self.finish(in_flight.pop_front());
+        }
+        let is_gone = |(index, size): (usize, &Option<_>)| size.is_some() && self.sizes_px.get(index) != Some(size);
+        if sizes_px.iter().enumerate().any(is_gone) {
+            self.renderer.forget_sizes();
         }
         if !shared.cameras().iter().any(CameraOutput::wants_depth) {
             self.depth = DepthPicture::default();
@@ -398,6 +407,9 @@ impl SceneLoop {
         match wants_depth {
             true => self.renderer.submit_with_depth(&view, &mut self.depth)?,
             false => self.renderer.submit(&view)?,
+        }
+        if let Some(size_px) = self.sizes_px.get_mut(index) {
+            *size_px = Some([due.camera.width_px(), due.camera.height_px()]);
         }
         if let Some(camera) = shared.cameras().get_mut(index) {
             camera.set_depth_encoding(self.depth_encoding);
