@@ -1,13 +1,19 @@
-//! Scenes whose faces lie over each other many times: the GPU renderer leaves them to the CPU, and draws all others.
+//! Scenes whose faces lie over each other many times, or with very much in them: the GPU renderer leaves them to the
+//! CPU, and draws all others.
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod heavy_common;
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use heavy_common::{camera_of, cloud, filling, rows, Numbers, Row, SIZE_PX, TILT};
+use heavy_common::{camera_of, cloud, drawable, filling, rows, Numbers, Row, SIZE_PX, TILT};
+use nalgebra::{Matrix4, Vector3};
 use rcs_render::{CpuRenderer, GpuRenderer, Renderer, View};
-use rcs_scene::{Blending, Camera, DepthPicture, DisplayMask, Encoding, Picture, PointStyle, Scene};
+use rcs_scene::{
+    Blending, Camera, DepthPicture, DisplayMask, Encoding, Geometry, LineTopology, Lines, Picture, PointStyle, Rgba,
+    Scene, Solids,
+};
 
 /// Shows a scene to a renderer.
 fn with_view<T>(scene: &Scene, camera: &Camera, work: impl FnOnce(&View<'_>) -> T) -> T {
@@ -88,6 +94,54 @@ fn heavy_translucent_scenes_are_the_cpus_where_the_gpu_is_one() {
     let scene = Scene { drawables: vec![filling(500, Blending::Alpha, |i| 3.0 - i as f32 * 0.004)], light: None };
     draw(&mut renderer, &scene, &camera_of(SIZE_PX, 1400.0, [0.0; 3]));
     assert_eq!(by_cpu(&renderer), u64::from(is_software));
+}
+
+/// Many things are the CPU's on all GPUs, many primitives on software ones.
+#[test]
+fn pictures_with_very_much_in_them_are_the_cpus() {
+    let mut renderer = GpuRenderer::new(false).unwrap();
+    let is_software = u64::from(renderer.describe().contains("llvmpipe"));
+    let mut by_cpu_of = |scene: &Scene, visible: &DisplayMask| {
+        let (before, mut picture) = (by_cpu(&renderer), Picture::default());
+        let (camera, background) = (camera_of(SIZE_PX, 500.0, [0.0; 3]), [0; 3]);
+        let view = View { scene, camera: &camera, visible, background, encoding: Encoding::Rgb8 };
+        renderer.render(&view, &mut picture).unwrap();
+        by_cpu(&renderer) - before
+    };
+    let all = DisplayMask::all();
+    let one = |geometry: Geometry| Scene { drawables: vec![drawable(geometry)], light: None };
+    // Cubes far away, each of two triangles.
+    let shape = match filling(2, Blending::Replace, |i| i as f32).geometry {
+        Geometry::Mesh { mesh, .. } => mesh,
+        other => panic!("{other:?}"),
+    };
+    let solids = |count: usize| {
+        let mut solids = Solids::default();
+        for i in 0..count {
+            let place = Matrix4::new_translation(&Vector3::new(i as f64, 0.0, 9e3)).prepend_scaling(1e-3);
+            solids.push(&shape, &place, Rgba::WHITE);
+        }
+        one(Geometry::Solids(Arc::new(solids)))
+    };
+    assert_eq!([7_999, 8_001].map(|count| by_cpu_of(&solids(count), &all)), [0, 1]);
+    // A display that the camera does not show counts for nothing.
+    let mut hidden = DisplayMask::all();
+    hidden.set(0, false);
+    assert_eq!(by_cpu_of(&solids(8_001), &hidden), 0);
+    let lines = |count: usize| {
+        let positions = vec![[0.0, 0.0, 5.0]; 2 * count];
+        let (colors, topology) = (vec![[255; 4]], LineTopology::List);
+        one(Geometry::Lines(Arc::new(Lines { positions, colors, topology, blending: Blending::Replace })))
+    };
+    assert_eq!([250_000, 250_001].map(|count| by_cpu_of(&lines(count), &all)), [0, is_software]);
+    let points = |count: usize| Scene {
+        drawables: vec![cloud(vec![[0.0, 0.0, 5.0]; count], PointStyle::Points { diameter_px: 1.0 }, 1.0)],
+        light: None,
+    };
+    assert_eq!([1_000_000, 1_000_001].map(|count| by_cpu_of(&points(count), &all)), [0, is_software]);
+    let layers =
+        |count: usize| Scene { drawables: vec![filling(count, Blending::Alpha, |i| -1.0 - i as f32)], light: None };
+    assert_eq!([500_000, 500_001].map(|count| by_cpu_of(&layers(count), &all)), [0, is_software]);
 }
 
 #[test]

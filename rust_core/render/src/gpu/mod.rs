@@ -28,6 +28,7 @@
 //! next picture opens it anew.
 
 mod cells;
+mod counts;
 mod device;
 mod geometry;
 mod hardware;
@@ -285,7 +286,7 @@ impl Gpu {
         })
     }
 
-    /// Whether the faces of a picture lie over each other so many times that the CPU draws it sooner.
+    /// Whether a picture has so much in it, or its faces lie over each other so many times, that the CPU draws it sooner.
     fn is_heavy(&mut self, view: &View<'_>) -> bool {
         self.overdraw.forget_dead();
         self.overdraw.is_heavy(view, Limit::of(self.device.kind()))

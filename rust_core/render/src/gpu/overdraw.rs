@@ -1,4 +1,5 @@
-//! Pictures whose faces lie over each other so many times that a GPU would take long for them.
+//! Pictures that a GPU would take long for: with very much in them (`counts`), or whose faces lie over each other so many
+//! times.
 //!
 //! A GPU visits each pixel of each face, also where something nearer hides it. 300,000 points of 4 mm that lie 6 cm
 //! before the lens have thousands of millions of them. The CPU renderer looks for what is hidden before it draws, and
@@ -16,6 +17,7 @@ use rcs_scene::{
     Blending, Drawable, Geometry, Mesh, PointBuffer, PointStyle, Points, RibbonElement, Ribbons, Solids, Vertex,
 };
 
+use super::counts::Counts;
 use super::geometry::Derived;
 use crate::bounds::Bounds;
 use crate::shading::drawn_point_size_px;
@@ -29,6 +31,10 @@ pub(super) struct Limit {
     /// Whether those that blend with what is behind them count as well. No renderer can leave out what they hide, but a
     /// software driver visits their pixels no faster than the CPU renderer does.
     with_blended: bool,
+    /// The most drawables and solids. More than these the CPU renderer places at least as fast.
+    things: usize,
+    /// The most points, lines, triangles and glyphs, as many points. Only a software driver takes long for them.
+    work: usize,
 }
 
 impl Limit {
@@ -36,7 +42,9 @@ impl Limit {
     /// integrated graphics a tenth of that.
     pub(super) fn of(kind: wgpu::DeviceType) -> Self {
         let face_px = if kind == wgpu::DeviceType::DiscreteGpu { 1024e6 } else { 128e6 };
-        Self { face_px, with_blended: kind == wgpu::DeviceType::Cpu }
+        let is_software = kind == wgpu::DeviceType::Cpu;
+        let work = if is_software { 1_000_000 } else { usize::MAX };
+        Self { face_px, with_blended: is_software, things: 8_000, work }
     }
 }
 
@@ -160,8 +168,13 @@ impl Overdraw {
         self.meshes.forget_dead();
     }
 
-    /// Whether the faces of a picture cover more than a limit.
-    pub(super) fn is_heavy(&mut self, view: &View<'_>, Limit { face_px, with_blended }: Limit) -> bool {
+    /// Whether a picture has more than a limit in it.
+    pub(super) fn is_heavy(&mut self, view: &View<'_>, limit: Limit) -> bool {
+        let Limit { face_px, with_blended, things, work } = limit;
+        let counts = Counts::of(view);
+        if counts.things > things || counts.work > work {
+            return true;
+        }
         let shown = view.scene.drawables.iter().filter(|drawable| view.visible.shows(drawable.display));
         let counted: Vec<&Drawable> =
             shown.filter(|drawable| with_blended || !is_blended(&drawable.geometry)).collect();
@@ -373,11 +386,12 @@ mod tests {
     #[test]
     fn each_kind_of_gpu_has_its_limit() {
         use wgpu::DeviceType::{Cpu, DiscreteGpu, IntegratedGpu, Other, VirtualGpu};
-        assert_eq!(Limit::of(DiscreteGpu), Limit { face_px: 1024e6, with_blended: false });
+        let discrete = Limit { face_px: 1024e6, with_blended: false, things: 8_000, work: usize::MAX };
+        assert_eq!(Limit::of(DiscreteGpu), discrete);
         for kind in [IntegratedGpu, VirtualGpu, Other] {
-            assert_eq!(Limit::of(kind), Limit { face_px: 128e6, with_blended: false });
+            assert_eq!(Limit::of(kind), Limit { face_px: 128e6, ..discrete });
         }
-        assert_eq!(Limit::of(Cpu), Limit { face_px: 128e6, with_blended: true });
+        assert_eq!(Limit::of(Cpu), Limit { face_px: 128e6, with_blended: true, work: 1_000_000, ..discrete });
         // 500 squares of one metre at one metre and less fill the picture; 150 million pixels.
         let places: Vec<[f32; 3]> = (0..500).map(|i| [0.0, 0.0, 0.5 + i as f32 * 0.001]).collect();
         let blended = |blended: bool| match cloud(places.clone(), PointStyle::FlatSquares { side_m: 1.0 }) {
