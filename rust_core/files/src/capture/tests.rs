@@ -140,6 +140,29 @@ fn a_capture_is_replaced_and_its_files_are_gone() {
     }
 }
 
+/// Found by fuzzing: `c7.d/grey` went, because its last point was taken for that of an ending.
+#[test]
+fn pictures_of_names_that_no_writer_gives_stay_when_a_capture_is_replaced() {
+    let names = ["c7.d/grey", "c7.png", "c001.PNG", "depth.d/c000.png", "camera_info.d/0", "camera_info_2.png"];
+    let folder = written();
+    let picture = fs::read(folder.path().join("c000.png")).unwrap();
+    let path = folder.path().join(CAPTURE_FILE);
+    let mut text = "projector: {width: 5, height: 3}\ncamera_info: camera_info.yaml\npatterns:\n".to_owned();
+    for name in names {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, &picture).unwrap();
+        text += &format!("  - {{file: {name}, kind: white}}\n");
+    }
+    fs::write(&path, text).unwrap();
+    assert_eq!(Capture::read(folder.path()).unwrap().pictures.len(), names.len());
+    capture().write(folder.path()).unwrap();
+    assert_eq!(Capture::read(folder.path()).unwrap(), capture());
+    let gone: Vec<_> = names.into_iter().filter(|name| !folder.path().join(name).exists()).collect();
+    assert!(gone.is_empty(), "{gone:?}");
+    assert!(!folder.path().join("camera_info.yaml").exists(), "the one before is replaced by another");
+}
+
 #[test]
 fn an_interrupted_writer_leaves_the_capture_of_before() {
     let folder = written();

@@ -137,13 +137,15 @@ impl Names {
 
 /// Whether a file has a name that [`Names`] gives: others stay when a capture is replaced.
 fn is_ours(file: &FileName) -> bool {
-    let Some((stem, _ending)) = file.as_str().rsplit_once('.') else { return false };
-    let stem = stem.split_once("_").map_or(stem, |(start, version)| if is_index(version) { start } else { stem });
-    let stem = match stem.strip_prefix("camera_info_") {
-        Some(version) if is_index(version) => "camera_info",
+    let Some((stem, ending)) = file.as_str().rsplit_once('.') else { return false };
+    let stem = match stem.rsplit_once('_') {
+        Some((start, version)) if is_index(version) => start,
         _ => stem,
     };
-    matches!(stem, "camera_info" | "depth") || stem.strip_prefix('c').is_some_and(is_index)
+    match stem.strip_prefix('c') {
+        Some(index) if is_index(index) => index.len() == 3 && ending == "png",
+        _ => matches!((stem, ending), ("camera_info", "yaml") | ("depth", "png")),
+    }
 }
 
 fn is_index(text: &str) -> bool {
