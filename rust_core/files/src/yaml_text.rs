@@ -30,11 +30,16 @@ pub(crate) fn quoted(text: &str) -> String {
     quoted + "\""
 }
 
+/// A text from a file in one line: spaces instead of control characters.
+pub(crate) fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
 /// What a reader of YAML says is wrong, in one line: it may repeat a text that is as long as the file.
 pub(crate) fn brief(error: &serde_yaml_ng::Error) -> String {
     const BEGIN: usize = 160;
     const END: usize = 60;
-    let text: Vec<char> = error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let text: Vec<char> = one_line(&error.to_string()).chars().collect();
     if text.len() <= BEGIN + END {
         return text.into_iter().collect();
     }

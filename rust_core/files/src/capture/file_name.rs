@@ -7,7 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use serde::de::{Deserializer, Error, Visitor};
 use serde::Deserialize;
 
-/// A relative name without `..`.
+/// A relative name without `..`, and without control characters: errors that have it are one line.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct FileName(String);
 
@@ -35,7 +35,7 @@ impl<'de> Deserialize<'de> for FileName {
 
             fn visit_str<E: Error>(self, name: &str) -> Result<FileName, E> {
                 let is_inside = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
-                if name.is_empty() || name.contains('\0') {
+                if name.is_empty() || name.contains(char::is_control) {
                     return Err(E::custom(format!("{name:?} is not a file's name")));
                 }
                 if !Path::new(name).components().all(is_inside) {

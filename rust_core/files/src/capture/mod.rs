@@ -42,6 +42,7 @@ use pictures::{read_depth, read_grey};
 
 use crate::projector::checked_numbers::PositiveNumber;
 use crate::projector::ProjectorFile;
+use crate::yaml_text::one_line;
 
 /// The file that names all others.
 pub const CAPTURE_FILE: &str = "capture.yaml";
@@ -167,6 +168,7 @@ fn read_yaml<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<(T, Vec<String
 fn parse_yaml<T: for<'de> Deserialize<'de>>(path: &Path, text: &str) -> Result<(T, Vec<String>), CaptureError> {
     let mut warnings = Vec::new();
     let ignored = |key: serde_ignored::Path<'_>| {
+        let key = one_line(&key.to_string());
         warnings.push(format!("{}: key '{key}' is not known and is ignored", path.display()));
     };
     let document = serde_yaml_ng::Deserializer::from_str(text);

@@ -206,12 +206,12 @@ fn a_list_without_indentation_and_depth_is_read() {
 fn a_missing_scale_is_a_tenth_of_a_millimetre_and_unknown_keys_are_warnings() {
     let folder = written();
     let path = folder.path().join(CAPTURE_FILE);
-    let text = fs::read_to_string(&path).unwrap().replace("depth_scale_m: 0.0001\n", "gamma: 2.2\n");
+    let text = fs::read_to_string(&path).unwrap().replace("depth_scale_m: 0.0001\n", "\"gam\\nma\": 2.2\n");
     fs::write(&path, text.replacen("kind: white", "kind: white, exposure: 3", 1)).unwrap();
     let read = Capture::read(folder.path()).unwrap();
     assert_eq!(read.depth_m, capture().depth_m);
     let warnings = read.warnings.join("\n");
-    assert!(warnings.contains("capture.yaml: key 'gamma' is not known"), "{warnings}");
+    assert!(warnings.contains("capture.yaml: key 'gam ma' is not known"), "{warnings}");
     assert!(warnings.contains("key 'patterns.0.exposure' is not known"), "{warnings}");
 }
 
@@ -238,6 +238,7 @@ fn what_is_wrong_in_the_list_is_said_with_its_line() {
         ("file: c002.png", "file: ../c002.png", "\"../c002.png\" is not in the folder"),
         ("file: c002.png", "file: /etc/passwd", "\"/etc/passwd\" is not in the folder"),
         ("file: c002.png", "file: c001.png", "\"c001.png\" is listed twice"),
+        ("file: c002.png", "file: \"c\\n2.png\"", "\"c\\n2.png\" is not a file's name"),
         ("file: c002.png", "file: ''", "\"\" is not a file's name"),
         ("width: 5", "width: 0", "a whole number from 1 to 16384"),
         ("width: 5", "width: 5.5", "a whole number"),

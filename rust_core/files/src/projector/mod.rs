@@ -46,7 +46,7 @@ use rcs_messages::std_msgs::Header;
 use serde::Deserialize;
 use serde_yaml_ng::Value;
 
-use crate::yaml_text::brief;
+use crate::yaml_text::{brief, one_line};
 use checked_numbers::{Matrix, Numbers, Size, Whole};
 pub use frames::StaticFrame;
 use frames::{check_placed_once, FrameEntry};
@@ -165,7 +165,8 @@ impl ProjectorFile {
     /// What is not wrong enough for an error: keys without a meaning, and a distortion that no lens model can have.
     /// Each is a phrase without the file's name.
     pub fn warnings(&self) -> Vec<String> {
-        let ignored = self.ignored_keys.iter().map(|key| format!("key '{key}' is not known and is ignored"));
+        let ignored =
+            self.ignored_keys.iter().map(|key| format!("key '{}' is not known and is ignored", one_line(key)));
         let distortion = Distortion::from_message(&self.camera_info.distortion_model, &self.camera_info.D);
         let problem = distortion.err().map(|problem| format!("{}: {problem}", problem.key()));
         ignored.chain(problem).collect()
@@ -516,6 +517,8 @@ projection_matrix:
         assert_eq!(file.ignored_keys, ["Kk", "roii"]);
         assert_eq!(file.warnings()[0], "key 'Kk' is not known and is ignored");
         assert_eq!(file.warnings().len(), 2);
+        let file = parse(&format!("{MESSAGE}\"K\\nk\": 1\n")).unwrap();
+        assert_eq!(file.warnings()[0], "key 'K k' is not known and is ignored");
         let file = parse(&MESSAGE.replace("D: [0.1, 0.0,", "D: [0.1,")).unwrap();
         assert!(file.warnings().is_empty(), "four coefficients: {:?}", file.warnings());
         let file = parse(&MESSAGE.replace("D: [0.1, 0.0, 0.0,", "D: [0.1,")).unwrap();
