@@ -7,6 +7,7 @@ use saphyr_parser::{Event, Parser, ScalarStyle, Span};
 
 use crate::displays::DisplaySettings;
 use crate::error::ConfigError;
+use crate::finding::{one_line, FindingKind};
 use crate::{parse, Config};
 
 /// A camera for a config.
@@ -51,11 +52,11 @@ pub enum InsertError {
         file: String,
         /// The camera's line.
         line: usize,
-        /// The camera's name.
+        /// The camera's name, in one line.
         camera: String,
         /// What both have.
         what: &'static str,
-        /// Its value.
+        /// Its value, in one line.
         value: String,
         /// The option that gives another.
         option: &'static str,
@@ -160,9 +161,9 @@ fn check_is_own(config: &Config, camera: &NewCamera) -> Result<(), InsertError> 
             return Err(InsertError::Taken {
                 file: config.source.clone(),
                 line: display.line,
-                camera: display.name.clone(),
+                camera: one_line(&display.name),
                 what,
-                value: value.clone(),
+                value: one_line(value),
                 option,
             });
         }
@@ -184,11 +185,15 @@ fn is_extended(before: &Config, after: &Config, camera: &NewCamera) -> bool {
         let all = config.placed_displays();
         all.iter().map(|placed| (placed.path.join("\n"), placed.display.class.clone(), placed.enabled)).collect()
     };
+    // Names in a Visibility that no display had may be the camera's.
+    let findings = |config: &Config| {
+        config.findings.iter().filter(|finding| !matches!(finding.kind, FindingKind::UnknownDisplay { .. })).count()
+    };
     let all = placed(after);
     is_camera
         && rest.len() == before.displays.len()
         && all.get(1..) == Some(&*placed(before))
-        && before.findings.len() == after.findings.len()
+        && findings(before) == findings(after)
         && before.global == after.global
         && before.view == after.view
 }

@@ -111,6 +111,31 @@ fn what_another_camera_has_is_refused_with_the_option_that_changes_it() {
     assert_eq!(parse(&extended(&text, &own), "a.rviz").unwrap().displays.len(), 2);
 }
 
+/// It was refused, because a finding went: the config's YAML was said to be written in an unusual way.
+#[test]
+fn a_camera_may_have_a_name_that_a_visibility_has_already() {
+    let text = "Visualization Manager:\n  Displays:\n  - Class: rviz_camera_stream/CameraPub\n    Name: Left\n    \
+                Enabled: true\n    Visibility: {Projector: false, Value: true}\n";
+    assert_eq!(parse(text, "a.rviz").unwrap().findings.len(), 1);
+    let after = parse(&extended(text, &camera()), "a.rviz").unwrap();
+    assert_eq!((after.displays.len(), after.findings.len()), (2, 0));
+}
+
+#[test]
+fn what_is_taken_is_one_line_whatever_the_names() {
+    let name = "two\nlines";
+    let text = insert_camera(
+        "Visualization Manager:\n  Displays: []\n",
+        "a.rviz",
+        &NewCamera { name: name.to_owned(), ..camera() },
+    )
+    .unwrap();
+    for name in [name, "Left"] {
+        let error = insert_camera(&text, "a.rviz", &NewCamera { name: name.to_owned(), ..camera() }).unwrap_err();
+        assert!(matches!(error, InsertError::Taken { .. }) && !error.to_string().contains('\n'), "{error}");
+    }
+}
+
 #[test]
 fn texts_that_cannot_be_extended_are_refused() {
     for text in [
