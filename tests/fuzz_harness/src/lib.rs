@@ -9,6 +9,8 @@
 #![forbid(unsafe_code)]
 
 mod bags;
+mod cameras;
+mod captures;
 mod displays;
 mod messages;
 mod resources;
@@ -95,9 +97,11 @@ targets! {
     OBJ: "obj", "OBJ and its MTL", 64 MiB, resources::obj;
     TEXTURE: "texture", "textures: PNG, JPEG, BMP, TGA, TIFF, GIF", 2048 MiB, resources::texture;
     RVIZ_CONFIG: "rviz_config", ".rviz", 64 MiB, texts::rviz_config;
+    NEW_CAMERA: "new_camera", ".rviz that a camera is added to", 64 MiB, cameras::new_camera;
     PROJECTOR: "projector", "projector files", 32 MiB, texts::projector;
     CORRESPONDENCES: "correspondences", "lists of correspondences", 32 MiB, texts::correspondences;
-    PATTERN_LIST: "pattern_list", "lists of patterns and captures", 32 MiB, texts::pattern_list;
+    PATTERN_LIST: "pattern_list", "lists of patterns", 32 MiB, texts::pattern_list;
+    CAPTURE: "capture", "capture.yaml", 32 MiB, captures::capture;
     PCD: "pcd", "PCD", 64 MiB, texts::pcd;
     BAG: "bag", "bags", 256 MiB, bags::bag;
     TCPROS_HEADER: "tcpros_header", "connection headers of TCPROS", 32 MiB, wire::tcpros_header;
