@@ -186,8 +186,10 @@ fn is_extended(before: &Config, after: &Config, camera: &NewCamera) -> bool {
         all.iter().map(|placed| (placed.path.join("\n"), placed.display.class.clone(), placed.enabled)).collect()
     };
     // Names in a Visibility that no display had may be the camera's.
-    let findings = |config: &Config| {
-        config.findings.iter().filter(|finding| !matches!(finding.kind, FindingKind::UnknownDisplay { .. })).count()
+    let findings = |config: &Config| -> Vec<(bool, String, FindingKind)> {
+        let others =
+            config.findings.iter().filter(|finding| !matches!(finding.kind, FindingKind::UnknownDisplay { .. }));
+        others.map(|finding| (finding.is_note, finding.path.clone(), finding.kind.clone())).collect()
     };
     let all = placed(after);
     is_camera
@@ -211,7 +213,7 @@ struct Places {
 enum List {
     /// `- ` at the beginning of lines, or `[`.
     Sequence(Span),
-    /// A plain or quoted text, which may be empty.
+    /// A plain or quoted text, which may be empty. It has no tag and no anchor: those of an empty one may be lines away.
     Scalar(Span, ScalarStyle, String),
     Other,
 }
@@ -354,7 +356,7 @@ fn places(text: &str) -> Option<Places> {
         if depth == 2 && is_manager && !is_key[1] && keys[1].as_deref() == Some("Displays") {
             found.list = match &event {
                 Event::SequenceStart(..) => Some(List::Sequence(span)),
-                Event::Scalar(value, style, ..) => Some(List::Scalar(span, *style, value.to_string())),
+                Event::Scalar(value, style, 0, None) => Some(List::Scalar(span, *style, value.to_string())),
                 Event::SequenceEnd | Event::MappingEnd => None,
                 _ => Some(List::Other),
             };

@@ -141,6 +141,9 @@ fn texts_that_cannot_be_extended_are_refused() {
     for text in [
         "Visualization Manager:\n  Displays: {a: b}\n",
         "Visualization Manager:\n  Displays: text\n",
+        // Found by fuzzing: the `!` became a part of the camera's last value.
+        "Visualization Manager:\n  Displays:\n             !  ",
+        "Visualization Manager:\n  Displays:\n             &a\n",
         "x: &a [{Class: rviz/Grid}]\nVisualization Manager:\n  Displays: *a\n",
     ] {
         let error = insert_camera(text, "a.rviz", &camera()).unwrap_err();
