@@ -213,7 +213,8 @@ struct Places {
 enum List {
     /// `- ` at the beginning of lines, or `[`.
     Sequence(Span),
-    /// A plain or quoted text, which may be empty. It has no tag and no anchor: those of an empty one may be lines away.
+    /// A plain or quoted text, which may be empty. It has no tag and no anchor: those of an empty one may be lines
+    /// away.
     Scalar(Span, ScalarStyle, String),
     Other,
 }

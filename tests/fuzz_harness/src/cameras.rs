@@ -1,7 +1,7 @@
 //! Configs that a camera is added to, as `camera_stream new-camera` does.
 //!
-//! An input is a config; where a byte of zero comes first, what is before it is the camera's name, of which its topic and
-//! its namespace are made.
+//! An input is a config; where a byte of zero comes first, what is before it is the camera's name, of which its topic
+//! and its namespace are made.
 
 use std::ops::Range;
 
