@@ -6,8 +6,8 @@
 use std::fs::File;
 use std::io::Read;
 
-/// A free piece of this size at the end of an area goes back to the system at once; with it the area may be its size too
-/// large for good, as [`give_back`] leaves the ends of the areas of threads.
+/// A free piece of this size at the end of an area goes back to the system at once; with it the area may be its size
+/// too large for good, as [`give_back`] leaves the ends of the areas of threads.
 const AREA_END_BYTES: libc::c_int = 4 << 20;
 /// A piece of this size and more is memory of its own, that goes back when it is freed.
 const OWN_MEMORY_BYTES: libc::c_int = 4 << 20;

@@ -38,8 +38,8 @@ impl Policy {
         Self { floor: unused_bytes, found: 0, patience: SHORTEST_PAUSE }
     }
 
-    /// A look: of so many bytes, so many are in use, which is asked for only where it matters. Whether the others are to
-    /// be given back now; if so, [`Self::given_back`] is next.
+    /// A look: of so many bytes, so many are in use, which is asked for only where it matters. Whether the others are
+    /// to be given back now; if so, [`Self::given_back`] is next.
     pub(crate) fn look(&mut self, bytes: u64, in_use: impl FnOnce() -> u64) -> bool {
         let least = self.floor.saturating_add(LEAST_BYTES);
         let unused_bytes = if bytes < least { self.floor } else { bytes.saturating_sub(in_use()) };

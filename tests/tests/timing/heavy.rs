@@ -2,10 +2,10 @@
 //!
 //! Beside each scene, a square of some pixels in front of it changes its colour thirty times a second. What counts is
 //! the longest time without a new picture of it, from before the scene's message is sent until it has been shown for a
-//! while: on two cores, at 640×480, beside the Python that sends and receives, divided by how many times longer the node
-//! took because it waited for a processor. The best of two rounds counts, on a busy machine of five. The limits are at
-//! least twice what that is now, and less than what it is without culling; for lines, where they are prepared ten times,
-//! for translucent spheres, where they are drawn ten times.
+//! while: on two cores, at 640×480, beside the Python that sends and receives, divided by how many times longer the
+//! node took because it waited for a processor. The best of two rounds counts, on a busy machine of five. The limits
+//! are at least twice what that is now, and less than what it is without culling; for lines, where they are prepared
+//! ten times, for translucent spheres, where they are drawn ten times.
 
 use rcs_tests::ros::PATIENCE;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};

@@ -342,7 +342,8 @@ fn a_hundred_thousand_markers_give_their_memory_back() {
     assert!(most < 300 << 10, "{most} kB");
 }
 
-/// Arrows or texts behind the cloud, all or one of them before the camera, and how long no new picture of the cloud came.
+/// Arrows or texts behind the cloud, all or one of them before the camera, and how long no new picture of the cloud
+/// came.
 pub(crate) const CROWD: &str = "def crowd(count, kind, seen=None):\n    \
          def marker(i):\n        \
              at = Point(i % 317 * 0.01 - 1.58, i // 317 * 0.0076 - 1.2, 2.5 + i % 7 * 0.2)\n        \
@@ -395,8 +396,8 @@ fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
     }
 }
 
-/// Nearly all of them lie behind the camera, so that drawing them takes no time beside placing them: at most 0.16 s between
-/// pictures, and 0.30 s and more where they are placed all at once.
+/// Nearly all of them lie behind the camera, so that drawing them takes no time beside placing them: at most 0.16 s
+/// between pictures, and 0.30 s and more where they are placed all at once.
 #[test]
 fn pictures_of_another_display_go_on_while_an_array_behind_the_camera_is_placed() {
     let markers = "{Class: rviz/MarkerArray, Name: markers, Enabled: true, Marker Topic: /markers}";

@@ -286,7 +286,8 @@ impl Gpu {
         })
     }
 
-    /// Whether a picture has so much in it, or its faces lie over each other so many times, that the CPU draws it sooner.
+    /// Whether a picture has so much in it, or its faces lie over each other so many times, that the CPU draws it
+    /// sooner.
     fn is_heavy(&mut self, view: &View<'_>) -> bool {
         self.overdraw.forget_dead();
         self.overdraw.is_heavy(view, Limit::of(self.device.kind()))

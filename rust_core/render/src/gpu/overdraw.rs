@@ -1,5 +1,5 @@
-//! Pictures that a GPU would take long for: with very much in them (`counts`), or whose faces lie over each other so many
-//! times.
+//! Pictures that a GPU would take long for: with very much in them (`counts`), or whose faces lie over each other so
+//! many times.
 //!
 //! A GPU visits each pixel of each face, also where something nearer hides it. 300,000 points of 4 mm that lie 6 cm
 //! before the lens have thousands of millions of them. The CPU renderer looks for what is hidden before it draws, and
