@@ -356,7 +356,7 @@ pub(crate) const CROWD: &str = "def crowd(count, kind, seen=None):\n    \
      def longest_gap():\n    \
          first = {}\n    \
          for image in viewer.images:\n        first.setdefault(image[6], image[0])\n    \
-         times = sorted(first.values())\n    \
+         times = sorted(first.values()) + [viewer.images[-1][0]]\n    \
          return max(b - a for a, b in zip(times, times[1:]))";
 
 #[test]
