@@ -111,7 +111,7 @@ fn what_another_camera_has_is_refused_with_the_option_that_changes_it() {
     assert_eq!(parse(&extended(&text, &own), "a.rviz").unwrap().displays.len(), 2);
 }
 
-/// It was refused, because a finding went: the config's YAML was said to be written in an unusual way.
+/// It was refused as unusual YAML, because a finding was gone afterwards.
 #[test]
 fn a_camera_may_have_a_name_that_a_visibility_has_already() {
     let text = "Visualization Manager:\n  Displays:\n  - Class: rviz_camera_stream/CameraPub\n    Name: Left\n    \
