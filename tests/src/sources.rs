@@ -68,3 +68,11 @@ pub fn sources() -> Vec<(String, String)> {
     }
     found
 }
+
+/// What of these is missing: pieces of code, without blanks, in files of a folder.
+pub fn missing(folder: &str, pieces: &[(&str, &str)]) -> Vec<String> {
+    let sources = sources();
+    let has = |file: &str, piece: &str| sources.iter().any(|(name, code)| name == file && code.contains(piece));
+    let all = pieces.iter().map(|(file, piece)| (format!("{folder}/{file}"), piece));
+    all.filter(|(file, piece)| !has(file, piece)).map(|(file, piece)| format!("{file} no longer has {piece}")).collect()
+}

@@ -236,37 +236,31 @@ fn each_cause_is_logged_once_a_second_with_a_count() {
     assert!(wait_until(PATIENCE, || counted("made_up_") > 0), "{}", fixture.log());
 }
 
-#[test]
-fn a_huge_picture_gives_its_memory_back() {
-    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), &[]).unwrap();
+/// Shows a picture of this size and then a small one. The node may keep so many megabytes.
+fn memory_is_given_back_after(width: u32, height: u32, arguments: &[&str], kept_mb: u64) {
+    let fixture = RosFixture::start(&config(&[CLOUD], &[CameraPub::default()]), arguments).unwrap();
     watched(&fixture);
     let before = of_process(&fixture, "VmRSS");
-    fixture.python("latch('/eye/camera_info', info(width=16384, height=16384, f=9000.0))");
-    fixture.wait_for("viewer.last.width == 16384");
-    let huge = of_process(&fixture, "VmHWM");
+    fixture.python(format!("latch('/eye/camera_info', info(width={width}, height={height}, f=9000.0))"));
+    fixture.wait_for(&format!("viewer.last.width == {width}"));
+    let most = of_process(&fixture, "VmHWM");
     fixture.python("latch('/eye/camera_info', info())");
     fixture.wait_for("viewer.last.width == 64");
     fixture.pictures_go_on(10, Duration::from_millis(500));
-    let is_small = || of_process(&fixture, "VmRSS") < before + (40 << 10);
+    let is_small = || of_process(&fixture, "VmRSS") < before + (kept_mb << 10);
     assert!(wait_until(PATIENCE, is_small), "{} kB, {before} kB before", of_process(&fixture, "VmRSS"));
-    println!("{} MB, at most {} MB, then {} MB", before >> 10, huge >> 10, of_process(&fixture, "VmRSS") >> 10);
+    println!("{} MB, at most {} MB, then {} MB", before >> 10, most >> 10, of_process(&fixture, "VmRSS") >> 10);
 }
 
 #[test]
+fn a_huge_picture_gives_its_memory_back() {
+    memory_is_given_back_after(16384, 16384, &[], 40);
+}
+
+/// Its colours, its depths and the copy that is read back have 72 MB each.
+#[test]
 fn a_large_picture_of_the_gpu_gives_its_memory_back() {
-    let cloud_and_camera = config(&[CLOUD], &[CameraPub::default()]);
-    let fixture = RosFixture::start(&cloud_and_camera, &["--renderer", "gpu"]).unwrap();
-    watched(&fixture);
-    let before = of_process(&fixture, "VmRSS");
-    // Its colours, its depths and the copy that is read back have 72 MB each.
-    fixture.python("latch('/eye/camera_info', info(width=6000, height=3000, f=4000.0))");
-    fixture.wait_for("viewer.last.width == 6000");
-    let large = of_process(&fixture, "VmHWM");
-    fixture.python("latch('/eye/camera_info', info())");
-    fixture.wait_for("viewer.last.width == 64");
-    let is_small = || of_process(&fixture, "VmRSS") < before + (60 << 10);
-    assert!(wait_until(PATIENCE, is_small), "{} kB, {before} kB before", of_process(&fixture, "VmRSS"));
-    println!("{} MB, at most {} MB, then {} MB", before >> 10, large >> 10, of_process(&fixture, "VmRSS") >> 10);
+    memory_is_given_back_after(6000, 3000, &["--renderer", "gpu"], 60);
 }
 
 #[test]
