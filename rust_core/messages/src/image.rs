@@ -80,6 +80,44 @@ impl Image {
         self.buffer.get(self.data.clone()).unwrap_or_default()
     }
 
+    /// The bytes of each row's pixels, of `pixel_bytes` each, without the padding between rows.
+    ///
+    /// # Errors
+    /// Width or height is zero, a row is longer than the step, or the data are shorter than rows and step need.
+    pub fn rows(&self, pixel_bytes: usize) -> Result<impl Iterator<Item = &[u8]>, String> {
+        let (width, height, step) = (self.width as usize, self.height as usize, self.step as usize);
+        let row_bytes = width.checked_mul(pixel_bytes).filter(|bytes| (1..=step).contains(bytes));
+        let needed = row_bytes.and_then(|bytes| step.checked_mul(height.checked_sub(1)?)?.checked_add(bytes));
+        match (row_bytes, needed) {
+            (Some(bytes), Some(needed)) if needed <= self.data().len() => {
+                Ok(self.data().chunks(step).take(height).map(move |row| row.get(..bytes).unwrap_or(row)))
+            }
+            _ => Err(format!(
+                "{width}x{height} pixels in {} do not fit rows of {step} bytes and {} bytes of data",
+                self.encoding,
+                self.data().len()
+            )),
+        }
+    }
+
+    /// Two bytes of this image as a number, in its byte order.
+    pub fn u16_of(&self, bytes: [u8; 2]) -> u16 {
+        if self.is_bigendian != 0 {
+            u16::from_be_bytes(bytes)
+        } else {
+            u16::from_le_bytes(bytes)
+        }
+    }
+
+    /// Four bytes of this image as a number, in its byte order.
+    pub fn f32_of(&self, bytes: [u8; 4]) -> f32 {
+        if self.is_bigendian != 0 {
+            f32::from_be_bytes(bytes)
+        } else {
+            f32::from_le_bytes(bytes)
+        }
+    }
+
     /// The same image with these bytes as its pixels, shared and not copied.
     #[must_use]
     pub fn with_data(mut self, data: Arc<Vec<u8>>) -> Self {

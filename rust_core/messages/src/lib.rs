@@ -16,6 +16,7 @@
 #![forbid(unsafe_code)]
 
 mod any;
+mod bayer;
 mod buffer_pool;
 mod bytes;
 mod cloud_points;

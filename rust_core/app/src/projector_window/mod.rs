@@ -1,5 +1,7 @@
 //! `projector_window`: an image topic full screen on a chosen monitor, pixel for pixel.
 
+mod for_display;
+
 use std::process::ExitCode;
 use std::sync::mpsc;
 use std::thread;
@@ -21,7 +23,7 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
 /// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
 ///
 /// Picture pixel (u, v) is screen pixel (u, v). A warning is printed if picture and monitor differ in size; the picture
-/// is then at the top left, on black. Encodings: rgb8, rgba8, bgr8, bgra8, mono8, mono16; compressed: JPEG, PNG.
+/// is then at the top left, on black. Encodings: what image_view shows (colours, mono, Bayer, YUV, depth); compressed: JPEG, PNG.
 /// Keys: Escape or q ends; space or p pauses, b is black, t shows the next test picture, each until pressed again.
 #[derive(Parser)]
 #[command(
@@ -152,6 +154,7 @@ fn picture(topic: &str, message: &AnyMessage) -> Result<Option<ScreenPicture>, S
 }
 
 fn read(image: &Image) -> Result<ScreenPicture, String> {
+    let image = for_display::for_display(image)?;
     let received = ReceivedPicture {
         width_px: image.width,
         height_px: image.height,
