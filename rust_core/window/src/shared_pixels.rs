@@ -6,6 +6,7 @@
 
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use rustix::fs::{ftruncate, memfd_create, MemfdFlags};
 use rustix::io::pwrite;
@@ -15,9 +16,18 @@ pub(crate) const PIXEL_BYTES: u32 = 4;
 /// How many pictures fit in.
 const SLOTS: usize = 2;
 
+/// A picture's place in one memory. The server's word that it has read it can come when that memory is replaced already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct SharedSlot {
+    memory: u64,
+    slot: usize,
+}
+
 /// Memory for two pictures of one size.
 #[derive(Debug)]
 pub(crate) struct SharedPixels {
+    /// Unlike that of any other memory of this process.
+    id: u64,
     file: OwnedFd,
     size_px: (u32, u32),
     is_read: [bool; SLOTS],
@@ -26,8 +36,10 @@ pub(crate) struct SharedPixels {
 impl SharedPixels {
     /// For pictures of this size.
     pub(crate) fn new(size_px: (u32, u32)) -> io::Result<Self> {
+        static NEXT_ID: AtomicU64 = AtomicU64::new(0);
+        let id = NEXT_ID.fetch_add(1, Ordering::Relaxed);
         let file = memfd_create("projector window", MemfdFlags::CLOEXEC)?;
-        let pixels = Self { file, size_px, is_read: [false; SLOTS] };
+        let pixels = Self { id, file, size_px, is_read: [false; SLOTS] };
         ftruncate(&pixels.file, pixels.slot_bytes() * SLOTS as u64)?;
         Ok(pixels)
     }
@@ -57,14 +69,21 @@ impl SharedPixels {
         self.is_read.iter().position(|is_read| !is_read)
     }
 
+    /// The place of a slot.
+    pub(crate) fn shared_slot(&self, slot: usize) -> SharedSlot {
+        SharedSlot { memory: self.id, slot }
+    }
+
     /// Records that the server was told to read a picture.
     pub(crate) fn begin_reading(&mut self, slot: usize) {
         self.set(slot, true);
     }
 
-    /// Records that the server has read it.
-    pub(crate) fn end_reading(&mut self, slot: usize) {
-        self.set(slot, false);
+    /// Records that the server has read a picture, unless that was in other memory.
+    pub(crate) fn end_reading(&mut self, slot: SharedSlot) {
+        if slot.memory == self.id {
+            self.set(slot.slot, false);
+        }
     }
 
     fn set(&mut self, slot: usize, is_read: bool) {
@@ -106,10 +125,22 @@ mod tests {
         pixels.write(1, &[3, 4, 5]).unwrap();
         pixels.begin_reading(1);
         assert_eq!(pixels.free_slot(), None);
-        pixels.end_reading(0);
+        pixels.end_reading(pixels.shared_slot(0));
         assert_eq!(pixels.free_slot(), Some(0));
         let mut bytes = [0; 16];
         pread(pixels.fd(), &mut bytes, 0).unwrap();
         assert_eq!(bytemuck::cast_slice::<u8, u32>(&bytes), [1, 2, 3, 4]);
+    }
+    #[test]
+    fn a_late_word_about_memory_that_was_replaced_frees_nothing() {
+        let old = SharedPixels::new((2, 1)).unwrap();
+        let late = old.shared_slot(0);
+        drop(old);
+        let mut pixels = SharedPixels::new((2, 1)).unwrap();
+        pixels.begin_reading(0);
+        pixels.end_reading(late);
+        assert_eq!(pixels.free_slot(), Some(1));
+        pixels.end_reading(pixels.shared_slot(0));
+        assert_eq!(pixels.free_slot(), Some(0));
     }
 }

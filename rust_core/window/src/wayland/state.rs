@@ -29,6 +29,7 @@ use wayland_protocols::xdg::xdg_output::zv1::client::zxdg_output_v1::{self, Zxdg
 use super::keymap::Keymap;
 use super::outputs::Outputs;
 use crate::run::SystemEvent;
+use crate::shared_pixels::SharedSlot;
 use crate::WindowError;
 
 /// The shift key among the modifiers of a keyboard (that of the core X protocol, which keymaps keep).
@@ -53,8 +54,8 @@ pub(super) struct State {
     pub(super) configured: Option<(i32, i32)>,
     /// The size that goes with the next acknowledged change.
     pending_size: (i32, i32),
-    /// The buffers that were read since this was last looked at.
-    pub(super) released: Vec<usize>,
+    /// The pictures that were read since this was last taken.
+    pub(super) released: Vec<SharedSlot>,
     described: Option<ZxdgOutputManagerV1>,
     keyboard: Option<WlKeyboard>,
     pointer: Option<WlPointer>,
@@ -279,12 +280,12 @@ impl Dispatch<XdgToplevel, ()> for State {
     }
 }
 
-impl Dispatch<WlBuffer, usize> for State {
+impl Dispatch<WlBuffer, SharedSlot> for State {
     fn event(
         state: &mut Self,
         _: &WlBuffer,
         event: wl_buffer::Event,
-        slot: &usize,
+        slot: &SharedSlot,
         _: &Connection,
         _: &QueueHandle<Self>,
     ) {

@@ -53,9 +53,16 @@ struct Shown {
     buffers: Option<Buffers>,
 }
 
+/// Two pictures in shared memory; the compositor's objects for them are destroyed with it.
 struct Buffers {
     pixels: SharedPixels,
     slots: [WlBuffer; 2],
+}
+
+impl Drop for Buffers {
+    fn drop(&mut self) {
+        self.slots.iter().for_each(WlBuffer::destroy);
+    }
 }
 
 impl WaylandWindow {
@@ -149,10 +156,7 @@ impl Shown {
         let known = self.buffers.take();
         let buffers = match known {
             Some(buffers) if buffers.pixels.size_px() == size_px => buffers,
-            other => {
-                other.iter().flat_map(|old| &old.slots).for_each(WlBuffer::destroy);
-                Buffers::new(size_px, memory, handle)?
-            }
+            _ => Buffers::new(size_px, memory, handle)?,
         };
         Ok(self.buffers.insert(buffers))
     }
@@ -170,7 +174,8 @@ impl Buffers {
         let stride = side(u64::from(size_px.0) * u64::from(PIXEL_BYTES));
         let pool = memory.create_pool(pixels.fd(), side(pixels.offset(2)), handle, ());
         let slot = |slot: usize| {
-            pool.create_buffer(side(pixels.offset(slot)), width, height, stride, Format::Xrgb8888, handle, slot)
+            let of_slot = pixels.shared_slot(slot);
+            pool.create_buffer(side(pixels.offset(slot)), width, height, stride, Format::Xrgb8888, handle, of_slot)
         };
         let slots = [slot(0), slot(1)];
         pool.destroy();

@@ -8,6 +8,7 @@ mod keep_over;
 mod keyboard;
 mod modes;
 mod monitors;
+mod pixel_format;
 mod place;
 mod refresh;
 mod session;

@@ -6,6 +6,7 @@ use x11rb::connection::{Connection, RequestConnection};
 use x11rb::protocol::shm::{self, CompletionEvent, ConnectionExt as _, Seg};
 use x11rb::protocol::xproto::{ConnectionExt as _, Gcontext, ImageFormat, ImageOrder, Window};
 
+use super::pixel_format::PixelFormat;
 use super::session::X11Session;
 use crate::shared_pixels::{SharedPixels, PIXEL_BYTES};
 use crate::WindowError;
@@ -19,6 +20,9 @@ const PUT_IMAGE_BYTES: usize = 64;
 pub(super) struct Transfer {
     window: Window,
     context: Gcontext,
+    format: PixelFormat,
+    /// Pixels in the screen's format, where that is another one than they are drawn in.
+    converted: Vec<u32>,
     can_share: bool,
     shared: Option<Shared>,
 }
@@ -32,19 +36,22 @@ impl Transfer {
     /// To a window of this session's screen.
     ///
     /// # Errors
-    /// The server takes no pixels of 32 bits in this machine's byte order, or the connection broke.
+    /// The server takes no pixels of 32 bits in this machine's byte order and with fixed colours, or the connection
+    /// broke.
     pub(super) fn new(session: &X11Session, window: Window) -> Result<Self, WindowError> {
         let setup = session.connection.setup();
         let depth = session.screen.root_depth;
-        let format = setup.pixmap_formats.iter().find(|format| format.depth == depth);
+        let storage = setup.pixmap_formats.iter().find(|format| format.depth == depth);
         let own_order = if cfg!(target_endian = "big") { ImageOrder::MSB_FIRST } else { ImageOrder::LSB_FIRST };
-        let is_known = format.is_some_and(|format| u32::from(format.bits_per_pixel) == 8 * PIXEL_BYTES);
+        let is_known = storage.is_some_and(|format| u32::from(format.bits_per_pixel) == 8 * PIXEL_BYTES);
         if !is_known || depth < 24 || setup.image_byte_order != own_order {
-            return Err(WindowError::NoDisplay(format!("the X server's screen has depth {depth}, 24 is needed")));
+            let reason = format!("the X server's screen has depth {depth}; use one of depth 24 or 30");
+            return Err(WindowError::NoDisplay(reason));
         }
+        let format = PixelFormat::of(&session.screen)?;
         let context = session.connection.generate_id().map_err(X11Session::lost)?;
         session.connection.create_gc(context, window, &Default::default()).map_err(X11Session::lost)?;
-        Ok(Self { window, context, can_share: takes_descriptors(session), shared: None })
+        Ok(Self { window, context, format, converted: Vec::new(), can_share: takes_descriptors(session), shared: None })
     }
 
     /// Whether a picture can be sent now; otherwise the server will say that it has read one.
@@ -52,7 +59,7 @@ impl Transfer {
         self.shared.as_ref().is_none_or(|shared| shared.pixels.free_slot().is_some())
     }
 
-    /// Sends pixels of the window's size.
+    /// Sends pixels of the window's size, `0x00RRGGBB`.
     ///
     /// # Errors
     /// The connection broke.
@@ -65,6 +72,14 @@ impl Transfer {
         if self.can_share && self.shared.as_ref().is_none_or(|shared| shared.pixels.size_px() != size_px) {
             self.share(session, size_px);
         }
+        let mut converted = std::mem::take(&mut self.converted);
+        let pixels = if self.format.is_drawn() {
+            pixels
+        } else {
+            converted.clear();
+            converted.extend(pixels.iter().map(|pixel| self.format.pixel(*pixel)));
+            &converted
+        };
         let is_sent = match &mut self.shared {
             Some(shared) => shared.send(session, self.window, self.context, pixels)?,
             None => false,
@@ -72,6 +87,7 @@ impl Transfer {
         if !is_sent {
             self.put(session, pixels, size_px)?;
         }
+        self.converted = converted;
         session.connection.flush().map_err(X11Session::lost)
     }
 
@@ -79,7 +95,7 @@ impl Transfer {
     pub(super) fn complete(&mut self, event: &CompletionEvent) {
         let Some(shared) = self.shared.as_mut().filter(|shared| shared.segment == event.shmseg) else { return };
         let slot = u64::from(event.offset).checked_div(shared.pixels.slot_bytes()).unwrap_or(0);
-        shared.pixels.end_reading(usize::try_from(slot).unwrap_or(0));
+        shared.pixels.end_reading(shared.pixels.shared_slot(usize::try_from(slot).unwrap_or(0)));
     }
 
     /// Shares memory for pictures of this size with the server, or gives that up for good.

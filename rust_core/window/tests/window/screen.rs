@@ -155,12 +155,15 @@ impl Screen {
         self.pixels_at((0, 0), (WIDTH_PX, HEIGHT_PX))
     }
 
-    /// The pixels of a part of the root window.
+    /// The pixels of a part of the root window, `0x00RRGGBB`. A screen of depth 30 has ten bits a channel.
     pub(crate) fn pixels_at(&self, (left, top): (i16, i16), (width, height): (u32, u32)) -> Vec<u32> {
         let (width, height) = (width as u16, height as u16);
         let image = self.connection.get_image(ImageFormat::Z_PIXMAP, self.root, left, top, width, height, !0).unwrap();
-        let data = image.reply().unwrap().data;
-        data.chunks_exact(4).map(|bgrx| u32::from_be_bytes([0, bgrx[2], bgrx[1], bgrx[0]])).collect()
+        let image = image.reply().unwrap();
+        let pixels = image.data.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
+        let eight_bits = |pixel: u32, shift: u32| ((pixel >> shift & 1023) * 255 + 511) / 1023;
+        let narrow = |pixel| eight_bits(pixel, 20) << 16 | eight_bits(pixel, 10) << 8 | eight_bits(pixel, 0);
+        pixels.map(|pixel| if image.depth == 30 { narrow(pixel) } else { pixel & 0x00ff_ffff }).collect()
     }
 
     /// Opens a window as any program does.

@@ -3,7 +3,7 @@
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use x11rb::protocol::xproto::{ConfigureWindowAux, ConnectionExt as _};
+use x11rb::protocol::xproto::{ClientMessageEvent, ConfigureWindowAux, ConnectionExt as _, EventMask};
 
 use crate::screen::*;
 
@@ -87,6 +87,19 @@ fn the_output_that_is_asked_for_shows_the_picture_pixel_by_pixel() {
 }
 
 impl Weston {
+    /// Closes an output, as weston does when its window on the X server is closed.
+    fn close_output(&self, output: usize) {
+        let connection = &self.screen.connection;
+        let windows = connection.query_tree(self.screen.root).unwrap().reply().unwrap().children;
+        let left = (output as u32 * OUTPUT.0) as i16;
+        let at = |window: &u32| connection.get_geometry(*window).unwrap().reply().unwrap().x;
+        let window = windows.into_iter().find(|window| at(window) == left).unwrap();
+        let atom = |name: &[u8]| connection.intern_atom(false, name).unwrap().reply().unwrap().atom;
+        let data = [atom(b"WM_DELETE_WINDOW"), 0, 0, 0, 0];
+        let close = ClientMessageEvent::new(32, window, atom(b"WM_PROTOCOLS"), data);
+        connection.send_event(false, window, EventMask::NO_EVENT, close).unwrap().check().unwrap();
+    }
+
     /// Gives the keyboard to an output: the pointer is over it.
     fn focus(&self, output: usize) {
         let (x, y) = (output as i16 * OUTPUT.0 as i16 + 300, 200);
@@ -112,4 +125,23 @@ fn the_compositors_end_is_one_line() {
     assert_eq!(status.code(), Some(1));
     let log = window.log_text();
     assert_eq!(log.lines().filter(|line| line.contains("the Wayland compositor is gone")).count(), 1, "{log}");
+}
+
+#[test]
+fn buffers_are_destroyed_with_the_window_when_its_output_goes() {
+    let weston = Weston::start();
+    let mut command = Command::new(example());
+    command.env("XDG_RUNTIME_DIR", weston.folder.path()).env("WAYLAND_DISPLAY", "test").env_remove("WAYLAND_SOCKET");
+    // The client library logs each request.
+    command.env_remove("DISPLAY").env("WAYLAND_DEBUG", "client");
+    let window = Shown::start(command.args(["600x400", "--monitor", "screen1"]));
+    weston.wait_for_pattern(&window, 1);
+    let count = |parts: [&str; 2]| {
+        let log = window.log_text();
+        log.lines().filter(|line| parts.iter().all(|part| line.contains(part))).count()
+    };
+    let destroyed = || count(["wl_buffer@", ".destroy("]);
+    assert_eq!((count([".create_buffer(", ""]), destroyed()), (2, 0));
+    weston.close_output(1);
+    wait_for("the buffers' end", || (destroyed() == 2).then_some(()));
 }

@@ -35,6 +35,26 @@ fn without_a_window_manager_the_screen_is_the_picture_and_q_quits() {
 }
 
 #[test]
+fn a_screen_of_ten_bits_a_channel_shows_the_pictures_colours_with_and_without_shared_memory() {
+    for extension in [&[][..], &["-extension", "MIT-SHM"]] {
+        let arguments = [&["-screen", "0", "1280x800x30"], extension].concat();
+        let screen = Screen::start_with(false, &arguments);
+        let mut window = screen.show(&["1280x800"]);
+        screen.wait_for_pixels(&mut window, &expected(1280, 800));
+        assert!(screen.quit(&mut window, LETTER_Q).success());
+    }
+}
+
+#[test]
+fn a_screen_whose_colours_do_not_fit_is_an_error_that_says_what_to_use() {
+    let screen = Screen::start_with(false, &["-screen", "0", "1280x800x16"]);
+    let mut window = screen.show(&["1280x800"]);
+    let status = wait_for("the program's end", || window.process.0.try_wait().unwrap());
+    assert_eq!(status.code(), Some(1));
+    assert!(window.log_text().contains("has depth 16; use one of depth 24 or 30"), "{}", window.log_text());
+}
+
+#[test]
 fn keys_and_the_monitor_are_reported_to_the_program() {
     let screen = Screen::start(true);
     let mut window = screen.show(&["1280x800"]);
