@@ -48,6 +48,13 @@ const int TWIN_DELAY_MS = 500;
 const int COLLECT_PERIOD_MS = 1;
 const uint64_t STATISTICS_PERIOD_NS = 1000000000;
 
+/// What an exception says; Ogre's also name a file and a line of its source.
+std::string reason(const std::exception& error)
+{
+  const auto* of_ogre = dynamic_cast<const Ogre::Exception*>(&error);
+  return of_ogre ? of_ogre->getDescription() : error.what();
+}
+
 uint8_t colourByte(float value)
 {
   return static_cast<uint8_t>(std::lround(std::min(std::max(value, 0.0F), 1.0F) * 255.0F));
@@ -66,17 +73,33 @@ CameraPub::CameraPub()
 
 CameraPub::~CameraPub()
 {
-  if (!publisher_)
-    return;
-  Ogre::Root::getSingleton().removeFrameListener(this);
-  trigger_service_.leave();
-  unsubscribe();
-  context_->visibilityBits()->freeBits(visibility_bit_);
+  if (publisher_)
+  {
+    Ogre::Root::getSingleton().removeFrameListener(this);
+    trigger_service_.leave();
+    unsubscribe();
+  }
+  if (visibility_bit_ != 0)
+    context_->visibilityBits()->freeBits(visibility_bit_);
 }
 
 void CameraPub::onInitialize()
 {
   Display::onInitialize();
+  try
+  {
+    start();
+  }
+  catch (const std::exception& error)
+  {
+    // rviz goes on without this camera.
+    setStatusStd(StatusProperty::Error, PICTURE, "Cannot start the camera: " + reason(error));
+  }
+}
+
+/// Makes what draws and publishes. Throws std::exception if the system has no room for it; the display then does nothing.
+void CameraPub::start()
+{
   visibility_bit_ = context_->visibilityBits()->allocBit();
   if (visibility_bit_ == 0)
     setStatus(StatusProperty::Error, PICTURE, "rviz has no room for another camera: it has 32 at most");
@@ -88,6 +111,7 @@ void CameraPub::onInitialize()
 
   camera_.reset(new SceneCamera(*context_->getSceneManager(), visibility_bit_));
   reader_.reset(new PixelReader);
+  // The last that can fail: without it the display does nothing.
   publisher_.reset(new PicturePublisher);
   Ogre::Root::getSingleton().addFrameListener(this);
   if (auto* manager = dynamic_cast<rviz::VisualizationManager*>(context_))
@@ -104,6 +128,8 @@ void CameraPub::onEnable()
 
 void CameraPub::onDisable()
 {
+  if (!publisher_)
+    return;
   unsubscribe();
   camera_->releaseTexture();
 }
@@ -305,6 +331,8 @@ CameraModel CameraPub::model() const
 
 void CameraPub::update(float, float)
 {
+  if (!publisher_)
+    return;
   // At the latest now: the next picture may be drawn over it.
   if (reader_->pending())
     publishRead();
@@ -373,11 +401,11 @@ bool CameraPub::placeCamera()
   {
     camera_->setView(position, orientation, view_);
   }
-  catch (const Ogre::Exception& exception)
+  catch (const std::exception& error)
   {
     setStatusStd(StatusProperty::Error, PICTURE,
                  "No texture of " + std::to_string(view_.drawn_width) + "x" + std::to_string(view_.drawn_height) +
-                     " pixels: " + exception.getDescription());
+                     " pixels: " + reason(error));
     return false;
   }
   return true;
@@ -402,14 +430,13 @@ void CameraPub::drawPicture()
     camera_->draw(background);
     reader_->begin(*camera_->target(), publisher_->areDepthsWatched());
   }
-  catch (const Ogre::Exception& exception)
+  catch (const std::exception& error)
   {
-    setStatusStd(StatusProperty::Error, PICTURE, "Cannot draw: " + exception.getDescription());
+    showLost("Cannot draw the image", error);
     return;
   }
   frame->times.drawn_ns = monotonicNow();
   reading_ = std::move(frame);
-  deleteStatus(PICTURE);
   collect();
 }
 
@@ -433,14 +460,33 @@ void CameraPub::collect()
 void CameraPub::publishRead()
 {
   std::unique_ptr<Frame> frame = std::move(reading_);
-  if (!frame || !reader_->fetch(frame->pixels))
+  try
   {
-    // The driver lost it, as when the screen's mode changes; the next one is drawn soon.
-    reader_->abandon();
+    if (!frame || !reader_->fetch(frame->pixels))
+    {
+      // The driver lost it, as when the screen's mode changes; the next one is drawn soon.
+      reader_->abandon();
+      return;
+    }
+  }
+  catch (const std::exception& error)
+  {
+    showLost("Cannot read the image", error);
     return;
   }
   frame->times.read_ns = monotonicNow();
   publisher_->publish(std::move(frame));
+  showPublishing();
+}
+
+/// The image that was being drawn or read is dropped, and the status says why.
+void CameraPub::showLost(const std::string& what, const std::exception& error)
+{
+  reader_->abandon();
+  reading_.reset();
+  setStatusStd(StatusProperty::Error, PICTURE,
+               what + " of " + std::to_string(view_.drawn_width) + "x" + std::to_string(view_.drawn_height) +
+                   " pixels: " + reason(error));
 }
 
 // --- statuses --------------------------------------------------------------------------------------------------------
@@ -459,14 +505,23 @@ void CameraPub::showPublishers()
     setStatus(StatusProperty::Ok, CAMERA_INFO, "OK");
 }
 
+/// Whether the last image that the publishing thread is done with was published.
+void CameraPub::showPublishing()
+{
+  const std::string error = publisher_->error();
+  if (error.empty())
+    deleteStatus(PICTURE);
+  else
+    setStatusStd(StatusProperty::Error, PICTURE, error);
+}
+
 void CameraPub::showStatistics(uint64_t now_ns)
 {
   if (now_ns - statistics_shown_ns_ < STATISTICS_PERIOD_NS)
     return;
   statistics_shown_ns_ = now_ns;
-  const std::string error = publisher_->error();
-  if (!error.empty())
-    setStatusStd(StatusProperty::Error, PICTURE, error);
+  if (!publisher_->error().empty())
+    showPublishing();
   const std::string statistics = publisher_->statistics();
   if (!statistics.empty())
     setStatusStd(StatusProperty::Ok, TIMING, statistics);

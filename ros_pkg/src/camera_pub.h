@@ -72,6 +72,7 @@ private Q_SLOTS:
   void writeTwin();
 
 private:
+  void start();
   void createProperties();
   void createAddedProperties();
   void applyTopics();
@@ -86,8 +87,10 @@ private:
   bool placeCamera();
   void drawPicture();
   void publishRead();
+  void showLost(const std::string& what, const std::exception& error);
   bool isOwnInfoTopic() const;
   void showPublishers();
+  void showPublishing();
   void showStatistics(uint64_t now_ns);
   void showTwin();
 
@@ -124,7 +127,7 @@ private:
   uint32_t visibility_bit_ = 0;
   std::unique_ptr<SceneCamera> camera_;
   std::unique_ptr<PixelReader> reader_;
-  /// Null until the display is initialised; properties may change before that.
+  /// Null until the display has started, or if it could not; properties may change before that.
   std::unique_ptr<PicturePublisher> publisher_;
   /// What is being read back, but for its pixels.
   std::unique_ptr<Frame> reading_;

@@ -125,7 +125,18 @@ void PicturePublisher::run()
         return;
       frame = std::move(waiting_);
     }
-    publishNow(*frame);
+    try
+    {
+      publishNow(*frame);
+    }
+    catch (const std::exception& error)
+    {
+      // An image that is too large for the memory: what it takes is freed, and the next one may be smaller.
+      frame.reset();
+      const std::lock_guard<std::mutex> lock(mutex_);
+      error_ = std::string("Cannot publish the image: ") + error.what();
+      continue;
+    }
     const std::lock_guard<std::mutex> lock(mutex_);
     free_ = std::move(frame);
   }

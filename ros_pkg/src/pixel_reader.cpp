@@ -208,11 +208,11 @@ void PixelReader::begin(Ogre::RenderTexture& drawn, bool with_depths)
   const char* how = std::getenv("RVIZ_CAMERA_STREAM_READBACK");
   const bool direct = how && std::strcmp(how, "direct") == 0;
   const bool readable = isReadable();
-  if (!buffers_ && readable && !direct && hasBuffersAndFences())
+  if (!buffers_ && !buffers_failed_ && readable && !direct && hasBuffersAndFences())
   {
     buffers_.reset(new Buffers);
     if (!buffers_->gl.complete)
-      buffers_.reset();
+      giveUpBuffers();
   }
   if (!buffers_ || !readable || direct)
   {
@@ -233,13 +233,19 @@ void PixelReader::begin(Ogre::RenderTexture& drawn, bool with_depths)
   buffers_->fence = buffers_->gl.fence_sync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   if (glGetError() != GL_NO_ERROR)
   {
-    // This driver cannot; from now on it is copied directly.
-    abandon();
-    buffers_.reset();
+    giveUpBuffers();
     copyNow(drawn);
     return;
   }
   pending_ = true;
+}
+
+/// This driver cannot; from now on pixels are copied directly.
+void PixelReader::giveUpBuffers()
+{
+  abandon();
+  buffers_.reset();
+  buffers_failed_ = true;
 }
 
 /// Waits for the texture and copies its colours, and the depths if its frame buffer can be read.

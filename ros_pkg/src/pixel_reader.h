@@ -26,8 +26,8 @@ struct ReadPixels
 };
 
 /// Copies what was drawn into pixel buffers of OpenGL: `begin` returns at once, and the pixels are fetched when the
-/// graphics card is done with them. Where the driver has no such buffers, or the environment variable
-/// RVIZ_CAMERA_STREAM_READBACK is `direct`, `begin` waits and copies.
+/// graphics card is done with them. Where the driver has no such buffers or has failed with them once, or the environment
+/// variable RVIZ_CAMERA_STREAM_READBACK is `direct`, `begin` waits and copies.
 ///
 /// Used on the thread that draws. All of Ogre's contexts share their buffers, so any of them may be current.
 class PixelReader
@@ -39,7 +39,7 @@ public:
   PixelReader& operator=(const PixelReader&) = delete;
 
   /// Begins to read what was just drawn into the texture, whose frame buffer is still bound. Abandons what was being
-  /// read. Throws Ogre::Exception if the pixels cannot be copied at all.
+  /// read. Throws Ogre::Exception if the pixels cannot be copied at all, std::bad_alloc if they do not fit memory.
   void begin(Ogre::RenderTexture& drawn, bool with_depths);
 
   /// Whether something is being read.
@@ -49,7 +49,7 @@ public:
   bool ready() const;
 
   /// Fetches what is being read, waiting for it where that is necessary. Returns false if nothing is being read or the
-  /// driver lost it.
+  /// driver lost it. Throws std::bad_alloc if the pixels do not fit memory.
   bool fetch(ReadPixels& pixels);
 
   /// Abandons what is being read.
@@ -58,11 +58,14 @@ public:
 private:
   struct Buffers;
   void copyNow(Ogre::RenderTexture& drawn);
+  void giveUpBuffers();
 
   std::unique_ptr<Buffers> buffers_;
   ReadPixels layout_;
   bool with_depths_ = false;
   bool pending_ = false;
+  /// Whether the driver has failed with pixel buffers, which are then not tried again.
+  bool buffers_failed_ = false;
   /// Copied already, without buffers.
   bool copied_ = false;
 };

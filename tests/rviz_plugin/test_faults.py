@@ -1,13 +1,15 @@
 """Faults of the plugin that this one replaces: each would come back here."""
 
 import math
+import os
+import pathlib
 import unittest
 
 from scenes.processes import wait_until
 
 from .camera_topics import CameraFrame, Infos, Pictures, camera_info, pixels, trigger
-from .stage import stage
-from .window import ERROR, OK, WARNING, Rviz, camera, grid
+from .stage import PREFIX_VARIABLE, stage
+from .window import CAMERA_PUB, ERROR, OK, WARNING, Rviz, camera, grid
 
 
 class Faults(unittest.TestCase):
@@ -168,6 +170,51 @@ class Faults(unittest.TestCase):
         answer = trigger("/camera/camera_trigger")
         self.assertFalse(answer.success)
         self.assertEqual(answer.message, "Image publisher not configured")
+
+    def preload(self, **variables):
+        """The environment in which rviz meets faults of the driver or the system (driver/faults.cpp)."""
+        library = pathlib.Path(os.environ[PREFIX_VARIABLE], "lib", "librviz_test_faults.so").resolve()
+        return {"LD_PRELOAD": str(library), **{f"RVIZ_FAULTS_{name}": str(value) for name, value in variables.items()}}
+
+    def test_a_driver_that_fails_with_pixel_buffers_is_not_asked_again(self):
+        self.topic(Infos, "/camera/info", camera_info())
+        pictures = self.topic(Pictures, "/camera/image")
+        fences = stage().folder / "fences.txt"
+        rviz = self.open(grid(), camera(), environment=self.preload(FENCES=fences))
+        for _ in range(5):
+            self.assertEqual(pixels(pictures.next(rviz)).max(), 255)
+        self.assertEqual(fences.read_text(), "a fence\n")
+
+    def test_an_image_too_large_for_the_memory_is_a_status_and_rviz_goes_on(self):
+        infos = self.topic(Infos, "/camera/info", camera_info())
+        pictures = self.topic(Pictures, "/camera/image")
+        # Four bytes a pixel are read and published; what is sent has the header as well.
+        limit = 4 * 4096 * 2048
+        rviz = self.open(grid(), camera(**{"Image Encoding": "rgba8"}), environment=self.preload(LARGEST_BYTES=limit))
+        for height, reason in ((2048, "Cannot publish the image"), (2049, "Cannot read the image of 4096x2049 pixels")):
+            pictures.next(rviz)
+            infos.send(camera_info(4096, height))
+            rviz.wait_for_status("Camera", "Picture", ERROR, reason)
+            infos.send(camera_info())
+        pictures.next(rviz)
+        wait_until(lambda: "Picture" not in rviz.statuses("Camera"), 30, "the status stays")
+
+    def test_a_camera_that_cannot_start_is_a_status_and_rviz_goes_on(self):
+        infos = self.topic(Infos, "/added/info", camera_info())
+        self.topic(Pictures, "/added/image")
+        no_threads = stage().folder / "no_threads"
+        rviz = self.open(grid(), environment=self.preload(NO_THREADS=no_threads))
+        no_threads.touch()
+        try:
+            rviz.command("create", "Added", CAMERA_PUB)
+        finally:
+            no_threads.unlink()
+        rviz.wait_for_status("Added", "Picture", ERROR, "Cannot start the camera")
+        rviz.command("topic", "Added", "/added/image", "sensor_msgs/Image")
+        infos.send(camera_info(100, 80))
+        rviz.frames(3)
+        rviz.command("remove", "Added")
+        rviz.frames(1)
 
 
 if __name__ == "__main__":
