@@ -18,8 +18,8 @@ MIN_CLOSE = 0.98
 # So many pixels may differ in any picture, which counts in those of less than a hundred.
 FEW_PIXELS = 2
 # How long pictures that differ may go on to differ, once both stand still and while one of them still changes.
-DIFFERENT_SECS = 5.0
-RESTLESS_SECS = 40.0
+DIFFERENT_SECS = 30.0
+RESTLESS_SECS = 200.0
 
 
 class Result(NamedTuple):

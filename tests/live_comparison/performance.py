@@ -10,7 +10,7 @@ from sensor_msgs.msg import Image
 from .config_service import load_config
 from .stage import RVIZ
 
-PATIENCE_SECS = 60.0
+PATIENCE_SECS = 300.0
 # Pictures after which what was sent is drawn: the first may have been begun before.
 PICTURES = 2
 # How many equal pictures, and for how long, make one that stands still.

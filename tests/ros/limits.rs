@@ -47,9 +47,9 @@ fn thousands_of_made_up_publishers_are_a_few_hundred_threads_and_forgotten() {
     assert!(wait_until(PATIENCE, || warnings() == 1), "{:?}", probe.errors());
     // The master's list is asked for, and those that are not on it are forgotten.
     let (begin, is_forgotten) = (Instant::now(), || threads(&probe) <= before + 2);
-    assert!(wait_until(Duration::from_secs(20), is_forgotten), "{before} {}", threads(&probe));
+    assert!(wait_until(PATIENCE, is_forgotten), "{before} {}", threads(&probe));
     println!("{before} threads, then {most}, then {} after {:.1?}", threads(&probe), begin.elapsed());
-    assert!(probe.prints_again("frame real", Duration::from_secs(3)), "{:?}", probe.errors());
+    assert!(probe.prints_again("frame real"), "{:?}", probe.errors());
     assert_eq!(warnings(), 1, "{:?}", probe.errors());
 }
 

@@ -1,11 +1,8 @@
 //! Plain sockets in place of a ROS library: peers that behave as no library does.
 
-use rcs_tests::ros::{wait_until, RosMaster};
+use rcs_tests::ros::{wait_until, RosMaster, PATIENCE};
 use std::io::{self, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::time::Duration;
-
-const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Calls a method of the master or of a node with strings as parameters; the answer's XML.
 pub(crate) fn call(uri: &str, method: &str, params: &[&str]) -> io::Result<String> {

@@ -3,21 +3,19 @@
 use crate::probe;
 use crate::raw::{read_framed, subscribe};
 use rcs_tests::python_node::PythonNode;
-use rcs_tests::ros::{RosMaster, Running, PATIENCE};
+use rcs_tests::ros::{wait_until, RosMaster, Running, PATIENCE, PROMPT};
 use std::io::Read;
 use std::net::TcpStream;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 
 const TOPIC: &str = "/view/image";
 const RATE: u32 = 20;
-/// One period and a half: half of one is for what wakes up late.
-const LONGEST_GAP: Duration = Duration::from_millis(75);
-const ROUNDS: usize = 4;
-/// How long a viewer that goes on was stopped, in seconds, if another time than the test's is to be measured.
-const STOPPED_S: &str = "STOPPED_S";
+const PICTURE_BYTES: usize = 1280 * 800 * 3;
+/// How long others are beside a good viewer.
+const BESIDE: Duration = Duration::from_secs(5);
 
 fn pictures(master: &RosMaster) -> Running {
     let publisher = probe(master, &["image", TOPIC, "1280", "800", &RATE.to_string()]);
@@ -44,14 +42,6 @@ struct Seen {
     latency: Duration,
 }
 
-/// What a viewer saw in a while.
-#[derive(Debug)]
-struct Measured {
-    pictures: usize,
-    longest_gap: Duration,
-    median_latency: Duration,
-}
-
 /// Reads pictures as they come, and notes when.
 struct Viewer {
     seen: Arc<Mutex<Vec<Seen>>>,
@@ -73,26 +63,20 @@ impl Viewer {
         Self { seen, is_ended, thread: Some(thread) }
     }
 
-    /// The pictures of so long, from now on.
-    fn measure(&self, duration: Duration) -> Measured {
-        let begin = Instant::now();
-        std::thread::sleep(duration);
-        self.since(begin)
-    }
-
-    /// The pictures from a moment until now.
-    fn since(&self, begin: Instant) -> Measured {
-        let duration = begin.elapsed();
+    /// How many pictures it has seen since a moment. They and the longest time between two of them are printed.
+    fn count_since(&self, begin: Instant) -> usize {
         let all = self.seen.lock().unwrap();
         let seen: Vec<&Seen> = all.iter().filter(|seen| seen.at >= begin).collect();
-        let gaps = seen.windows(2).map(|pair| pair[1].at - pair[0].at);
+        let longest_gap = seen.windows(2).map(|pair| pair[1].at - pair[0].at).max().unwrap_or(begin.elapsed());
         let mut latencies: Vec<Duration> = seen.iter().map(|seen| seen.latency).collect();
         latencies.sort();
-        Measured {
-            pictures: seen.len(),
-            longest_gap: gaps.max().unwrap_or(duration),
-            median_latency: latencies.get(latencies.len() / 2).copied().unwrap_or(duration),
-        }
+        let (count, latency) = (seen.len(), latencies.get(latencies.len() / 2));
+        println!(
+            "{:.0?}: {count} pictures, at most {longest_gap:.1?} apart, median latency {latency:.1?}",
+            begin.elapsed()
+        );
+        assert!(longest_gap < PROMPT, "{longest_gap:?} without a picture");
+        count
     }
 }
 
@@ -104,60 +88,62 @@ impl Drop for Viewer {
 }
 
 /// Reads so many bytes a second until the connection ends or this is dropped.
-struct SlowReader(Arc<AtomicBool>);
+struct SlowReader {
+    is_ended: Arc<AtomicBool>,
+    bytes: Arc<AtomicUsize>,
+}
 
 impl SlowReader {
     fn start(mut stream: TcpStream, bytes_per_s: usize) -> Self {
-        let is_ended: Arc<AtomicBool> = Arc::default();
-        let end = Arc::clone(&is_ended);
+        let (is_ended, bytes): (Arc<AtomicBool>, Arc<AtomicUsize>) = Default::default();
+        let (end, count) = (Arc::clone(&is_ended), Arc::clone(&bytes));
         std::thread::spawn(move || {
             let mut piece = vec![0; bytes_per_s / 50];
             while !end.load(Ordering::Acquire) && stream.read_exact(&mut piece).is_ok() {
+                count.fetch_add(piece.len(), Ordering::AcqRel);
                 std::thread::sleep(Duration::from_millis(20));
             }
         });
-        Self(is_ended)
+        Self { is_ended, bytes }
+    }
+
+    fn pictures(&self) -> usize {
+        self.bytes.load(Ordering::Acquire) / PICTURE_BYTES
     }
 }
 
 impl Drop for SlowReader {
     fn drop(&mut self) {
-        self.0.store(true, Ordering::Release);
+        self.is_ended.store(true, Ordering::Release);
     }
 }
 
-/// Fails when viewers that come beside a good one cost it pictures or time. The best of some rounds counts: a machine's
-/// other work only ever adds. In each round they come anew, because what one costs may be a single pause.
-fn assert_undisturbed<T>(master: &RosMaster, publisher: &Running, others: impl Fn() -> T) {
+/// Fails when a good viewer does not see many more pictures than those beside it, of which these are the pictures.
+fn assert_undisturbed<T>(master: &RosMaster, others: impl FnOnce() -> T, pictures: impl Fn(&T) -> usize) {
     let good = Viewer::start(subscribe(master, "/probe", TOPIC, "/good"));
-    let alone = good.measure(Duration::from_secs(3));
-    println!("3 s alone: {alone:?}");
-    let is_undisturbed = (0..ROUNDS).any(|_| {
-        let begin = Instant::now();
-        let present = others();
-        std::thread::sleep(Duration::from_secs(5).saturating_sub(begin.elapsed()));
-        let beside = good.since(begin);
-        println!("5 s beside others: {beside:?}");
-        drop(present);
-        assert!(publisher.prints_again("to 1 in", PATIENCE));
-        beside.pictures * 100 >= 5 * RATE as usize * 98
-            && beside.longest_gap < LONGEST_GAP
-            && beside.median_latency < alone.median_latency + Duration::from_millis(2)
-    });
-    assert!(is_undisturbed);
+    let begin = Instant::now();
+    std::thread::sleep(BESIDE / 2);
+    good.count_since(begin);
+    let present = others();
+    let (begin, before) = (Instant::now(), pictures(&present));
+    std::thread::sleep(BESIDE);
+    let (beside, of_others) = (good.count_since(begin), pictures(&present) - before);
+    println!("the others saw up to {of_others}");
+    assert!(beside > 2 * of_others, "{beside} and {of_others} pictures");
 }
 
 #[test]
 fn slow_and_stopped_viewers_cost_the_others_nothing() {
     let master = RosMaster::start().unwrap();
     let publisher = pictures(&master);
-    assert_undisturbed(&master, &publisher, || {
+    let others = || {
         let slow = [1_000_000, 10_000_000]
             .map(|rate| SlowReader::start(subscribe(&master, "/probe", TOPIC, &format!("/reads_{rate}")), rate));
         let stopped = [0, 1, 2, 3, 4].map(|index| subscribe(&master, "/probe", TOPIC, &format!("/stopped_{index}")));
-        assert!(publisher.prints_again("to 8 in", PATIENCE));
+        assert!(publisher.prints_again("to 8 in"));
         (slow, stopped)
-    });
+    };
+    assert_undisturbed(&master, others, |(slow, _)| slow.iter().map(SlowReader::pictures).max().unwrap());
 }
 
 /// Subscribes until it is dropped.
@@ -173,19 +159,16 @@ impl Drop for Subscribed<'_> {
 #[test]
 fn a_rospy_viewer_that_takes_long_for_each_picture_costs_the_others_nothing() {
     let master = RosMaster::start().unwrap();
-    let publisher = pictures(&master);
+    let _publisher = pictures(&master);
     let slow = PythonNode::start(&master, &["__name:=slow"]).unwrap();
-    slow.run("def see(image):\n    times.append(time.monotonic())\n    time.sleep(0.3)").unwrap();
-    assert_undisturbed(&master, &publisher, || {
-        slow.run("times = []").unwrap();
+    slow.run("times = []\ndef see(image):\n    times.append(time.monotonic())\n    time.sleep(0.3)").unwrap();
+    let others = || {
         slow.run(format!("images = rospy.Subscriber('{TOPIC}', Image, see, queue_size=1, buff_size=1 << 24)")).unwrap();
         assert!(slow.wait_for(PATIENCE, "len(times) > 1"));
         Subscribed(&slow)
-    });
-    // It has watched all the while, and as slowly as it was to.
-    let rate: f64 = slow.run("(len(times) - 1) / (times[-1] - times[0])").unwrap().parse().unwrap();
-    println!("the slow one saw {rate:.1} pictures a second");
-    assert!((1.0..3.4).contains(&rate), "{rate}");
+    };
+    let count = |slow: &Subscribed<'_>| slow.0.run("len(times)").unwrap().parse().unwrap();
+    assert_undisturbed(&master, others, count);
 }
 
 /// How many pictures of so many bytes the kernel may hold whole for a viewer that does not read: they fill the buffer
@@ -208,22 +191,19 @@ fn a_stopped_viewer_is_never_cut_and_goes_on_with_the_newest_picture() {
     let unwatched = subscribe(&master, "/probe", TOPIC, "/unwatched");
     let latest = || good.seen.lock().unwrap().last().unwrap().seq;
     let before = latest();
-    let stopped_s = std::env::var(STOPPED_S).map_or(4, |secs| secs.parse().unwrap());
-    std::thread::sleep(Duration::from_secs(stopped_s.into()));
+    // Many more than are held for it.
+    let are_missed = || latest() > before + 80;
+    assert!(wait_until(PATIENCE, are_missed), "{before} {}", latest());
     for (name, mut stopped, most) in [("unwatched", unwatched, 1), ("watched", watched, 1 + held_by_kernel(bytes))] {
-        let newest = latest();
-        assert!(newest > before + (stopped_s - 1) * RATE, "{before} {newest}");
+        // One before that is in all queues.
+        let newest = latest() - 1;
         let begin = Instant::now();
         let old = std::iter::repeat_with(|| seq(&read_framed(&mut stopped).unwrap())).take_while(|seq| *seq < newest);
         // What the kernel had, of which the last one was being sent; then the one in the queue.
         let old: Vec<u32> = old.collect();
-        let took = begin.elapsed();
-        println!(
-            "{name}, after {stopped_s} s: {} old pictures of at most {most}, a new one after {took:.0?}",
-            old.len()
-        );
-        assert!(old.len() <= most, "{name}: {old:?} before {newest}");
-        assert!(took < Duration::from_millis(500), "{name}: {took:?}");
+        let (count, took) = (old.len(), begin.elapsed());
+        println!("{name}: {count} old pictures of at most {most}, a new one after {took:.0?}");
+        assert!(count <= most, "{name}: {old:?} before {newest}");
     }
 }
 
@@ -236,9 +216,9 @@ fn a_viewer_that_leaves_is_noticed_at_once_and_gets_a_picture_at_once_when_it_re
         let mut viewer = subscribe(&master, "/probe", TOPIC, &name);
         assert!(publisher.line_with(&format!("subscriber {name}")).is_some());
         read_framed(&mut viewer).unwrap();
-        assert!(publisher.prints_again("to 1 in", PATIENCE));
+        assert!(publisher.prints_again("to 1 in"));
         drop(viewer);
-        assert!(publisher.prints_again("to 0 in", Duration::from_millis(300)), "still there after 0.3 s");
+        assert!(publisher.prints_again("to 0 in"), "still there");
     }
 }
 
@@ -249,16 +229,11 @@ fn fifty_viewers_are_served() {
     assert!(publisher.line_with("ready").is_some());
     let viewers: Vec<Viewer> =
         (0..50).map(|index| Viewer::start(subscribe(&master, "/probe", TOPIC, &format!("/viewer{index}")))).collect();
-    assert!(publisher.prints_again("to 50 in", PATIENCE));
-    let all_are_served = (0..ROUNDS).any(|_| {
-        let begin = Instant::now();
-        std::thread::sleep(Duration::from_secs(3));
-        let measured: Vec<Measured> = viewers.iter().map(|viewer| viewer.since(begin)).collect();
-        let pictures = measured.iter().map(|one| one.pictures).min().unwrap_or_default();
-        let gap = measured.iter().map(|one| one.longest_gap).max().unwrap_or_default();
-        let latency = measured.iter().map(|one| one.median_latency).max().unwrap_or_default();
-        println!("3 s: {pictures} pictures and more each, longest gap {gap:.1?}, median latency up to {latency:.1?}");
-        pictures * 100 >= 3 * RATE as usize * 95 && gap < LONGEST_GAP
-    });
-    assert!(all_are_served);
+    assert!(publisher.prints_again("to 50 in"));
+    let begin = Instant::now();
+    let have_seen = |count: usize| viewers.iter().all(|viewer| viewer.seen.lock().unwrap().len() > count);
+    assert!(wait_until(PATIENCE, || have_seen(60)), "one sees no pictures");
+    for viewer in &viewers {
+        viewer.count_since(begin);
+    }
 }

@@ -7,7 +7,7 @@ import numpy
 
 from scenes.processes import wait_until
 
-PICTURE_TIMEOUT_SECS = 60.0
+PICTURE_TIMEOUT_SECS = 300.0
 
 
 def camera_info(width=64, height=48, focal=50.0, frame="camera", **fields):

@@ -9,7 +9,7 @@ from scenes.processes import wait_until
 
 from .camera_topics import CameraFrame, Infos, Pictures, camera_info, pixels, trigger
 from .stage import PREFIX_VARIABLE, stage
-from .window import CAMERA_PUB, ERROR, OK, WARNING, Rviz, camera, grid
+from .window import ANSWER_TIMEOUT_SECS, CAMERA_PUB, ERROR, OK, WARNING, Rviz, camera, grid
 
 
 class Faults(unittest.TestCase):
@@ -126,7 +126,7 @@ class Faults(unittest.TestCase):
         rviz.command("set", "B", "Display namespace", "alone")
         second.forget()
         self.assertTrue(trigger("/alone/camera_trigger").success)
-        wait_until(lambda: not stage().has_service("/both/camera_trigger"), 30, "the old service is still there")
+        wait_until(lambda: not stage().has_service("/both/camera_trigger"), ANSWER_TIMEOUT_SECS, "the old service is still there")
 
     def test_its_own_camera_info_is_not_taken_for_the_cameras(self):
         # Published beside the image: where the camera's own CameraInfo comes from, too.
@@ -197,7 +197,7 @@ class Faults(unittest.TestCase):
             rviz.wait_for_status("Camera", "Picture", ERROR, reason)
             infos.send(camera_info())
         pictures.next(rviz)
-        wait_until(lambda: "Picture" not in rviz.statuses("Camera"), 30, "the status stays")
+        wait_until(lambda: "Picture" not in rviz.statuses("Camera"), ANSWER_TIMEOUT_SECS, "the status stays")
 
     def test_a_camera_that_cannot_start_is_a_status_and_rviz_goes_on(self):
         infos = self.topic(Infos, "/added/info", camera_info())

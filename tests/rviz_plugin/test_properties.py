@@ -1,7 +1,6 @@
 """What the display offers in rviz, and that each property does what it says."""
 
 import pathlib
-import time
 import unittest
 
 import numpy
@@ -11,7 +10,7 @@ from scenes.processes import wait_until
 
 from .camera_topics import CameraFrame, Infos, Pictures, camera_info, pixels, trigger
 from .stage import stage
-from .window import CAMERA_PUB, OK, WARNING, Rviz, camera, grid
+from .window import ANSWER_TIMEOUT_SECS, CAMERA_PUB, OK, WARNING, Rviz, camera, grid
 
 # Of the plugin that this one replaces: names in their order, values of a new display, and help.
 INHERITED = [
@@ -127,13 +126,11 @@ class Properties(unittest.TestCase):
         pictures = self.topic(Pictures, "/camera/image")
         rviz = self.open(grid(), camera(**{"Frame Rate": 5}))
         pictures.next(rviz)
-        begin = time.monotonic()
         first = pictures.next(rviz).header.stamp
-        wait_until(lambda: len(pictures.all()) > 10, 60, "ten pictures", [rviz.program])
+        wait_until(lambda: len(pictures.all()) > 10, ANSWER_TIMEOUT_SECS, "ten pictures", [rviz.program])
         took = (pictures.all()[10].header.stamp - first).to_sec()
         # On a loaded machine rviz itself may be slower, never faster.
         self.assertGreater(took, 1.7)
-        self.assertGreater(time.monotonic() - begin, 1.7)
         rviz.command("set", "Camera", "Frame Rate", 0)
         rviz.frames(5)
         self.assertEqual(pictures.quiet_for(0.5), [])
@@ -195,7 +192,7 @@ class Properties(unittest.TestCase):
         straight = pixels(pictures.wait_for(lambda each: pixels(each).max() == 255, "with the grid", rviz))
         rviz.wait_for_status("Camera", "Camera Info", WARNING, "D")
         rviz.command("set", "Camera", "Undistort", "true")
-        wait_until(lambda: rviz.statuses("Camera")["Camera Info"][0] == OK, 30, "the warning is still there")
+        wait_until(lambda: rviz.statuses("Camera")["Camera Info"][0] == OK, ANSWER_TIMEOUT_SECS, "the warning is still there")
         picture = pixels(pictures.next(rviz))
         self.assertEqual(picture.shape, straight.shape)
         self.assertGreater(int((picture != straight).sum()), 100)
@@ -216,11 +213,11 @@ class Properties(unittest.TestCase):
         self.assertEqual({each["Name"] for each in twin["Displays"]}, {"Grid", "Thing", "Camera", "Driver"})
         self.assertEqual(twin["Global Options"]["Fixed Frame"], "map")
         rviz.command("set", "Grid", "Cell Size", "2.5")
-        wait_until(lambda: "Cell Size: 2.5" in path.read_text(), 30, "the twin does not follow", [rviz.program])
+        wait_until(lambda: "Cell Size: 2.5" in path.read_text(), ANSWER_TIMEOUT_SECS, "the twin does not follow", [rviz.program])
         rviz.command("set", "Camera", "Headless Twin", "/nowhere/at/all.rviz")
         rviz.wait_for_status("Camera", "Headless Twin", 2, "/nowhere/at/all.rviz")
         rviz.command("set", "Camera", "Headless Twin", "")
-        wait_until(lambda: "Headless Twin" not in rviz.statuses("Camera"), 30, "the status is still there")
+        wait_until(lambda: "Headless Twin" not in rviz.statuses("Camera"), ANSWER_TIMEOUT_SECS, "the status is still there")
 
 
 if __name__ == "__main__":

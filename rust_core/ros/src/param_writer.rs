@@ -78,7 +78,6 @@ impl ParamWriter {
 mod tests {
     use super::*;
     use std::sync::mpsc::channel;
-    use std::time::Duration;
 
     #[test]
     fn of_each_parameter_only_the_newest_value_waits_for_a_slow_master() {
@@ -89,7 +88,7 @@ mod tests {
             written.send((name.to_owned(), value)).unwrap();
             answers.recv().unwrap();
         });
-        let next = || is_written.recv_timeout(Duration::from_secs(5)).unwrap();
+        let next = || is_written.recv_timeout(crate::TEST_PATIENCE).unwrap();
         assert_eq!(next(), ("/first".to_owned(), Value::Int(0)));
         // The thread waits for an answer.
         for value in 0..1000 {
@@ -118,6 +117,6 @@ mod tests {
         };
         set("/bad");
         set("/good");
-        assert_eq!(is_written.recv_timeout(Duration::from_secs(5)).unwrap(), "/good");
+        assert_eq!(is_written.recv_timeout(crate::TEST_PATIENCE).unwrap(), "/good");
     }
 }

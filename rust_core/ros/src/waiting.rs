@@ -92,7 +92,6 @@ mod tests {
         // Port 1 of this machine: nothing listens there.
         let result = wait_for_master("http://127.0.0.1:1/", &|| started.elapsed() > Duration::from_millis(100));
         assert_eq!(result, Err(NodeError::Cancelled("http://127.0.0.1:1/".to_owned())));
-        assert!(started.elapsed() < Duration::from_secs(1));
     }
 
     #[test]

@@ -1,8 +1,7 @@
 //! The CameraInfo that a camera subscribes to, and the one that it publishes beside its picture.
 
-use rcs_tests::ros::wait_until;
+use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
-use std::time::Duration;
 
 /// A node with one camera at `eye` in front of a red cloud, and a viewer of its picture.
 fn fixture(camera: &CameraPub) -> RosFixture {
@@ -92,7 +91,7 @@ fn an_invalid_camera_info_is_one_error_and_stops_the_pictures() {
         fixture.wait_for("viewer.middle() == (255, 0, 0)");
         fixture.python(format!("latch('/eye/camera_info', {bad})"));
         let errors = || fixture.log_lines(&["ERROR", "/eye/camera_info"]);
-        assert!(wait_until(Duration::from_secs(20), || errors() == number + 1), "{bad}: {}", fixture.log());
+        assert!(wait_until(PATIENCE, || errors() == number + 1), "{bad}: {}", fixture.log());
         let error = fixture.node.errors().into_iter().rfind(|line| line.contains("ERROR")).unwrap();
         assert!(error.contains(field), "{bad}: {error}");
         // What was published before may arrive after the error; the last good picture is not repeated.

@@ -51,10 +51,11 @@ fn depths_alone_are_drawn_for_who_subscribes_to_nothing_else_and_may_be_millimet
     fixture.python("info_subscriber.unregister()");
     fixture.python("listen()");
     fixture.wait_for("depths and depth(32, 24, np.uint16) in (0, 2000)");
-    fixture.python("latch('/cloud', cloud(0xff0000))");
+    fixture.python("clouds = PublishRepeatedly(20, lambda i: cloud(0xff0000), '/cloud')");
     fixture.wait_for("depth(32, 24, np.uint16) == 2000 and depth(5, 5, np.uint16) == 0");
     assert_eq!(fixture.python("(depths[-1].encoding, depths[-1].step)"), "('16UC1', 128)");
     // What is too old is nowhere.
+    fixture.python("clouds.stop()");
     fixture.wait_for("depth(32, 24, np.uint16) == 0");
 }
 

@@ -10,7 +10,7 @@
 //! cargo test --release -p rcs_tests --test e2e -- --exact transforms::a_cloud_waits_for_its_frame   one test
 //! ```
 //!
-//! Those that measure times are in `timing`, so that these may run side by side.
+//! `--nocapture` prints figures: gaps between pictures, rates, memory. No test asserts one that depends on the machine.
 //!
 //! A failing test prints the node's log. Events are waited for with a deadline ([`rcs_tests::ros::PATIENCE`]); a test
 //! sleeps only where nothing may happen meanwhile.
@@ -26,11 +26,17 @@ mod compressed;
 mod depth;
 mod diagnostics;
 mod eye_safety;
+mod floods;
+mod frame_rate;
 mod hanging_master;
+mod heavy;
+mod latency;
 mod lazy_streams;
 mod lifecycle;
 mod listening;
 mod live_equals_offline;
+mod load;
+mod meshes;
 mod never_false;
 mod node_log;
 mod node_window;
@@ -43,6 +49,7 @@ mod render;
 mod samples;
 mod settings;
 mod simulated_time;
+mod soak;
 mod thread_names;
 mod transforms;
 mod viewers;

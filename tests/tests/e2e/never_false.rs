@@ -43,9 +43,7 @@ fn dies(rest: [&str; 2], dying: &str, because: &str) {
     let node = other_node(&fixture, dying);
     fixture.wait_for(RED);
     // It stays while all of them are alive, also what is latched and so not sent again.
-    fixture.python("viewer.forget()");
-    std::thread::sleep(Duration::from_millis(1500));
-    assert_eq!(fixture.python("viewer.colors"), "[(255, 0, 0)]");
+    fixture.shows_only("(255, 0, 0)", Duration::from_millis(1500));
     drop(node);
     fixture.wait_for(BLACK);
     fixture.wait_for_log(because).unwrap();
@@ -82,7 +80,7 @@ fn one_display_that_is_too_old_leaves_the_others_in_the_picture() {
     drop(node);
     fixture.wait_for("viewer.middle() == (0, 0, 0) and viewer.pixel(57, 24) == (0, 0, 255)");
     fixture.wait_for_log("not drawn: cloud: no data on /cloud of the last 0.5 s").unwrap();
-    assert_eq!(fixture.log_lines(&["the picture is black"]), 0, "{}", fixture.log());
+    assert_eq!(fixture.log_lines(&["the picture is black: cloud"]), 0, "{}", fixture.log());
 }
 
 #[test]
@@ -138,9 +136,7 @@ fn the_picture_turns_black_when_projector_or_publish_cloud_is_killed() {
     let whats = [(projector, "CameraInfo: no data on /eye/camera_info"), (cloud, "cloud: no data on /cloud")];
     for (place, (program, because)) in running.iter_mut().zip(whats) {
         // What is latched does not age while its publisher lives.
-        fixture.python("viewer.forget()");
-        std::thread::sleep(Duration::from_millis(1000));
-        assert_eq!(fixture.python("viewer.colors"), "[(255, 0, 0)]");
+        fixture.shows_only("(255, 0, 0)", Duration::from_millis(1000));
         place.signal("KILL");
         fixture.wait_for(BLACK);
         fixture.wait_for_log(&format!("the picture is black: {because} of the last 0.5 s")).unwrap();

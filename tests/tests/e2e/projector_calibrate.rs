@@ -1,10 +1,9 @@
 //! `projector_calibrate` as a user runs it: what it writes, what it refuses, and what it shows on a screen.
 
 use std::fs;
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::time::Duration;
 
 use rcs_files::capture::read_patterns;
 use rcs_files::projector::ProjectorFile;
@@ -143,9 +142,9 @@ fn without_arguments_the_measures_are_asked_for_and_an_end_writes_nothing() {
 
     let mut command = calibrate(folder.path());
     command.arg("manual").stdin(Stdio::piped()).stderr(Stdio::piped());
-    let asking = command.spawn().unwrap();
+    let mut asking = command.spawn().unwrap();
     // Asked for the first answer, it handles signals.
-    std::thread::sleep(Duration::from_millis(500));
+    asking.stderr.as_mut().unwrap().read_exact(&mut [0]).unwrap();
     Command::new("kill").args(["-INT", &asking.id().to_string()]).status().unwrap();
     assert_eq!(asking.wait_with_output().unwrap().status.code(), Some(1));
 

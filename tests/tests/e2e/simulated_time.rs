@@ -35,7 +35,8 @@ fn a_bag_played_again_with_its_clock_starts_without_the_clouds_of_the_first_roun
     for round in 1..=2 {
         fixture.python("viewer.forget()");
         let mut player = fixture.master.command("rosbag");
-        let mut player = Running::start(player.args(["play", "--clock", "-d", "1"]).arg(&bag)).unwrap();
+        // So slowly that each cloud is seen.
+        let mut player = Running::start(player.args(["play", "--clock", "-d", "2", "-r", "0.4"]).arg(&bag)).unwrap();
         fixture.wait_for("len(viewer.colors) > 0 and viewer.middle() == (0, 0, 255)");
         let ended = player.wait(PATIENCE);
         assert!(ended.is_some(), "{:?}", player.errors());

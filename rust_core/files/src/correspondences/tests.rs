@@ -1,7 +1,6 @@
 //! Tests of the files of correspondences.
 
 use std::fs;
-use std::time::{Duration, Instant};
 
 use nalgebra::{Point2, Point3};
 use proptest::prelude::*;
@@ -182,23 +181,6 @@ fn files_have_the_documented_columns() {
     assert_eq!(fs::read_to_string(&path).unwrap(), "cam_u_px,cam_v_px,u_px,v_px\n3,4,10.2500,7.1250\n");
     let error = write_points(Path::new("missing/points.csv"), &[], PointColumns::Plain).unwrap_err().to_string();
     assert!(error.starts_with("missing/points.csv: cannot write: "), "{error}");
-}
-
-#[test]
-fn two_hundred_thousand_points_are_read_at_once() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("points.csv");
-    let samples: Vec<Sample> = (0..200_000).map(|i| sample(f64::from(i) * 0.0064, 1.0 + f64::from(i) * 1e-6)).collect();
-    write_points(&path, &samples, PointColumns::WithSigmas).unwrap();
-    // The fastest of some: other tests run beside this one.
-    let fastest = (0..5).map(|_| {
-        let started = Instant::now();
-        assert_eq!(Points::read(&[&path]).unwrap().samples.len(), 200_000);
-        started.elapsed()
-    });
-    let fastest = fastest.min().unwrap();
-    println!("{fastest:?}");
-    assert!(fastest < Duration::from_millis(400), "{fastest:?}");
 }
 
 #[test]

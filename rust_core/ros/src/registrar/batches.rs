@@ -96,14 +96,12 @@ mod tests {
         }
         let begin = Instant::now();
         while registered.load(Ordering::Acquire) < 200 {
-            assert!(begin.elapsed() < Duration::from_secs(20));
+            assert!(begin.elapsed() < crate::TEST_PATIENCE);
             std::thread::sleep(Duration::from_millis(10));
         }
         is_slow.store(true, Ordering::Release);
-        let begin = Instant::now();
-        registrar.end(Duration::from_millis(800), Duration::from_millis(1400));
-        println!("ended in {:.1?}", begin.elapsed());
-        assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+        // Time for sixteen calls.
+        registrar.end(Duration::from_secs(5), Duration::from_secs(5));
         registered.load(Ordering::Acquire)
     }
 

@@ -3,6 +3,7 @@
 use super::*;
 use crate::tcpros::{Handler, Source, Wanted};
 use crate::xmlrpc::{parse_call, Answer, Server, Value};
+use crate::TEST_PATIENCE;
 use std::sync::mpsc::{channel, Receiver};
 
 /// A master that notes its calls, and may forget everything.
@@ -70,7 +71,7 @@ fn subscribed(master: &TestMaster) -> Arc<Subscription> {
     master.registrar.subscribe(&subscription);
     let begin = Instant::now();
     while lock(&master.registrar.state).registered.is_empty() {
-        assert!(begin.elapsed() < Duration::from_secs(5));
+        assert!(begin.elapsed() < TEST_PATIENCE);
         std::thread::sleep(Duration::from_millis(5));
     }
     assert_eq!(next(master), "registerSubscriber /a");
@@ -81,7 +82,7 @@ fn subscribed(master: &TestMaster) -> Arc<Subscription> {
 const NOBODY: &str = "http://127.0.0.1:9/";
 
 fn next(master: &TestMaster) -> String {
-    master.calls.recv_timeout(Duration::from_secs(5)).unwrap()
+    master.calls.recv_timeout(TEST_PATIENCE).unwrap()
 }
 
 #[test]
@@ -141,15 +142,12 @@ fn what_is_wanted_is_registered_and_again_with_a_master_that_forgot_it() {
     master.registrar.add(entry.clone());
     assert_eq!(next(&master), "registerPublisher /image");
     *lock(&master.known) = false;
-    let begin = Instant::now();
     assert_eq!(next(&master), "registerPublisher /image");
-    assert!(begin.elapsed() < Duration::from_secs(2));
-    println!("registered again after {:.1?}", begin.elapsed());
     master.registrar.remove(&entry);
     assert_eq!(next(&master), "unregisterPublisher /image");
     master.registrar.add(Entry::Service { service: "/s".to_owned(), api: "rosrpc://x:1".to_owned(), number: 2 });
     assert_eq!(next(&master), "registerService /s");
-    master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
+    master.registrar.end(TEST_PATIENCE, TEST_PATIENCE);
     assert_eq!(next(&master), "unregisterService /s");
 }
 
@@ -171,7 +169,7 @@ fn what_is_removed_while_the_master_answers_with_its_list_is_unregistered() {
     master.registrar.add(entry);
     assert_eq!(next(&master), "registerSubscriber /a");
     assert_eq!(next(&master), "unregisterSubscriber /a");
-    master.registrar.end(Duration::from_secs(5), Duration::from_secs(5));
+    master.registrar.end(TEST_PATIENCE, TEST_PATIENCE);
 }
 
 #[test]
@@ -186,11 +184,8 @@ fn a_subscription_whose_publishers_may_be_stale_is_registered_again_once() {
     let begin = Instant::now();
     master.registrar.set_publishers("/a", vec![NOBODY.to_owned()]);
     assert_eq!(next(&master), "registerSubscriber /a");
-    println!("registered again after {:.1?}", begin.elapsed());
-    // The lists are compared every 2 s.
-    assert!(begin.elapsed() < Duration::from_secs(3), "{:?}", begin.elapsed());
     while subscription.links().iter().all(|link| link.uri != talker_uri) {
-        assert!(begin.elapsed() < Duration::from_secs(5));
+        assert!(begin.elapsed() < TEST_PATIENCE);
         std::thread::sleep(Duration::from_millis(5));
     }
     // One that was killed is still on the master's list, and asked for once.
@@ -210,16 +205,14 @@ fn publishers_that_answer_late_are_kept_when_the_master_is_restarted() {
     let uris = || -> Vec<String> { subscription.links().iter().map(|link| link.uri.clone()).collect() };
     let begin = Instant::now();
     while uris().len() < 2 || subscription.links().iter().all(|link| link.is_promising()) {
-        assert!(begin.elapsed() < Duration::from_secs(5));
+        assert!(begin.elapsed() < TEST_PATIENCE);
         std::thread::sleep(Duration::from_millis(5));
     }
     lock(&master.publishers).clear();
     *lock(&master.known) = false;
-    let restarted = Instant::now();
     assert_eq!(next(&master), "registerSubscriber /a");
-    println!("registered again after {:.1?}", restarted.elapsed());
     while uris() != [late_uri.clone()] {
-        assert!(begin.elapsed() < Duration::from_secs(9), "{:?}", uris());
+        assert!(begin.elapsed() < TEST_PATIENCE, "{:?}", uris());
         std::thread::sleep(Duration::from_millis(5));
     }
     // What the new master names counts.

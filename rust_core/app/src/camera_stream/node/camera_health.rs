@@ -176,3 +176,19 @@ impl CameraHealth {
         entry
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_info_that_is_a_moment_late_is_not_logged() {
+        let (mut health, start) = (CameraHealth::default(), Instant::now());
+        let mut is_logged_after = |millis| {
+            let problem = CameraProblem::NoCameraInfo { topic: "/eye/camera_info".to_owned() };
+            health.record_problem("eye", problem, start + Duration::from_millis(millis));
+            health.is_problem_logged
+        };
+        assert_eq!([0, 1000, 1999, 2000].map(&mut is_logged_after), [false, false, false, true]);
+    }
+}

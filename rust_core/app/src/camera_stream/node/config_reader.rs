@@ -113,11 +113,9 @@ mod tests {
         };
         let (woken, is_woken) = channel();
         let mut reader = ConfigReader::new(read, move || woken.send(()).unwrap());
-        let begun = Instant::now();
         reader.request();
         reader.request();
         assert!(reader.take().is_none() && reader.take_slow().is_none());
-        assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
         if let Some(reading) = &mut reader.reading {
             reading.next_report = Duration::ZERO;
         }

@@ -1,0 +1,156 @@
+//! Heavy scenes in the running node: pictures of another display go on beside them, and it ends when it is asked to.
+//!
+//! Beside each scene, a square of some pixels in front of it changes its colour thirty times a second. What is printed is
+//! the longest time without a new picture of it, from before the scene's message is sent until it has been shown for a
+//! while, at 640×480. Nothing of a scene is nearer than the square, which would hide that pictures change.
+
+use rcs_tests::ros::PROMPT;
+use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
+
+use crate::load::{CAMERA, CROWD, MANY};
+
+/// The display whose pictures must go on, so small and near that it hides nothing and nothing hides it.
+const NEAR: &str =
+    "{Class: rviz/PointCloud2, Name: near, Enabled: true, Topic: /near, Style: Flat Squares, Size (m): 0.0005, \
+     Color Transformer: RGB8, Position Transformer: XYZ}";
+
+const MARKERS: &str = "{Class: rviz/Marker, Name: markers, Enabled: true, Marker Topic: /markers, Queue Size: 100}";
+
+/// Messages of very many points, which NumPy makes.
+const HEAVY: &str = "import numpy\n\
+     rng = numpy.random.default_rng(7)\n\
+     def heavy_cloud(places):\n    \
+         message = cloud(0, points=[])\n    \
+         message.width, message.row_step = len(places), 16 * len(places)\n    \
+         points = numpy.empty((len(places), 4), '<f4')\n    \
+         points[:, :3] = places\n    \
+         points.view('<u4')[:, 3] = numpy.arange(len(places)) * 0x3f5f7 & 0x00ffff\n    \
+         message.data = points.tobytes()\n    \
+         return written(message)\n\
+     def spread(f, z):\n    \
+         rows, columns = numpy.mgrid[0:480, 0:640].reshape(2, -1)\n    \
+         return numpy.stack([(columns - 319.5) / f * z, (rows - 239.5) / f * z, numpy.full(640 * 480, z)], 1)\n\
+     def in_one_place():\n    \
+         return numpy.tile([0.003, -0.002, 0.06], (640 * 480, 1))\n\
+     def between(count, f, near, far):\n    \
+         z = rng.uniform(near, far, count)\n    \
+         z += numpy.where(abs(z) < .03, numpy.copysign(.03, z), 0)\n    \
+         return numpy.stack([rng.uniform(-320, 320, count) / f * z, rng.uniform(-240, 240, count) / f * z, z], 1)\n\
+     def around(count):\n    \
+         places = rng.uniform(-2, 2, (count, 3))\n    \
+         places[:, 2] = numpy.abs(places[:, 2]) + 0.1\n    \
+         places[count // 2:, 2] *= -1\n    \
+         return places\n\
+     def filling(count):\n    \
+         corners = numpy.array([[-2, -2, 1], [0, 4, 1], [2, -2, 1]])\n    \
+         return (rng.uniform(1, 3, (count, 1, 1)) * corners).reshape(-1, 3)\n\
+     def of_points(kind, places, size=0.01, alpha=1):\n    \
+         marker = Marker(header=Header(frame_id='map'), ns='heavy', type=kind, pose=Pose(orientation=Quaternion(0, 0, 0, 1)), \
+             scale=Vector3(size, size, size), color=ColorRGBA(0, 1, .5, alpha), points=[Point(1, 2, 3)])\n    \
+         same, one = written(marker), struct.pack('<I3d', 1, 1, 2, 3)\n    \
+         assert same.bytes.count(one) == 1\n    \
+         same.bytes = same.bytes.replace(one, struct.pack('<I', len(places)) + places.astype('<f8').tobytes())\n    \
+         return same\n\
+     none = cloud(0, points=[])\n\
+     no_marker = Marker(action=Marker.DELETEALL)\n\
+     def shown():\n    \
+         if viewer.last is None:\n        return False\n    \
+         pixels = numpy.frombuffer(viewer.last.data, 'u1').reshape(-1, 3).astype(int)\n    \
+         return (numpy.abs(pixels[:, 1:] - [0, 200]).max(axis=1) > 20).sum() > 1000";
+
+/// A scene: what it is, where it is sent, and the Python that makes its message.
+type Heavy = (&'static str, &'static str, &'static str);
+
+/// A node with the near display and others, which draws at 640×480, and whose pictures change.
+fn fixture(displays: &[&str]) -> RosFixture {
+    let all: Vec<&str> = [NEAR].iter().chain(displays).copied().collect();
+    let fixture =
+        RosFixture::start(&config(&all, &[CameraPub { background: "0; 0; 200", ..CameraPub::default() }]), &[])
+            .unwrap();
+    fixture.python(MANY);
+    fixture.python(CROWD);
+    fixture.python(HEAVY);
+    fixture.python("latch('/tf_static', tf('map', 'eye')); viewer = Viewer('/view/image')");
+    fixture.python(CAMERA.replace("500.0", "1900.0"));
+    fixture.python(
+        "near = PublishRepeatedly(30, lambda i: cloud(0x010000 * (i % 250 + 1) + 200, points=[(0, 0, 0.02)]), '/near')",
+    );
+    fixture.wait_for("viewer.last and viewer.last.width == 640 and len({i[6] for i in viewer.images}) > 30");
+    fixture
+}
+
+/// Shows scenes one after the other, while pictures go on, and ends the node while the last one is shown.
+fn pictures_go_on_beside(mut fixture: RosFixture, scenes: &[Heavy]) {
+    for (number, (name, topic, message)) in scenes.iter().enumerate() {
+        fixture.python(format!("heavy = {message}"));
+        if number > 0 {
+            fixture.python("{topic: send(topic, no_marker if topic == '/markers' else none) for topic in sent_to}");
+            fixture.wait_for("not shown()");
+        }
+        fixture.python(format!("viewer.forget(); sent_to = ['{topic}']; send('{topic}', heavy)"));
+        fixture.wait_for("shown()");
+        fixture.python("before = len(viewer.images)");
+        fixture.wait_for("len(viewer.images) > before + 10");
+        let gap = fixture.python("longest_gap()");
+        println!("{name}: at most {gap} s between pictures");
+        assert!(gap.parse::<f64>().unwrap() < PROMPT.as_secs_f64(), "{name}: {gap} s without a new picture");
+    }
+    let status = fixture.node.end("TERM").unwrap();
+    assert!(status.success(), "{status}");
+}
+
+fn cloud_of(style: &str, topic: &str) -> String {
+    format!(
+        "{{Class: rviz/PointCloud2, Name: {topic}, Enabled: true, Topic: /{topic}, Style: {style}, Size (m): 0.004, \
+         Color Transformer: RGB8, Position Transformer: XYZ, Queue Size: 10, Alpha: 1, Decay Time: 0}}"
+    )
+}
+
+#[test]
+fn pictures_go_on_beside_a_depth_cameras_points_before_the_lens() {
+    let displays = [("Flat Squares", "squares"), ("Spheres", "spheres"), ("Boxes", "boxes")];
+    let displays = displays.map(|(style, topic)| cloud_of(style, topic));
+    let fixture = fixture(&displays.each_ref().map(String::as_str));
+    pictures_go_on_beside(
+        fixture,
+        &[
+            ("Flat Squares at 6 cm", "/squares", "heavy_cloud(spread(1900, 0.06))"),
+            ("Flat Squares in one place", "/squares", "heavy_cloud(in_one_place())"),
+            ("Spheres at 6 cm", "/spheres", "heavy_cloud(spread(1900, 0.06))"),
+            ("Spheres in one place", "/spheres", "heavy_cloud(in_one_place())"),
+            ("Boxes at 6 cm", "/boxes", "heavy_cloud(spread(1900, 0.06))"),
+            ("Boxes in one place", "/boxes", "heavy_cloud(in_one_place())"),
+        ],
+    );
+}
+
+#[test]
+fn pictures_go_on_beside_five_million_points_near_and_behind_the_lens() {
+    let display = cloud_of("Flat Squares", "squares");
+    let fixture = fixture(&[&display]);
+    pictures_go_on_beside(
+        fixture,
+        &[
+            ("5 million points around", "/squares", "heavy_cloud(between(5000000, 1900, -0.5, 0.5))"),
+            ("5 million points near the lens", "/squares", "heavy_cloud(between(5000000, 1900, 0.05, 0.1))"),
+        ],
+    );
+}
+
+#[test]
+fn pictures_go_on_beside_markers_of_very_many_lines_triangles_and_translucent_spheres() {
+    let fixture = fixture(&[MARKERS]);
+    let list = "of_points(Marker.LINE_LIST, around(1000000))";
+    let strip = "of_points(Marker.LINE_STRIP, around(1000000))";
+    let triangles = "of_points(Marker.TRIANGLE_LIST, filling(100000), 1)";
+    let spheres = "of_points(Marker.SPHERE_LIST, between(100000, 1900, 0.5, 2), 0.02, 0.5)";
+    pictures_go_on_beside(
+        fixture,
+        &[
+            ("a line list of a million points", "/markers", list),
+            ("a line strip of a million points", "/markers", strip),
+            ("100,000 triangles that fill the picture", "/markers", triangles),
+            ("100,000 translucent spheres", "/markers", spheres),
+        ],
+    );
+}
