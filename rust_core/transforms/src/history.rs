@@ -33,16 +33,15 @@ pub(crate) enum History {
     Moving(VecDeque<Sample>),
 }
 
-/// What became of a sample.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Stored {
-    Yes,
-    /// Nothing new: that instant, or that very static transform, is known already.
-    Repeated,
-    /// Older than the history reaches back from its newest sample at `latest`.
-    TooOld {
-        latest: Time,
-    },
+/// What a history that moves does with a sample of a stamp.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum Admission {
+    /// It has none of that stamp, and takes one.
+    New,
+    /// It has one of that stamp, which holds.
+    Known(Sample),
+    /// It reaches only that far back from its newest sample at `latest`.
+    TooOld { latest: Time },
 }
 
 impl History {
@@ -54,34 +53,41 @@ impl History {
         }
     }
 
-    pub(crate) fn insert(&mut self, sample: Sample, cache_length: Duration) -> Stored {
+    /// What [`insert`](Self::insert) will do with a sample of that stamp. A static transform is always replaced.
+    pub(crate) fn admits(&self, stamp: Time, cache_length: Duration) -> Admission {
+        let History::Moving(samples) = self else { return Admission::New };
+        match samples.back().map(|newest| newest.stamp) {
+            Some(latest) if latest > stamp.saturating_add(cache_length) => Admission::TooOld { latest },
+            // Stamps out of order are rare, so the search is kept for them.
+            Some(latest) if latest >= stamp => {
+                let known = samples.binary_search_by_key(&stamp, |known| known.stamp).ok();
+                known.and_then(|place| samples.get(place)).map_or(Admission::New, |known| Admission::Known(*known))
+            }
+            _ => Admission::New,
+        }
+    }
+
+    /// Stores a sample that is [admitted](Self::admits), and drops what is too old then. Returns whether that changed
+    /// anything.
+    pub(crate) fn insert(&mut self, sample: Sample, cache_length: Duration) -> bool {
         let samples = match self {
             History::Static(known) => {
                 let is_same = known.parent == sample.parent && known.parent_from_child == sample.parent_from_child;
                 *known = sample;
-                return if is_same { Stored::Repeated } else { Stored::Yes };
+                return !is_same;
             }
             History::Moving(samples) => samples,
         };
-        let latest = samples.back().map(|newest| newest.stamp);
-        match latest {
-            Some(latest) if latest > sample.stamp.saturating_add(cache_length) => {
-                return Stored::TooOld { latest };
-            }
-            // Stamps out of order are rare, so the search is kept for them.
-            Some(latest) if latest >= sample.stamp => {
-                match samples.binary_search_by_key(&sample.stamp, |known| known.stamp) {
-                    Ok(_) => return Stored::Repeated,
-                    Err(place) => samples.insert(place, sample),
-                }
-            }
-            _ => samples.push_back(sample),
-        }
-        let newest = latest.map_or(sample.stamp, |latest| latest.max(sample.stamp));
+        let place = match samples.back() {
+            Some(newest) if newest.stamp > sample.stamp => samples.partition_point(|known| known.stamp < sample.stamp),
+            _ => samples.len(),
+        };
+        samples.insert(place, sample);
+        let newest = samples.back().map_or(sample.stamp, |newest| newest.stamp);
         while samples.front().is_some_and(|oldest| oldest.stamp.saturating_add(cache_length) < newest) {
             samples.pop_front();
         }
-        Stored::Yes
+        true
     }
 
     /// The parent and `parent_from_child` at `time`; at time zero the newest. `None` where it is not known.
@@ -214,7 +220,8 @@ mod tests {
     fn moving(samples: &[Sample]) -> History {
         let mut history = History::Moving(VecDeque::new());
         for &one in samples {
-            assert_eq!(history.insert(one, CACHE), Stored::Yes);
+            assert_eq!(history.admits(one.stamp, CACHE), Admission::New);
+            assert!(history.insert(one, CACHE));
         }
         history
     }
@@ -254,21 +261,19 @@ mod tests {
     fn the_history_reaches_the_cache_length_back_from_its_newest_sample() {
         let mut history = moving(&[sample(1.0, 0, 1.0), sample(2.0, 0, 2.0), sample(11.0, 0, 3.0)]);
         assert_eq!(x_at(&history, 1.0), Some(1.0), "just ten seconds old");
-        assert_eq!(history.insert(sample(12.0, 0, 4.0), CACHE), Stored::Yes);
+        assert!(history.insert(sample(12.0, 0, 4.0), CACHE));
         assert_eq!(x_at(&history, 1.5), None);
         assert_eq!(x_at(&history, 2.0), Some(2.0));
         let latest = Time::from_secs_f64(12.0);
-        assert_eq!(history.insert(sample(1.999, 0, 0.0), CACHE), Stored::TooOld { latest });
+        assert_eq!(history.admits(Time::from_secs_f64(1.999), CACHE), Admission::TooOld { latest });
     }
 
     #[test]
-    fn the_first_sample_of_a_stamp_is_kept() {
-        let mut history = moving(&[sample(5.0, 0, 1.0), sample(6.0, 0, 2.0)]);
-        for again in [sample(5.0, 0, 9.0), sample(6.0, 0, 9.0)] {
-            assert_eq!(history.insert(again, CACHE), Stored::Repeated);
+    fn a_stamp_that_has_a_sample_already_is_not_new() {
+        let history = moving(&[sample(5.0, 0, 1.0), sample(6.0, 0, 2.0)]);
+        for known in [sample(5.0, 0, 1.0), sample(6.0, 0, 2.0)] {
+            assert_eq!(history.admits(known.stamp, CACHE), Admission::Known(known));
         }
-        assert_eq!(x_at(&history, 5.0), Some(1.0));
-        assert_eq!(x_at(&history, 6.0), Some(2.0));
     }
 
     #[test]
@@ -283,8 +288,9 @@ mod tests {
     fn a_static_frame_is_known_at_all_times_and_the_newest_transform_replaces_it() {
         let mut history = History::new(sample(5.0, 0, 1.0), true);
         assert_eq!(x_at(&history, 1e9), Some(1.0));
-        assert_eq!(history.insert(sample(6.0, 0, 1.0), CACHE), Stored::Repeated);
-        assert_eq!(history.insert(sample(2.0, 3, 4.0), CACHE), Stored::Yes);
+        assert_eq!(history.admits(Time::from_secs_f64(6.0), CACHE), Admission::New);
+        assert!(!history.insert(sample(6.0, 0, 1.0), CACHE));
+        assert!(history.insert(sample(2.0, 3, 4.0), CACHE));
         assert_eq!(x_at(&history, 1.0), Some(4.0));
         assert_eq!(history.newest().map(|s| s.stamp), Some(Time::ZERO));
         history.clear();

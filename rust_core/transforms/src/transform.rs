@@ -127,6 +127,18 @@ pub enum InsertError {
         /// The newest stamp that the frame has.
         latest: Time,
     },
+    /// The frame has another place at that stamp, which holds. tf2 calls it `TF_REPEATED_DATA`.
+    #[error("{authority} published a second, different transform of frame [{child}] in [{parent}] at {stamp}; it is ignored (TF_REPEATED_DATA)")]
+    RepeatedData {
+        /// Who published it.
+        authority: String,
+        /// The parent frame as published.
+        parent: String,
+        /// The child frame.
+        child: String,
+        /// The stamp of both.
+        stamp: Time,
+    },
 }
 
 /// A frame name without the one leading `/` that tf (the first) used to write.

@@ -1,15 +1,15 @@
 //! The buffer of all frames, their names and histories. tf2 calls it `BufferCore`.
 //!
 //! Frame names are interned, so that a lookup hashes its two names once and then walks from frame to
-//! parent by index. A name is known from the first transform that mentions it, as child or as parent, and
-//! is kept, also through [`TransformTree::clear`], unless there are very many (see the module `crowd`). Lookups are in
+//! parent by index. A name is known from the first stored transform that mentions it, as child or as parent,
+//! and is kept, also through [`TransformTree::clear`], unless there are very many (see the module `crowd`). Lookups are in
 //! the module `lookup`.
 
 use std::collections::HashMap;
 use std::time::Duration;
 
 use crate::crowd::Crowd;
-use crate::history::{History, Sample, Stored};
+use crate::history::{Admission, History, Sample};
 use crate::transform::strip_slash;
 use crate::{InsertError, RawTransform, StampedTransform, Time};
 
@@ -32,8 +32,8 @@ pub(crate) struct Frame {
 pub enum Inserted {
     /// The tree knows something that it did not know before.
     Stored,
-    /// Nothing: the frame already has a sample with that stamp (the first one holds), or is static and
-    /// was placed exactly there. Nodes that publish in a loop do this all the time.
+    /// Nothing: the frame was placed exactly there already, at that stamp or for good. Nodes that publish in a loop do
+    /// this all the time.
     Repeated,
 }
 
@@ -104,31 +104,40 @@ impl TransformTree {
     ) -> Result<Inserted, InsertError> {
         let parent_from_child = transform.check(authority)?;
         let (parent, child) = (strip_slash(transform.parent), strip_slash(transform.child));
-        let child_id = self.intern(child);
+        let named = || (authority.to_owned(), parent.to_owned(), child.to_owned());
+        let child_id = self.id(child);
+        let known = child_id.and_then(|child_id| self.history(child_id));
+        match known.map_or(Admission::New, |history| history.admits(transform.stamp, self.cache_length)) {
+            Admission::New => {}
+            Admission::Known(known) => {
+                if known.parent_from_child == parent_from_child && self.name(known.parent) == parent {
+                    return Ok(Inserted::Repeated);
+                }
+                let (authority, parent, child) = named();
+                return Err(InsertError::RepeatedData { authority, parent, child, stamp: transform.stamp });
+            }
+            Admission::TooOld { latest } => {
+                let (authority, parent, child) = named();
+                return Err(InsertError::OldData { authority, parent, child, stamp: transform.stamp, latest });
+            }
+        }
+        // Names are kept of what is stored, and of nothing else.
+        let child_id = child_id.unwrap_or_else(|| self.intern(child));
         let sample = Sample { stamp: transform.stamp, parent: self.intern(parent), parent_from_child };
-        let stored = match self.frames.get_mut(child_id.0 as usize) {
+        let is_new = match self.frames.get_mut(child_id.0 as usize) {
             Some(Frame { history: Some(history), .. }) => history.insert(sample, self.cache_length),
             Some(frame) => {
                 frame.history = Some(History::new(sample, is_static));
-                Stored::Yes
+                true
             }
-            None => Stored::Repeated,
+            None => false,
         };
-        match stored {
-            Stored::Yes => {
-                self.generation += 1;
-                self.limit_frames(transform.stamp);
-                Ok(Inserted::Stored)
-            }
-            Stored::Repeated => Ok(Inserted::Repeated),
-            Stored::TooOld { latest } => Err(InsertError::OldData {
-                authority: authority.to_owned(),
-                parent: parent.to_owned(),
-                child: child.to_owned(),
-                stamp: transform.stamp,
-                latest,
-            }),
+        if !is_new {
+            return Ok(Inserted::Repeated);
         }
+        self.generation += 1;
+        self.limit_frames(transform.stamp);
+        Ok(Inserted::Stored)
     }
 
     /// Forgets all samples of moving frames. Static frames and all names stay known, as in tf2: static
@@ -318,10 +327,34 @@ mod tests {
     }
 
     #[test]
-    fn a_refused_transform_leaves_no_frame_behind() {
+    fn a_refused_or_ignored_transform_leaves_no_frame_behind() {
         let mut tree = TransformTree::new();
         assert!(tree.insert(&raw("map", "odom", 5, f64::NAN), false, "/a").is_err());
         assert_eq!(tree.frames().count(), 0);
         assert_eq!(tree.generation(), 0);
+        tree.insert(&raw("map", "odom", 50, 1.0), false, "/a").unwrap();
+        assert!(tree.insert(&raw("old_parent", "odom", 5, 1.0), false, "/a").is_err());
+        assert!(tree.insert(&raw("other_parent", "odom", 50, 1.0), false, "/a").is_err());
+        assert_eq!(tree.frames().collect::<Vec<_>>(), ["odom", "map"]);
+    }
+
+    #[test]
+    fn another_place_at_a_known_stamp_is_refused_and_the_error_names_all() {
+        let mut tree = TransformTree::new();
+        for secs in [50, 51, 52] {
+            tree.insert(&raw("map", "odom", secs, f64::from(secs)), false, "/a").unwrap();
+        }
+        for secs in [52, 50, 51] {
+            let again = raw("map", "odom", secs, f64::from(secs));
+            assert_eq!(tree.insert(&again, false, "/b"), Ok(Inserted::Repeated), "{secs}");
+            let other = RawTransform { translation: [9.0, 0.0, 0.0], ..again };
+            let text = tree.insert(&other, false, "/b").unwrap_err().to_string();
+            for part in ["/b", "[map]", "[odom]", &format!("{secs}.000000000"), "TF_REPEATED_DATA"] {
+                assert!(text.contains(part), "{text}");
+            }
+            assert_eq!(x_of(&tree, "map", "odom", secs), Some(f64::from(secs)));
+        }
+        tree.insert(&raw("map", "post", 50, 1.0), true, "/a").unwrap();
+        assert_eq!(tree.insert(&raw("map", "post", 50, 2.0), true, "/a"), Ok(Inserted::Stored), "static: the newest");
     }
 }

@@ -21,9 +21,12 @@ fn time(millis: u32) -> Time {
 }
 
 fn insert(tree: &mut TransformTree, [parent, child]: [&str; 2], stamp: Time, pose: &Isometry3<f64>) {
-    let (translation, rotation) = (pose.translation.vector.into(), pose.rotation.coords.into());
-    let transform = RawTransform { parent, child, stamp, translation, rotation_xyzw: rotation };
-    tree.insert(&transform, false, "/test").unwrap();
+    tree.insert(&raw([parent, child], stamp, pose), false, "/test").unwrap();
+}
+
+fn raw<'a>([parent, child]: [&'a str; 2], stamp: Time, pose: &Isometry3<f64>) -> RawTransform<'a> {
+    let (translation, rotation_xyzw) = (pose.translation.vector.into(), pose.rotation.coords.into());
+    RawTransform { parent, child, stamp, translation, rotation_xyzw }
 }
 
 impl Link {
@@ -245,7 +248,8 @@ fn what_is_static_or_unknown_is_as_without_prediction() {
 fn stamps_that_repeat_or_almost_do_are_no_velocity() {
     let mut link = Link::drive(steady(10));
     let newest = time(link.millis);
-    insert(&mut link.tree, ["odom", "base"], newest, &Isometry3::translation(5.0, 0.0, 0.0));
+    let again = raw(["odom", "base"], newest, &Isometry3::translation(5.0, 0.0, 0.0));
+    assert!(link.tree.insert(&again, false, "/test").is_err());
     assert_near(link.x(50), 0.115);
     let soon = newest.saturating_add(Duration::from_micros(10));
     insert(&mut link.tree, ["odom", "base"], soon, &Isometry3::translation(0.091, 0.0, 0.0));

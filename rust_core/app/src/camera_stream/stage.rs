@@ -48,7 +48,7 @@ use crate::camera_stream::camera_pose::{self, CameraProblem};
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::frames::raw_transforms;
 
-/// Rejected transforms of so many frames are logged.
+/// Refused transforms of so many frames and reasons are logged.
 const MOST_WARNINGS: usize = 1000;
 
 /// The frame in which the scene is built.
@@ -70,8 +70,9 @@ struct Surroundings {
 
 impl Surroundings {
     fn world(&self, now: Time) -> World<'_> {
-        let Self { transforms, fixed_frame, prediction, step, meshes } = self;
-        World { transforms, fixed_frame, now, prediction: *prediction, step: *step, meshes }
+        let mut world = World::new(&self.transforms, &self.fixed_frame, now, &self.meshes);
+        (world.prediction, world.step) = (self.prediction, self.step);
+        world
     }
 }
 
@@ -156,11 +157,11 @@ impl Stage {
         topics
     }
 
-    /// Takes transforms of a publisher. One that is rejected is logged once for each child frame.
+    /// Takes transforms of a publisher. One that is refused is logged once for each child frame and reason.
     pub fn take_transforms(&mut self, message: &TFMessage, is_static: bool, publisher: &str) {
         for transform in raw_transforms(message) {
             if let Err(error) = self.around.transforms.insert(&transform, is_static, publisher) {
-                let key = format!("{publisher} {}", transform.child);
+                let key = format!("{publisher} {} {:?}", transform.child, std::mem::discriminant(&error));
                 if self.warned.len() < MOST_WARNINGS && self.warned.insert(key) {
                     log::warn!("{error}");
                 }
