@@ -11,8 +11,9 @@ mod parts;
 
 pub use framework::ages::DisplayAge;
 pub use framework::arrivals::ShownMessage;
-pub use framework::display::{Follows, TopicRequest};
+pub use framework::display::TopicRequest;
 pub use framework::in_view::InView;
+pub use framework::lookups::FollowedFrames;
 pub use framework::report::DisplayReport;
 pub use framework::set::{CameraView, DisplaySet, ListedDisplay, Reconfigured};
 pub use framework::status::{Level, Status, StatusCause, StatusText, Statuses};

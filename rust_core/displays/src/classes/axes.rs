@@ -6,7 +6,7 @@ use nalgebra::Isometry3;
 use rcs_rviz_config::AxesSettings;
 use rcs_scene::{DisplayId, Drawable, Material};
 
-use crate::framework::display::{Display, Follows};
+use crate::framework::display::Display;
 use crate::framework::frame;
 use crate::parts::solids::{axes, axes_materials};
 use crate::parts::trail::Trail;
@@ -66,10 +66,6 @@ impl Display for AxesDisplay {
 
     fn drawables(&self) -> &[Drawable] {
         &self.drawables
-    }
-
-    fn follows(&self) -> Follows<'_> {
-        self.settings.reference_frame.as_deref().map_or(Follows::Nothing, |frame| Follows::Frames(vec![frame]))
     }
 
     fn reset(&mut self) {

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Vector3};
 use rcs_rviz_config::{GridPlane, GridSettings, LineStyle};
 use rcs_scene::{Blending, DisplayId, Drawable, Geometry, LineTopology, Lines, Material, Rgba, RibbonElement, Ribbons};
 
-use crate::framework::display::{Display, Follows};
+use crate::framework::display::Display;
 use crate::framework::frame;
 use crate::parts::solids::drawable;
 use crate::{Level, Statuses, World};
@@ -64,10 +64,6 @@ impl Display for GridDisplay {
 
     fn drawables(&self) -> &[Drawable] {
         &self.drawables
-    }
-
-    fn follows(&self) -> Follows<'_> {
-        self.settings.reference_frame.as_deref().map_or(Follows::Nothing, |frame| Follows::Frames(vec![frame]))
     }
 
     fn statuses(&self) -> &Statuses {

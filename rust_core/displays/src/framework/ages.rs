@@ -1,10 +1,10 @@
-//! What the age of a display is measured by: the newest message that it stands for, and the frames that it follows.
+//! What the age of a display is measured by: the newest message that it shows, and the frames that it follows.
 //!
 //! No clock is read here: who draws decides how old is too old.
 
 use rcs_scene::DisplayId;
 
-use crate::framework::display::Follows;
+use crate::framework::lookups::FollowedFrames;
 use crate::{ShownMessage, TopicRequest};
 
 /// The data of a display.
@@ -18,10 +18,10 @@ pub struct DisplayAge<'a> {
     pub topics: Vec<TopicRequest>,
     /// The newest message that what it shows stands for; none before the first, and for a display without topics. A
     /// message that was refused, dropped or still waits for its frame does not count, and one that says the same as
-    /// the message before it does.
+    /// the message before it does. Its stamp is that of the latest transforms that placed it, where those are older.
     pub current: Option<ShownMessage>,
     /// The frames that it follows.
-    pub follows: Follows<'a>,
+    pub follows: &'a FollowedFrames,
     /// It shows nothing.
     pub is_empty: bool,
 }

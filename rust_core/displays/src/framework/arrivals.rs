@@ -46,11 +46,13 @@ impl Arrivals {
         self.on_the_way.push_back(ShownMessage { stamp: header(message).map_or(Time::ZERO, stamp), received });
     }
 
-    /// Records an update. Returns the newest message that is shown since then, if one is. `is_accepted`: what does not
-    /// wait any more was not refused or dropped.
+    /// Records an update. Returns the newest message that is shown since then, if one is. `placed_at`: the time of the
+    /// latest transforms that placed messages, if such did. `is_accepted`: what does not wait any more was not refused
+    /// or dropped.
     pub(crate) fn settle(
         &mut self,
         changed: bool,
+        placed_at: Option<Time>,
         is_accepted: impl FnOnce() -> bool,
         is_waiting: impl Fn(Time) -> bool,
     ) -> Option<ShownMessage> {
@@ -64,7 +66,9 @@ impl Arrivals {
         });
         let newest = newest?;
         if changed || is_accepted() {
-            self.current = Some(newest);
+            let stamp = Some(newest.stamp).filter(|stamp| !stamp.is_zero());
+            let oldest = stamp.into_iter().chain(placed_at).min();
+            self.current = Some(ShownMessage { stamp: oldest.unwrap_or(Time::ZERO), ..newest });
         }
         if !changed {
             return None;
@@ -73,7 +77,8 @@ impl Arrivals {
         Some(newest)
     }
 
-    /// The newest message that what is shown stands for: also one that changed nothing, as it says the same again.
+    /// The newest message that what is shown stands for: also one that changed nothing, as it says the same again. It
+    /// is no newer than the transforms that placed it.
     pub(crate) fn current(&self) -> Option<ShownMessage> {
         self.current
     }
@@ -81,6 +86,12 @@ impl Arrivals {
     /// The newest message that is shown.
     pub(crate) fn shown(&self) -> Option<ShownMessage> {
         self.shown
+    }
+
+    /// Forgets the messages that wait: the display does, and goes on to show what it showed.
+    pub(crate) fn forget_waiting(&mut self) {
+        self.on_the_way.clear();
+        self.shown = None;
     }
 
     /// Forgets all messages, as the display does.
@@ -106,7 +117,7 @@ mod tests {
     /// The stamp of what is newly shown after an update, while stamps from `waiting_secs` on wait.
     fn settle(arrivals: &mut Arrivals, changed: bool, waiting_secs: u32) -> Option<u32> {
         let waits = |stamp: Time| stamp >= Time::from_secs_nanos(waiting_secs, 0);
-        arrivals.settle(changed, || false, waits).map(|shown| shown.stamp.as_secs_nanos().0)
+        arrivals.settle(changed, None, || false, waits).map(|shown| shown.stamp.as_secs_nanos().0)
     }
 
     #[test]
@@ -135,13 +146,25 @@ mod tests {
         let mut arrivals = Arrivals::default();
         let mut settled = |secs: u32, changed: bool, is_accepted: bool| {
             note(&mut arrivals, secs);
-            arrivals.settle(changed, || is_accepted, |_| false);
+            arrivals.settle(changed, None, || is_accepted, |_| false);
             arrivals.current().map(|current| current.stamp.as_secs_nanos().0)
         };
         assert_eq!(settled(1, false, false), None);
         assert_eq!(settled(2, true, false), Some(2));
         assert_eq!(settled(3, false, true), Some(3));
         assert_eq!(settled(4, false, false), Some(3));
+    }
+
+    #[test]
+    fn a_message_is_no_newer_than_the_transforms_that_placed_it() {
+        for (secs, placed_at, oldest) in [(0, None, 0), (0, Some(7), 7), (9, Some(7), 7), (5, Some(7), 5)] {
+            let mut arrivals = Arrivals::default();
+            note(&mut arrivals, secs);
+            let placed_at = placed_at.map(|secs| Time::from_secs_nanos(secs, 0));
+            let shown = arrivals.settle(true, placed_at, || true, |_| false);
+            assert_eq!(shown.unwrap().stamp, Time::from_secs_nanos(secs, 0), "latencies count from its own stamp");
+            assert_eq!(arrivals.current().unwrap().stamp, Time::from_secs_nanos(oldest, 0));
+        }
     }
 
     #[test]

@@ -36,17 +36,6 @@ pub(crate) fn bounded(queue_size: u32) -> usize {
     }
 }
 
-/// Which frames a display follows wherever they go: their transforms are data of it, beside its messages.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Follows<'a> {
-    /// None: it is placed by its messages, or is in the fixed frame.
-    Nothing,
-    /// These.
-    Frames(Vec<&'a str>),
-    /// All that there are.
-    AllFrames,
-}
-
 /// One display of a config.
 pub(crate) trait Display: Send {
     /// What it subscribes to.
@@ -65,11 +54,6 @@ pub(crate) trait Display: Send {
     /// Whether a message of this stamp that it took waits to be shown: for its frame, or for one that belongs to it.
     fn is_waiting(&self, _stamp: Time) -> bool {
         false
-    }
-
-    /// The frames that it follows.
-    fn follows(&self) -> Follows<'_> {
-        Follows::Nothing
     }
 
     /// A publisher of one of its topics is gone.

@@ -1,7 +1,7 @@
 //! A display whose panics end neither the other displays nor the program.
 //!
-//! What a display keeps after a panic cannot be relied on. So all of it is dropped, it shows nothing, and it begins
-//! anew with its next message.
+//! What a display keeps after a panic cannot be relied on. So all of it is dropped and it begins anew;
+//! [`Entry`](super::entry::Entry) then gives it what it had. Until it shows something, its status is an error.
 
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::Arc;
@@ -10,11 +10,11 @@ use rcs_messages::AnyMessage;
 use rcs_scene::Drawable;
 use rcs_transforms::Time;
 
-use crate::framework::display::{Display, Follows};
+use crate::framework::display::Display;
 use crate::{Level, Statuses, TopicRequest, World};
 
 /// What its status reports after a panic.
-const FAILED: &str = "This display panicked, see the log. It begins anew with its next message.";
+const FAILED: &str = "This display panicked, see the log. It shows nothing until its next message.";
 
 /// Makes a display with its settings; each time or never.
 type Make = Box<dyn Fn() -> Option<Box<dyn Display>> + Send>;
@@ -23,7 +23,8 @@ type Make = Box<dyn Fn() -> Option<Box<dyn Display>> + Send>;
 pub(crate) struct GuardedDisplay {
     make: Make,
     display: Box<dyn Display>,
-    /// Its statuses since it panicked, until it takes a message.
+    panics: u64,
+    /// Its statuses since it panicked, until it shows something.
     failed: Option<Statuses>,
     /// What it showed is gone, which its next update reports.
     is_emptied: bool,
@@ -32,36 +33,41 @@ pub(crate) struct GuardedDisplay {
 impl GuardedDisplay {
     /// The display that `make` makes, if it does.
     pub(crate) fn new(make: Make) -> Option<Self> {
-        Some(Self { display: make()?, make, failed: None, is_emptied: false })
+        Some(Self { display: make()?, make, panics: 0, failed: None, is_emptied: false })
     }
 
-    /// Whether it panicked and has taken no message since then.
+    /// Whether it panicked and has shown nothing since then.
     pub(crate) fn has_failed(&self) -> bool {
         self.failed.is_some()
     }
 
+    /// How often it panicked, and so lost what it had.
+    pub(crate) fn panics(&self) -> u64 {
+        self.panics
+    }
+
+    /// Drops all that it has.
+    pub(crate) fn begin_anew(&mut self) {
+        if let Some(new) = (self.make)() {
+            let old = std::mem::replace(&mut self.display, new);
+            // To drop what is broken may panic, too.
+            let _ = catch_unwind(AssertUnwindSafe(|| drop(old)));
+        }
+        self.is_emptied = false;
+    }
+
     /// Does something with the display; `None` if it panics.
     fn guard<T>(&mut self, work: impl FnOnce(&mut dyn Display) -> T) -> Option<T> {
-        let Self { display, make, .. } = self;
-        if let Ok(result) = catch_unwind(AssertUnwindSafe(|| work(display.as_mut()))) {
+        let display = self.display.as_mut();
+        if let Ok(result) = catch_unwind(AssertUnwindSafe(|| work(display))) {
             return Some(result);
         }
-        if let Some(new) = make() {
-            let broken = std::mem::replace(display, new);
-            // To drop what is broken may panic, too.
-            let _ = catch_unwind(AssertUnwindSafe(|| drop(broken)));
-        }
+        self.begin_anew();
         let mut statuses = Statuses::default();
         statuses.set(Level::Error, Statuses::FAULT, FAILED);
         (self.failed, self.is_emptied) = (Some(statuses), true);
+        self.panics += 1;
         None
-    }
-
-    /// As [`Self::guard`] with something that it takes: if that goes well, it is not failed any more.
-    fn take_guarded(&mut self, take: impl FnOnce(&mut dyn Display)) {
-        if self.guard(take).is_some() {
-            self.failed = None;
-        }
     }
 }
 
@@ -71,19 +77,15 @@ impl Display for GuardedDisplay {
     }
 
     fn take(&mut self, message: &AnyMessage, world: &World<'_>) {
-        self.take_guarded(|display| display.take(message, world));
+        self.guard(|display| display.take(message, world));
     }
 
     fn take_from(&mut self, topic: &str, message: &AnyMessage, world: &World<'_>) {
-        self.take_guarded(|display| display.take_from(topic, message, world));
+        self.guard(|display| display.take_from(topic, message, world));
     }
 
     fn is_waiting(&self, stamp: Time) -> bool {
         self.display.is_waiting(stamp)
-    }
-
-    fn follows(&self) -> Follows<'_> {
-        self.display.follows()
     }
 
     fn publisher_left(&mut self, topic: &str) {
@@ -103,12 +105,15 @@ impl Display for GuardedDisplay {
     }
 
     fn take_parameter(&mut self, name: &str, text: Option<&Arc<str>>, world: &World<'_>) {
-        self.take_guarded(|display| display.take_parameter(name, text, world));
+        self.guard(|display| display.take_parameter(name, text, world));
     }
 
     fn update(&mut self, world: &World<'_>) -> bool {
-        let has_changed = self.guard(|display| display.update(world)).unwrap_or_default();
-        has_changed | std::mem::take(&mut self.is_emptied)
+        let updated = self.guard(|display| display.update(world));
+        if updated.is_some() && !self.display.drawables().is_empty() {
+            self.failed = None;
+        }
+        updated.unwrap_or_default() | std::mem::take(&mut self.is_emptied)
     }
 
     fn drawables(&self) -> &[Drawable] {
@@ -120,7 +125,7 @@ impl Display for GuardedDisplay {
     }
 
     fn reset(&mut self) {
-        self.take_guarded(|display| display.reset());
+        self.guard(|display| display.reset());
     }
 
     fn statuses(&self) -> &Statuses {
@@ -197,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_display_that_panics_is_emptied_and_begins_anew_with_its_next_message() {
+    fn a_display_that_panics_is_emptied_and_failed_until_it_shows_something() {
         let world = TestWorld::at(secs(1));
         let world = world.get();
         let mut display = fragile();
@@ -207,12 +212,19 @@ mod tests {
 
         display.take_from(TOPIC, &path(1), &world);
         assert!(display.has_failed() && display.drawables().is_empty());
+        assert_eq!(display.panics(), 1);
         assert!(display.update(&world), "what it showed is gone");
         assert!(!display.update(&world), "once");
         assert_eq!(display.statuses().get(Statuses::FAULT).map(|status| status.level), Some(Level::Error));
         assert_eq!(display.topics().len(), 1, "it goes on to listen");
 
+        // Time jumps back.
+        display.reset();
+        display.update(&world);
+        assert_eq!((display.drawables().len(), display.statuses().level()), (0, Level::Error), "nothing is shown");
+
         display.take_from(TOPIC, &path(0), &world);
+        display.update(&world);
         assert!(!display.has_failed());
         assert_eq!((display.drawables().len(), display.statuses().level()), (1, Level::Ok));
     }
@@ -226,7 +238,5 @@ mod tests {
         for _ in 0..3 {
             assert!(display.update(&world.get()) && display.has_failed() && display.drawables().is_empty());
         }
-        display.reset();
-        assert!(!display.has_failed());
     }
 }

@@ -1,7 +1,7 @@
 //! The last messages of each topic, for displays that are recreated.
 //!
-//! When a config is read again, a display whose settings changed is recreated while its topics stay subscribed, so that
-//! no publisher sends it its latched message again. So the last message of each topic is kept, and of markers, map
+//! When a config is read again, a display whose settings changed is recreated while its topics stay subscribed, as is one
+//! that panicked, so that no publisher sends it its latched message again. So the last message of each topic is kept, and of markers, map
 //! updates and interactive markers all those that later ones do not replace, within limits. The messages share their
 //! memory with the displays that draw them.
 
@@ -21,6 +21,15 @@ pub(crate) struct MessageCache {
     topics: HashMap<(String, MessageKind), VecDeque<Kept>>,
     parameters: HashMap<String, Option<Arc<str>>>,
     next: u64,
+}
+
+/// A message to be given to a display again.
+#[derive(Debug)]
+pub(crate) struct CachedMessage<'a> {
+    /// The number that [`MessageCache::next_number`] returned when it was taken.
+    pub(crate) number: u64,
+    pub(crate) topic: &'a str,
+    pub(crate) message: AnyMessage,
 }
 
 #[derive(Clone, Debug)]
@@ -43,6 +52,11 @@ fn most_kept(kind: MessageKind) -> usize {
 }
 
 impl MessageCache {
+    /// The number of the message that is kept next; those before it have smaller ones.
+    pub(crate) fn next_number(&self) -> u64 {
+        self.next
+    }
+
     /// Keeps a message of a topic, by its name in the config.
     pub(crate) fn keep(&mut self, topic: &str, message: &AnyMessage, received: Time) {
         self.forget_replaced(topic, message);
@@ -95,17 +109,18 @@ impl MessageCache {
         }
     }
 
-    /// The messages of these topics in the order of arrival, each with its topic, without markers whose lifetime is
-    /// over.
-    pub(crate) fn messages<'a>(&self, requests: &'a [TopicRequest], now: Time) -> Vec<(&'a str, AnyMessage)> {
+    /// The messages of these topics in the order of arrival, without markers whose lifetime is over.
+    pub(crate) fn messages<'a>(&self, requests: &'a [TopicRequest], now: Time) -> Vec<CachedMessage<'a>> {
         let of = |request: &'a TopicRequest| {
             let kept = self.topics.get(&(request.topic.clone(), request.kind));
             kept.into_iter().flatten().map(|kept| (request.topic.as_str(), kept))
         };
         let mut kept: Vec<(&str, &Kept)> = requests.iter().flat_map(of).collect();
         kept.sort_by_key(|(_, kept)| kept.number);
-        let alive =
-            |(topic, kept): (&'a str, &Kept)| Some((topic, still_alive(&kept.message, now.secs_since(kept.received))?));
+        let alive = |(topic, kept): (&'a str, &Kept)| {
+            let message = still_alive(&kept.message, now.secs_since(kept.received))?;
+            Some(CachedMessage { number: kept.number, topic, message })
+        };
         kept.into_iter().filter_map(alive).collect()
     }
 
@@ -207,7 +222,10 @@ mod tests {
         }
         let requests = [request("/p", MessageKind::Path)];
         let messages = cache.messages(&requests, at(2.0));
-        assert!(matches!(&messages[..], [("/p", AnyMessage::Path(path))] if path.header.seq == 2), "{messages:?}");
+        let [CachedMessage { number: 2, topic: "/p", message: AnyMessage::Path(path) }] = &messages[..] else {
+            panic!("{messages:?}")
+        };
+        assert_eq!(path.header.seq, 2);
         cache.limit_to(&[request("/other", MessageKind::Path)], &[]);
         assert_eq!(count(&cache, "/p", MessageKind::Path, at(2.0)), 0);
     }
@@ -255,7 +273,7 @@ mod tests {
         let requests =
             [request("/map_updates", MessageKind::OccupancyGridUpdate), request("/map", MessageKind::OccupancyGrid)];
         let kinds: Vec<MessageKind> =
-            cache.messages(&requests, at(5.0)).iter().map(|(_, message)| message.kind()).collect();
+            cache.messages(&requests, at(5.0)).iter().map(|kept| kept.message.kind()).collect();
         let updated = MessageKind::OccupancyGridUpdate;
         assert_eq!(kinds, [MessageKind::OccupancyGrid, updated, updated]);
     }

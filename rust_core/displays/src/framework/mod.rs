@@ -3,9 +3,11 @@
 pub(crate) mod ages;
 pub(crate) mod arrivals;
 pub(crate) mod display;
+pub(crate) mod entry;
 pub(crate) mod frame;
 pub(crate) mod guarded;
 pub(crate) mod in_view;
+pub(crate) mod lookups;
 pub(crate) mod message_cache;
 pub(crate) mod message_display;
 pub(crate) mod not_drawn;

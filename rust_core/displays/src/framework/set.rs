@@ -14,13 +14,14 @@ use rcs_transforms::Time;
 
 use crate::classes::create;
 use crate::framework::ages::DisplayAge;
-use crate::framework::arrivals::{Arrivals, ShownMessage};
+use crate::framework::arrivals::ShownMessage;
 use crate::framework::display::Display;
+use crate::framework::entry::Entry;
 use crate::framework::guarded::GuardedDisplay;
 use crate::framework::in_view::InView;
-use crate::framework::message_cache::MessageCache;
+use crate::framework::message_cache::{CachedMessage, MessageCache};
 use crate::framework::report::DisplayReport;
-use crate::{Level, TopicRequest, World};
+use crate::{TopicRequest, World};
 
 /// A camera of a config: an enabled CameraPub display.
 #[derive(Clone, Debug)]
@@ -44,22 +45,6 @@ pub struct ListedDisplay {
     pub class: String,
     /// The topic that the config gives it, which may be empty; `None` for a class without topic.
     pub topic: Option<String>,
-}
-
-struct Entry {
-    /// Stays as long as the display does, whatever is listed around it.
-    id: DisplayId,
-    listed: ListedDisplay,
-    settings: DisplaySettings,
-    display: GuardedDisplay,
-    /// How many messages it was given since the start or the last reset.
-    received: u64,
-    /// Which of them it shows.
-    arrivals: Arrivals,
-    /// The set's version at its last change.
-    changed_at: u64,
-    /// What its messages and updates took since that was last asked.
-    cost: Duration,
 }
 
 /// What reading a config again changed.
@@ -135,8 +120,7 @@ impl DisplaySet {
         let before = self.entries.len();
         let added = self.arrange(config);
         for entry in self.entries.iter_mut().filter(|entry| added.contains(&entry.id)) {
-            hand_over_parameters(entry, &self.message_cache, world);
-            hand_over_messages(entry, &self.message_cache, world);
+            entry.give_all(&self.message_cache, world);
         }
         self.message_cache.limit_to(&self.topics(), &self.parameters());
         let kept = self.entries.len() - added.len();
@@ -171,9 +155,7 @@ impl DisplaySet {
                     topic: placed.display.topic_setting().map(str::to_owned),
                 };
                 added.push(id);
-                let (settings, arrivals) = (placed.display.settings.clone(), Arrivals::default());
-                let (changed_at, cost) = (0, Duration::ZERO);
-                Some(Entry { id, listed, settings, display, received: 0, arrivals, changed_at, cost })
+                Some(Entry::new(id, listed, placed.display.settings.clone(), display))
             };
             self.entries.extend(entry.or_else(new));
         }
@@ -229,15 +211,13 @@ impl DisplaySet {
     /// As [`take`](Self::take), with the moment when the message was received, which [`newly_shown`](Self::newly_shown)
     /// returns.
     pub fn take_received(&mut self, topic: &str, message: &AnyMessage, received: Option<Instant>, world: &World<'_>) {
+        let number = self.message_cache.next_number();
+        let kept = CachedMessage { number, topic, message: message.clone() };
         let mut wanted = false;
         for entry in &mut self.entries {
             let wants = |request: &TopicRequest| request.topic == topic && request.kind == message.kind();
             if entry.display.topics().iter().any(wants) {
-                let begun = Instant::now();
-                entry.received += 1;
-                entry.arrivals.note(message, received);
-                entry.display.take_from(topic, message, world);
-                entry.cost += begun.elapsed();
+                entry.take(&kept, received, world);
                 wanted = true;
             }
         }
@@ -259,7 +239,7 @@ impl DisplaySet {
         self.message_cache.keep_parameter(name, text);
         for entry in &mut self.entries {
             if entry.display.parameters().iter().any(|wanted| wanted == name) {
-                entry.display.take_parameter(name, text, world);
+                entry.take_parameter(name, text, world);
             }
         }
     }
@@ -268,7 +248,7 @@ impl DisplaySet {
     pub fn publisher_left(&mut self, topic: &str) {
         for entry in &mut self.entries {
             if entry.display.topics().iter().any(|request| request.topic == topic) {
-                entry.display.publisher_left(topic);
+                entry.publisher_left(topic);
             }
         }
     }
@@ -292,8 +272,7 @@ impl DisplaySet {
         self.message_cache.forget(topic, kind);
         self.version += 1;
         for entry in self.entries.iter_mut().filter(|entry| of_topic.contains(&entry.id)) {
-            entry.display.forget_shown();
-            entry.arrivals.clear();
+            entry.forget_shown();
             entry.changed_at = self.version;
         }
     }
@@ -308,11 +287,7 @@ impl DisplaySet {
         self.light = light;
         self.newly_shown.clear();
         for entry in &mut self.entries {
-            let begun = Instant::now();
-            let has_changed = entry.display.update(world);
-            entry.cost += begun.elapsed();
-            let is_accepted = || entry.display.statuses().level() < Level::Error;
-            let shown = entry.arrivals.settle(has_changed, is_accepted, |stamp| entry.display.is_waiting(stamp));
+            let (has_changed, shown) = entry.update(&self.message_cache, world);
             self.newly_shown.extend(shown.map(|shown| (entry.id, shown)));
             if has_changed {
                 self.version += 1;
@@ -372,42 +347,25 @@ impl DisplaySet {
     pub fn reset(&mut self) {
         self.change_for_all();
         self.message_cache.forget_messages();
-        for entry in &mut self.entries {
-            entry.received = 0;
-            entry.arrivals.clear();
-            entry.display.reset();
-        }
+        self.entries.iter_mut().for_each(Entry::reset);
     }
 
     /// Places everything in another fixed frame.
     pub fn change_fixed_frame(&mut self, world: &World<'_>) {
         self.change_for_all();
         for entry in &mut self.entries {
-            entry.display.reset();
-            entry.received = 0;
-            entry.arrivals.clear();
-            hand_over_messages(entry, &self.message_cache, world);
+            entry.place_again(&self.message_cache, world);
         }
     }
 
     /// What the age of each display is measured by.
     pub fn ages(&self) -> impl Iterator<Item = DisplayAge<'_>> {
-        self.entries.iter().map(|entry| DisplayAge {
-            id: entry.id,
-            path: &entry.listed.path,
-            topics: entry.display.topics(),
-            current: entry.arrivals.current(),
-            follows: entry.display.follows(),
-            is_empty: entry.display.drawables().is_empty(),
-        })
+        self.entries.iter().map(Entry::age)
     }
 
     /// The statuses of each display, those of classes that are not drawn included.
     pub fn reports(&self) -> impl Iterator<Item = DisplayReport<'_>> {
-        self.entries.iter().map(|entry| {
-            let shown = entry.arrivals.shown();
-            DisplayReport::new(entry.id, &entry.listed, &entry.display, entry.received, shown)
-        })
+        self.entries.iter().map(Entry::report)
     }
 }
 
@@ -419,24 +377,6 @@ fn guarded(id: DisplayId, settings: &DisplaySettings) -> Option<GuardedDisplay> 
 
 fn owned(path: &[&str]) -> Vec<String> {
     path.iter().map(|name| (*name).to_owned()).collect()
-}
-
-/// Hands a display its parameters.
-fn hand_over_parameters(entry: &mut Entry, cache: &MessageCache, world: &World<'_>) {
-    for name in entry.display.parameters() {
-        if let Some(text) = cache.parameter(&name) {
-            entry.display.take_parameter(&name, text, world);
-        }
-    }
-}
-
-/// Hands a display the last messages of its topics.
-fn hand_over_messages(entry: &mut Entry, cache: &MessageCache, world: &World<'_>) {
-    for (topic, message) in cache.messages(&entry.display.topics(), world.now) {
-        entry.received += 1;
-        entry.arrivals.note(&message, None);
-        entry.display.take_from(topic, &message, world);
-    }
 }
 
 /// rviz's default light shines along the main window's view.

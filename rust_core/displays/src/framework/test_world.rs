@@ -66,7 +66,9 @@ impl TestWorld {
 
     /// The world as displays see it.
     pub(crate) fn get(&self) -> World<'_> {
-        World { step: self.step, ..World::new(&self.tree, self.fixed_frame, self.now, &self.meshes) }
+        let mut world = World::new(&self.tree, self.fixed_frame, self.now, &self.meshes);
+        world.step = self.step;
+        world
     }
 
     /// Inserts where a frame stood at a time in the fixed frame, from which it is not turned.

@@ -6,6 +6,8 @@ use rcs_messages::{stamp_nanos, PlainTransform};
 use rcs_resources::MeshStore;
 use rcs_transforms::{LookupError, Prediction, Time, TransformTree};
 
+use crate::framework::lookups::Lookups;
+
 /// The frames, the time and the files that displays draw with.
 ///
 /// ```
@@ -38,32 +40,90 @@ pub struct World<'a> {
     pub step: Option<usize>,
     /// Meshes by their addresses.
     pub meshes: &'a MeshStore,
+    /// Records what a display looks up.
+    lookups: Option<&'a Lookups>,
 }
 
 impl<'a> World<'a> {
     /// Without prediction, and in which all markers are placed at once.
     pub fn new(transforms: &'a TransformTree, fixed_frame: &'a str, now: Time, meshes: &'a MeshStore) -> Self {
-        Self { transforms, fixed_frame, now, prediction: None, step: None, meshes }
+        Self { transforms, fixed_frame, now, prediction: None, step: None, meshes, lookups: None }
     }
 
-    /// Where a frame is in the fixed frame; time zero asks for the latest known place.
+    /// The same for one display, whose lookups are recorded.
+    pub(crate) fn recording<'b>(&self, lookups: &'b Lookups) -> World<'b>
+    where
+        'a: 'b,
+    {
+        World { lookups: Some(lookups), ..*self }
+    }
+
+    /// Where a frame is in the fixed frame, for what is placed once; time zero asks for the latest known place.
     ///
     /// # Errors
     /// See [`LookupError`].
     pub fn fixed_from(&self, frame: &str, time: Time) -> Result<Isometry3<f64>, LookupError> {
-        self.transforms.lookup(self.fixed_frame, frame, time)
+        let (place, stamp) = self.transforms.lookup_stamped(self.fixed_frame, frame, time)?;
+        if let Some(lookups) = self.lookups.filter(|_| time.is_zero() && !self.is_fixed(frame)) {
+            lookups.place_at(stamp);
+        }
+        Ok(place)
     }
 
-    /// Where a frame that is followed is in the fixed frame: its latest known place, or a predicted one. What a message
-    /// places once and for all is placed by [`fixed_from`](Self::fixed_from).
+    /// Where a frame that is followed is in the fixed frame: its latest known place, or a predicted one. A display asks
+    /// for it again in each update, and what it shows is then as old as the frame's transforms, and too old while
+    /// there are none.
     ///
     /// # Errors
     /// See [`LookupError`].
     pub fn fixed_from_moving(&self, frame: &str) -> Result<Isometry3<f64>, LookupError> {
+        self.follow(frame);
+        self.latest(frame)
+    }
+
+    /// As [`fixed_from_moving`](Self::fixed_from_moving), for something that is not drawn while its frame is not known.
+    ///
+    /// # Errors
+    /// See [`LookupError`].
+    pub(crate) fn fixed_from_moving_if_known(&self, frame: &str) -> Result<Isometry3<f64>, LookupError> {
+        self.latest(frame).inspect(|_| self.follow(frame))
+    }
+
+    /// As [`fixed_from_moving`](Self::fixed_from_moving), for a display of all frames, which drops old ones singly.
+    ///
+    /// # Errors
+    /// See [`LookupError`].
+    pub(crate) fn fixed_from_each(&self, frame: &str) -> Result<Isometry3<f64>, LookupError> {
+        self.lookups.into_iter().for_each(Lookups::follow_all);
+        self.latest(frame)
+    }
+
+    /// As [`fixed_from_moving`](Self::fixed_from_moving), for what is placed once relative to something that is
+    /// followed, or not drawn at all.
+    ///
+    /// # Errors
+    /// See [`LookupError`].
+    pub(crate) fn fixed_from_now(&self, frame: &str) -> Result<Isometry3<f64>, LookupError> {
+        let latest = self.fixed_from(frame, Time::ZERO)?;
+        self.prediction.map_or(Ok(latest), |_| self.latest(frame))
+    }
+
+    fn latest(&self, frame: &str) -> Result<Isometry3<f64>, LookupError> {
         match &self.prediction {
             Some(prediction) => self.transforms.predict(self.fixed_frame, frame, prediction),
-            None => self.fixed_from(frame, Time::ZERO),
+            None => self.transforms.lookup(self.fixed_frame, frame, Time::ZERO),
         }
+    }
+
+    /// Nothing ages by the fixed frame.
+    fn follow(&self, frame: &str) {
+        if let Some(lookups) = self.lookups.filter(|_| !self.is_fixed(frame)) {
+            lookups.follow(frame);
+        }
+    }
+
+    fn is_fixed(&self, frame: &str) -> bool {
+        frame.trim_start_matches('/') == self.fixed_frame.trim_start_matches('/')
     }
 
     /// Where a message's frame is in the fixed frame, at the message's stamp.

@@ -52,7 +52,7 @@ impl Control {
                 let frame = &marker.header.frame_id;
                 let fixed_from_frame = match time(marker, world) {
                     // As the frame of the whole.
-                    time if time.is_zero() => world.fixed_from_moving(frame).ok()?,
+                    time if time.is_zero() => world.fixed_from_now(frame).ok()?,
                     time => world.fixed_from(frame, time).ok()?,
                 };
                 let fixed_from_marker = fixed_from_frame * parts.frame_from_marker;

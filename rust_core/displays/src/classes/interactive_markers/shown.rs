@@ -130,7 +130,7 @@ impl Shown {
         let place = if self.frame == world.fixed_frame {
             Isometry3::identity()
         } else {
-            world.fixed_from_moving(&self.frame)?
+            world.fixed_from_moving_if_known(&self.frame)?
         };
         self.fixed_from_reference = Some(place);
         Ok(before != self.fixed_from_reference)

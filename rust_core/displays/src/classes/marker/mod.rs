@@ -41,7 +41,7 @@ use rcs_rviz_config::MarkerSettings;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::{Time, WaitingQueue};
 
-use crate::framework::display::{bounded, Display, Follows, TopicRequest};
+use crate::framework::display::{bounded, Display, TopicRequest};
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::{Level, Statuses, World};
@@ -227,10 +227,6 @@ impl Display for MarkerDisplay {
 
     fn drawables(&self) -> &[Drawable] {
         &self.drawables
-    }
-
-    fn follows(&self) -> Follows<'_> {
-        Follows::Frames(self.store.followed_frames().collect())
     }
 
     fn next_change(&self) -> Option<Time> {

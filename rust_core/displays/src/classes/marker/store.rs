@@ -3,7 +3,7 @@
 //! There may be a hundred thousand of them. So each keeps little more than its numbers, an update looks only at those
 //! that can change by themselves, and a frame that many markers share is looked up once.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
 use std::time::Duration;
@@ -47,8 +47,6 @@ pub(super) struct MarkerStore {
     meshes_version: u64,
     /// How many markers follow their frame.
     locked: usize,
-    /// The frames of those markers, as of the last update.
-    followed_frames: BTreeSet<Arc<str>>,
     /// No lifetime is over before; `None` when no marker has one.
     first_expiry: Option<Time>,
     /// The last frame of a marker: many have the same.
@@ -102,7 +100,7 @@ impl<'w> Places<'w> {
         }
         let fixed_from_frame = match stamp {
             Some(stamp) => self.world.fixed_from(frame, stamp),
-            None => self.world.fixed_from_moving(frame),
+            None => self.world.fixed_from_moving_if_known(frame),
         };
         self.last = Some(Place { frame: frame.clone(), stamp, fixed_from_frame: fixed_from_frame.clone() });
         fixed_from_frame
@@ -259,20 +257,7 @@ impl MarkerStore {
         if self.locked > 0 {
             self.follow_frames(world, statuses);
         }
-        let changed = std::mem::take(&mut self.changed);
-        if changed {
-            self.followed_frames.clear();
-            if self.locked > 0 {
-                let locked = self.markers.values().flat_map(Namespace::values).filter(|shown| shown.frame_locked);
-                self.followed_frames.extend(locked.map(|shown| Arc::clone(&shown.frame)));
-            }
-        }
-        changed
-    }
-
-    /// The frames that markers follow.
-    pub(super) fn followed_frames(&self) -> impl Iterator<Item = &str> {
-        self.followed_frames.iter().map(|frame| &**frame)
+        std::mem::take(&mut self.changed)
     }
 
     fn drop_expired(&mut self, now: Time, statuses: &mut Statuses) {

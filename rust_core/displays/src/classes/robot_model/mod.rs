@@ -17,7 +17,7 @@ use rcs_rviz_config::{LinkSettings, RobotModelSettings};
 use rcs_scene::{DisplayId, Drawable, Geometry, Material};
 use rcs_transforms::Time;
 
-use crate::framework::display::{Display, Follows};
+use crate::framework::display::Display;
 use crate::parts::robot_description::{link_frame, RobotDescription, StatusTexts, STATUS};
 use crate::parts::solids::{axes, axes_materials, drawable};
 use crate::parts::trail::Trail;
@@ -51,9 +51,20 @@ impl ShownLink {
         self.settings.enabled || (self.pieces.visuals.is_empty() && self.pieces.collisions.is_empty())
     }
 
+    /// The pieces that are drawn.
+    fn drawn_pieces<'a>(&'a self, settings: &'a RobotModelSettings) -> impl Iterator<Item = &'a Piece> {
+        let is_shown = self.is_shown();
+        let visuals = self.pieces.visuals.iter().filter(move |_| is_shown && settings.visual_enabled);
+        visuals.chain(self.pieces.collisions.iter().filter(move |_| is_shown && settings.collision_enabled))
+    }
+
     /// Moves it to where its frame is now. Returns whether that, or whether the frame is known, changed.
-    fn follow(&mut self, world: &World<'_>, statuses: &mut Statuses) -> bool {
-        let place = world.fixed_from_moving(&self.frame).ok();
+    fn follow(&mut self, settings: &RobotModelSettings, world: &World<'_>, statuses: &mut Statuses) -> bool {
+        let has_axes_or_trail = self.is_shown() && (self.settings.show_axes || self.trail.is_some());
+        let is_drawn = has_axes_or_trail || self.drawn_pieces(settings).next().is_some();
+        // A link that is not drawn has a status only.
+        let place = if is_drawn { world.fixed_from_moving(&self.frame) } else { world.fixed_from_now(&self.frame) };
+        let place = place.ok();
         let was_placed = self.is_placed.replace(place.is_some());
         if was_placed != self.is_placed {
             match place {
@@ -186,9 +197,7 @@ impl RobotModelDisplay {
         for link in self.links.iter().filter(|link| link.is_shown()) {
             let fixed_from_link = link.fixed_from_link.to_homogeneous();
             let is_placed = link.is_placed == Some(true);
-            let visuals = link.pieces.visuals.iter().filter(|_| settings.visual_enabled);
-            let collisions = link.pieces.collisions.iter().filter(|_| settings.collision_enabled);
-            self.drawables.extend(visuals.chain(collisions).map(|piece| {
+            self.drawables.extend(link.drawn_pieces(settings).map(|piece| {
                 let material = if is_placed { &piece.material } else { &self.unplaced_material };
                 placed(display, &fixed_from_link, piece, material)
             }));
@@ -229,10 +238,11 @@ impl Display for RobotModelDisplay {
             return false;
         }
         let mut changed = self.build_loaded(world);
-        if self.is_due(world.now) {
+        // Links that are drawn from now on are placed from now on.
+        if changed || self.is_due(world.now) {
             self.updated = Some(world.now);
             for link in &mut self.links {
-                changed |= link.follow(world, &mut self.statuses);
+                changed |= link.follow(&self.settings, world, &mut self.statuses);
             }
         }
         if changed {
@@ -243,11 +253,6 @@ impl Display for RobotModelDisplay {
 
     fn drawables(&self) -> &[Drawable] {
         &self.drawables
-    }
-
-    fn follows(&self) -> Follows<'_> {
-        let placed = self.links.iter().filter(|link| link.is_shown() && link.is_placed == Some(true));
-        Follows::Frames(placed.map(|link| link.frame.as_str()).collect())
     }
 
     fn next_change(&self) -> Option<Time> {

@@ -21,7 +21,7 @@ use rcs_rviz_config::TfSettings;
 use rcs_scene::{DisplayId, Drawable};
 use rcs_transforms::Time;
 
-use crate::framework::display::{Display, Follows};
+use crate::framework::display::Display;
 use crate::{Level, StatusText, Statuses, World};
 
 use age::{Age, Fade};
@@ -140,10 +140,10 @@ impl TfDisplay {
 
 /// Where a frame and the arrow to its parent are now; `None` where it cannot be placed.
 fn place(name: &str, world: &World<'_>) -> Option<Place> {
-    let fixed_from_frame = world.fixed_from_moving(name).ok()?;
+    let fixed_from_frame = world.fixed_from_each(name).ok()?;
     let to_parent_m = world.transforms.parent_of(name, Time::ZERO).and_then(|parent| {
         // rviz takes the origin for the place of a parent that cannot be found.
-        let parent = world.fixed_from_moving(parent).map_or_else(|_| Vector3::zeros(), |p| p.translation.vector);
+        let parent = world.fixed_from_each(parent).map_or_else(|_| Vector3::zeros(), |p| p.translation.vector);
         let to_parent = parent - fixed_from_frame.translation.vector;
         (to_parent.norm() > SHORTEST_ARROW_M).then_some(to_parent)
     });
@@ -151,10 +151,6 @@ fn place(name: &str, world: &World<'_>) -> Option<Place> {
 }
 
 impl Display for TfDisplay {
-    fn follows(&self) -> Follows<'_> {
-        Follows::AllFrames
-    }
-
     fn update(&mut self, world: &World<'_>) -> bool {
         if !self.is_due(world) {
             return false;

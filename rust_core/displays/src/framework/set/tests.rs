@@ -7,7 +7,7 @@ use rcs_messages::{MessageKind, PointCloud2};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_transforms::{RawTransform, TransformTree};
 
-use crate::Statuses;
+use crate::{Level, Statuses};
 
 /// Drawables of each display that a camera with these tick boxes shows, in the scene's order.
 fn shown(set: &DisplaySet, mask: &DisplayMask) -> Vec<DisplayId> {

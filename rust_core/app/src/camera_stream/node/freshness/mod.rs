@@ -2,9 +2,10 @@
 //!
 //! The age of data is the longer of two: since their stamp, by ROS time, and since they were received, by the
 //! computer's clock, so that neither a wrong clock nor a simulation that stands still makes old data look new. What a
-//! latching publisher sent does not age while that publisher is connected, for it is not sent again. Static transforms
-//! do not age; moving ones are as old as the oldest on the way to the fixed frame. A display without data, a grid in
-//! the fixed frame say, is neither current nor stale.
+//! latching publisher sent does not age while that publisher is connected, for it is not sent again. What follows a frame
+//! is as old as that frame's transforms as well, and too old while there are none: static ones do not age, and moving
+//! ones are as old as the oldest on the way to the fixed frame. A display without data, a grid in the fixed frame say,
+//! is neither current nor stale.
 
 pub(in crate::camera_stream) mod limits;
 #[cfg(test)]
@@ -13,7 +14,7 @@ mod tests;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use rcs_displays::{CameraView, DisplayAge, Follows, Level, ShownMessage};
+use rcs_displays::{CameraView, DisplayAge, FollowedFrames, Level, ShownMessage};
 use rcs_messages::MessageKind;
 use rcs_scene::DisplayId;
 use rcs_transforms::Time;
@@ -154,18 +155,28 @@ impl Freshness {
             Some(shown) => self.data(path, topics, shown, source, now),
             None => State::Undated,
         };
-        let frames = match &age.follows {
-            Follows::Nothing => State::Undated,
-            Follows::Frames(frames) => {
-                let states = frames.iter().map(|frame| self.frame(frame, stage, now));
-                states.fold(State::Undated, State::and)
-            }
-            Follows::AllFrames => match self.transforms_received {
-                Some(received) => self.transforms(now.steady.saturating_duration_since(received), "transforms", now),
-                None => State::Undated,
-            },
+        data.and(self.followed(age.follows, stage, now))
+    }
+
+    /// The state of the frames that a display follows.
+    fn followed(&mut self, frames: &FollowedFrames, stage: &Stage, now: Now) -> State {
+        let all = match self.transforms_received.filter(|_| frames.is_all()) {
+            Some(received) => self.transforms(now.steady.saturating_duration_since(received), "transforms", now),
+            None => State::Undated,
         };
-        data.and(frames)
+        frames.names().map(|frame| self.followed_frame(frame, stage, now)).fold(all, State::and)
+    }
+
+    /// The state of a frame that a display follows. Where its place is not known, it ages since that was last known, and
+    /// one that was never known is too old.
+    fn followed_frame(&mut self, frame: &str, stage: &Stage, now: Now) -> State {
+        if stage.known_until(frame).is_some() {
+            return self.frame(frame, stage, now);
+        }
+        let age = self.frames.get(frame).map_or(Duration::MAX, |(stamp, since)| {
+            now.steady.saturating_duration_since(*since).max(age_by_stamp(*stamp, now.ros))
+        });
+        self.transforms(age, frame, now)
     }
 
     /// The state of a camera: that of its CameraInfo and of its frame. Undated before its first CameraInfo.

@@ -12,6 +12,8 @@ use rcs_ros::Publishing;
 
 use super::*;
 
+mod every_class;
+
 const CONFIG: &str = "
 Visualization Manager:
   Global Options: {Fixed Frame: map}
@@ -41,7 +43,11 @@ impl Bench {
     }
 
     fn with(limits: Limits) -> Self {
-        let config = rcs_rviz_config::parse(CONFIG, "test").unwrap();
+        Self::of(CONFIG, limits)
+    }
+
+    fn of(config: &str, limits: Limits) -> Self {
+        let config = rcs_rviz_config::parse(config, "test").unwrap();
         let mut stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([])));
         let info = CameraInfo { width: 64, height: 48, ..CameraInfo::default() };
         let mut bench = Self {
@@ -81,12 +87,21 @@ impl Bench {
 
     /// Places the arm.
     fn place(&mut self, stamp_secs: u32, x: f64, is_static: bool) {
+        self.place_in(["map", "arm"], stamp_secs, x, is_static);
+    }
+
+    /// Places a frame in its parent.
+    fn place_in(&mut self, [parent, child]: [&str; 2], stamp_secs: u32, x: f64, is_static: bool) {
         let mut transform = geometry_msgs::TransformStamped::default();
-        (transform.header.frame_id, transform.child_frame_id) = ("map".to_owned(), "arm".to_owned());
+        (transform.header.frame_id, transform.child_frame_id) = (parent.to_owned(), child.to_owned());
         transform.header.stamp.sec = stamp_secs;
         (transform.transform.translation.x, transform.transform.rotation.w) = (x, 1.0);
         self.stage.take_transforms(&TFMessage { transforms: vec![transform] }, is_static, "/a");
-        self.stage.update(self.now().ros);
+        let now = self.now();
+        if !is_static {
+            self.freshness.note_transforms(now.steady);
+        }
+        self.stage.update(now.ros);
     }
 
     fn wait(&mut self, secs: f64) -> Assessment {

@@ -1,0 +1,407 @@
+//! Every display class beside a frame that stops.
+
+use rcs_messages::geometry_msgs::{
+    AccelStamped, Point32, PointStamped, PolygonStamped, PoseArray, PoseStamped, PoseWithCovarianceStamped,
+    TwistStamped, WrenchStamped,
+};
+use rcs_messages::nav_msgs::{GridCells, Odometry};
+use rcs_messages::sensor_msgs::{
+    ChannelFloat32, FluidPressure, Illuminance, JointState, LaserScan, PointCloud, PointField, Range,
+    RelativeHumidity, Temperature,
+};
+use rcs_messages::std_msgs::Header;
+use rcs_messages::visualization_msgs::{
+    InteractiveMarker, InteractiveMarkerControl, InteractiveMarkerInit, InteractiveMarkerUpdate, Marker, MarkerArray,
+};
+use rcs_messages::{Image, OccupancyGrid, PointCloud2};
+
+use super::*;
+
+/// A robot whose only link that is drawn, and whose only joint, is the arm.
+const ROBOT: &str = "<robot name='r'><link name='base'/><link name='arm'><visual><geometry><box size='1 1 1'/></geometry>\
+     </visual></link><joint name='j' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 0 1'/>\
+     <limit effort='1' velocity='1' lower='-1' upper='1'/></joint></robot>";
+
+/// How a class places what it shows in the frame `arm`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Placing {
+    /// Once, at its message's stamp.
+    Once,
+    /// At the latest transform, again and again.
+    Follows,
+    /// Every frame by itself.
+    Singly,
+}
+use Placing::{Follows, Once, Singly};
+
+/// The classes, with what else a config says. Those that place in two ways are there twice, with a note.
+const CLASSES: [(&str, &str, Placing); 31] = [
+    ("AccelStamped", "Topic: /t", Once),
+    ("Axes", "Reference Frame: arm", Follows),
+    ("DepthCloud", "Depth Map Topic: /t/image", Once),
+    ("Effort", "Topic: /t, Robot Description: robot", Once),
+    ("FluidPressure", "Topic: /t", Once),
+    ("Grid", "Reference Frame: arm", Follows),
+    ("GridCells", "Topic: /t", Once),
+    ("Illuminance", "Topic: /t", Once),
+    ("InteractiveMarkers", "Update Topic: /t/update", Follows),
+    ("LaserScan", "Topic: /t", Once),
+    ("Map", "Topic: /t", Follows),
+    ("Marker", "Marker Topic: /t", Once),
+    ("Marker", "Marker Topic: /t, Name: locked", Follows),
+    ("MarkerArray", "Marker Topic: /t", Once),
+    ("MarkerArray", "Marker Topic: /t, Name: locked", Follows),
+    ("Odometry", "Topic: /t", Once),
+    ("Path", "Topic: /t", Once),
+    ("PointCloud", "Topic: /t", Once),
+    ("PointCloud2", "Topic: /t", Once),
+    ("PointStamped", "Topic: /t", Once),
+    ("Polygon", "Topic: /t", Once),
+    ("Pose", "Topic: /t", Once),
+    ("PoseArray", "Topic: /t", Once),
+    ("PoseWithCovariance", "Topic: /t", Once),
+    ("Range", "Topic: /t", Once),
+    ("RelativeHumidity", "Topic: /t", Once),
+    ("RobotModel", "Robot Description: robot", Follows),
+    ("TF", "Frame Timeout: 1000", Singly),
+    ("Temperature", "Topic: /t", Once),
+    ("TwistStamped", "Topic: /t", Once),
+    ("WrenchStamped", "Topic: /t", Once),
+];
+
+fn header(secs: u32) -> Header {
+    let stamp = rcs_messages::Time { sec: secs, nsec: 0 };
+    Header { stamp, frame_id: "arm".to_owned(), ..Header::default() }
+}
+
+fn pose() -> geometry_msgs::Pose {
+    let mut pose = geometry_msgs::Pose::default();
+    pose.orientation.w = 1.0;
+    pose
+}
+
+fn up() -> geometry_msgs::Vector3 {
+    geometry_msgs::Vector3 { z: 1.0, ..Default::default() }
+}
+
+fn marker(secs: u32, frame_locked: bool) -> Marker {
+    let scale = geometry_msgs::Vector3 { x: 1.0, y: 1.0, z: 1.0 };
+    let mut marker =
+        Marker { header: header(secs), type_: Marker::CUBE.into(), pose: pose(), scale, ..Marker::default() };
+    (marker.color.a, marker.frame_locked) = (1.0, frame_locked);
+    marker
+}
+
+fn cloud(secs: u32) -> PointCloud2 {
+    let field = |(i, name): (u32, &str)| PointField { name: name.to_owned(), offset: i * 4, datatype: 7, count: 1 };
+    let mut cloud = PointCloud2 { header: header(secs), ..PointCloud2::default() };
+    cloud.fields = (0..).zip(["x", "y", "z"]).map(field).collect();
+    (cloud.height, cloud.width, cloud.point_step, cloud.row_step) = (1, 1, 12, 12);
+    cloud.with_data(vec![0; 12])
+}
+
+fn depth_image(secs: u32) -> Vec<(&'static str, AnyMessage)> {
+    let mut info = CameraInfo { header: header(secs), width: 2, height: 1, ..CameraInfo::default() };
+    (info.K[0], info.K[4], info.K[8]) = (2.0, 2.0, 1.0);
+    info.P = [2.0, 0.0, 0.5, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let pixels = [1.0_f32, 2.0].into_iter().flat_map(f32::to_le_bytes).collect();
+    let image = Image::new(header(secs), [2, 1], "32FC1", 8, Arc::new(pixels));
+    vec![
+        ("/t/camera_info", AnyMessage::CameraInfo(Arc::new(info))),
+        ("/t/image", AnyMessage::Image(Arc::new(image))),
+    ]
+}
+
+fn interactive_marker() -> Vec<(&'static str, AnyMessage)> {
+    let mut control = InteractiveMarkerControl { always_visible: true, ..Default::default() };
+    control.orientation.w = 1.0;
+    let mut cube = marker(0, false);
+    cube.header.frame_id.clear();
+    control.markers = vec![cube];
+    let marker = InteractiveMarker {
+        header: header(0),
+        name: "handle".to_owned(),
+        pose: pose(),
+        scale: 1.0,
+        controls: vec![control],
+        ..InteractiveMarker::default()
+    };
+    let init = InteractiveMarkerInit { server_id: "s".to_owned(), seq_num: 1, markers: vec![marker] };
+    let update = InteractiveMarkerUpdate { server_id: "s".to_owned(), seq_num: 1, ..Default::default() };
+    vec![
+        ("/t/update_full", AnyMessage::InteractiveMarkerInit(Arc::new(init))),
+        ("/t/update", AnyMessage::InteractiveMarkerUpdate(Arc::new(update))),
+    ]
+}
+
+fn map(secs: u32) -> OccupancyGrid {
+    let mut map = OccupancyGrid { header: header(secs), ..OccupancyGrid::default() };
+    (map.info.width, map.info.height, map.info.resolution) = (1, 1, 1.0);
+    map.info.origin = pose();
+    map.with_data(vec![0])
+}
+
+fn odometry(secs: u32) -> Odometry {
+    let mut odometry = Odometry { header: header(secs), ..Odometry::default() };
+    odometry.pose.pose = pose();
+    odometry
+}
+
+fn path(secs: u32) -> Path {
+    let poses = vec![PoseStamped { header: header(secs), pose: pose() }; 2];
+    Path { header: header(secs), poses }
+}
+
+/// The messages by which a display of a class shows something in the frame `arm`; without a stamp for 0.
+fn messages(class: &str, placing: Placing, secs: u32) -> Vec<(&'static str, AnyMessage)> {
+    let header = header(secs);
+    macro_rules! any {
+        ($kind:ident { $($fields:tt)* }) => {
+            AnyMessage::$kind(Arc::new($kind { $($fields)* ..$kind::default() }))
+        };
+    }
+    let message = match class {
+        "Axes" | "Grid" | "RobotModel" | "TF" => return Vec::new(),
+        "DepthCloud" => return depth_image(secs),
+        "InteractiveMarkers" => return interactive_marker(),
+        "AccelStamped" => {
+            let mut accel = AccelStamped { header, ..AccelStamped::default() };
+            accel.accel.linear = up();
+            AnyMessage::AccelStamped(Arc::new(accel))
+        }
+        "TwistStamped" => {
+            let mut twist = TwistStamped { header, ..TwistStamped::default() };
+            twist.twist.linear = up();
+            AnyMessage::TwistStamped(Arc::new(twist))
+        }
+        "WrenchStamped" => {
+            let mut wrench = WrenchStamped { header, ..WrenchStamped::default() };
+            wrench.wrench.force = up();
+            AnyMessage::WrenchStamped(Arc::new(wrench))
+        }
+        "Effort" => any!(JointState { header, name: vec!["j".to_owned()], position: vec![0.0], effort: vec![1.0], }),
+        "FluidPressure" => any!(FluidPressure { header, fluid_pressure: 1.0, }),
+        "GridCells" => {
+            let cells = vec![geometry_msgs::Point::default()];
+            any!(GridCells { header, cell_width: 1.0, cell_height: 1.0, cells, })
+        }
+        "Illuminance" => any!(Illuminance { header, illuminance: 1.0, }),
+        "LaserScan" => {
+            any!(LaserScan { header, ranges: vec![1.0, 1.0], angle_increment: 0.1, range_max: 2.0, })
+        }
+        "Map" => AnyMessage::OccupancyGrid(Arc::new(map(secs))),
+        "Marker" => AnyMessage::Marker(Arc::new(marker(secs, placing == Follows))),
+        "MarkerArray" => any!(MarkerArray { markers: vec![marker(secs, placing == Follows)], }),
+        "Odometry" => AnyMessage::Odometry(Arc::new(odometry(secs))),
+        "Path" => AnyMessage::Path(Arc::new(path(secs))),
+        "PointCloud" => {
+            let channels = Vec::<ChannelFloat32>::new();
+            any!(PointCloud { header, points: vec![Point32::default()], channels, })
+        }
+        "PointCloud2" => AnyMessage::PointCloud2(Arc::new(cloud(secs))),
+        "PointStamped" => any!(PointStamped { header, }),
+        "Polygon" => {
+            let mut polygon = PolygonStamped { header, ..PolygonStamped::default() };
+            polygon.polygon.points = vec![Point32::default(), Point32 { x: 1.0, ..Point32::default() }];
+            AnyMessage::PolygonStamped(Arc::new(polygon))
+        }
+        "Pose" => any!(PoseStamped { header, pose: pose(), }),
+        "PoseArray" => any!(PoseArray { header, poses: vec![pose()], }),
+        "PoseWithCovariance" => {
+            let mut with_covariance = PoseWithCovarianceStamped { header, ..PoseWithCovarianceStamped::default() };
+            with_covariance.pose.pose = pose();
+            AnyMessage::PoseWithCovarianceStamped(Arc::new(with_covariance))
+        }
+        "Range" => any!(Range { header, range: 1.0, max_range: 2.0, field_of_view: 0.1, }),
+        "RelativeHumidity" => any!(RelativeHumidity { header, relative_humidity: 0.5, }),
+        "Temperature" => any!(Temperature { header, temperature: 20.0, }),
+        other => panic!("no messages for rviz/{other}"),
+    };
+    vec![("/t", message)]
+}
+
+/// A display of a class beside its camera.
+fn bench(class: &str, settings: &str) -> Bench {
+    let config = format!(
+        "
+Visualization Manager:
+  Global Options: {{Fixed Frame: map}}
+  Displays:
+  - {{Class: rviz/{class}, Enabled: true, {settings}}}
+  - {{Class: rviz_camera_stream/CameraPub, Name: eye, Enabled: true, Image Topic: /image, Camera Info Topic: /info}}
+"
+    );
+    let mut bench = Bench::of(&config, Limits::general(Duration::from_secs(1)));
+    let robot: Arc<str> = ROBOT.into();
+    bench.stage.take_parameter("robot", Some(&robot), bench.now().ros);
+    bench
+}
+
+impl Bench {
+    fn send_all(&mut self, messages: Vec<(&'static str, AnyMessage)>) {
+        for (topic, message) in messages {
+            self.take(topic, &message);
+        }
+    }
+
+    /// Whether the display shows something, and that something is current.
+    fn is_lit(&mut self, secs: f64) -> bool {
+        let assessment = self.wait(secs);
+        let is_shown = self.stage.displays().ages().all(|age| !age.is_empty);
+        is_shown && !assessment.displays.iter().any(|display| matches!(display.state, State::Stale(_)))
+    }
+
+    /// Some seconds with a transform of the arm each.
+    fn go_on(&mut self, secs: u32) {
+        for _ in 0..secs {
+            self.secs += 1.0;
+            self.place(self.secs as u32, 0.0, false);
+        }
+    }
+}
+
+#[test]
+fn every_class_that_is_drawn_is_in_the_table() {
+    use rcs_rviz_config::{classes, Role};
+    let scene = classes().iter().filter(|class| class.role == Role::Scene);
+    let mut in_table: Vec<&str> = CLASSES.iter().map(|(class, ..)| *class).collect();
+    in_table.dedup();
+    assert_eq!(in_table, scene.map(|class| class.name.trim_start_matches("rviz/")).collect::<Vec<_>>());
+}
+
+/// What is published once and held by its publisher, as the launch files have it of a path and markers.
+#[test]
+fn what_follows_a_frame_goes_dark_with_it_and_what_is_placed_once_stays_while_its_message_is_held() {
+    for (class, settings, placing) in CLASSES {
+        for limit in ["held", "never"] {
+            let mut bench = bench(class, settings);
+            for topic in ["/t", "/t/image", "/t/update"] {
+                bench.connected.insert(topic);
+                let limit = format!("{topic}={limit}").parse().unwrap();
+                bench.freshness.limits.set(limit, |topic| Ok(topic.to_owned())).unwrap();
+            }
+            bench.place(100, 0.0, false);
+            bench.send_all(messages(class, placing, 100));
+            assert!(bench.is_lit(0.5), "{class} {settings}");
+            bench.go_on(20);
+            assert!(bench.is_lit(0.5), "{class} {settings}: its frame goes on");
+            assert_eq!(bench.is_lit(1.0), placing == Once, "{class} {settings}, {limit}: its frame has stopped");
+            bench.go_on(1);
+            assert!(bench.is_lit(0.5), "{class} {settings}: its frame is back");
+        }
+    }
+}
+
+/// Messages without a stamp are placed by the latest transforms, however old those are.
+#[test]
+fn messages_that_go_on_keep_nothing_lit_whose_frame_has_stopped() {
+    for (class, settings, placing) in CLASSES.into_iter().filter(|(.., placing)| *placing != Singly) {
+        let mut bench = bench(class, settings);
+        bench.place(100, 0.0, false);
+        for tenths in 0..=11 {
+            bench.secs = 100.0 + f64::from(tenths) / 10.0;
+            bench.send_all(messages(class, placing, 0));
+            assert_eq!(bench.is_lit(0.0), tenths <= 10, "{class} {settings} after {tenths} tenths of a second");
+        }
+        bench.place(101, 0.0, false);
+        bench.send_all(messages(class, placing, 0));
+        assert!(bench.is_lit(0.0), "{class} {settings}: its frame is back");
+    }
+}
+
+/// A frame that fell silent below one that goes on cannot be looked up any more, after the ten seconds that are
+/// remembered; and what is drawn all the same is drawn where it was, or at the fixed frame's origin.
+#[test]
+fn what_is_drawn_without_a_place_is_dark() {
+    for (class, settings, _) in CLASSES.into_iter().filter(|(.., placing)| *placing == Follows) {
+        let mut bench = bench(class, settings);
+        bench.latched.extend(["/t", "/t/update", "/t/update_full"]);
+        bench.place_in(["odom", "arm"], 100, 0.0, false);
+        bench.place_in(["map", "odom"], 100, 0.0, false);
+        bench.send_all(messages(class, Follows, 100));
+        assert!(bench.is_lit(0.5), "{class} {settings}");
+        for secs in 101..=130 {
+            bench.secs = f64::from(secs);
+            bench.place_in(["odom", "arm"], secs, 0.0, false);
+        }
+        assert!(bench.stage.known_until("arm").is_none());
+        assert!(!bench.is_lit(0.0), "{class} {settings}");
+    }
+    for (class, settings) in [("Map", "Topic: /t"), ("Grid", "Reference Frame: arm"), ("RobotModel", "Robot Description: robot")] {
+        let mut bench = bench(class, settings);
+        bench.latched.insert("/t");
+        bench.send_all(messages(class, Follows, 100));
+        assert!(!bench.is_lit(0.0), "{class}: its frame was never there");
+        bench.place(100, 0.0, false);
+        assert!(bench.is_lit(0.0), "{class}");
+    }
+}
+
+/// The light along rviz's view, and a camera, may follow frames that no display follows.
+#[test]
+fn the_frame_of_the_view_ages_no_display() {
+    let config = "
+Visualization Manager:
+  Global Options: {Fixed Frame: map}
+  Displays:
+  - {Class: rviz/Grid, Name: grid, Enabled: true}
+  Views: {Current: {Class: rviz/Orbit, Target Frame: arm}}
+";
+    let mut bench = Bench::of(config, Limits::general(Duration::from_secs(1)));
+    bench.place(100, 0.0, false);
+    assert!(bench.is_lit(5.0));
+}
+
+#[test]
+fn a_map_that_stays_through_a_jump_in_time_ages_as_before() {
+    let mut bench = bench("Map", "Topic: /t");
+    bench.latched.insert("/t");
+    bench.place(100, 0.0, true);
+    bench.send_all(messages("Map", Follows, 100));
+    assert!(bench.is_lit(5.0));
+    bench.stage.reset();
+    bench.stage.update(bench.now().ros);
+    assert!(bench.is_lit(5.0), "its publisher holds it");
+    bench.latched.clear();
+    assert!(!bench.is_lit(1.1), "its publisher is gone");
+}
+
+/// The planned path and the markers of the launch files, which are sent when they change and not again.
+#[test]
+fn the_launch_files_keep_their_path_and_markers_while_these_are_held_and_their_frames_go_on() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for name in ["projection", "fetch"] {
+        let launch = std::fs::read_to_string(folder.join(format!("launch/{name}.launch"))).unwrap();
+        let (_, after) = launch.split_once("<arg name=\"stale_timeouts\" default=\"").unwrap();
+        let mut limits = Limits::general(Duration::from_secs(1));
+        for limit in after.split('"').next().unwrap().split(' ') {
+            limits.set(limit.parse().unwrap(), |topic| Ok(topic.to_owned())).unwrap();
+        }
+        let config = std::fs::read_to_string(folder.join(format!("rviz/{name}.rviz"))).unwrap();
+        let mut bench = Bench::of(&config, limits);
+        let fixed = rcs_rviz_config::parse(&config, name).unwrap().global.fixed_frame;
+        let drive = |bench: &mut Bench, secs: u32| {
+            bench.secs = f64::from(secs);
+            bench.place_in([&fixed, "arm"], secs, f64::from(secs), false);
+        };
+        drive(&mut bench, 100);
+        bench.connected.extend(["/move_base/NavfnROS/plan", "/visualization_marker_array"]);
+        bench.take("/move_base/NavfnROS/plan", &AnyMessage::Path(Arc::new(path(100))));
+        let markers = MarkerArray { markers: vec![marker(0, true)] };
+        bench.take("/visualization_marker_array", &AnyMessage::MarkerArray(Arc::new(markers)));
+        let stale = |bench: &mut Bench, secs: f64| {
+            let displays = bench.wait(secs).displays.into_iter();
+            let shown = displays.filter(|display| ["path", "markers"].iter().any(|name| display.path.ends_with(name)));
+            let states: Vec<State> = shown.map(|display| display.state).collect();
+            assert!(states.len() == 2 && !states.contains(&State::Undated), "{name}: {states:?}");
+            states.iter().filter(|state| matches!(state, State::Stale(_))).count()
+        };
+        for secs in 101..=130 {
+            drive(&mut bench, secs);
+        }
+        assert_eq!(stale(&mut bench, 0.9), 0, "{name}");
+        assert_eq!(stale(&mut bench, 0.2), 1, "{name}: the markers follow the frame that stopped, the path does not");
+        bench.connected.clear();
+        assert_eq!(stale(&mut bench, 0.1), 2, "{name}: their publishers are gone");
+    }
+}
