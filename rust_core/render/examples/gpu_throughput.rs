@@ -80,7 +80,7 @@ fn draw(
             renderer.submit(&view)?;
         }
         if i + 1 >= in_flight {
-            renderer.finish(&mut picture)?;
+            let _ = renderer.finish(&mut picture)?;
         }
         drawing += start.elapsed();
     }

@@ -57,4 +57,4 @@ mod shading;
 pub use cpu::{CpuRenderer, Culling};
 pub use gpu::{GpuRenderer, GpuStats};
 pub use last_step::{Blend, BlendError, KeepOut, LastStep, LightMask, Orientation, Sphere};
-pub use renderer::{create, RenderError, Renderer, RendererChoice, View};
+pub use renderer::{create, Finished, RenderError, Renderer, RendererChoice, View};

@@ -63,6 +63,16 @@ pub enum RenderError {
     },
 }
 
+/// What [`Renderer::finish`] found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[must_use]
+pub enum Finished {
+    /// A picture, which was written.
+    Drawn,
+    /// No picture was in flight.
+    NoneInFlight,
+}
+
 /// The message of a panic.
 pub(crate) fn panic_text(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
@@ -76,7 +86,7 @@ pub(crate) fn panic_text(panic: &(dyn Any + Send)) -> &str {
 ///
 /// ```
 /// use nalgebra::Isometry3;
-/// use rcs_render::{CpuRenderer, Renderer, View};
+/// use rcs_render::{CpuRenderer, Finished, Renderer, View};
 /// use rcs_scene::{Camera, DisplayMask, Encoding, Intrinsics, Picture, Scene};
 ///
 /// let p = [50.0, 0.0, 4.0, 0.0, 0.0, 50.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0];
@@ -88,9 +98,9 @@ pub(crate) fn panic_text(panic: &(dyn Any + Send)) -> &str {
 /// let mut renderer = CpuRenderer::new();
 /// renderer.submit(&view)?;
 /// let mut picture = Picture::default();
-/// assert!(renderer.finish(&mut picture)?);
+/// assert_eq!(renderer.finish(&mut picture)?, Finished::Drawn);
 /// assert_eq!(picture.data, [1, 2, 3].repeat(8 * 6));
-/// assert!(!renderer.finish(&mut picture)?, "none is in flight any more");
+/// assert_eq!(renderer.finish(&mut picture)?, Finished::NoneInFlight);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Renderer: Send {
@@ -124,12 +134,12 @@ pub trait Renderer: Send {
     fn submit_with_depth(&mut self, view: &View<'_>, depth: &mut DepthPicture) -> Result<(), RenderError>;
 
     /// Waits for the picture that is in flight longest and writes it to `picture`, which takes its view's size and
-    /// encoding; its memory is used again. `false`, and `picture` as it was, when none is in flight.
+    /// encoding; its memory is used again. When none is in flight, `picture` stays as it was.
     ///
     /// # Errors
     /// See [`RenderError`]; the picture's content is then undefined, and with [`RenderError::Gpu`] no other is in
     /// flight any more.
-    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError>;
+    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError>;
 
     /// Gives memory back that is kept for the next pictures of the sizes that there were: they have others from now on.
     /// Pictures in flight are not affected.
@@ -142,7 +152,7 @@ pub trait Renderer: Send {
     /// See [`RenderError`]; the picture's content is then undefined.
     fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {
         self.submit(view)?;
-        while self.finish(picture)? {}
+        while self.finish(picture)? == Finished::Drawn {}
         Ok(())
     }
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix4, Point3};
-use rcs_render::{create, RendererChoice, View};
+use rcs_render::{create, Finished, RendererChoice, View};
 use rcs_scene::{
     Camera, DepthPicture, DisplayMask, Drawable, Encoding, Geometry, Intrinsics, Material, Mesh, Picture, PixelMap,
     RenderGroup, Rgba, Scene, Vertex,
@@ -44,7 +44,7 @@ fn depths(choice: RendererChoice, camera: &Camera) -> DepthPicture {
     let mut renderer = create(choice).unwrap();
     let (mut depth, mut picture, mut alone) = (DepthPicture::default(), Picture::default(), Picture::default());
     renderer.submit_with_depth(&view, &mut depth).unwrap();
-    assert!(renderer.finish(&mut picture).unwrap());
+    assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
     renderer.render(&view, &mut alone).unwrap();
     assert_eq!(picture, alone, "the picture is the same");
     depth

@@ -6,7 +6,7 @@ mod common;
 use std::sync::Arc;
 
 use common::{at, camera, points, scene, square_mesh};
-use rcs_render::{CpuRenderer, GpuRenderer, RenderError, Renderer, View};
+use rcs_render::{CpuRenderer, Finished, GpuRenderer, RenderError, Renderer, View};
 use rcs_scene::{
     Blending, Camera, CellSheet, Cells, CullMode, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment,
     LineTopology, Lines, Material, Picture, PointBuffer, PointColors, PointStyle, Points, Rgba, RibbonElement, Ribbons,
@@ -71,14 +71,14 @@ fn requests() -> [Request; 5] {
 
 fn finished(renderer: &mut dyn Renderer) -> Picture {
     let mut picture = Picture::default();
-    assert!(renderer.finish(&mut picture).unwrap());
+    assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
     picture
 }
 
 fn is_empty(renderer: &mut dyn Renderer) -> bool {
     let mut picture = Picture { data: vec![7], ..Picture::default() };
     let finished = renderer.finish(&mut picture).unwrap();
-    !finished && picture.data == [7]
+    finished == Finished::NoneInFlight && picture.data == [7]
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use heavy_common::{camera_of, cloud, drawable, filling, rows, Numbers, Row, SIZE_PX, TILT};
 use nalgebra::{Matrix4, Vector3};
-use rcs_render::{CpuRenderer, GpuRenderer, Renderer, View};
+use rcs_render::{CpuRenderer, Finished, GpuRenderer, Renderer, View};
 use rcs_scene::{
     Blending, Camera, DepthPicture, DisplayMask, Encoding, Geometry, LineTopology, Lines, Picture, PointStyle, Rgba,
     Scene, Solids,
@@ -150,12 +150,12 @@ fn pictures_of_both_renderers_are_returned_in_their_order_with_their_depths() {
     assert_eq!(by_cpu(&renderer), before + 3);
     let mut picture = Picture::default();
     for (scene, depth) in scenes.into_iter().zip(depths) {
-        assert!(renderer.finish(&mut picture).unwrap());
+        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
         assert!(picture == alone[usize::from(std::ptr::eq(scene, &light))]);
         let mut expected = DepthPicture::default();
         let mut cpu = CpuRenderer::new();
         with_view(scene, &camera, |view| cpu.submit_with_depth(view, &mut expected)).unwrap();
         assert!(depth == expected);
     }
-    assert!(!renderer.finish(&mut picture).unwrap());
+    assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight);
 }

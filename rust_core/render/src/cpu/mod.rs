@@ -63,7 +63,7 @@ use self::ranked::{Load, RankedScratch};
 use self::screen::Screen;
 use self::solids::{Primitives, VertexCache};
 use crate::renderer::panic_text;
-use crate::{RenderError, Renderer, View};
+use crate::{Finished, RenderError, Renderer, View};
 
 /// From how many opaque solids on those that others hide are looked for.
 const SOLIDS_OF_CROWD: usize = 1024;
@@ -175,11 +175,11 @@ impl Renderer for CpuRenderer {
         self.submit_both(view, Some(depth))
     }
 
-    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
-        let Some(drawn) = self.finished.pop_front() else { return Ok(false) };
+    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError> {
+        let Some(drawn) = self.finished.pop_front() else { return Ok(Finished::NoneInFlight) };
         self.unused_picture = std::mem::replace(picture, drawn);
         self.unused_picture.give_back_memory(picture.data.len());
-        Ok(true)
+        Ok(Finished::Drawn)
     }
 
     fn render(&mut self, view: &View<'_>, picture: &mut Picture) -> Result<(), RenderError> {

@@ -8,7 +8,7 @@ use rcs_scene::{
 };
 
 use super::CpuRenderer;
-use crate::{RenderError, Renderer, View};
+use crate::{Finished, RenderError, Renderer, View};
 
 /// A triangle over the picture's middle.
 fn triangle() -> Scene {
@@ -40,8 +40,9 @@ fn a_panic_is_an_error_and_the_next_picture_is_drawn() {
         let error = renderer.submit(&view).unwrap_err();
         assert!(matches!(error, RenderError::Panicked { .. }));
         assert!(error.to_string().starts_with(&format!("cpu ({threads} thread")), "{error}");
-        assert!(renderer.finish(&mut after).unwrap() && after.data == before.data);
-        assert!(!renderer.finish(&mut after).unwrap());
+        assert_eq!(renderer.finish(&mut after).unwrap(), Finished::Drawn);
+        assert_eq!(after.data, before.data);
+        assert_eq!(renderer.finish(&mut after).unwrap(), Finished::NoneInFlight);
 
         renderer.render(&view, &mut after).unwrap();
         assert_eq!(after.data, before.data);

@@ -67,7 +67,7 @@ use self::triangles::{TrianglePipelines, TrianglesDraw};
 use self::uniforms::Uniforms;
 use crate::renderer::panic_text;
 use crate::shading::to_light;
-use crate::{CpuRenderer, RenderError, Renderer, View};
+use crate::{CpuRenderer, Finished, RenderError, Renderer, View};
 
 /// Draws with wgpu.
 #[derive(Debug)]
@@ -206,8 +206,8 @@ impl Renderer for GpuRenderer {
         self.submit_both(view, Some(depth))
     }
 
-    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
-        let Some(gpu) = self.gpu.take() else { return Ok(false) };
+    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError> {
+        let Some(gpu) = self.gpu.take() else { return Ok(Finished::NoneInFlight) };
         self.last_by_cpu = matches!(gpu.in_flight.front(), Some(InFlight::Drawn(_)));
         self.on(gpu, |gpu| gpu.finish(picture))
     }
@@ -343,15 +343,15 @@ impl Gpu {
         Ok(())
     }
 
-    fn finish(&mut self, picture: &mut Picture) -> Result<bool, RenderError> {
+    fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError> {
         let Submitted { target, arrival, encoding, lens } = match self.in_flight.pop_front() {
             Some(InFlight::Submitted(submitted)) => *submitted,
             Some(InFlight::Drawn(drawn)) => {
                 self.unused_picture = std::mem::replace(picture, drawn);
                 self.unused_picture.give_back_memory(picture.data.len());
-                return Ok(true);
+                return Ok(Finished::Drawn);
             }
-            None => return Ok(false),
+            None => return Ok(Finished::NoneInFlight),
         };
         let [width_px, height_px] = target.size_px();
         if let Some(LensView { map, background }) = lens {
@@ -363,7 +363,7 @@ impl Gpu {
             target.readback().read(&self.device, arrival, picture)?;
         }
         self.targets.give_back(target);
-        Ok(true)
+        Ok(Finished::Drawn)
     }
 
     /// Uploads new geometries, drops dead ones, and lists the draws.
@@ -500,7 +500,7 @@ mod tests {
             matches!(&error, RenderError::Gpu { reason, .. } if reason == "it has not answered for 0 s"),
             "{error}"
         );
-        assert!(!renderer.finish(&mut picture).unwrap(), "reported once");
+        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight, "reported once");
         renderer.render(&View { camera: &small, ..view }, &mut picture).unwrap();
         assert_eq!(picture.data, [3, 2, 1].repeat(64));
     }
@@ -524,13 +524,13 @@ mod tests {
         let mut finished = 0;
         let error = loop {
             match renderer.finish(&mut picture) {
-                Ok(true) => finished += 1,
-                Ok(false) => break renderer.submit(&view),
+                Ok(Finished::Drawn) => finished += 1,
+                Ok(Finished::NoneInFlight) => break renderer.submit(&view),
                 Err(error) => break Err(error),
             }
         };
         assert!(is_lost(&error), "{error:?} after {finished}");
-        assert!(!renderer.finish(&mut picture).unwrap(), "reported once");
+        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight, "reported once");
 
         renderer.render(&view, &mut picture).unwrap();
         assert_eq!(picture.data, [3, 2, 1].repeat(48));
@@ -538,9 +538,9 @@ mod tests {
         renderer.submit(&view).unwrap();
         lose(&renderer);
         assert!(is_lost(&renderer.submit(&view)));
-        assert!(!renderer.finish(&mut picture).unwrap(), "reported once");
+        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::NoneInFlight, "reported once");
         renderer.submit(&view).unwrap();
-        assert!(renderer.finish(&mut picture).unwrap());
+        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
         assert_eq!(picture.data, [3, 2, 1].repeat(48));
     }
 }

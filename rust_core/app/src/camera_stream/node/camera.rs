@@ -29,6 +29,7 @@ use super::freshness::Shown;
 use super::last_steps::CameraStep;
 use super::latency::Update;
 use super::pacing::Pacing;
+use super::progress::Progress;
 use super::reconfigurable::Switch;
 use super::runtime_settings::RuntimeSettings;
 use crate::camera_stream::black_picture::black_picture;
@@ -211,8 +212,8 @@ impl CameraOutput {
         self.connections.outputs.is_watched().then(|| self.health.latency.way()).flatten()
     }
 
-    /// Records the result of rendering and publishing. An error is logged once.
-    pub(super) fn record_result(&mut self, result: Result<()>) {
+    /// Records the result of rendering and publishing. An error is logged once, and stays until an image is published.
+    pub(super) fn record_result(&mut self, result: Result<Progress>) {
         self.health.record_result(&self.view.name, result);
     }
 
@@ -261,7 +262,7 @@ impl CameraOutput {
         self.schedule.until_due(now).filter(|_| can_draw).map(|due| due.max(paced))
     }
 
-    /// The picture that is due now, if it has changed: to be given to the renderer, and to
+    /// Begins the picture that is due now, if it has changed: it is to be given to the renderer, and to
     /// [`Self::record_begun`] then. An unchanged one, and a black one, is published at once.
     ///
     /// # Errors
@@ -272,12 +273,12 @@ impl CameraOutput {
         model: CameraModel,
         light: Light<'_>,
         ros: &RosNode,
-    ) -> Result<Option<DuePicture>> {
+    ) -> Result<Progress<DuePicture>> {
         self.connections.outputs.topic.iter_mut().for_each(|topic| topic.attend(ros));
         if !self.connections.outputs.is_watched() {
             self.schedule.clear_trigger();
             self.health.latency.forget();
-            return Ok(None);
+            return Ok(Progress::NotDue);
         }
         let has_note = light.assessment.is_some_and(|assessment| assessment.has_note);
         self.note = if has_note { Note::Shown } else { Note::NotShown };
@@ -289,25 +290,29 @@ impl CameraOutput {
                 // The last picture must not pass for a current one.
                 if light.assessment.is_none() && !light.protects_eyes {
                     self.last = None;
-                    return Ok(None);
+                    return Ok(Progress::NotDue);
                 }
                 // Where the note would be lit is not known without a camera.
                 let note = if light.protects_eyes { Note::NotShown } else { self.note };
                 let info = stage.camera_info(&self.view).cloned();
-                return self.turn_black(info, light.step, (why, note), ros).map(|()| None);
+                return self.turn_black(info, light.step, (why, note), ros);
             }
         };
         self.health.clear_problem(&self.view.name);
-        let Some(info) = stage.camera_info(&self.view).cloned() else { return Ok(None) };
+        let Some(info) = stage.camera_info(&self.view).cloned() else { return Ok(Progress::NotDue) };
         let shown = light.assessment.map(|all| all.of_camera(&self.view)).unwrap_or_default();
         let (visible, drawn) = self.allowed(&camera, info, stage, shown, light.step);
-        let Some(drawn) = self.due(drawn, ros)? else { return Ok(None) };
+        let drawn = match self.due(drawn, ros)? {
+            Progress::Begun(drawn) => drawn,
+            Progress::NotDue => return Ok(Progress::NotDue),
+            Progress::Published => return Ok(Progress::Published),
+        };
         if let Content::Black { .. } = drawn.content {
             self.health.latency.forget();
-            return self.publish_black(drawn, ros).map(|()| None);
+            return self.publish_black(drawn, ros).map(|()| Progress::Published);
         }
         self.health.warn_about_projection(&self.view, &drawn.info, model);
-        Ok(Some(DuePicture { view: Arc::clone(&self.view), visible, camera, drawn }))
+        Ok(Progress::Begun(DuePicture { view: Arc::clone(&self.view), visible, camera, drawn }))
     }
 
     /// What may be drawn now, and which displays are.
@@ -338,7 +343,7 @@ impl CameraOutput {
     }
 
     /// The picture if it is due and differs from the last one. That one is published again if only that is due.
-    fn due(&mut self, drawn: Drawn, ros: &RosNode) -> Result<Option<Drawn>> {
+    fn due(&mut self, drawn: Drawn, ros: &RosNode) -> Result<Progress<Drawn>> {
         let last = self.last.as_ref().map(|last| &last.of);
         let lacks_depth =
             self.connections.outputs.wants_depth() && self.last.as_ref().is_some_and(|last| last.depth.is_none());
@@ -363,17 +368,17 @@ impl CameraOutput {
             if self.last.as_ref().is_some_and(|last| !last.of.is_over(now)) {
                 self.connections.outputs.confirm();
             }
-            return Ok(None);
+            return Ok(Progress::NotDue);
         }
         self.schedule.begin(now, changed);
         if changed {
-            return Ok(Some(drawn));
+            return Ok(Progress::Begun(drawn));
         }
         if let Some(last) = &mut self.last {
             last.of = drawn;
         }
         self.publish_last(None, ros)?;
-        Ok(None)
+        Ok(Progress::Published)
     }
 
     /// How long a new picture waits for the screen's refresh; `None` if it does not.
@@ -389,21 +394,22 @@ impl CameraOutput {
         step: &CameraStep,
         (why, note): (String, Note),
         ros: &RosNode,
-    ) -> Result<()> {
+    ) -> Result<Progress<DuePicture>> {
         let of_info = info.as_ref().map(|info| [info.width, info.height]);
         let is_possible = |size: &[u32; 2]| size.iter().all(|side| (1..=MAX_SIDE_PX).contains(side));
         let last = self.last.as_ref().map(|last| &last.of);
-        let Some(info) = info.or_else(|| last.map(|last| Arc::clone(&last.info))) else { return Ok(()) };
+        let Some(info) = info.or_else(|| last.map(|last| Arc::clone(&last.info))) else { return Ok(Progress::NotDue) };
         let of_last = last.map(|last| match &last.content {
             Content::Scene { camera, .. } => size_px(camera),
             Content::Black { size_px, .. } => *size_px,
         });
-        let Some(size_px) = of_info.filter(is_possible).or(of_last) else { return Ok(()) };
+        let Some(size_px) = of_info.filter(is_possible).or(of_last) else { return Ok(Progress::NotDue) };
         let step = Arc::new(LastStep { orientation: step.step.orientation, ..LastStep::default() });
         let drawn = Drawn { content: Content::Black { size_px, why, note }, step, info, until: None, looked_up: None };
         match self.due(drawn, ros)? {
-            Some(drawn) => self.publish_black(drawn, ros),
-            None => Ok(()),
+            Progress::Begun(drawn) => self.publish_black(drawn, ros).map(|()| Progress::Published),
+            Progress::NotDue => Ok(Progress::NotDue),
+            Progress::Published => Ok(Progress::Published),
         }
     }
 
@@ -441,20 +447,20 @@ impl CameraOutput {
     ///
     /// # Errors
     /// Those of the outputs.
-    pub(super) fn repeat_if_due(&mut self, ros: &RosNode) -> Result<()> {
+    pub(super) fn repeat_if_due(&mut self, ros: &RosNode) -> Result<Progress> {
         if self.last.is_none() || !self.connections.outputs.is_watched() {
-            return Ok(());
+            return Ok(Progress::NotDue);
         }
         let now = Instant::now();
         if let Some(over) = self.last.as_ref().map(|last| &last.of).filter(|of| of.is_over(now)).cloned() {
-            return self.publish_black(over, ros);
+            return self.publish_black(over, ros).map(|()| Progress::Published);
         }
         self.connections.outputs.confirm();
-        if self.has_new_watcher() || self.schedule.is_repetition_due(now) {
-            self.schedule.begin(now, false);
-            self.publish_last(None, ros)?;
+        if !self.has_new_watcher() && !self.schedule.is_repetition_due(now) {
+            return Ok(Progress::NotDue);
         }
-        Ok(())
+        self.schedule.begin(now, false);
+        self.publish_last(None, ros).map(|()| Progress::Published)
     }
 
     /// Records that the renderer was given a picture.

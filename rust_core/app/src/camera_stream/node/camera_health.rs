@@ -10,6 +10,7 @@ use rcs_messages::sensor_msgs::CameraInfo;
 
 use super::camera::CameraConnections;
 use super::latency::Latency;
+use super::progress::Progress;
 use crate::camera_stream::camera_pose::CameraProblem;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
@@ -34,7 +35,7 @@ pub(super) struct CameraHealth {
     has_logged_problem: bool,
     /// Why the picture is black at present, though there is a camera.
     black: Option<String>,
-    /// Why the last picture failed.
+    /// Why a picture failed, unless one was published since.
     last_error: Option<String>,
     has_warned_about_projection: bool,
     /// When a picture last took long, and what it took so long for.
@@ -55,15 +56,19 @@ impl CameraHealth {
         self.problem.is_some()
     }
 
-    /// Records the result of rendering and publishing. An error is logged once.
-    pub(super) fn record_result(&mut self, camera: &str, result: Result<()>) {
-        self.last_error = result.err().map(|error| {
-            let error = one_line(&error);
-            if self.last_error.as_ref() != Some(&error) {
-                log::error!("camera {camera}: {error}");
+    /// Records the result of rendering and publishing. An error is logged once, and stays until an image is published.
+    pub(super) fn record_result(&mut self, camera: &str, result: Result<Progress>) {
+        match result {
+            Ok(Progress::NotDue | Progress::Begun(())) => {}
+            Ok(Progress::Published) => self.last_error = None,
+            Err(error) => {
+                let error = one_line(&error);
+                if self.last_error.as_ref() != Some(&error) {
+                    log::error!("camera {camera}: {error}");
+                }
+                self.last_error = Some(error);
             }
-            error
-        });
+        }
     }
 
     /// Records a picture that took long, and logs it unless another was logged in the last minute.
@@ -190,5 +195,22 @@ mod tests {
             health.is_problem_logged
         };
         assert_eq!([0, 1000, 1999, 2000].map(&mut is_logged_after), [false, false, false, true]);
+    }
+
+    #[test]
+    fn an_error_stays_until_an_image_is_published() {
+        let mut health = CameraHealth::default();
+        let mut error_after = |result: Result<Progress>| {
+            health.record_result("eye", result);
+            health.last_error.clone()
+        };
+        let fails = || Err(anyhow::anyhow!("the disk is full"));
+        let error = Some("the disk is full".to_owned());
+        assert_eq!(error_after(Ok(Progress::Published)), None);
+        assert_eq!(error_after(fails()), error);
+        assert_eq!(error_after(Ok(Progress::NotDue)), error);
+        assert_eq!(error_after(Ok(Progress::Begun(()))), error);
+        assert_eq!(error_after(fails()), error);
+        assert_eq!(error_after(Ok(Progress::Published)), None);
     }
 }

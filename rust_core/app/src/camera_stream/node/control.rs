@@ -117,9 +117,7 @@ impl Control {
         let Some(busy) = busy else { return };
         for camera in self.shared.cameras().iter_mut() {
             let repeated = camera.repeat_if_due(&self.shared.ros);
-            if repeated.is_err() {
-                camera.record_result(repeated);
-            }
+            camera.record_result(repeated);
         }
         let busy_for = busy.since.elapsed();
         if busy_for >= REPORT_AFTER {

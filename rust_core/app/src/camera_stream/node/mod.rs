@@ -28,6 +28,7 @@ mod last_steps;
 mod latency;
 mod oriented_frames;
 mod pacing;
+mod progress;
 mod reconfigurable;
 mod runtime_settings;
 mod scene_loop;

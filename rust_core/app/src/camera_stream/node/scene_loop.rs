@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use rcs_camera::{CameraModel, Projection};
 use rcs_displays::{time_from_stamp, Reconfigured};
-use rcs_render::{CpuRenderer, RenderError, Renderer, RendererChoice, View};
+use rcs_render::{CpuRenderer, Finished, RenderError, Renderer, RendererChoice, View};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::NodeEvent;
 use rcs_rviz_config::Config;
@@ -25,6 +25,7 @@ use super::freshness::{Assessment, Freshness, Now};
 use super::last_steps::{CameraStep, LastSteps, LitView};
 use super::latency::Update;
 use super::oriented_frames::OrientedFrames;
+use super::progress::Progress;
 use super::shared::{Reload, Shared};
 use super::windows::Windows;
 use crate::camera_stream::cli::Cli;
@@ -333,10 +334,11 @@ impl SceneLoop {
         let sizes_px = self.sizes_px.clone();
         self.sizes_px.resize(count, None);
         for index in 0..count {
-            match self.begin(index) {
-                Ok(true) => in_flight.push_back(index),
-                result => self.record_result(index, result.map(|_| ())),
+            let begun = self.begin(index);
+            if matches!(begun, Ok(Progress::Begun(()))) {
+                in_flight.push_back(index);
             }
+            self.record_result(index, begun);
             if in_flight.len() >= self.renderer.pictures_at_once() {
                 self.finish(in_flight.pop_front());
             }
@@ -389,17 +391,21 @@ impl SceneLoop {
         }
     }
 
-    /// Begins the picture of a camera if one is due and has changed. Returns whether it was begun.
-    fn begin(&mut self, index: usize) -> Result<bool> {
+    /// Begins the picture of a camera if one is due and has changed.
+    fn begin(&mut self, index: usize) -> Result<Progress> {
         let shared = Arc::clone(&self.shared);
         let (assessment, protects_eyes) = (self.assessment.as_ref(), self.last_steps.protects_eyes());
-        let Some(step) = self.steps.get(index) else { return Ok(false) };
+        let Some(step) = self.steps.get(index) else { return Ok(Progress::NotDue) };
         let light = Light { assessment, step, protects_eyes };
-        let due = match shared.cameras().get_mut(index) {
+        let begun = match shared.cameras().get_mut(index) {
             Some(camera) => camera.begin_if_due(&self.stage, self.model, light, &shared.ros)?,
-            None => None,
+            None => Progress::NotDue,
         };
-        let Some(due) = due else { return Ok(false) };
+        let due = match begun {
+            Progress::Begun(due) => due,
+            Progress::NotDue => return Ok(Progress::NotDue),
+            Progress::Published => return Ok(Progress::Published),
+        };
         shared.activity.begin(Step::Picture(due.view.name.clone()));
         let scene = self.scene();
         let view = View { visible: &due.visible, ..renderer_view(&due.view, &scene, &due.camera) };
@@ -415,7 +421,7 @@ impl SceneLoop {
             camera.set_depth_encoding(self.depth_encoding);
             camera.record_begun(due, wants_depth.then_some(&self.depth));
         }
-        Ok(true)
+        Ok(Progress::Begun(()))
     }
 
     /// The scene as it is now, for all cameras.
@@ -435,27 +441,23 @@ impl SceneLoop {
         self.record_result(index, result);
     }
 
-    fn finish_picture(&mut self, index: usize, picture: &mut Picture) -> Result<()> {
+    fn finish_picture(&mut self, index: usize, picture: &mut Picture) -> Result<Progress> {
         let step = self.shared.cameras().get(index).map(CameraOutput::last_step).unwrap_or_default();
-        let is_finished = self.renderer.finish(picture)?;
-        if is_finished {
-            step.apply(picture, &mut self.turned);
-        }
+        // It is lost where the renderer lost those of all cameras.
+        let Finished::Drawn = self.renderer.finish(picture)? else { return Ok(Progress::NotDue) };
+        step.apply(picture, &mut self.turned);
         let slow = self.costs.slow_picture(self.renderer.as_ref(), self.stage.displays());
         let mut cameras = self.shared.cameras();
-        let Some(camera) = cameras.get_mut(index) else { return Ok(()) };
+        let Some(camera) = cameras.get_mut(index) else { return Ok(Progress::NotDue) };
         if let Some(slow) = slow {
             camera.record_slow_picture(slow);
         }
-        match is_finished {
-            true => camera.finish(std::mem::take(picture), &self.shared.ros),
-            false => Ok(()),
-        }
+        camera.finish(std::mem::take(picture), &self.shared.ros).map(|()| Progress::Published)
     }
 
     /// Records the result of rendering and publishing a camera's picture. An error is logged once and does not end the
     /// node. A GPU that `auto` chose and that fails is replaced by the CPU.
-    fn record_result(&mut self, index: usize, result: Result<()>) {
+    fn record_result(&mut self, index: usize, result: Result<Progress>) {
         let gpu_failed = has_gpu_failed(&result);
         let mut cameras = self.shared.cameras();
         if let Some(camera) = cameras.get_mut(index) {
@@ -472,7 +474,7 @@ impl SceneLoop {
 }
 
 /// Whether a picture is missing because the GPU is lost, hangs or is out of memory.
-fn has_gpu_failed(result: &Result<()>) -> bool {
+fn has_gpu_failed(result: &Result<Progress>) -> bool {
     matches!(result, Err(error) if matches!(error.downcast_ref(), Some(RenderError::Gpu { .. })))
 }
 
@@ -491,7 +493,7 @@ mod tests {
         let too_large =
             RenderError::TooLarge { width_px: 9, height_px: 9, limit_px: 8, renderer: "gpu (a GPU)".into() };
         assert!(has_gpu_failed(&Err(lost.into())));
-        assert!(!has_gpu_failed(&Err(too_large.into())) && !has_gpu_failed(&Ok(())));
+        assert!(!has_gpu_failed(&Err(too_large.into())) && !has_gpu_failed(&Ok(Progress::Published)));
         let replaced = instead_of_gpu(RendererChoice::Auto).map(|renderer| renderer.describe());
         assert!(replaced.is_some_and(|name| name.starts_with("cpu")));
         for choice in [RendererChoice::Gpu, RendererChoice::Cpu] {
