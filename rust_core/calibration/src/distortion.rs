@@ -16,7 +16,7 @@ const MOST_STEPS: usize = 50;
 /// How a lens deviates from a pinhole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DistortionModel {
-    /// Brown and Conrady's: k1, k2, p1, p2 and, mostly, k3.
+    /// Brown and Conrady's: k1, k2, p1, p2 and, mostly, k3. With 8 coefficients or more it is the next one.
     PlumbBob,
     /// Radial distortion as a quotient of two polynomials: k1, k2, p1, p2, k3 to k6; then, if there are 12, the thin
     /// prism's s1 to s4, and with 14 the tilt of the sensor.
@@ -38,16 +38,26 @@ impl DistortionModel {
         }
     }
 
-    /// The model of this name.
+    /// The model of this name, or of OpenCV's and camera_calibration's name for it.
     pub fn from_name(name: &str) -> Option<Self> {
+        let name = if name == "fisheye" { Self::Equidistant.name() } else { name };
         Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+
+    /// The model that OpenCV takes for so many coefficients of this one: in its functions the number alone tells a
+    /// plumb bob from a rational polynomial.
+    fn with_coefficients(self, count: usize) -> Self {
+        match (self, count) {
+            (Self::PlumbBob, 8 | 12 | 14) => Self::RationalPolynomial,
+            (Self::RationalPolynomial, 4 | 5) => Self::PlumbBob,
+            _ => self,
+        }
     }
 
     /// The numbers of coefficients that it can have.
     pub const fn coefficient_counts(self) -> &'static [usize] {
         match self {
-            Self::PlumbBob => &[4, 5],
-            Self::RationalPolynomial => &[8, 12, 14],
+            Self::PlumbBob | Self::RationalPolynomial => &[4, 5, 8, 12, 14],
             Self::Equidistant => &[4],
         }
     }
@@ -63,7 +73,7 @@ impl fmt::Display for DistortionModel {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DistortionProblem {
     /// The model is none of those that ROS's packages know.
-    #[error("'{0}' is not known (plumb_bob, rational_polynomial, equidistant)")]
+    #[error("'{0}' is not known (plumb_bob, rational_polynomial, equidistant or fisheye)")]
     UnknownModel(String),
     /// The model has another number of coefficients.
     #[error("{count} coefficients, but {model} has {}", any_of(.model.coefficient_counts()))]
@@ -89,7 +99,11 @@ impl DistortionProblem {
 }
 
 fn any_of(counts: &[usize]) -> String {
-    counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ")
+    let counts: Vec<_> = counts.iter().map(usize::to_string).collect();
+    match counts.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        _ => counts.concat(),
+    }
 }
 
 /// A lens's distortion: maps the plane z = 1, as a pinhole sees it, onto what the lens makes of it, and back.
@@ -122,18 +136,29 @@ impl Distortion {
     pub const NONE: Self =
         Self { model: DistortionModel::PlumbBob, coefficients: [0.0; 14], is_none: true, valid_radius: f64::INFINITY };
 
-    /// The distortion of a CameraInfo's `distortion_model` and `D`. If all coefficients are zero, or there are none,
-    /// there is no distortion, whatever the model's name.
+    /// The distortion of a CameraInfo's `distortion_model` and `D`. Without coefficients there is no distortion,
+    /// whatever the model's name, and none if all are zero, except that an equidistant lens bends then, too: its radius
+    /// is the angle.
     ///
     /// # Errors
     /// [`DistortionProblem`]: an unknown model, or one with another number of coefficients.
     pub fn from_message(model: &str, coefficients: &[f64]) -> Result<Self, DistortionProblem> {
-        if coefficients.iter().all(|coefficient| *coefficient == 0.0) {
+        if !Self::bends(model, coefficients) {
             return Ok(Self::NONE);
         }
-        let model =
+        let known =
             DistortionModel::from_name(model).ok_or_else(|| DistortionProblem::UnknownModel(model.to_owned()))?;
-        Self::new(model, coefficients)
+        match coefficients.iter().all(|coefficient| *coefficient == 0.0) {
+            // Zeros are written in any number.
+            true => Self::new(known, &[0.0; 4]),
+            false => Self::new(known, coefficients),
+        }
+    }
+
+    /// Whether [`Self::from_message`] is a distortion, or wrong: cheap enough for each picture.
+    pub fn bends(model: &str, coefficients: &[f64]) -> bool {
+        let is_equidistant = || DistortionModel::from_name(model) == Some(DistortionModel::Equidistant);
+        coefficients.iter().any(|coefficient| *coefficient != 0.0) || (!coefficients.is_empty() && is_equidistant())
     }
 
     /// A distortion of this model with these coefficients, in the order of the message.
@@ -145,6 +170,7 @@ impl Distortion {
         if !model.coefficient_counts().contains(&count) {
             return Err(DistortionProblem::Coefficients { model, count });
         }
+        let model = model.with_coefficients(count);
         if let Some(index) = coefficients.iter().position(|coefficient| !coefficient.is_finite()) {
             return Err(DistortionProblem::NotFinite(index));
         }
@@ -378,7 +404,8 @@ mod tests {
             for count in 1..16 {
                 let result = Distortion::from_message(model.name(), &vec![0.01; count]);
                 assert_eq!(result.is_ok(), model.coefficient_counts().contains(&count), "{model} {count}");
-                assert_eq!(Distortion::from_message(model.name(), &vec![0.0; count]), Ok(Distortion::NONE));
+                let zeros = Distortion::from_message(model.name(), &vec![0.0; count]).unwrap();
+                assert_eq!(zeros.is_none(), model != DistortionModel::Equidistant, "{model} {count}");
             }
             assert_eq!(Distortion::from_message(model.name(), &[]), Ok(Distortion::NONE));
         }
@@ -386,12 +413,38 @@ mod tests {
 
     #[test]
     fn problems_name_model_and_numbers() {
-        let problem = Distortion::from_message("plumb_bob", &[0.1; 8]).unwrap_err();
-        assert_eq!(problem.to_string(), "8 coefficients, but plumb_bob has 4 or 5");
+        let problem = Distortion::from_message("plumb_bob", &[0.1; 3]).unwrap_err();
+        assert_eq!(problem.to_string(), "3 coefficients, but plumb_bob has 4, 5, 8, 12 or 14");
+        let problem = Distortion::from_message("fisheye", &[0.1; 5]).unwrap_err();
+        assert_eq!(problem.to_string(), "5 coefficients, but equidistant has 4");
         let problem = Distortion::from_message("fov", &[0.1]).unwrap_err();
         assert!(problem.to_string().contains("'fov'") && problem.key() == "distortion_model", "{problem}");
         let problem = Distortion::from_message("plumb_bob", &[0.1, f64::NAN, 0.0, 0.0]).unwrap_err();
         assert_eq!(problem, DistortionProblem::NotFinite(1));
+    }
+
+    #[test]
+    fn an_equidistant_lens_without_coefficients_bends_by_the_angle() {
+        for name in ["equidistant", "fisheye"] {
+            let lens = Distortion::from_message(name, &[0.0; 4]).unwrap();
+            let place = Point2::new(0.8, 0.0);
+            assert!((lens.distort(place).unwrap() - Point2::new(0.8_f64.atan(), 0.0)).norm() < 1e-12);
+            assert!((lens.undistort(lens.distort(place).unwrap()).unwrap() - place).norm() < 1e-9);
+            assert_eq!(lens.model().name(), "equidistant");
+        }
+    }
+
+    #[test]
+    fn the_number_of_coefficients_tells_the_model_as_in_opencv() {
+        let (few, many) = ([0.1, -0.05, 0.001, 0.002, 0.01], [0.1, -0.05, 0.001, 0.002, 0.01, 0.05, 0.01, 0.02]);
+        let of = |name: &str, d: &[f64]| Distortion::from_message(name, d).unwrap();
+        assert_eq!(of("plumb_bob", &many), of("rational_polynomial", &many));
+        assert_eq!(of("rational_polynomial", &few), of("plumb_bob", &few));
+        let tilted = [&many[..], &[0.003, -0.001, 0.002, 0.004, 0.02, -0.03]].concat();
+        for count in [12, 14] {
+            assert_eq!(of("plumb_bob", &tilted[..count]), of("rational_polynomial", &tilted[..count]));
+            assert_ne!(of("plumb_bob", &tilted[..count]), of("plumb_bob", &many));
+        }
     }
 
     /// Figures of OpenCV 5.0: `cv2.projectPoints` with K = identity, `cv2.fisheye.distortPoints`.

@@ -4,17 +4,19 @@
 //! those of ROS and OpenCV: u to the right, v down, an integer is a pixel's centre. Points are in metres in the optical
 //! frame: x right, y down, z along the view or light.
 
-use nalgebra::{Matrix2x3, Matrix3, Point2, Point3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Point2, Point3, Vector2, Vector3};
 
 use crate::Distortion;
 
-/// A projector's or camera's intrinsics without skew.
+/// A projector's or camera's intrinsics. The solver finds lenses without skew; those of other tools may have one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Width and height of the picture, pixels.
     pub size_px: [u32; 2],
-    /// Focal lengths fx, fy, pixels.
+    /// Focal lengths fx, fy, pixels; negative where the picture is mirrored.
     pub focal_px: Vector2<f64>,
+    /// `K[1]` and `K[3]`, pixels: how far y moves the pixel along a row, and x along a column.
+    pub skew_px: Vector2<f64>,
     /// The principal point cx, cy, pixels; it may lie outside of the picture (projectors throw upwards).
     pub center_px: Point2<f64>,
     /// The deviation from a pinhole.
@@ -34,13 +36,18 @@ impl Lens {
     /// A pinhole.
     pub fn pinhole(size_px: [u32; 2], focal_px: [f64; 2], center_px: [f64; 2]) -> Self {
         let (focal_px, center_px) = (focal_px.into(), center_px.into());
-        Self { size_px, focal_px, center_px, distortion: Distortion::NONE }
+        Self { size_px, focal_px, skew_px: Vector2::zeros(), center_px, distortion: Distortion::NONE }
     }
 
     /// The matrix K.
     pub fn matrix(&self) -> Matrix3<f64> {
-        let (f, c) = (self.focal_px, self.center_px);
-        Matrix3::new(f.x, 0.0, c.x, 0.0, f.y, c.y, 0.0, 0.0, 1.0)
+        let (f, s, c) = (self.focal_px, self.skew_px, self.center_px);
+        Matrix3::new(f.x, s.x, c.x, s.y, f.y, c.y, 0.0, 0.0, 1.0)
+    }
+
+    /// The upper left part of K.
+    fn scales(&self) -> Matrix2<f64> {
+        Matrix2::new(self.focal_px.x, self.skew_px.x, self.skew_px.y, self.focal_px.y)
     }
 
     /// Where a point of the optical frame lands: in or beside the picture. None for what is not in front of the lens
@@ -62,9 +69,7 @@ impl Lens {
         let plane = Point2::new(point.x * near, point.y * near);
         let distorted = self.distortion.distort_with_jacobian(plane)?;
         let plane_by_point = Matrix2x3::new(near, 0.0, -plane.x * near, 0.0, near, -plane.y * near);
-        let mut by_point = distorted.jacobian * plane_by_point;
-        by_point.row_mut(0).scale_mut(self.focal_px.x);
-        by_point.row_mut(1).scale_mut(self.focal_px.y);
+        let by_point = self.scales() * (distorted.jacobian * plane_by_point);
         Some(Landing { pixel: self.from_distorted(distorted.place), by_point })
     }
 
@@ -93,12 +98,15 @@ impl Lens {
     /// The pixel of a place on the plane z = 1 that the distortion has been applied to.
     #[expect(clippy::wrong_self_convention, reason = "names the direction of the conversion")]
     pub(crate) fn from_distorted(&self, place: Point2<f64>) -> Point2<f64> {
-        self.center_px + place.coords.component_mul(&self.focal_px)
+        let skewed = self.skew_px.component_mul(&place.coords.yx());
+        self.center_px + place.coords.component_mul(&self.focal_px) + skewed
     }
 
     /// The inverse of [`Self::from_distorted`].
     pub(crate) fn to_distorted(self, pixel: Point2<f64>) -> Point2<f64> {
-        (pixel - self.center_px).component_div(&self.focal_px).into()
+        let (off, f, s) = (pixel - self.center_px, self.focal_px, self.skew_px);
+        let y = (off.y - s.y * off.x / f.x) / (f.y - s.y * s.x / f.x);
+        Point2::new((off.x - s.x * y) / f.x, y)
     }
 }
 
@@ -123,29 +131,48 @@ mod tests {
     }
 
     #[test]
+    fn skews_move_pixels_as_k_says() {
+        let lens = Lens { skew_px: Vector2::new(-4.0, 2.0), ..lens() };
+        let place = lens.distortion.distort(Point2::new(0.3, 0.4)).unwrap();
+        let by_k = lens.matrix() * place.to_homogeneous();
+        assert!((lens.project(&Point3::new(0.6, 0.8, 2.0)).unwrap() - Point2::from(by_k.xy())).norm() < 1e-9);
+        let without = Lens { skew_px: Vector2::zeros(), ..lens };
+        let off = lens.pixel(Point2::new(0.3, 0.4)).unwrap() - without.pixel(Point2::new(0.3, 0.4)).unwrap();
+        assert!((off - Vector2::new(-4.0 * place.y, 2.0 * place.x)).norm() < 1e-9);
+    }
+
+    #[test]
     fn an_integer_is_a_pixels_centre() {
         let lens = lens();
         assert!(lens.contains(Point2::new(-0.5, 0.0)) && lens.contains(Point2::new(1279.4, 799.4)));
         assert!(!lens.contains(Point2::new(-0.6, 0.0)) && !lens.contains(Point2::new(1279.6, 0.0)));
     }
 
+    /// The same with skews, mirrored, or both.
+    fn lenses() -> impl Strategy<Value = Lens> {
+        (prop_oneof![Just([0.0; 2]), Just([-4.0, 0.0]), Just([60.0, -9.0])], any::<bool>()).prop_map(|(skew, mirrors)| {
+            let sign = if mirrors { -1.0 } else { 1.0 };
+            Lens { skew_px: skew.into(), focal_px: Vector2::new(sign * 1410.0, 1395.0), ..lens() }
+        })
+    }
+
     proptest! {
         #[test]
-        fn a_ray_lands_where_it_came_from(u in 0.0..1280.0, v in 0.0..800.0, depth in 0.3..5.0) {
+        fn a_ray_lands_where_it_came_from(lens in lenses(), u in 0.0..1280.0, v in 0.0..800.0, depth in 0.3..5.0) {
             let pixel = Point2::new(u, v);
-            let point = Point3::from(lens().ray(pixel).unwrap() * depth);
-            prop_assert!((lens().project(&point).unwrap() - pixel).norm() < 1e-7);
+            let point = Point3::from(lens.ray(pixel).unwrap() * depth);
+            prop_assert!((lens.project(&point).unwrap() - pixel).norm() < 1e-7);
         }
 
         #[test]
-        fn derivatives_are_the_differences(x in -0.4..0.4, y in -0.6..0.2, z in 0.6..3.0) {
+        fn derivatives_are_the_differences(lens in lenses(), x in -0.4..0.4, y in -0.6..0.2, z in 0.6..3.0) {
             let point = Point3::new(x, y, z);
-            let landing = lens().project_with_jacobian(&point).unwrap();
-            prop_assert!((landing.pixel - lens().project(&point).unwrap()).norm() < 1e-9);
+            let landing = lens.project_with_jacobian(&point).unwrap();
+            prop_assert!((landing.pixel - lens.project(&point).unwrap()).norm() < 1e-9);
             for axis in 0..3 {
                 let mut step = Vector3::zeros();
                 step[axis] = 1e-6;
-                let change = lens().project(&(point + step)).unwrap() - lens().project(&(point - step)).unwrap();
+                let change = lens.project(&(point + step)).unwrap() - lens.project(&(point - step)).unwrap();
                 prop_assert!((change / 2e-6 - landing.by_point.column(axis)).norm() < 1e-3);
             }
         }

@@ -24,7 +24,8 @@ fn bench(criterion: &mut Criterion) {
     let (k, r) = ([1900.0, 0.0, 640.0, 0.0, 1900.0, 750.0, 0.0, 0.0, 1.0], [0.0; 9]);
     let p = [1900.0, 0.0, 640.0, 0.0, 0.0, 1900.0, 750.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let (distortion_model, d) = ("plumb_bob", &[-0.1, 0.02, 0.0, 0.0, 0.0]);
-    let info = CameraInfoFields { width_px, height_px, distortion_model, d, k: &k, r: &r, p: &p };
+    let (binning, region_px) = ([0; 2], [0; 4]);
+    let info = CameraInfoFields { width_px, height_px, distortion_model, d, k: &k, r: &r, p: &p, binning, region_px };
     let model = CameraModel { projection: Projection::Exact, undistort: true };
     let Some(lens) = optics(&info, "", model, &Lenses::default()).ok().and_then(|optics| optics.lens) else { return };
     let mut before_lens = Picture::default();

@@ -1,10 +1,9 @@
 //! Where a picture does not fit the world when it is projected, although it is the picture that rviz draws.
 //!
-//! rviz uses one focal length and its own sign of `P[7]`, and does not bend the picture for the lens that D describes;
-//! nor does this program unless it is asked to. For a picture on a screen that hardly matters; a projection misses its
-//! objects.
+//! rviz uses one focal length and its own sign of `P[7]`, mirrors nothing, leaves out skews and P's third row, and does
+//! not bend the picture for the lens that D describes; nor does this program unless it is asked to. For a picture on a
+//! screen that hardly matters; a projection misses its objects.
 
-use nalgebra::Point2;
 use rcs_calibration::Distortion;
 use rcs_scene::Intrinsics;
 
@@ -29,22 +28,64 @@ pub fn deviations(
     let Ok(intrinsics) = Intrinsics::from_p(info.width_px, info.height_px, info.p) else { return Vec::new() };
     let mut phrases = Vec::new();
     let is_through_lens = model.undistort && is_distorted(info) && no_lens.is_none();
-    if model.projection == Projection::Rviz && !is_through_lens && !intrinsics.rviz_is_exact() {
-        phrases.extend(focal_lengths(&intrinsics, advice));
-        if intrinsics.ty != 0.0 {
-            phrases.push(format!(
-                "P[7] is {}, and rviz moves the camera to the other side: what is 1 m away is {:.1} px too high or too \
-                 low{}",
-                intrinsics.ty,
-                2.0 * intrinsics.ty.abs(),
-                after_semicolon(advice.exact)
-            ));
-        }
+    if model.projection == Projection::Rviz && !is_through_lens {
+        phrases.extend(of_rviz(info, &intrinsics).into_iter().map(|phrase| phrase + &after_semicolon(advice.exact)));
     }
     if !is_through_lens {
         phrases.extend(distortion(info, &intrinsics, no_lens, advice));
     }
+    phrases.extend(left_out(info));
     phrases
+}
+
+/// What rviz's projection does otherwise than P says by more than half a pixel.
+fn of_rviz(info: &CameraInfoFields<'_>, intrinsics: &Intrinsics) -> Vec<String> {
+    let [.., below_x, below_y, scale, below_w] = *info.p;
+    let row = [below_x, below_y, scale, below_w];
+    let third_row = (row != [0.0, 0.0, 1.0, 0.0])
+        .then(|| format!("the third row of P is {row:?}, and rviz draws as if it were [0.0, 0.0, 1.0, 0.0]"));
+    let ty = intrinsics.ty;
+    let offset = (ty != 0.0).then(|| {
+        let px = 2.0 * ty.abs();
+        format!(
+            "P[7] is {ty}, and rviz moves the camera to the other side: what is 1 m away is {px:.1} px too high or too \
+             low"
+        )
+    });
+    let phrases = [third_row, mirror(intrinsics), focal_lengths(intrinsics)];
+    phrases.into_iter().flatten().chain(skews(intrinsics)).chain(offset).collect()
+}
+
+/// A mirror, which rviz leaves out.
+fn mirror(intrinsics: &Intrinsics) -> Option<String> {
+    let Intrinsics { fx_px, fy_px, .. } = *intrinsics;
+    (fx_px * fy_px < 0.0).then(|| {
+        format!("P[0] is {fx_px} and P[5] is {fy_px}, which is a mirrored picture, and rviz draws one that is not")
+    })
+}
+
+/// Skews, which rviz leaves out.
+fn skews(intrinsics: &Intrinsics) -> impl Iterator<Item = String> {
+    let Intrinsics { fx_px, fy_px, skew_px, cx_px, cy_px, width_px, height_px, .. } = *intrinsics;
+    let farthest = |center_px: f64, side_px: u32| center_px.abs().max((f64::from(side_px) - center_px).abs());
+    let by_y = ("P[1]", skew_px[0], farthest(cy_px, height_px) / fy_px);
+    let by_x = ("P[4]", skew_px[1], farthest(cx_px, width_px) / fx_px);
+    [by_y, by_x].into_iter().filter(|(_, skew_px, _)| *skew_px != 0.0).map(|(field, skew_px, farthest)| {
+        let px = (skew_px * farthest).abs();
+        format!("{field} is {skew_px} (a skew), which rviz leaves out: up to {px:.1} px at the edges")
+    })
+}
+
+/// What the CameraInfo says of other pixels than the ones that are drawn.
+fn left_out(info: &CameraInfoFields<'_>) -> Option<String> {
+    let CameraInfoFields { width_px, height_px, binning: [x, y], region_px: [left, top, width, height], .. } = *info;
+    let binning = info.is_binned().then(|| format!("binning {x}x{y}"));
+    let region = info.is_cropped().then(|| format!("the region of interest {width}x{height} at ({left}, {top})"));
+    let parts: Vec<_> = [binning, region].into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| {
+        let parts = parts.join(" and ");
+        format!("{parts} not applied: the picture and its CameraInfo are the whole {width_px}x{height_px}")
+    })
 }
 
 /// The advice after what it is about; nothing where there is none.
@@ -56,19 +97,18 @@ fn after_semicolon(advice: &str) -> String {
     }
 }
 
-fn focal_lengths(intrinsics: &Intrinsics, advice: Advice) -> Option<String> {
+fn focal_lengths(intrinsics: &Intrinsics) -> Option<String> {
     let Intrinsics { fx_px, fy_px, width_px, height_px, .. } = *intrinsics;
-    let zoom = (fx_px / fy_px).min(fy_px / fx_px);
+    let zoom = (fx_px / fy_px).abs().min((fy_px / fx_px).abs());
     if (1.0 - zoom).abs() < 1e-6 {
         return None;
     }
-    let (axis, side_px) = if fy_px > fx_px { ("height", height_px) } else { ("width", width_px) };
+    let (axis, side_px) = if fy_px.abs() > fx_px.abs() { ("height", height_px) } else { ("width", width_px) };
     let percent = 100.0 * (1.0 - zoom);
     let edge_px = (1.0 - zoom) * f64::from(side_px) / 2.0;
     Some(format!(
         "fx {fx_px} and fy {fy_px} differ by {percent:.2} %, and rviz draws with the shorter: in {axis}, the picture is \
-         {percent:.2} % too small, {edge_px:.1} px at its edges{}",
-        after_semicolon(advice.exact)
+         {percent:.2} % too small, {edge_px:.1} px at its edges"
     ))
 }
 
@@ -102,15 +142,16 @@ fn distortion(
 /// The farthest that the distortion moves one of the picture's corners, middles of its edges, or centre. `None` where
 /// the model is not known, or moves a point to nowhere.
 fn largest_shift_px(info: &CameraInfoFields<'_>, intrinsics: &Intrinsics) -> Option<f64> {
-    let Intrinsics { width_px, height_px, fx_px, fy_px, cx_px, cy_px, .. } = *intrinsics;
+    // In pixels of what P means, where it means something.
+    let exact = Intrinsics::exactly(info.width_px, info.height_px, info.p).ok();
+    let intrinsics = exact.map_or(*intrinsics, |(intrinsics, _)| intrinsics);
     let distortion = Distortion::from_message(info.distortion_model, info.d).ok()?;
     let mut largest_px = 0.0_f64;
     for column in [0.0, 0.5, 1.0] {
         for row in [0.0, 0.5, 1.0] {
-            let x = (column * f64::from(width_px) - cx_px) / fx_px;
-            let y = (row * f64::from(height_px) - cy_px) / fy_px;
-            let moved = distortion.distort(Point2::new(x, y))? - Point2::new(x, y);
-            largest_px = largest_px.max((moved.x * fx_px).hypot(moved.y * fy_px));
+            let from = [column * f64::from(info.width_px), row * f64::from(info.height_px)];
+            let to = intrinsics.place(distortion.distort(intrinsics.plane(from).into())?.into());
+            largest_px = largest_px.max((to[0] - from[0]).hypot(to[1] - from[1]));
         }
     }
     Some(largest_px)
@@ -125,9 +166,63 @@ mod tests {
     /// The deviations of a camera with these focal lengths, P[7] and distortion.
     fn found(fx: f64, fy: f64, ty: f64, (model, d): (&str, &[f64]), projection: Projection) -> Vec<String> {
         let (none, p) = ([0.0; 9], [fx, 0.0, 500.0, 0.0, 0.0, fy, 400.0, ty, 0.0, 0.0, 1.0, 0.0]);
-        let info =
-            CameraInfoFields { width_px: 1000, height_px: 800, distortion_model: model, d, k: &none, r: &none, p: &p };
-        deviations(&info, projection.into(), None, ADVICE)
+        deviations(&CameraInfoFields { distortion_model: model, d, ..ideal(&none, &p) }, projection.into(), None, ADVICE)
+    }
+
+    fn ideal<'a>(none: &'a [f64; 9], p: &'a [f64; 12]) -> CameraInfoFields<'a> {
+        CameraInfoFields {
+            width_px: 1000,
+            height_px: 800,
+            distortion_model: "",
+            d: &[],
+            k: none,
+            r: none,
+            p,
+            binning: [0; 2],
+            region_px: [0; 4],
+        }
+    }
+
+    /// The deviations of a camera where these numbers of P are others.
+    fn with_p(changes: &[(usize, f64)], projection: Projection) -> Vec<String> {
+        let (none, mut p) = ([0.0; 9], [1000.0, 0.0, 500.0, 0.0, 0.0, 1000.0, 400.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        changes.iter().for_each(|(i, value)| p[*i] = *value);
+        deviations(&ideal(&none, &p), projection.into(), None, ADVICE)
+    }
+
+    #[test]
+    fn what_rviz_leaves_out_of_p_is_told_with_its_size() {
+        for (changes, expected) in [
+            (&[(1, 50.0)][..], "P[1] is 50 (a skew), which rviz leaves out: up to 20.0 px at the edges; follow P"),
+            (&[(4, -50.0)], "P[4] is -50 (a skew), which rviz leaves out: up to 25.0 px at the edges; follow P"),
+            (&[(10, 2.0)], "the third row of P is [0.0, 0.0, 2.0, 0.0], and rviz draws as if"),
+            (&[(0, -1000.0)], "P[0] is -1000 and P[5] is 1000, which is a mirrored picture, and rviz draws one"),
+            (&[(5, -1000.0)], "P[0] is 1000 and P[5] is -1000, which is a mirrored picture"),
+        ] {
+            let found = with_p(changes, Projection::Rviz);
+            assert!(found.len() == 1 && found[0].starts_with(expected), "{found:?}");
+            assert_eq!(with_p(changes, Projection::Exact), [""; 0]);
+        }
+        assert_eq!(with_p(&[(0, -1000.0), (5, -1000.0)], Projection::Rviz), [""; 0], "turned by half, as P says");
+    }
+
+    #[test]
+    fn binning_and_a_region_of_interest_are_told_unless_they_are_the_whole_picture() {
+        let (none, p) = ([0.0; 9], [1000.0, 0.0, 500.0, 0.0, 0.0, 1000.0, 400.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        let of = |binning, region_px| {
+            let info = CameraInfoFields { binning, region_px, ..ideal(&none, &p) };
+            let found = deviations(&info, Projection::Exact.into(), None, ADVICE);
+            assert_eq!(found.is_empty(), !info.is_part());
+            found.join("|")
+        };
+        assert_eq!(of([1, 0], [0, 0, 1000, 800]), "");
+        assert_eq!(
+            of([4, 4], [100, 0, 300, 200]),
+            "binning 4x4 and the region of interest 300x200 at (100, 0) not applied: the picture and its CameraInfo are \
+             the whole 1000x800"
+        );
+        assert!(of([1, 2], [0; 4]).starts_with("binning 1x2 not applied"));
+        assert!(of([0; 2], [0, 0, 1000, 400]).starts_with("the region of interest 1000x400 at (0, 0) not applied"));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The fields of a `sensor_msgs/CameraInfo` that say how a camera projects.
 
-/// A CameraInfo without its header, binning and region of interest; whoever has a message, or a struct of another
+/// A CameraInfo without its header; whoever has a message, or a struct of another
 /// language, lends its fields. Matrices are row by row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraInfoFields<'a> {
@@ -18,4 +18,25 @@ pub struct CameraInfoFields<'a> {
     pub r: &'a [f64; 9],
     /// The projection to the rectified picture, pixels, 3×4.
     pub p: &'a [f64; 12],
+    /// Columns and rows that a camera's driver merges into one; 0 and 1 mean that it does not.
+    pub binning: [u32; 2],
+    /// The region of interest: offset from the left and the top, width and height, pixels; all 0 for the whole picture.
+    pub region_px: [u32; 4],
+}
+
+impl CameraInfoFields<'_> {
+    /// Whether it describes a picture of other pixels than `width_px` · `height_px`, which is what is drawn.
+    pub fn is_part(&self) -> bool {
+        self.is_binned() || self.is_cropped()
+    }
+
+    pub(crate) fn is_binned(&self) -> bool {
+        self.binning.iter().any(|binning| *binning > 1)
+    }
+
+    pub(crate) fn is_cropped(&self) -> bool {
+        let [left, top, width, height] = self.region_px;
+        let is_set = width != 0 || height != 0 || left != 0 || top != 0;
+        is_set && [left, top, width, height] != [0, 0, self.width_px, self.height_px]
+    }
 }

@@ -33,7 +33,7 @@ pub use deviations::{deviations, Advice};
 pub use info::CameraInfoFields;
 pub use lens::{see_depth_through, see_through, write_depth_through, write_through};
 pub use lens_of::{lens_of, LensProblem};
-pub use optics::{optics, rviz_differs, CameraModel, Optics, Projection};
+pub use optics::{optics, CameraModel, Optics, Projection};
 pub use picture_rate::PictureRate;
 pub use rate_limit::RateLimit;
 pub use readback::{Readback, ReadbackProblem};

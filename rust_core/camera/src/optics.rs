@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::Isometry3;
-use rcs_scene::{require_finite, Camera, CameraError, Intrinsics, PixelMap};
+use rcs_scene::{require_finite, Camera, CameraError, Flip, Intrinsics, PixelMap};
 
 use crate::through_lens::{is_distorted, Lenses};
 use crate::CameraInfoFields;
@@ -12,7 +12,8 @@ use crate::CameraInfoFields;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Projection {
-    /// As rviz's CameraPub draws: one focal length for both axes, `P[7]` upwards. Exact if fx = fy and P[7] = 0
+    /// As rviz's CameraPub draws: one focal length for both axes, `P[7]` upwards. Exact if fx = fy > 0, P[7] = 0,
+    /// there is no skew and P[10] = 1
     #[default]
     Rviz,
     /// As P says, to the pixel: for a projector
@@ -42,12 +43,14 @@ pub struct Optics {
     pub drawn: Intrinsics,
     /// Between what is drawn and the picture.
     pub lens: Option<Arc<PixelMap>>,
+    /// How the picture is flipped when it is finished, where the CameraInfo describes a mirrored one.
+    pub flip: Flip,
 }
 
 impl Optics {
     /// The camera at a pose of its optical frame, see [`Camera::new`].
     pub fn camera(self, fixed_from_optical: &Isometry3<f64>, near_m: f64) -> Camera {
-        let camera = Camera::new(self.drawn, fixed_from_optical, near_m);
+        let camera = Camera::new(self.drawn, fixed_from_optical, near_m).with_flip(self.flip);
         match self.lens {
             Some(lens) => camera.with_lens(lens),
             None => camera,
@@ -69,36 +72,22 @@ pub fn optics(
     for (field, values) in [("D", info.d), ("K", &info.k[..]), ("R", &info.r[..])] {
         require_finite(field, values)?;
     }
-    let intrinsics = Intrinsics::from_p(info.width_px, info.height_px, info.p)?;
     let through_lens = match model.undistort && is_distorted(info) {
-        true => lenses.of(topic, info, &intrinsics).ok(),
+        true => lenses.of(topic, info)?.ok(),
         false => None,
     };
+    let (size, p) = ([info.width_px, info.height_px], info.p);
     Ok(match (through_lens, model.projection) {
-        (Some(lens), _) => Optics { drawn: lens.intrinsics, lens: Some(lens.map) },
-        (None, Projection::Rviz) => Optics { drawn: intrinsics.as_rviz_draws(), lens: None },
-        (None, Projection::Exact) => Optics { drawn: intrinsics.as_p_means(), lens: None },
+        (Some(lens), _) => Optics { drawn: lens.intrinsics, lens: Some(lens.map), flip: lens.flip },
+        (None, Projection::Rviz) => {
+            let drawn = Intrinsics::from_p(size[0], size[1], p)?.as_rviz_draws();
+            Optics { drawn, lens: None, flip: Flip::NONE }
+        }
+        (None, Projection::Exact) => {
+            let (drawn, flip) = Intrinsics::exactly(size[0], size[1], p)?;
+            Optics { drawn, lens: None, flip }
+        }
     })
-}
-
-/// Whether rviz's projection of this CameraInfo differs from what P says by more than half a pixel.
-///
-/// ```
-/// use rcs_camera::{rviz_differs, CameraInfoFields};
-///
-/// // With one focal length and no P[7], both draw the same picture.
-/// let mut p = [1900.0, 0.0, 640.0, 0.0, 0.0, 1900.0, 750.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-/// let (none, size) = ([0.0; 9], [1280, 800]);
-/// let differs = |p: &[f64; 12]| {
-///     let [width_px, height_px] = size;
-///     rviz_differs(&CameraInfoFields { width_px, height_px, distortion_model: "", d: &[], k: &none, r: &none, p })
-/// };
-/// assert!(!differs(&p));
-/// p[5] = 2000.0;
-/// assert!(differs(&p));
-/// ```
-pub fn rviz_differs(info: &CameraInfoFields<'_>) -> bool {
-    Intrinsics::from_p(info.width_px, info.height_px, info.p).is_ok_and(|intrinsics| !intrinsics.rviz_is_exact())
 }
 
 #[cfg(test)]
@@ -112,7 +101,17 @@ mod tests {
 
     fn fields<'a>(d: &'a [f64], k: &'a [f64; 9], p: &'a [f64; 12]) -> CameraInfoFields<'a> {
         const NOT_SET: &[f64; 9] = &[0.0; 9];
-        CameraInfoFields { width_px: 64, height_px: 48, distortion_model: "plumb_bob", d, k, r: NOT_SET, p }
+        CameraInfoFields {
+            width_px: 64,
+            height_px: 48,
+            distortion_model: "plumb_bob",
+            d,
+            k,
+            r: NOT_SET,
+            p,
+            binning: [0; 2],
+            region_px: [0; 4],
+        }
     }
 
     #[test]
@@ -134,10 +133,46 @@ mod tests {
         let (lenses, model) = (Lenses::default(), CameraModel { projection: Projection::Rviz, undistort: true });
         let straight = optics(&fields(&[0.1, 0.0, 0.0, 0.0], &[0.0; 9], &PROJECTOR), "/p", model, &lenses).unwrap();
         assert_eq!((straight.lens, straight.drawn.width_px), (None, 64));
-        assert!(lenses.problem("/p").unwrap().to_string().starts_with("K: the focal lengths (fx 0"));
+        assert!(lenses.problem("/p").unwrap().to_string().starts_with("K: its last row is [0.0, 0.0, 0.0]"));
         let k = [100.0, 0.0, 32.0, 0.0, 100.0, 40.0, 0.0, 0.0, 1.0];
         let bent = optics(&fields(&[0.1, 0.0, 0.0, 0.0], &k, &PROJECTOR), "/p", model, &lenses).unwrap();
         assert!(bent.lens.is_some_and(|lens| lens.size_px() == [64, 48]) && lenses.problem("/p").is_none());
+    }
+
+    #[test]
+    fn only_rvizs_projection_draws_a_third_row_that_is_no_scale() {
+        let mut p = PROJECTOR;
+        p[10] = 0.0;
+        let k = [100.0, 0.0, 32.0, 0.0, 100.0, 40.0, 0.0, 0.0, 1.0];
+        let drawn = |projection, undistort| {
+            let model = CameraModel { projection, undistort };
+            optics(&fields(&[0.1, 0.0, 0.0, 0.0], &k, &p), "", model, &Lenses::default())
+        };
+        assert!(drawn(Projection::Rviz, false).is_ok());
+        for refused in [drawn(Projection::Exact, false), drawn(Projection::Rviz, true), drawn(Projection::Exact, true)] {
+            assert_eq!(refused.unwrap_err(), CameraError::ThirdRow { row: [0.0; 4] });
+        }
+    }
+
+    #[test]
+    fn a_mirror_of_k_is_the_pictures_and_one_of_p_that_of_what_nobody_sees() {
+        let model = CameraModel { projection: Projection::Rviz, undistort: true };
+        let k = [100.0, 2.0, 30.0, 0.0, 100.0, 40.0, 0.0, 0.0, 1.0];
+        let d = [0.1, 0.0, 0.002, 0.0];
+        let of = |k: &[f64; 9], p: &[f64; 12]| optics(&fields(&d, k, p), "", model, &Lenses::default()).unwrap();
+        let straight = of(&k, &PROJECTOR);
+        // P's first row mirrored: its principal point is at column 63 - 32.
+        let mut mirrored_p = PROJECTOR;
+        (mirrored_p[0], mirrored_p[2]) = (-100.0, 31.0);
+        assert_eq!(of(&k, &mirrored_p), straight);
+        let mirrored_k = [-100.0, -2.0, 33.0, 0.0, 100.0, 40.0, 0.0, 0.0, 1.0];
+        let flip = Flip { is_left_right: true, is_up_down: false };
+        assert_eq!(of(&mirrored_k, &mirrored_p), Optics { flip, ..straight.clone() });
+        let turned_k = [-100.0, -2.0, 33.0, 0.0, -100.0, 7.0, 0.0, 0.0, 1.0];
+        let flip = Flip { is_left_right: true, is_up_down: true };
+        assert_eq!(of(&turned_k, &PROJECTOR), Optics { flip, ..straight.clone() });
+        // K counts up to scale.
+        assert_eq!(of(&k.map(|value| value * 2.0), &PROJECTOR), straight);
     }
 
     /// Numbers as a CameraInfo has them, and some that none should have.
@@ -158,7 +193,7 @@ mod tests {
             let usual = [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0];
             let info = fields(&d, if is_usual { &usual } else { &k }, &p);
             let model = CameraModel { projection: Projection::Exact, undistort };
-            if let Ok(Optics { drawn, lens }) = optics(&info, "", model, &Lenses::default()) {
+            if let Ok(Optics { drawn, lens, .. }) = optics(&info, "", model, &Lenses::default()) {
                 prop_assert!(drawn.width_px <= MAX_SIDE_PX && drawn.height_px <= MAX_SIDE_PX);
                 if let Some(lens) = lens {
                     prop_assert_eq!(lens.source_size_px(), [drawn.width_px, drawn.height_px]);

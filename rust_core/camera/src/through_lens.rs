@@ -7,9 +7,9 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use nalgebra::{Matrix3, Point2};
-use rcs_calibration::Lens;
-use rcs_scene::{Intrinsics, PixelMap};
+use nalgebra::{Matrix3, Point2, Vector2};
+use rcs_calibration::{Distortion, Lens};
+use rcs_scene::{CameraError, Flip, Intrinsics, PixelMap};
 
 use crate::{lens_of, CameraInfoFields, LensProblem};
 
@@ -20,6 +20,8 @@ pub struct DrawnThroughLens {
     pub intrinsics: Intrinsics,
     /// From what was drawn to the picture.
     pub map: Arc<PixelMap>,
+    /// What is done to that picture, where K has negative focal lengths.
+    pub flip: Flip,
 }
 
 /// Why the lens of a CameraInfo cannot be allowed for.
@@ -38,22 +40,34 @@ pub enum NoLens {
 
 /// Whether a CameraInfo has distortion.
 pub fn is_distorted(info: &CameraInfoFields<'_>) -> bool {
-    info.d.iter().any(|coefficient| *coefficient != 0.0)
+    Distortion::bends(info.distortion_model, info.d)
 }
 
-/// The drawing for a CameraInfo's lens, by the intrinsics of its P.
+/// The drawing for a CameraInfo's lens, by what its P [means](Intrinsics::exactly), without a mirror.
+///
+/// A mirror of P is that of a picture which nobody sees; one of K is that of the picture that comes out.
 ///
 /// # Errors
 /// See [`NoLens`].
 fn drawn_through_lens(info: &CameraInfoFields<'_>, p: &Intrinsics) -> Result<DrawnThroughLens, NoLens> {
-    let lens = lens_of(info)?;
+    let (lens, flip) = without_mirror(lens_of(info)?);
     let rectified_from_raw = rectification(info)?;
     let map = PixelMap::new(lens.size_px, |pixel| rectified_pixel(&lens, &rectified_from_raw, p, pixel));
     let map = map.ok_or(NoLens::Outside)?;
     let ([left, top], [width_px, height_px]) = (map.source_origin_px(), map.source_size_px());
-    let p = p.as_p_means();
     let (cx_px, cy_px) = (p.cx_px - f64::from(left), p.cy_px - f64::from(top));
-    Ok(DrawnThroughLens { intrinsics: Intrinsics { width_px, height_px, cx_px, cy_px, ..p }, map: Arc::new(map) })
+    let intrinsics = Intrinsics { width_px, height_px, cx_px, cy_px, ..*p };
+    Ok(DrawnThroughLens { intrinsics, map: Arc::new(map), flip })
+}
+
+/// The lens whose flipped picture is this one's, with positive focal lengths.
+fn without_mirror(lens: Lens) -> (Lens, Flip) {
+    let flip = Flip { is_left_right: lens.focal_px.x < 0.0, is_up_down: lens.focal_px.y < 0.0 };
+    let signs = lens.focal_px.map(f64::signum);
+    let center_px = flip.pixel(lens.size_px, lens.center_px.into()).into();
+    let (focal_px, skew_px): (Vector2<_>, Vector2<_>) =
+        (lens.focal_px.component_mul(&signs), lens.skew_px.component_mul(&signs));
+    (Lens { focal_px, skew_px, center_px, ..lens }, flip)
 }
 
 /// R, which turns what the lens sees into what P projects; the identity where it is not set.
@@ -82,8 +96,9 @@ fn rectified_pixel(
     [u, v]: [f64; 2],
 ) -> Option<[f64; 2]> {
     let direction = rectified_from_raw * lens.ray(Point2::new(u, v))?;
+    // The map counts from a pixel's centre, what is drawn from its edge.
     (direction.z > 0.0)
-        .then(|| [p.fx_px * direction.x / direction.z + p.cx_px, p.fy_px * direction.y / direction.z + p.cy_px])
+        .then(|| p.place([direction.x / direction.z, direction.y / direction.z]).map(|place| place - 0.5))
 }
 
 /// A lens, or why there is none, and the fields that it was made of.
@@ -114,7 +129,7 @@ impl KnownLens {
 
     fn is_of(&self, info: &CameraInfoFields<'_>) -> bool {
         let Self { size_px: [width_px, height_px], distortion_model, d, k, r, p, .. } = self;
-        *info == CameraInfoFields { width_px: *width_px, height_px: *height_px, distortion_model, d, k, r, p }
+        *info == CameraInfoFields { width_px: *width_px, height_px: *height_px, distortion_model, d, k, r, p, ..*info }
     }
 }
 
@@ -126,19 +141,24 @@ pub struct Lenses {
 }
 
 impl Lenses {
-    /// The drawing for the lens of a topic's CameraInfo, whose P has these intrinsics.
+    /// The drawing for the lens of a topic's CameraInfo.
     ///
     /// # Errors
-    /// See [`NoLens`].
-    pub fn of(&self, topic: &str, info: &CameraInfoFields<'_>, p: &Intrinsics) -> Result<DrawnThroughLens, NoLens> {
+    /// What is wrong with P. What is wrong with the lens is in the result: then it is drawn without one.
+    pub fn of(
+        &self,
+        topic: &str,
+        info: &CameraInfoFields<'_>,
+    ) -> Result<Result<DrawnThroughLens, NoLens>, CameraError> {
+        let (p, _) = Intrinsics::exactly(info.width_px, info.height_px, info.p)?;
         let mut known = self.known.borrow_mut();
         if let Some(known) = known.get(topic).filter(|known| known.is_of(info)) {
-            return known.lens.clone();
+            return Ok(known.lens.clone());
         }
-        let new = KnownLens::new(info, p);
+        let new = KnownLens::new(info, &p);
         let lens = new.lens.clone();
         known.insert(topic.to_owned(), new);
-        lens
+        Ok(lens)
     }
 
     /// What is wrong with a topic's lens, if it was asked for.

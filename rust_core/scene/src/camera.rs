@@ -8,7 +8,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Matrix4, Point3, Translation3, UnitQuaternion, Vector3};
 use thiserror::Error;
 
-use crate::PixelMap;
+use crate::{Flip, PixelMap};
 
 /// The far clip distance of a CameraPub camera, in metres.
 pub const FAR_CLIP_M: f64 = 100.0;
@@ -47,10 +47,25 @@ pub enum CameraError {
         /// `P[0]` or `P[5]`.
         field: &'static str,
     },
+    /// The third row of P is not a positive multiple of (0, 0, 1, 0).
+    #[error("the third row of P, P[8] to P[11], is {row:?} where [0, 0, s, 0] with s > 0 is needed")]
+    ThirdRow {
+        /// The row.
+        row: [f64; 4],
+    },
+    /// The skews of P turn the picture inside out, or flatten it.
+    #[error(
+        "P[1] and P[4] (skews, {} and {}) are too large for the focal lengths P[0] and P[5]",
+        skew_px[0], skew_px[1]
+    )]
+    TooSkewed {
+        /// `P[1]` and `P[4]`.
+        skew_px: [f64; 2],
+    },
 }
 
 /// A pinhole camera, from a CameraInfo's size and its row-major 3×4 matrix
-/// `P = [fx 0 cx Tx; 0 fy cy Ty; 0 0 1 0]` (K, R and D play no part). Pixels.
+/// `P = [fx s cx Tx; t fy cy Ty; 0 0 1 0]` (K, R and D play no part). Pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intrinsics {
     /// Picture width.
@@ -61,6 +76,8 @@ pub struct Intrinsics {
     pub fx_px: f64,
     /// Focal length along a column.
     pub fy_px: f64,
+    /// `P[1]` and `P[4]`, mostly 0: how far y moves what is seen along a row, and x along a column.
+    pub skew_px: [f64; 2],
     /// Principal point from the left; may lie outside of the picture.
     pub cx_px: f64,
     /// Principal point from the top; projectors throw upwards, so it may lie far below the picture.
@@ -72,7 +89,8 @@ pub struct Intrinsics {
 }
 
 impl Intrinsics {
-    /// Checks and reads a CameraInfo's size and P.
+    /// Checks a CameraInfo's size and reads its P as rviz does: the third row does not count. What P means is
+    /// [`exactly`](Self::exactly).
     ///
     /// # Errors
     /// The first field that makes drawing impossible, see [`CameraError`].
@@ -91,17 +109,80 @@ impl Intrinsics {
                 return Err(CameraError::ZeroFocalLength { field });
             }
         }
-        Ok(Self { width_px, height_px, fx_px: p[0], fy_px: p[5], cx_px: p[2], cy_px: p[6], tx: p[3], ty: p[7] })
+        let [fx_px, s, cx_px, tx, t, fy_px, cy_px, ty, ..] = *p;
+        Ok(Self { width_px, height_px, fx_px, fy_px, skew_px: [s, t], cx_px, cy_px, tx, ty })
     }
 
-    /// Whether rviz's CameraPub and the meaning of P agree on these intrinsics but for [half a
-    /// pixel](Self::as_p_means): square pixels (to one part in a million) and no vertical offset.
-    pub fn rviz_is_exact(&self) -> bool {
-        (self.fx_px - self.fy_px).abs() <= 1e-6 * self.fx_px.abs() && self.ty == 0.0
+    /// The intrinsics with which a point is drawn where P sends it, `P · [X Y Z 1]'`. P counts up to scale. Where it
+    /// has negative focal lengths, they are those of the picture without the mirror, which has to be flipped.
+    ///
+    /// ```
+    /// use rcs_scene::{Flip, Intrinsics};
+    ///
+    /// let mirrored = [-500.0, 0.0, 320.0, 0.0, 0.0, 500.0, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    /// let (drawn, flip) = Intrinsics::exactly(640, 480, &mirrored)?;
+    /// // The mirror image of column 320 of 640 is column 319; its centre is half a pixel from its edge.
+    /// assert_eq!((drawn.fx_px, drawn.cx_px), (500.0, 319.5));
+    /// assert_eq!(flip, Flip { is_left_right: true, is_up_down: false });
+    /// # Ok::<(), rcs_scene::CameraError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The first field that makes drawing impossible, see [`CameraError`].
+    pub fn exactly(width_px: u32, height_px: u32, p: &[f64; 12]) -> Result<(Self, Flip), CameraError> {
+        let given = Self::from_p(width_px, height_px, p)?;
+        let [.., below_x, below_y, scale, below_w] = *p;
+        if !(scale > 0.0 && [below_x, below_y, below_w] == [0.0; 3]) {
+            return Err(CameraError::ThirdRow { row: [below_x, below_y, scale, below_w] });
+        }
+        let drawn = match scale == 1.0 {
+            true => given,
+            false => Self::from_p(width_px, height_px, &p.map(|value| value / scale))?,
+        };
+        let flip = Flip { is_left_right: drawn.fx_px < 0.0, is_up_down: drawn.fy_px < 0.0 };
+        let drawn = drawn.flipped(flip);
+        let [s, t] = drawn.skew_px;
+        if drawn.fx_px * drawn.fy_px <= s * t {
+            return Err(CameraError::TooSkewed { skew_px: given.skew_px });
+        }
+        Ok((drawn.as_p_means(), flip))
     }
 
-    /// The intrinsics with which a point is drawn where P sends it, if an integer is a pixel's centre, as in ROS and
-    /// OpenCV: for a renderer the centre of the first pixel is at 0.5. rviz leaves that half pixel out.
+    /// The intrinsics of the flipped picture, where an integer is a pixel's centre.
+    fn flipped(self, flip: Flip) -> Self {
+        let [cx_px, cy_px] = flip.pixel([self.width_px, self.height_px], [self.cx_px, self.cy_px]);
+        let Self { fx_px, fy_px, skew_px: [s, t], tx, ty, .. } = self;
+        let (fx_px, s, tx) = if flip.is_left_right { (-fx_px, -s, -tx) } else { (fx_px, s, tx) };
+        let (fy_px, t, ty) = if flip.is_up_down { (-fy_px, -t, -ty) } else { (fy_px, t, ty) };
+        Self { fx_px, fy_px, skew_px: [s, t], cx_px, cy_px, tx, ty, ..self }
+    }
+
+    /// The direction (x, y, 1) in the optical frame that goes to a place in the picture.
+    pub fn plane(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        self.solve([u - self.cx_px, v - self.cy_px])
+    }
+
+    /// The place in the picture that the direction (x, y, 1) of the optical frame goes to: the inverse of
+    /// [`Self::plane`].
+    pub fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [s, t] = self.skew_px;
+        [self.fx_px * x + s * y + self.cx_px, t * x + self.fy_px * y + self.cy_px]
+    }
+
+    /// The eye in the CameraInfo's optical frame, x and y in metres: not 0 where P has Tx or Ty.
+    pub fn eye_m(&self) -> [f64; 2] {
+        self.solve([-self.tx, -self.ty])
+    }
+
+    /// x and y whose multiples by the focal lengths and skews are these pixels.
+    fn solve(&self, [du, dv]: [f64; 2]) -> [f64; 2] {
+        let [s, t] = self.skew_px;
+        let y = (dv - t * du / self.fx_px) / (self.fy_px - t * s / self.fx_px);
+        [(du - s * y) / self.fx_px, y]
+    }
+
+    /// The same picture with pixels counted from the first one's edge, as a renderer does, and not from its centre, as
+    /// ROS and OpenCV do. rviz leaves that half pixel out.
     pub fn as_p_means(&self) -> Self {
         Self { cx_px: self.cx_px + 0.5, cy_px: self.cy_px + 0.5, ..*self }
     }
@@ -129,14 +210,15 @@ impl Intrinsics {
     }
 
     /// The intrinsics that rviz's CameraPub in effect draws with. It shrinks the longer focal length (and the
-    /// principal point's offset from the centre along that axis) to the shorter one, and moves the camera up where
-    /// `P[7]` means down.
+    /// principal point's offset from the centre along that axis) to the shorter one, gives both the same sign, leaves
+    /// out skews, and moves the camera up where `P[7]` means down.
     pub fn as_rviz_draws(&self) -> Self {
         let (zoom_x, zoom_y) = self.rviz_zoom();
         let (half_width, half_height) = (f64::from(self.width_px) / 2.0, f64::from(self.height_px) / 2.0);
         Self {
             fx_px: self.fx_px * zoom_x,
             fy_px: self.fy_px * zoom_y,
+            skew_px: [0.0; 2],
             cx_px: half_width + (self.cx_px - half_width) * zoom_x,
             cy_px: half_height + (self.cy_px - half_height) * zoom_y,
             tx: self.tx * zoom_x,
@@ -180,6 +262,8 @@ pub struct Camera {
     intrinsics: Intrinsics,
     /// Between what is drawn and the picture.
     lens: Option<Arc<PixelMap>>,
+    /// What is done to the picture when it is finished.
+    flip: Flip,
     near_m: f64,
     fixed_from_view: Isometry3<f64>,
     clip_from_view: Matrix4<f64>,
@@ -194,21 +278,23 @@ impl Camera {
     /// A near distance that is not above zero or not below the far one is moved just inside of that range.
     pub fn new(intrinsics: Intrinsics, fixed_from_optical: &Isometry3<f64>, near_m: f64) -> Self {
         let near_m = near_m.clamp(1e-6, FAR_CLIP_M * 0.999);
-        let Intrinsics { fx_px, fy_px, cx_px, cy_px, tx, ty, .. } = intrinsics;
-        let optical_from_camera = Translation3::new(-tx / fx_px, -ty / fy_px, 0.0);
+        let Intrinsics { fx_px, fy_px, skew_px: [s, t], cx_px, cy_px, .. } = intrinsics;
+        let [eye_x, eye_y] = intrinsics.eye_m();
+        let optical_from_camera = Translation3::new(eye_x, eye_y, 0.0);
         let optical_from_view = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
         let (width, height) = (f64::from(intrinsics.width_px), f64::from(intrinsics.height_px));
         let depth = FAR_CLIP_M - near_m;
         #[rustfmt::skip]
         let clip_from_view = Matrix4::new(
-            2.0 * fx_px / width, 0.0, 1.0 - 2.0 * cx_px / width, 0.0,
-            0.0, 2.0 * fy_px / height, 2.0 * cy_px / height - 1.0, 0.0,
+            2.0 * fx_px / width, 0.0 - 2.0 * s / width, 1.0 - 2.0 * cx_px / width, 0.0,
+            0.0 - 2.0 * t / height, 2.0 * fy_px / height, 2.0 * cy_px / height - 1.0, 0.0,
             0.0, 0.0, -(FAR_CLIP_M + near_m) / depth, -2.0 * FAR_CLIP_M * near_m / depth,
             0.0, 0.0, -1.0, 0.0,
         );
         Self {
             intrinsics,
             lens: None,
+            flip: Flip::NONE,
             near_m,
             fixed_from_view: fixed_from_optical * optical_from_camera * optical_from_view,
             clip_from_view,
@@ -219,6 +305,17 @@ impl Camera {
     #[must_use]
     pub fn with_lens(self, lens: Arc<PixelMap>) -> Self {
         Self { lens: Some(lens), ..self }
+    }
+
+    /// The same camera with a picture that is flipped when it is finished, after the lens.
+    #[must_use]
+    pub fn with_flip(self, flip: Flip) -> Self {
+        Self { flip, ..self }
+    }
+
+    /// How the picture is flipped when it is finished, after the lens.
+    pub fn flip(&self) -> Flip {
+        self.flip
     }
 
     /// The lens through which what is drawn becomes the picture, if there is one.
@@ -295,10 +392,16 @@ impl Camera {
 mod tests {
     use super::*;
 
+    /// Where a point is seen that is given from the eye.
     fn pixel(camera: &Camera, optical: Point3<f64>) -> (f64, f64) {
         let fixed_from_optical =
             camera.fixed_from_view * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-        let view = camera.fixed_from_view.inverse_transform_point(&(fixed_from_optical * optical));
+        pixel_of_fixed(camera, fixed_from_optical * optical)
+    }
+
+    /// Where a point of the fixed frame is seen.
+    fn pixel_of_fixed(camera: &Camera, fixed: Point3<f64>) -> (f64, f64) {
+        let view = camera.fixed_from_view.inverse_transform_point(&fixed);
         let clip = camera.clip_from_view * view.to_homogeneous();
         let (width, height) = (f64::from(camera.width_px()), f64::from(camera.height_px()));
         ((clip.x / clip.w + 1.0) / 2.0 * width, (1.0 - clip.y / clip.w) / 2.0 * height)
@@ -320,7 +423,6 @@ mod tests {
         let mut p = P;
         p[0] = 1000.0;
         let intrinsics = Intrinsics::from_p(1280, 800, &p).unwrap();
-        assert!(!intrinsics.rviz_is_exact());
         let drawn = intrinsics.as_rviz_draws();
         // In 32 bits, as rviz computes it.
         let zoom_y = f64::from(1.0_f32 / ((1280.0_f64 / 1000.0) / (800.0 / 1900.0)) as f32 * (1280.0_f32 / 800.0));
@@ -337,6 +439,91 @@ mod tests {
         let (u, v) = pixel(&camera, Point3::new(0.1, -0.2, 2.0));
         assert!((u - 0.5 - (640.0 + 1900.0 * 0.05)).abs() < 1e-9, "{u}");
         assert!((v - 0.5 - (750.0 - 1900.0 * 0.1)).abs() < 1e-9, "{v}");
+    }
+
+    #[test]
+    fn skew_and_scale_are_followed_in_the_exact_projection_only() {
+        // A test's camera of 640×480: u = (500 x + 50 y + 320 z) / z.
+        let p = [500.0, 50.0, 320.0, 0.0, 7.0, 500.0, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        for scale in [1.0, 2.0, 0.1] {
+            let (drawn, flip) = Intrinsics::exactly(640, 480, &p.map(|value| value * scale)).unwrap();
+            assert_eq!(flip, Flip::NONE);
+            let camera = Camera::new(drawn, &Isometry3::identity(), 0.01);
+            let (u, v) = pixel(&camera, Point3::new(0.1, 0.2, 1.0));
+            assert!((u - 0.5 - 380.0).abs() < 1e-9 && (v - 0.5 - 340.7).abs() < 1e-9, "{scale}: {u} {v}");
+            let [x, y] = drawn.plane([u, v]);
+            assert!((x - 0.1).abs() < 1e-12 && (y - 0.2).abs() < 1e-12 && drawn.place([x, y]) == [u, v]);
+        }
+        assert_eq!(Intrinsics::from_p(640, 480, &p).unwrap().as_rviz_draws().skew_px, [0.0; 2]);
+    }
+
+    #[test]
+    fn a_skewed_camera_with_an_offset_stands_where_p_places_it() {
+        let p = [500.0, 50.0, 320.0, -60.0, 7.0, 480.0, 240.0, 31.0, 0.0, 0.0, 1.0, 0.0];
+        let camera = Camera::new(Intrinsics::exactly(640, 480, &p).unwrap().0, &Isometry3::identity(), 0.01);
+        let (x, y, z) = (0.3, -0.2, 1.5);
+        let (u, v) = pixel_of_fixed(&camera, Point3::new(x, y, z));
+        let [du, dv] = [p[0] * x + p[1] * y + p[2] * z + p[3], p[4] * x + p[5] * y + p[6] * z + p[7]];
+        assert!((u - 0.5 - du / z).abs() < 1e-9 && (v - 0.5 - dv / z).abs() < 1e-9, "{u} {v}");
+    }
+
+    #[test]
+    fn a_negative_focal_length_is_a_flipped_picture_of_the_positive_one() {
+        let p = [500.0, 50.0, 320.0, -60.0, 7.0, 480.0, 240.0, 31.0, 0.0, 0.0, 1.0, 0.0];
+        let points = [Point3::new(0.3, -0.2, 1.5), Point3::new(-0.1, 0.4, 0.9)];
+        for [sign_x, sign_y] in [[-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]] {
+            let mut mirrored = p;
+            mirrored[..2].iter_mut().for_each(|value| *value *= sign_x);
+            mirrored[3] *= sign_x;
+            mirrored[4..6].iter_mut().for_each(|value| *value *= sign_y);
+            mirrored[7] *= sign_y;
+            let (drawn, flip) = Intrinsics::exactly(640, 480, &mirrored).unwrap();
+            assert_eq!(flip, Flip { is_left_right: sign_x < 0.0, is_up_down: sign_y < 0.0 });
+            assert!(drawn.fx_px > 0.0 && drawn.fy_px > 0.0);
+            let camera = Camera::new(drawn, &Isometry3::identity(), 0.01).with_flip(flip);
+            for point in points {
+                let (u, v) = pixel_of_fixed(&camera, point);
+                let [u, v] = camera.flip().pixel([640, 480], [u - 0.5, v - 0.5]);
+                let by_p = |row: usize| {
+                    let Point3 { coords } = point;
+                    (mirrored[row] * coords.x + mirrored[row + 1] * coords.y + mirrored[row + 2] * coords.z
+                        + mirrored[row + 3])
+                        / coords.z
+                };
+                assert!((u - by_p(0)).abs() < 1e-9 && (v - by_p(4)).abs() < 1e-9, "{u} {v}");
+            }
+        }
+    }
+
+    #[test]
+    fn rviz_gives_both_focal_lengths_the_same_sign() {
+        let drawn = |fx: f64, fy: f64| {
+            let p = [fx, 0.0, 300.0, 0.0, 0.0, fy, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+            let drawn = Intrinsics::from_p(640, 480, &p).unwrap().as_rviz_draws();
+            (drawn.fx_px, drawn.fy_px, drawn.cx_px)
+        };
+        assert_eq!(drawn(-500.0, 500.0), (500.0, 500.0, 340.0));
+        assert_eq!(drawn(500.0, -500.0), (-500.0, -500.0, 340.0));
+        assert_eq!(drawn(-500.0, -500.0), (-500.0, -500.0, 300.0));
+    }
+
+    #[test]
+    fn a_third_row_that_is_no_scale_and_skews_without_a_picture_are_refused_by_name() {
+        let with = |changes: &[(usize, f64)]| {
+            let mut p = P;
+            changes.iter().for_each(|(i, value)| p[*i] = *value);
+            Intrinsics::exactly(1280, 800, &p).unwrap_err().to_string()
+        };
+        for row in [[(10, 0.0)], [(10, -1.0)], [(8, 0.1)], [(9, -0.1)], [(11, 1.0)]] {
+            assert!(with(&row).starts_with("the third row of P, P[8] to P[11], is ["), "{}", with(&row));
+        }
+        assert!(with(&[(1, 1900.0), (4, 1900.0)]).starts_with("P[1] and P[4] (skews, 1900 and 1900)"));
+        assert!(with(&[(10, f64::NAN)]).starts_with("P[10] is NaN"));
+        assert!(with(&[(10, 1e-300), (0, 1e10)]).starts_with("P[0] is inf"));
+        // What rviz does not look at does not end its picture.
+        let mut p = P;
+        p[10] = 0.0;
+        assert!(Intrinsics::from_p(1280, 800, &p).is_ok());
     }
 
     #[test]

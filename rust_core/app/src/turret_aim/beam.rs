@@ -10,6 +10,7 @@ use rcs_camera::{is_distorted, rectification};
 use rcs_files::projector::{fields_of, lens_of};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_robot::Beam;
+use rcs_scene::Intrinsics;
 
 /// A pixel of the picture; an integer is a pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,20 +51,17 @@ pub(super) fn beam(info: &CameraInfo, pixel: AimPixel) -> Result<Beam, String> {
         let rectified_from_raw = rectification(&fields_of(info)).map_err(|problem| problem.to_string())?;
         return Ok(Beam { origin: Point3::origin(), direction: Unit::new_normalize(rectified_from_raw * ray) });
     }
-    let [fx, _, cx, tx, _, fy, cy, ty, ..] = info.P;
-    if !(fx.is_finite() && fy.is_finite() && fx != 0.0 && fy != 0.0) {
-        return Err("its P has no focal lengths".to_owned());
-    }
-    let direction = Vector3::new((u - cx) / fx, (v - cy) / fy, 1.0);
-    if !(tx + ty + direction.norm()).is_finite() {
-        return Err("its P is not finite".to_owned());
-    }
-    // P takes (x, y, z) to ((fx x + cx z + tx) / z, …): the light of all pixels meets where x is -tx / fx.
-    Ok(Beam { origin: Point3::new(-tx / fx, -ty / fy, 0.0), direction: Unit::new_normalize(direction) })
+    let (p, flip) = Intrinsics::exactly(info.width, info.height, &info.P).map_err(|error| error.to_string())?;
+    let [u, v] = flip.pixel([info.width, info.height], [u, v]);
+    let ([x, y], [eye_x, eye_y]) = (p.plane([u + 0.5, v + 0.5]), p.eye_m());
+    // The light of all pixels meets where the eye is.
+    Ok(Beam { origin: Point3::new(eye_x, eye_y, 0.0), direction: Unit::new_normalize(Vector3::new(x, y, 1.0)) })
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Matrix3x4;
+
     use super::*;
 
     fn info() -> CameraInfo {
@@ -85,13 +83,17 @@ mod tests {
     fn a_given_pixel_is_projected_back_by_p() {
         let mut info = info();
         (info.P[3], info.P[7]) = (-190.0, 38.0);
-        let light = beam(&info, "100, 200".parse::<AimPixel>().unwrap()).unwrap();
-        let point = light.origin + light.direction.into_inner() * 2.5;
-        let pixel = [
-            (info.P[0] * point.x + info.P[2] * point.z + info.P[3]) / point.z,
-            (info.P[5] * point.y + info.P[6] * point.z + info.P[7]) / point.z,
-        ];
-        assert!((pixel[0] - 100.0).abs() < 1e-9 && (pixel[1] - 200.0).abs() < 1e-9, "{pixel:?}");
+        // With a skew, mirrored, and up to scale.
+        for [sign, skew, scale] in [[1.0, 0.0, 1.0], [1.0, 50.0, 2.0], [-1.0, 50.0, 1.0]] {
+            let mut info = info.clone();
+            (info.P[0], info.P[1]) = (sign * info.P[0], sign * skew);
+            info.P = info.P.map(|value| value * scale);
+            let light = beam(&info, "100, 200".parse::<AimPixel>().unwrap()).unwrap();
+            let point = (light.origin + light.direction.into_inner() * 2.5).to_homogeneous();
+            let pixel = Matrix3x4::from_row_slice(&info.P) * point;
+            let pixel = [pixel.x / pixel.z, pixel.y / pixel.z];
+            assert!((pixel[0] - 100.0).abs() < 1e-9 && (pixel[1] - 200.0).abs() < 1e-9, "{pixel:?}");
+        }
     }
 
     #[test]
@@ -109,6 +111,8 @@ mod tests {
         for text in ["", "1", "1,2,3", "1,x", "nan,1"] {
             assert!(text.parse::<AimPixel>().is_err(), "{text}");
         }
-        assert!(beam(&CameraInfo::default(), AimPixel::Center).unwrap_err().contains("focal lengths"));
+        let mut info = info();
+        info.P[0] = 0.0;
+        assert_eq!(beam(&info, AimPixel::Center).unwrap_err(), "P[0] (a focal length) is 0");
     }
 }

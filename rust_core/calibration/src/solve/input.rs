@@ -214,6 +214,9 @@ fn check_lens(lens: &Lens, size_px: [u32; 2]) -> Result<(), Refusal> {
     if lens.size_px != size_px {
         return Err(Refusal::OtherLens { lens_px: lens.size_px, size_px });
     }
+    if lens.skew_px.iter().any(|skew| *skew != 0.0) {
+        return Err(Refusal::Skewed { skew_px: lens.skew_px.into() });
+    }
     let values = [lens.focal_px.x, lens.focal_px.y, lens.center_px.x, lens.center_px.y];
     for (value, parameter) in values.into_iter().zip(Parameter::ALL) {
         if !value.is_finite() {

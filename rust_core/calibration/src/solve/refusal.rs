@@ -114,6 +114,12 @@ pub enum Refusal {
     /// A focal length that no lens has.
     #[error("the focal length {0} of {1} is not positive: give positive ones, the picture must not be mirrored")]
     NegativeFocal(f64, Parameter),
+    /// A lens that is given has a skew, which the solver's lenses have not.
+    #[error("the lens that is given has a skew (K[1] {} and K[3] {}): give one without", skew_px[0], skew_px[1])]
+    Skewed {
+        /// `K[1]` and `K[3]`.
+        skew_px: [f64; 2],
+    },
     /// A given value is no number.
     #[error("the value given for {0} is not a finite number: leave it out or give a number")]
     FixedNotFinite(Parameter),

@@ -13,6 +13,7 @@ use super::{p_from_k, ProjectorFile, StaticFrame};
 
 /// The fields of a CameraInfo that say how it projects.
 pub fn fields_of(info: &CameraInfo) -> CameraInfoFields<'_> {
+    let roi = &info.roi;
     CameraInfoFields {
         width_px: info.width,
         height_px: info.height,
@@ -21,6 +22,8 @@ pub fn fields_of(info: &CameraInfo) -> CameraInfoFields<'_> {
         k: &info.K,
         r: &info.R,
         p: &info.P,
+        binning: [info.binning_x, info.binning_y],
+        region_px: [roi.x_offset, roi.y_offset, roi.width, roi.height],
     }
 }
 
@@ -46,8 +49,8 @@ impl ProjectorFile {
 
     /// The file of a lens whose optical frame is `frame_id`: P is K, R the identity.
     pub fn from_lens(lens: &Lens, frame_id: &str) -> Self {
-        let Lens { size_px: [width, height], focal_px, center_px, distortion } = *lens;
-        let k = [focal_px.x, 0.0, center_px.x, 0.0, focal_px.y, center_px.y, 0.0, 0.0, 1.0];
+        let Lens { size_px: [width, height], focal_px, skew_px, center_px, distortion } = *lens;
+        let k = [focal_px.x, skew_px.x, center_px.x, skew_px.y, focal_px.y, center_px.y, 0.0, 0.0, 1.0];
         let camera_info = CameraInfo {
             header: Header { frame_id: frame_id.to_owned(), ..Header::default() },
             width,
@@ -92,6 +95,7 @@ mod tests {
             center_px in prop::array::uniform2(-1e4..1e4),
             coefficients in prop::array::uniform5(-0.3..0.3),
             model in 0..4_usize,
+            skew_px in prop_oneof![Just([0.0; 2]), prop::array::uniform2(-0.5..0.5)],
         ) -> Lens {
             let distortion = match model {
                 0 => Distortion::NONE,
@@ -99,7 +103,7 @@ mod tests {
                 2 => Distortion::new(DistortionModel::Equidistant, &coefficients[..4]).unwrap(),
                 _ => Distortion::new(DistortionModel::RationalPolynomial, &[0.1; 8]).unwrap(),
             };
-            Lens { distortion, ..Lens::pinhole(size_px, focal_px, center_px) }
+            Lens { distortion, skew_px: skew_px.into(), ..Lens::pinhole(size_px, focal_px, center_px) }
         }
     }
 
@@ -144,11 +148,10 @@ mod tests {
         for (changed, expected) in [
             (
                 "K: [0, 0, 32, 0, 60, 24, 0, 0, 1]\nP: [60, 0, 32, 0, 0, 60, 24, 0, 0, 0, 1, 0]\n",
-                "K: the focal lengths (fx 0",
+                "K: a focal length is 0 (fx 0, fy 60)",
             ),
-            ("K: [-60, 0, 32, 0, 60, 24, 0, 0, 1]\n", "K: the focal lengths (fx -60"),
-            ("K: [60, 2, 32, 0, 60, 24, 0, 0, 1]\n", "K: a skew (2, 0)"),
-            ("K: [60, 0, 32, 0, 60, 24, 0, 0, 2]\n", "K: its last row is [0.0, 0.0, 2.0]"),
+            ("K: [60, 60, 32, 60, 60, 24, 0, 0, 1]\n", "K: its skews (60, 60) are too large"),
+            ("K: [60, 0, 32, 0, 60, 24, 0, 0, -1]\n", "K: its last row is [0.0, 0.0, -1.0]"),
             ("K: [60, 0, 32, 0, 60, 24, 0, 0, 1]\nD: [1, 2]\n", "D: 2 coefficients"),
             ("K: [60, 0, 32, 0, 60, 24, 0, 0, 1]\nD: [1]\ndistortion_model: fov\n", "distortion_model: 'fov'"),
         ] {

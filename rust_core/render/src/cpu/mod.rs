@@ -230,22 +230,31 @@ impl CpuRenderer {
         picture: &mut Picture,
         depth: Option<&mut DepthPicture>,
     ) -> Result<(), RenderError> {
-        let Some(map) = view.camera.lens() else { return self.draw_straight(view, picture, depth) };
+        let flip = view.camera.flip();
+        let Some(map) = view.camera.lens() else {
+            let mut depth = depth;
+            self.draw_straight(view, picture, depth.as_deref_mut())?;
+            flip.picture(picture);
+            depth.into_iter().for_each(|depth| flip.depth(depth));
+            return Ok(());
+        };
         let (mut drawn, mut drawn_depth) =
             (std::mem::take(&mut self.before_lens), std::mem::take(&mut self.depth_before_lens));
         let straight = View { encoding: Encoding::Rgba8, ..*view };
         let result = self.draw_straight(&straight, &mut drawn, depth.is_some().then_some(&mut drawn_depth));
         if result.is_ok() {
             see_through(map, &drawn, view.background, view.encoding, picture);
+            flip.picture(picture);
             if let Some(depth) = depth {
                 see_depth_through(map, &drawn_depth, depth);
+                flip.depth(depth);
             }
         }
         (self.before_lens, self.depth_before_lens) = (drawn, drawn_depth);
         result
     }
 
-    /// Draws what a camera sees without its lens.
+    /// Draws what a camera sees without its lens, before it is flipped.
     fn draw_straight(
         &mut self,
         view: &View<'_>,

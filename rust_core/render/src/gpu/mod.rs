@@ -52,7 +52,7 @@ use std::time::{Duration, Instant};
 
 use nalgebra::Matrix4;
 use rcs_camera::see_through;
-use rcs_scene::{Camera, DepthPicture, DisplayId, DrawOrder, Encoding, Geometry, Ordered, Picture, PixelMap};
+use rcs_scene::{Camera, DepthPicture, DisplayId, DrawOrder, Encoding, Flip, Geometry, Ordered, Picture, PixelMap};
 
 use self::cells::{CellPipelines, CellsDraw};
 use self::device::Device;
@@ -118,6 +118,7 @@ struct Submitted {
     arrival: Arrival,
     encoding: Encoding,
     lens: Option<LensView>,
+    flip: Flip,
 }
 
 /// What a picture is seen through.
@@ -332,7 +333,7 @@ impl Gpu {
         let arrival = target.readback().map(submission);
         self.device.check()?;
         let lens = view.camera.lens().map(|map| LensView { map: Arc::clone(map), background: view.background });
-        let submitted = Submitted { target, arrival, encoding: view.encoding, lens };
+        let submitted = Submitted { target, arrival, encoding: view.encoding, lens, flip: view.camera.flip() };
         self.in_flight.push_back(InFlight::Submitted(Box::new(submitted)));
         self.device.count(|stats| {
             stats.pictures += 1;
@@ -344,7 +345,7 @@ impl Gpu {
     }
 
     fn finish(&mut self, picture: &mut Picture) -> Result<Finished, RenderError> {
-        let Submitted { target, arrival, encoding, lens } = match self.in_flight.pop_front() {
+        let Submitted { target, arrival, encoding, lens, flip } = match self.in_flight.pop_front() {
             Some(InFlight::Submitted(submitted)) => *submitted,
             Some(InFlight::Drawn(drawn)) => {
                 self.unused_picture = std::mem::replace(picture, drawn);
@@ -362,6 +363,7 @@ impl Gpu {
             picture.reset(width_px, height_px, encoding);
             target.readback().read(&self.device, arrival, picture)?;
         }
+        flip.picture(picture);
         self.targets.give_back(target);
         Ok(Finished::Drawn)
     }

@@ -2,13 +2,14 @@
 //!
 //! A sphere hides a cone of the directions from the lens. A pixel is dark if its direction is in the cone, or as near
 //! to it as [`MARGIN_PX`] pixels, so that no part of a pixel that touches the silhouette is lit. Behind a lens with
-//! distortion, a pixel's direction is that of its place in what was drawn ([`PixelMap`]).
+//! distortion, a pixel's direction is that of its place in what was drawn ([`PixelMap`]). Where the picture is flipped
+//! when it is finished, a row's factors are those of the row that it was before, from the other end.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use nalgebra::{Point3, Vector3};
-use rcs_scene::{Camera, Intrinsics, MapRun, PixelMap};
+use nalgebra::{Matrix2, Point3, Vector3};
+use rcs_scene::{Camera, Flip, Intrinsics, MapRun, PixelMap};
 
 /// How far around a silhouette it is dark, in pixels of what is drawn: a pixel's half diagonal and what fixed-point
 /// places are off. Lenses bend one pixel to less than two.
@@ -29,8 +30,54 @@ pub struct Sphere {
 pub struct KeepOut {
     /// Each with the columns of what is drawn that it may lie in.
     cones: Vec<(Cone, Range<usize>)>,
-    intrinsics: Intrinsics,
+    directions: Directions,
+    height_px: usize,
     lens: Option<Arc<PixelMap>>,
+    flip: Flip,
+}
+
+/// The directions (x, y, 1) of the places in what is drawn, in pixels from its upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Directions {
+    /// The change of x and y by a pixel to the right, and by one down.
+    by_px: [[f64; 2]; 2],
+    /// That of the corner.
+    first: [f64; 2],
+}
+
+impl Directions {
+    fn new(intrinsics: &Intrinsics) -> Self {
+        let first = intrinsics.plane([0.0; 2]);
+        let by_px = [[1.0, 0.0], [0.0, 1.0]].map(|place| {
+            let [x, y] = intrinsics.plane(place);
+            [x - first[0], y - first[1]]
+        });
+        Self { by_px, first }
+    }
+
+    #[inline(always)]
+    fn of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let [right, down] = self.by_px;
+        [0, 1].map(|axis| self.first[axis] + right[axis] * u + down[axis] * v)
+    }
+
+    /// Without skew, x is that of the column and y that of the row alone.
+    fn are_square(&self) -> bool {
+        let [right, down] = self.by_px;
+        [right[1], down[0]] == [0.0; 2]
+    }
+
+    /// The most that the angle of a direction changes by so many pixels.
+    fn reach(&self, step: [f64; 2]) -> f64 {
+        let [right, down] = self.by_px;
+        step[0].abs() * right[0].hypot(right[1]) + step[1].abs() * down[0].hypot(down[1])
+    }
+
+    /// The most that the angle of a direction changes by a pixel in any direction: in the middle of the view.
+    fn widest(&self) -> f64 {
+        let [right, down] = self.by_px;
+        Matrix2::new(right[0], down[0], right[1], down[1]).singular_values().max()
+    }
 }
 
 /// Directions around an axis, in the optical frame: x right, y down, z along the view.
@@ -92,28 +139,40 @@ impl Cone {
 impl KeepOut {
     /// What a camera must not light; none without spheres.
     pub fn new(camera: &Camera, spheres: &[Sphere]) -> Option<Self> {
-        let (intrinsics, lens) = (*camera.intrinsics(), camera.lens().cloned());
+        let (directions, lens) = (Directions::new(camera.intrinsics()), camera.lens().cloned());
         let margin_px = if lens.is_some() { MARGIN_BEHIND_LENS_PX } else { MARGIN_PX };
-        // A pixel is widest in the middle of the view.
-        let margin = margin_px / intrinsics.fx_px.abs().min(intrinsics.fy_px.abs());
+        let margin = margin_px * directions.widest();
         let cone = |sphere: &Sphere| {
             let view = camera.fixed_from_view().inverse_transform_point(&sphere.center);
             // The view frame's y points up and its z backwards.
             Cone::new(&Vector3::new(view.x, -view.y, -view.z), sphere.radius_m, margin)
         };
         let columns = |cone: &Cone| {
-            let x = |column: u32| (f64::from(column) + 0.5 - intrinsics.cx_px) / intrinsics.fx_px;
-            let mut beside = (0..intrinsics.width_px).map(|column| cone.is_beside_column(x(column)));
+            let x = |column: u32| directions.of([f64::from(column) + 0.5, 0.0])[0];
+            let mut beside = (0..camera.width_px())
+                .map(|column| directions.are_square() && cone.is_beside_column(x(column)));
             let begin = beside.position(|is_beside| !is_beside);
             let end = beside.rposition(|is_beside| !is_beside);
             begin.map_or(0..0, |begin| begin..begin + end.map_or(1, |end| end + 2))
         };
         let cones: Vec<_> = spheres.iter().map(cone).map(|cone| (cone, columns(&cone))).collect();
-        (!cones.is_empty()).then_some(Self { cones, intrinsics, lens })
+        let (height_px, flip) = (lens.as_ref().map_or(camera.height_px(), |lens| lens.size_px()[1]), camera.flip());
+        (!cones.is_empty()).then_some(Self { cones, directions, height_px: height_px as usize, lens, flip })
     }
 
     /// Sets the factors of what must stay dark in a row of the picture to zero.
     pub(super) fn write(&self, row: usize, factors: &mut [u16]) {
+        let row = self.flip.row(self.height_px, row);
+        if self.flip.is_left_right {
+            factors.reverse();
+            self.write_unflipped(row, factors);
+            factors.reverse();
+        } else {
+            self.write_unflipped(row, factors);
+        }
+    }
+
+    fn write_unflipped(&self, row: usize, factors: &mut [u16]) {
         match &self.lens {
             None => self.write_straight(row, factors),
             Some(map) => {
@@ -131,11 +190,13 @@ impl KeepOut {
     }
 
     fn write_straight(&self, row: usize, factors: &mut [u16]) {
-        let y = self.y(row as f64 + 0.5);
-        for (cone, columns) in self.cones.iter().filter(|(cone, _)| !cone.is_beside_row(y)) {
+        let (directions, v) = (self.directions, row as f64 + 0.5);
+        let is_beside = |cone: &Cone| directions.are_square() && cone.is_beside_row(directions.of([0.0, v])[1]);
+        for (cone, columns) in self.cones.iter().filter(|(cone, _)| !is_beside(cone)) {
             let begin = columns.start;
             for (column, factor) in factors.get_mut(columns.clone()).unwrap_or_default().iter_mut().enumerate() {
-                let is_dark = cone.has(self.x((begin + column) as f64 + 0.5), y);
+                let [x, y] = directions.of([(begin + column) as f64 + 0.5, v]);
+                let is_dark = cone.has(x, y);
                 *factor = if is_dark { 0 } else { *factor };
             }
         }
@@ -143,29 +204,18 @@ impl KeepOut {
 
     fn write_run(&self, run: MapRun, factors: &mut [u16]) {
         const ONE: f64 = 65536.0;
-        let [fx, fy] = [self.intrinsics.fx_px.abs(), self.intrinsics.fy_px.abs()];
         let place = run.place.map(|place| f64::from(place) / ONE + 0.5);
         let step = run.step.map(|step| f64::from(step) / ONE);
-        let reach = factors.len() as f64 * (step[0].abs() / fx + step[1].abs() / fy);
-        let (x, y) = (self.x(place[0]), self.y(place[1]));
+        let reach = factors.len() as f64 * self.directions.reach(step);
+        let [x, y] = self.directions.of(place);
         for (cone, _) in self.cones.iter().filter(|(cone, _)| !cone.is_far_from(x, y, reach)) {
             for (index, factor) in factors.iter_mut().enumerate() {
                 let at = index as f64;
-                if cone.has(self.x(place[0] + at * step[0]), self.y(place[1] + at * step[1])) {
+                let [x, y] = self.directions.of([place[0] + at * step[0], place[1] + at * step[1]]);
+                if cone.has(x, y) {
                     *factor = 0;
                 }
             }
         }
-    }
-
-    /// The direction of a place in what is drawn, in pixels from its left edge.
-    #[inline(always)]
-    fn x(&self, u: f64) -> f64 {
-        (u - self.intrinsics.cx_px) / self.intrinsics.fx_px
-    }
-
-    #[inline(always)]
-    fn y(&self, v: f64) -> f64 {
-        (v - self.intrinsics.cy_px) / self.intrinsics.fy_px
     }
 }

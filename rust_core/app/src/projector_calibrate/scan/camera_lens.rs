@@ -25,8 +25,8 @@ fn is_rectified(topic: &str) -> bool {
 fn lens_of(info: &CameraInfo, is_rectified: bool) -> Result<Lens, String> {
     let mut camera_info = info.clone();
     if is_rectified {
-        let [fx, skew, cx, _, below, fy, cy, ..] = info.P;
-        camera_info.K = [fx, skew, cx, below, fy, cy, 0.0, 0.0, 1.0];
+        let [fx, skew, cx, _, below, fy, cy, _, row @ ..] = info.P;
+        camera_info.K = [fx, skew, cx, below, fy, cy, row[0], row[1], row[2]];
         camera_info.D.clear();
         camera_info.distortion_model.clear();
     }

@@ -170,13 +170,16 @@ fn another_projectors_size_is_refused() {
 }
 
 #[test]
-fn focal_lengths_must_be_positive_and_agree() {
+fn focal_lengths_must_be_positive_and_agree_without_skew() {
     let samples = Simulation::new(0).samples();
     let fixed = SolveOptions { fixed: vec![(Parameter::Fx, -1400.0)], ..options() };
     assert_eq!(refusal(&samples, &fixed), Refusal::NegativeFocal(-1400.0, Parameter::Fx));
     let initial = Some(Lens::pinhole(SIZE_PX, [1400.0, -1400.0], [640.0, 400.0]));
     let initial = SolveOptions { initial, ..options() };
     assert_eq!(refusal(&samples, &initial), Refusal::NegativeFocal(-1400.0, Parameter::Fy));
+    let skewed = Lens { skew_px: [-4.0, 0.0].into(), ..Lens::pinhole(SIZE_PX, [1400.0; 2], [640.0, 400.0]) };
+    let known = SolveOptions { known_lens: Some(skewed), ..options() };
+    assert_eq!(refusal(&samples, &known), Refusal::Skewed { skew_px: [-4.0, 0.0] });
     let fixed = vec![(Parameter::Fx, 1400.0), (Parameter::Fy, 1500.0)];
     let fixed = SolveOptions { fixed, focal: FocalLengths::One, ..options() };
     assert_eq!(refusal(&samples, &fixed), Refusal::Contradiction(Parameter::Fx, Parameter::Fy));
