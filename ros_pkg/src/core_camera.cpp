@@ -29,6 +29,12 @@ std::string CoreCamera::setInfo(const sensor_msgs::CameraInfo& info, const Camer
   std::copy(info.K.begin(), info.K.end(), plain.k);
   std::copy(info.R.begin(), info.R.end(), plain.r);
   std::copy(info.P.begin(), info.P.end(), plain.p);
+  plain.binning_x = info.binning_x;
+  plain.binning_y = info.binning_y;
+  plain.roi_x_offset = info.roi.x_offset;
+  plain.roi_y_offset = info.roi.y_offset;
+  plain.roi_width = info.roi.width;
+  plain.roi_height = info.roi.height;
   const RcsResult result =
       rcs_camera_set_info(camera_.get(), &plain, model.projection, model.undistort, model.near_m, &view);
   return result == RCS_RESULT_OK ? std::string() : coreError();

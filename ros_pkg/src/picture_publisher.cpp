@@ -191,6 +191,9 @@ std::string PicturePublisher::publishPicture(const Frame& frame, const std_msgs:
     return coreError();
   const auto info = boost::make_shared<sensor_msgs::CameraInfo>(*frame.info);
   info->header = header;
+  // The picture is the whole one.
+  info->binning_x = info->binning_y = 0;
+  info->roi = sensor_msgs::RegionOfInterest();
   const std::lock_guard<std::mutex> lock(publishing_);
   if (publishing_picture_ && frame.series == series_)
     publishing_picture_.publish(image, info);

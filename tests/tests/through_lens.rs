@@ -45,11 +45,17 @@ fn projectors() -> Vec<CameraInfo> {
     let mut rectified = projector("plumb_bob", &[0.12, -0.05, -0.002, 0.001, 0.0]);
     rectified.R = row_major(&Rotation3::from_euler_angles(0.01, -0.02, 0.015).into_inner());
     rectified.P = [650.0, 0.0, 330.0, 0.0, 0.0, 655.0, 350.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    // As camera_calibration writes fisheye lenses, and a P with a skew that counts up to scale.
+    let mut skewed = projector("fisheye", &[0.05, -0.01, 0.0, 0.0]);
+    (skewed.K[1], skewed.P[1]) = (-4.0, 30.0);
+    skewed.P = skewed.P.map(|value| 2.0 * value);
     vec![
         projector("plumb_bob", &[-0.2, 0.05, 0.001, -0.002, 0.0]),
-        projector("rational_polynomial", &[0.3, -0.1, 0.0005, 0.0, 0.02, 0.45, -0.05, 0.01]),
+        projector("plumb_bob", &[0.3, -0.1, 0.0005, 0.0, 0.02, 0.45, -0.05, 0.01]),
         projector("equidistant", &[0.02, -0.01, 0.003, 0.0]),
+        projector("equidistant", &[0.0; 4]),
         rectified,
+        skewed,
     ]
 }
 
@@ -139,7 +145,7 @@ const CORNERS: u32 = 48;
 
 /// The corners of a disc of some pixels that faces the projector.
 fn rim(info: &CameraInfo, center: Point3<f64>, radius_px: f64) -> impl Iterator<Item = Point3<f64>> {
-    let radius_m = radius_px * center.z / info.P[0];
+    let radius_m = radius_px * center.z / info.P[0] * info.P[10];
     (0..CORNERS).map(move |i| {
         let (y, x) = (std::f64::consts::TAU * f64::from(i) / f64::from(CORNERS)).sin_cos();
         center + Vector3::new(x, y, 0.0) * radius_m
@@ -174,7 +180,9 @@ fn both_sides() -> Arc<Material> {
 fn points_land_where_k_d_and_p_send_them() {
     const RADII_PX: [f64; 4] = [13.1, 14.3, 15.2, 16.4];
     let mut renderers = renderers();
-    for info in projectors() {
+    let mut mirrored = projector("plumb_bob", &[-0.2, 0.05, 0.001, -0.002, 0.0]);
+    mirrored.K = [-700.0, 5.0, 316.7, 0.0, 690.0, 360.8, 0.0, 0.0, 1.0];
+    for info in projectors().into_iter().chain([mirrored]) {
         let pixels = (0..20).map(|i| [40.0 + 139.3 * f64::from(i % 5), 35.0 + 109.7 * f64::from(i / 5)]);
         let points: Vec<_> = pixels.enumerate().map(|(i, pixel)| lit_by(&info, pixel, 1.0 + 0.07 * i as f64)).collect();
         for renderer in &mut renderers {
@@ -340,6 +348,30 @@ fn exact_hits_the_pixels_that_p_names() {
             });
             let off = off.sum::<Vector2<f64>>() / points.len() as f64;
             assert!((off - Vector2::repeat(shift)).norm() < LIMIT_PX, "{projection:?}, {}: {off}", renderer.describe());
+        }
+    }
+}
+
+#[test]
+fn exact_follows_skews_and_takes_p_up_to_scale() {
+    let mut renderers = renderers();
+    let mut info = projector("plumb_bob", &[]);
+    (info.P[1], info.P[3], info.P[4], info.P[7]) = (50.0, -14.0, -20.0, 9.0);
+    let points: Vec<_> = (0..12)
+        .map(|i| lit_by(&info, [60.25 + 41.3 * f64::from(i), 70.5 + 21.7 * f64::from(i)], 1.0 + 0.1 * f64::from(i)))
+        .collect();
+    let by_p = |point: &Point3<f64>| {
+        let pixel = nalgebra::Matrix3x4::from_row_slice(&info.P) * point.to_homogeneous();
+        Point2::new(pixel.x / pixel.z, pixel.y / pixel.z)
+    };
+    let discs: Vec<_> = points.iter().map(|point| disc(&info, *point, 13.0)).collect();
+    for scale in [1.0, 2.0, 0.01] {
+        let scaled = CameraInfo { P: info.P.map(|value| scale * value), ..info.clone() };
+        for renderer in &mut renderers {
+            let light = Light::of(discs.clone(), &camera(&scaled, Projection::Exact.into()), renderer.as_mut());
+            let off = points.iter().map(|point| light.center(by_p(point), 20.0) - by_p(point));
+            let off = off.sum::<Vector2<f64>>() / points.len() as f64;
+            assert!(off.norm() < LIMIT_PX, "{scale}, {}: {off}", renderer.describe());
         }
     }
 }

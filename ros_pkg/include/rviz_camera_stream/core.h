@@ -167,10 +167,36 @@ typedef struct RcsCameraInfo {
    * P, 3×4 row by row, pixels.
    */
   double p[12];
+  /**
+   * `binning_x`. Binning and region of interest are not applied, and `rcs_camera_warning` says so: the picture is the
+   * whole one, and so must be the CameraInfo that is published with it (these fields 0).
+   */
+  uint32_t binning_x;
+  /**
+   * `binning_y`.
+   */
+  uint32_t binning_y;
+  /**
+   * `roi.x_offset`.
+   */
+  uint32_t roi_x_offset;
+  /**
+   * `roi.y_offset`.
+   */
+  uint32_t roi_y_offset;
+  /**
+   * `roi.width`; 0 for the whole picture.
+   */
+  uint32_t roi_width;
+  /**
+   * `roi.height`; 0 for the whole picture.
+   */
+  uint32_t roi_height;
 } RcsCameraInfo;
 
 /**
- * What is to be drawn for a CameraInfo.
+ * What is to be drawn for a CameraInfo. Where that describes a mirrored picture (negative focal lengths), the texture
+ * has none of it: `rcs_camera_encode` and `rcs_camera_encode_depth` flip what was drawn.
  */
 typedef struct RcsView {
   /**
@@ -311,7 +337,7 @@ void rcs_camera_free(struct RcsCamera *camera);
 
 /**
  * Sets the camera's CameraInfo: checks it as the node does, and writes what is to be drawn for it to `view`.
- * `undistort`: where D is not 0, the picture is bent so that it is right after the lens of K and D; the texture is
+ * `undistort`: where D is not 0, or the lens is equidistant, the picture is bent so that it is right after the lens of K and D; the texture is
  * larger then, and P is taken exactly whatever `projection` says. A lens that cannot be allowed for is no error: the
  * picture is drawn without it, and `rcs_camera_warning` says why. `near_clip_m`: metres, moved into what is possible
  * (1e-6 to 99.9).
@@ -335,12 +361,14 @@ enum RcsResult rcs_camera_set_info(struct RcsCamera *camera,
 void rcs_camera_clear_info(struct RcsCamera *camera);
 
 /**
- * Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy
- * and P[7] ≠ 0 where rviz's projection is drawn, D ≠ 0 where the lens is not allowed for, each with its size in
- * pixels; and why a lens could not be allowed for. Empty where nothing does, and without a CameraInfo. Buffer and
+ * Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy,
+ * P[7] ≠ 0, skews, a mirror and a third row of P where rviz's projection is drawn, D ≠ 0 where the lens is not allowed
+ * for, each with its size in pixels; why a lens could not be allowed for; binning and a region of interest. Empty where nothing does, and without a CameraInfo. Buffer and
  * returned length are as those of `rcs_last_error`.
  */
-size_t rcs_camera_warning(const struct RcsCamera *camera, char *buffer, size_t length);
+size_t rcs_camera_warning(const struct RcsCamera *camera,
+                          char *buffer,
+                          size_t length);
 
 /**
  * Sets how often a picture is due, in pictures a second. Below 0: at each call of `rcs_camera_due`, which is made
@@ -369,7 +397,8 @@ void rcs_camera_begin(struct RcsCamera *camera, uint64_t now_ns);
 
 /**
  * Writes a drawn picture in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. Where the
- * view has a lens, the picture is bent by it, and what the lens does not show has the background's colour.
+ * view has a lens, the picture is bent by it, and what the lens does not show has the background's colour. Where the
+ * CameraInfo describes a mirrored picture, it is flipped.
  *
  * `pixels` has the size that the view says is drawn; `out_length` is exactly the picture's width · height ·
  * `rcs_encoding_bytes_per_pixel`, else `RCS_RESULT_BAD_LENGTH`. `background_rgb` points to three bytes. `out` must not
@@ -385,7 +414,7 @@ enum RcsResult rcs_camera_encode(struct RcsCamera *camera,
 /**
  * Writes what a depth buffer holds as metres along the optical axis, as a `32FC1` image: rows from the top; NaN
  * where nothing was drawn, as on the node's depth topic. Where the view has a lens, each pixel has the depth of the
- * one that is nearest to where the lens sends it.
+ * one that is nearest to where the lens sends it. It is flipped as the picture is.
  *
  * `depth` has the view's drawn width · height values without padding, 0 at the view's `near_m` and 1 at its `far_m`,
  * with the lowest row first if `bottom_up`; `out_count` is the picture's width · height. Other counts are

@@ -142,14 +142,14 @@ fn distortion(
 /// The farthest that the distortion moves one of the picture's corners, middles of its edges, or centre. `None` where
 /// the model is not known, or moves a point to nowhere.
 fn largest_shift_px(info: &CameraInfoFields<'_>, intrinsics: &Intrinsics) -> Option<f64> {
-    // In pixels of what P means, where it means something.
+    // By what P means, where it means something; that counts from pixels' edges.
     let exact = Intrinsics::exactly(info.width_px, info.height_px, info.p).ok();
     let intrinsics = exact.map_or(*intrinsics, |(intrinsics, _)| intrinsics);
     let distortion = Distortion::from_message(info.distortion_model, info.d).ok()?;
     let mut largest_px = 0.0_f64;
     for column in [0.0, 0.5, 1.0] {
         for row in [0.0, 0.5, 1.0] {
-            let from = [column * f64::from(info.width_px), row * f64::from(info.height_px)];
+            let from = [column * f64::from(info.width_px) + 0.5, row * f64::from(info.height_px) + 0.5];
             let to = intrinsics.place(distortion.distort(intrinsics.plane(from).into())?.into());
             largest_px = largest_px.max((to[0] - from[0]).hypot(to[1] - from[1]));
         }

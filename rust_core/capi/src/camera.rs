@@ -3,8 +3,10 @@
 use std::ffi::c_char;
 use std::sync::Arc;
 
-use rcs_camera::{deviations, optics, Advice, CallPacing, CameraModel, Lenses, NoLens, PictureRate, StepTimes};
-use rcs_scene::{DepthPicture, Picture, PixelMap};
+use rcs_camera::{
+    deviations, is_distorted, optics, Advice, CallPacing, CameraModel, Lenses, NoLens, PictureRate, StepTimes,
+};
+use rcs_scene::{DepthPicture, Flip, Picture, PixelMap};
 
 use crate::fault::{Fault, RcsResult};
 use crate::numbers::{Flag, ProjectionNumber};
@@ -40,6 +42,7 @@ pub struct RcsCamera {
 pub(crate) struct Current {
     pub(crate) view: RcsView,
     pub(crate) lens: Option<Arc<PixelMap>>,
+    pub(crate) flip: Flip,
 }
 
 impl RcsCamera {
@@ -71,10 +74,10 @@ pub unsafe extern "C" fn rcs_camera_free(camera: *mut RcsCamera) {
 }
 
 /// Sets the camera's CameraInfo: checks it as the node does, and writes what is to be drawn for it to `view`.
-/// `undistort`: where D is not 0, the picture is bent so that it is right after the lens of K and D; the texture is
-/// larger then, and P is taken exactly whatever `projection` says. A lens that cannot be allowed for is no error: the
-/// picture is drawn without it, and `rcs_camera_warning` says why. `near_clip_m`: metres, moved into what is possible
-/// (1e-6 to 99.9).
+/// `undistort`: where D is not 0, or the lens is equidistant, the picture is bent so that it is right after the lens of
+/// K and D; the texture is larger then, and P is taken exactly whatever `projection` says. A lens that cannot be
+/// allowed for is no error: the picture is drawn without it, and `rcs_camera_warning` says why. `near_clip_m`: metres,
+/// moved into what is possible (1e-6 to 99.9).
 ///
 /// A lens takes up to some tenths of a second, once: the same CameraInfo again costs less than a microsecond.
 ///
@@ -125,10 +128,11 @@ pub unsafe extern "C" fn rcs_camera_clear_info(camera: *mut RcsCamera) {
     });
 }
 
-/// Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy
-/// and P[7] ≠ 0 where rviz's projection is drawn, D ≠ 0 where the lens is not allowed for, each with its size in
-/// pixels; and why a lens could not be allowed for. Empty where nothing does, and without a CameraInfo. Buffer and
-/// returned length are as those of `rcs_last_error`.
+/// Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy,
+/// P[7] ≠ 0, skews, a mirror and a third row of P where rviz's projection is drawn, D ≠ 0 where the lens is not allowed
+/// for, each with its size in pixels; why a lens could not be allowed for; and that binning and a region of interest are
+/// not applied. Empty where nothing does, and without a CameraInfo. Buffer and returned length are as those of
+/// `rcs_last_error`.
 ///
 /// # Safety
 /// `camera` is not freed; `buffer` has room for `length` bytes.
@@ -154,8 +158,9 @@ impl RcsCamera {
         // SAFETY: as the caller promises.
         let (optics, warning) = unsafe {
             with_fields(info, |fields| {
-                // Only a lens is work that is shared, and rviz needs no threads for what is none.
-                if model.undistort && fields.d.iter().any(|coefficient| *coefficient != 0.0) {
+                // Only lenses and mirrors are work that is shared, and rviz needs no threads for what is none.
+                let is_mirrored = fields.p[0] < 0.0 || fields.p[5] < 0.0;
+                if is_mirrored || (model.undistort && is_distorted(fields)) {
                     rcs_scene::name_threads();
                 }
                 let optics = optics(fields, TOPIC, model, &self.lenses);
@@ -164,9 +169,9 @@ impl RcsCamera {
                 Ok((optics, deviations(fields, model, no_lens, ADVICE).join("; ")))
             })
         }?;
-        let lens = optics.lens.clone();
+        let (lens, flip) = (optics.lens.clone(), optics.flip);
         let picture_size_px = lens.as_ref().map_or([info.width, info.height], |lens| lens.size_px());
-        self.current = Some(Current { view: view(optics, picture_size_px, near_clip_m)?, lens });
+        self.current = Some(Current { view: view(optics, picture_size_px, near_clip_m)?, lens, flip });
         self.warning = warning;
         Ok(())
     }

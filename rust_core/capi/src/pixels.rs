@@ -45,7 +45,8 @@ impl From<ReadbackProblem> for Fault {
 }
 
 /// Writes a drawn picture in an encoding of `sensor_msgs/Image` to `out`: rows from the top, without padding. Where the
-/// view has a lens, the picture is bent by it, and what the lens does not show has the background's colour.
+/// view has a lens, the picture is bent by it, and what the lens does not show has the background's colour. Where the
+/// CameraInfo describes a mirrored picture, it is flipped.
 ///
 /// `pixels` has the size that the view says is drawn; `out_length` is exactly the picture's width · height ·
 /// `rcs_encoding_bytes_per_pixel`, else `RCS_RESULT_BAD_LENGTH`. `background_rgb` points to three bytes. `out` must not
@@ -87,13 +88,14 @@ pub unsafe extern "C" fn rcs_camera_encode(
                 write_through(lens, source, background, encoding, out);
             }
         }
+        current.flip.bytes(current.view.picture_width, encoding.bytes_per_pixel(), out);
         Ok(())
     })
 }
 
 /// Writes what a depth buffer holds as metres along the optical axis, as a `32FC1` image: rows from the top; NaN
 /// where nothing was drawn, as on the node's depth topic. Where the view has a lens, each pixel has the depth of the
-/// one that is nearest to where the lens sends it.
+/// one that is nearest to where the lens sends it. It is flipped as the picture is.
 ///
 /// `depth` has the view's drawn width · height values without padding, 0 at the view's `near_m` and 1 at its `far_m`,
 /// with the lowest row first if `bottom_up`; `out_count` is the picture's width · height. Other counts are
@@ -131,6 +133,7 @@ pub unsafe extern "C" fn rcs_camera_encode_depth(
                 write_depth_through(lens, source, out);
             }
         }
+        current.flip.cells(view.picture_width, out);
         Ok(())
     })
 }

@@ -18,6 +18,12 @@ fn info() -> RcsCameraInfo {
         k: [20.0, 0.0, 8.0, 0.0, 20.0, 4.0, 0.0, 0.0, 1.0],
         r: [0.0; 9],
         p: [20.0, 0.0, 8.0, 0.0, 0.0, 20.0, 4.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        binning_x: 0,
+        binning_y: 0,
+        roi_x_offset: 0,
+        roi_y_offset: 0,
+        roi_width: 0,
+        roi_height: 0,
     }
 }
 
@@ -34,12 +40,122 @@ const NO_VIEW: RcsView = RcsView {
 
 /// A camera with that CameraInfo, and its view; to be freed.
 fn camera(undistort: bool) -> (*mut RcsCamera, RcsView) {
+    camera_of(&info(), RcsProjection::Rviz, undistort)
+}
+
+/// The same with another CameraInfo.
+fn camera_of(info: &RcsCameraInfo, projection: RcsProjection, undistort: bool) -> (*mut RcsCamera, RcsView) {
     let (camera, mut view) = (rcs_camera_new(), NO_VIEW);
-    let (projection, undistort) = (ProjectionNumber(0), Flag(u8::from(undistort)));
+    let (projection, undistort) = (ProjectionNumber(projection as u32), Flag(u8::from(undistort)));
     // SAFETY: all pointers are valid.
-    let result = unsafe { rcs_camera_set_info(camera, &info(), projection, undistort, 0.1, &mut view) };
+    let result = unsafe { rcs_camera_set_info(camera, info, projection, undistort, 0.1, &mut view) };
     assert_eq!(result, RcsResult::Ok);
     (camera, view)
+}
+
+/// The picture in mono8, and the depths, that a camera makes of pixels and depths that are all different.
+fn published(camera: *mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
+    let size = view.drawn_width as usize * view.drawn_height as usize;
+    let data: Vec<u8> = (0..size).flat_map(|i| [i as u8; 4]).collect();
+    let pixels = RcsPixels {
+        data: data.as_ptr(),
+        length: data.len(),
+        width: view.drawn_width,
+        height: view.drawn_height,
+        row_bytes: 4 * view.drawn_width as usize,
+        order: PixelOrderNumber(RcsPixelOrder::Rgba as u32),
+        bottom_up: Flag(1),
+    };
+    let depths: Vec<f32> = (0..size).map(|i| i as f32 / (2 * size) as f32).collect();
+    let (mut picture, mut metres) = (vec![0; 16 * 8], vec![0.0; 16 * 8]);
+    let (encoding, background) = (EncodingNumber(RcsEncoding::Mono8 as u32), [0_u8; 3]);
+    // SAFETY: all pointers and lengths are valid.
+    let results = unsafe {
+        [
+            rcs_camera_encode(camera, &pixels, encoding, background.as_ptr(), picture.as_mut_ptr(), picture.len()),
+            rcs_camera_encode_depth(
+                camera,
+                depths.as_ptr(),
+                depths.len(),
+                Flag(1),
+                metres.as_mut_ptr(),
+                metres.len(),
+            ),
+        ]
+    };
+    assert_eq!(results, [RcsResult::Ok; 2]);
+    (picture, metres)
+}
+
+/// Rows and columns exchanged as a mirror does.
+fn flipped<T: Copy>(pixels: &[T], [is_left_right, is_up_down]: [bool; 2]) -> Vec<T> {
+    let pixel = |row: usize, column: usize| {
+        let row = if is_up_down { 7 - row } else { row };
+        pixels[row * 16 + if is_left_right { 15 - column } else { column }]
+    };
+    (0..8).flat_map(|row| (0..16).map(move |column| pixel(row, column))).collect()
+}
+
+#[test]
+fn a_mirrored_camera_info_is_drawn_without_the_mirror_and_published_with_it() {
+    for undistort in [false, true] {
+        let straight = camera_of(&info(), RcsProjection::Exact, undistort);
+        let expected = published(straight.0, &straight.1);
+        for [is_left_right, is_up_down] in [[true, false], [false, true], [true, true]] {
+            let mut mirrored = info();
+            if is_left_right {
+                (mirrored.p[0], mirrored.p[2]) = (-20.0, 7.0);
+                (mirrored.k[0], mirrored.k[2]) = (-20.0, 7.0);
+            }
+            if is_up_down {
+                (mirrored.p[5], mirrored.p[6]) = (-20.0, 3.0);
+                (mirrored.k[4], mirrored.k[5]) = (-20.0, 3.0);
+            }
+            let (camera, view) = camera_of(&mirrored, RcsProjection::Exact, undistort);
+            assert_eq!(view, straight.1, "{is_left_right} {is_up_down}");
+            let (picture, metres) = published(camera, &view);
+            assert_eq!(picture, flipped(&expected.0, [is_left_right, is_up_down]));
+            let bits = |metres: &[f32]| metres.iter().map(|metres| metres.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&metres), bits(&flipped(&expected.1, [is_left_right, is_up_down])));
+            // SAFETY: it was not freed.
+            unsafe { rcs_camera_free(camera) };
+        }
+        // SAFETY: it was not freed.
+        unsafe { rcs_camera_free(straight.0) };
+    }
+}
+
+#[test]
+fn skew_scale_third_row_and_binning_are_followed_or_told_as_the_node_does() {
+    let mut unusual = info();
+    unusual.p[1] = 2.0;
+    let (one, skewed) = camera_of(&unusual, RcsProjection::Exact, false);
+    // u = 2 s y / W in clip coordinates, y up.
+    assert_eq!(skewed.clip_from_view[1], -2.0 * 2.0 / 16.0);
+    unusual.p = unusual.p.map(|value| value * 3.0);
+    let (two, scaled) = camera_of(&unusual, RcsProjection::Exact, false);
+    assert_eq!(scaled, skewed);
+    unusual.binning_x = 4;
+    let (three, as_rviz) = camera_of(&unusual, RcsProjection::Rviz, false);
+    assert_eq!(as_rviz.clip_from_view[1], 0.0);
+    // SAFETY: lengths are that of the buffer.
+    let warning = text(|buffer, length| unsafe { rcs_camera_warning(three, buffer, length) });
+    for part in ["the third row of P is [0.0, 0.0, 3.0, 0.0]", "P[1] is 6 (a skew)", "binning 4x0 not applied"] {
+        assert!(warning.contains(part), "{warning}");
+    }
+    unusual.p[10] = 0.0;
+    let mut view = NO_VIEW;
+    // SAFETY: all pointers are valid.
+    let refused =
+        unsafe { rcs_camera_set_info(one, &unusual, ProjectionNumber(1), Flag(0), 0.1, &mut view) };
+    assert_eq!(refused, RcsResult::BadCameraInfo);
+    // SAFETY: lengths are that of the buffer.
+    let error = text(|buffer, length| unsafe { rcs_last_error(buffer, length) });
+    assert!(error.starts_with("the third row of P, P[8] to P[11], is [0.0, 0.0, 0.0, 0.0]"), "{error}");
+    for camera in [one, two, three] {
+        // SAFETY: they were not freed.
+        unsafe { rcs_camera_free(camera) };
+    }
 }
 
 /// What a function that writes a text writes.

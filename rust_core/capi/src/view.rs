@@ -33,6 +33,19 @@ pub struct RcsCameraInfo {
     pub r: [f64; 9],
     /// P, 3×4 row by row, pixels.
     pub p: [f64; 12],
+    /// `binning_x`. Binning and region of interest are not applied, and `rcs_camera_warning` says so: the picture is the
+    /// whole one, and so must be the CameraInfo that is published with it (these fields 0).
+    pub binning_x: u32,
+    /// `binning_y`.
+    pub binning_y: u32,
+    /// `roi.x_offset`.
+    pub roi_x_offset: u32,
+    /// `roi.y_offset`.
+    pub roi_y_offset: u32,
+    /// `roi.width`; 0 for the whole picture.
+    pub roi_width: u32,
+    /// `roi.height`; 0 for the whole picture.
+    pub roi_height: u32,
 }
 
 /// How P becomes a projection.
@@ -45,7 +58,8 @@ pub enum RcsProjection {
     Exact,
 }
 
-/// What is to be drawn for a CameraInfo.
+/// What is to be drawn for a CameraInfo. Where that describes a mirrored picture (negative focal lengths), the texture
+/// has none of it: `rcs_camera_encode` and `rcs_camera_encode_depth` flip what was drawn.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RcsView {
@@ -87,7 +101,17 @@ pub(crate) unsafe fn with_fields<T>(
     // SAFETY: as the caller promises.
     let d = unsafe { pointers::slice(info.d, info.d_length, "info.d") }?;
     let (width_px, height_px) = (info.width, info.height);
-    with(&CameraInfoFields { width_px, height_px, distortion_model: &model, d, k: &info.k, r: &info.r, p: &info.p })
+    with(&CameraInfoFields {
+        width_px,
+        height_px,
+        distortion_model: &model,
+        d,
+        k: &info.k,
+        r: &info.r,
+        p: &info.p,
+        binning: [info.binning_x, info.binning_y],
+        region_px: [info.roi_x_offset, info.roi_y_offset, info.roi_width, info.roi_height],
+    })
 }
 
 /// The view of a CameraInfo's optics; a size is that of its picture.

@@ -16,6 +16,7 @@ pub mod outputs;
 mod parameter_description;
 pub mod prediction;
 mod private_parameters;
+mod projection_warning;
 pub mod stage;
 mod status_log;
 mod status_tree;

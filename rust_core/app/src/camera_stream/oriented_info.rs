@@ -1,5 +1,6 @@
-//! The CameraInfo of a turned picture: one whose K, D, R and P lead a point to where it is in that picture.
+//! The CameraInfo that is published beside a picture: one whose K, D, R and P lead a point to where it is in it.
 //!
+//! The picture is the whole one, whatever binning and region of interest the CameraInfo had that it was drawn for.
 //! A picture that is turned by quarters is what a camera sees that is turned about its optical axis. So its CameraInfo
 //! has a frame of its own, `FRAME_rotated_90` for a quarter to the right, which [`turned_frame`] places in the camera's
 //! frame; sizes, focal lengths and principal point change places, and all is positive as before. Mirroring is no
@@ -36,8 +37,9 @@ pub(crate) fn turned_frame(frame: &str, orientation: Orientation) -> Option<Tran
     Some(placed)
 }
 
-/// The CameraInfo of a picture of this one when it is turned.
+/// The CameraInfo of the whole picture of this one when it is turned.
 pub(crate) fn oriented(info: &CameraInfo, orientation: Orientation) -> CameraInfo {
+    let info = &CameraInfo { binning_x: 0, binning_y: 0, roi: RegionOfInterest::default(), ..info.clone() };
     if orientation == Orientation::default() {
         return info.clone();
     }
@@ -57,25 +59,18 @@ pub(crate) fn oriented(info: &CameraInfo, orientation: Orientation) -> CameraInf
         *to = *from;
     }
     turn_distortion(&mut turned.D, &info.distortion_model, orientation);
-    if !orientation.degrees().is_multiple_of(180) {
-        (turned.binning_x, turned.binning_y) = (info.binning_y, info.binning_x);
-    }
-    turned.roi = turned_region(info, orientation);
     turned
 }
 
-/// The CameraInfo of a camera's turned pictures, made again only when its own changes.
+/// The CameraInfo of a camera's pictures, made again only when the one that they are drawn for changes.
 #[derive(Debug, Default)]
 pub(crate) struct TurnedInfo {
     last: Option<(Arc<CameraInfo>, Orientation, Arc<CameraInfo>)>,
 }
 
 impl TurnedInfo {
-    /// That of this one.
+    /// The [`oriented`] CameraInfo.
     pub(crate) fn of(&mut self, info: &Arc<CameraInfo>, orientation: Orientation) -> Arc<CameraInfo> {
-        if orientation == Orientation::default() {
-            return Arc::clone(info);
-        }
         let known = self.last.take().filter(|(own, how, _)| Arc::ptr_eq(own, info) && *how == orientation);
         let made = || (Arc::clone(info), orientation, Arc::new(oriented(info, orientation)));
         let (_, _, turned) = self.last.insert(known.unwrap_or_else(made));
@@ -117,22 +112,6 @@ fn turn_distortion(d: &mut [f64], model: &str, orientation: Orientation) {
             (*s1, *s2, *s3, *s4) = (-*s3, -*s4, *s1, *s2);
         }
     }
-}
-
-/// The region of interest in the turned picture; all zero stands for the whole picture.
-fn turned_region(info: &CameraInfo, orientation: Orientation) -> RegionOfInterest {
-    let roi = &info.roi;
-    if roi.width == 0 || roi.height == 0 {
-        return roi.clone();
-    }
-    let pixels = turned_from_own_pixels(info, orientation);
-    let corner = |x: u32, y: u32| pixels * nalgebra::Vector3::new(f64::from(x), f64::from(y), 1.0);
-    let last = |begin: u32, len: u32| begin.saturating_add(len).saturating_sub(1);
-    let (first, last) =
-        (corner(roi.x_offset, roi.y_offset), corner(last(roi.x_offset, roi.width), last(roi.y_offset, roi.height)));
-    let (low, high) = (first.inf(&last), first.sup(&last));
-    let [width, height] = [high.x - low.x + 1.0, high.y - low.y + 1.0].map(|side| side as u32);
-    RegionOfInterest { x_offset: low.x as u32, y_offset: low.y as u32, width, height, do_rectify: roi.do_rectify }
 }
 
 fn rows_3(matrix: &Matrix3<f64>) -> [f64; 9] {
@@ -210,34 +189,41 @@ mod tests {
             prop_assert_eq!(after.P[0] * after.P[5] > 0.0, !text.starts_with("mirrored"));
             let lens = lens_of(&own).unwrap();
             let Some(raw) = lens.project(&point) else { return Ok(()) };
-            let plane = Point3::new(point_there.x / point_there.z, point_there.y / point_there.z, 1.0);
-            // K with a negative focal length is a mirrored lens of the positive one.
-            let mut positive = after.clone();
-            let signs = [after.K[0].signum(), after.K[4].signum()];
-            (positive.K[0], positive.K[4]) = (after.K[0].abs(), after.K[4].abs());
-            let there = lens_of(&positive).unwrap().project(&plane).unwrap();
-            let center = Vector2::new(after.K[2], after.K[5]);
-            let there = center + (there.coords - center).component_mul(&Vector2::from(signs));
-            let off = (there - turned(text, [raw.x, raw.y])).norm();
+            let there = lens_of(&after).unwrap().project(&point_there).unwrap();
+            let off = (there.coords - turned(text, [raw.x, raw.y])).norm();
             prop_assert!(off < 1e-6, "{}: {} {}", text, there, raw);
         }
     }
 
     #[test]
-    fn sizes_binning_and_region_turn_with_the_picture() {
+    fn the_published_camera_info_is_that_of_the_whole_picture() {
         let mut own = info(&[]);
-        (own.binning_x, own.binning_y) = (1, 2);
+        (own.binning_x, own.binning_y) = (4, 2);
         own.roi = RegionOfInterest { x_offset: 10, y_offset: 20, width: 300, height: 40, do_rectify: true };
-        let of = |text: &str| oriented(&own, text.parse().unwrap());
-        let quarter = of("90");
-        assert_eq!((quarter.width, quarter.height, quarter.binning_x, quarter.binning_y), (800, 1280, 2, 1));
-        let roi = &quarter.roi;
-        assert_eq!((roi.x_offset, roi.y_offset, roi.width, roi.height), (740, 10, 40, 300));
-        let mirrored = of("mirrored");
-        assert_eq!((mirrored.roi.x_offset, mirrored.roi.y_offset, mirrored.roi.width), (970, 20, 300));
-        assert_eq!((mirrored.header.frame_id.as_str(), mirrored.width), ("lens", 1280));
-        assert_eq!(of("0"), own);
-        own.roi = RegionOfInterest::default();
-        assert_eq!(oriented(&own, "270".parse().unwrap()).roi, own.roi, "the whole picture");
+        let mut turned = TurnedInfo::default();
+        let own = Arc::new(own);
+        for text in ALL {
+            let published = turned.of(&own, text.parse().unwrap());
+            assert_eq!((published.binning_x, published.binning_y), (0, 0), "{text}");
+            assert_eq!(published.roi, RegionOfInterest::default(), "{text}");
+            let is_turned = text.ends_with("90") || text.ends_with("270");
+            let size = if is_turned { (800, 1280) } else { (1280, 800) };
+            assert_eq!((published.width, published.height), size, "{text}");
+            assert!(Arc::ptr_eq(&published, &turned.of(&own, text.parse().unwrap())), "{text}");
+        }
+        assert_eq!(oriented(&own, Orientation::default()).P, own.P);
+    }
+
+    #[test]
+    fn a_skewed_lens_is_one_in_each_orientation() {
+        let mut own = info(&[-0.12, 0.03, 0.001, -0.0015, 0.002]);
+        own.K[1] = 12.0;
+        let (lens, point) = (lens_of(&own).unwrap(), Point3::new(0.3, -0.4, 1.5));
+        let raw = lens.project(&point).unwrap();
+        for text in ALL {
+            let after = oriented(&own, text.parse().unwrap());
+            let there = lens_of(&after).unwrap().project(&in_frame(&after, text, &point)).unwrap();
+            assert!((there.coords - turned(text, raw.into())).norm() < 1e-6, "{text}: {there} {raw}");
+        }
     }
 }

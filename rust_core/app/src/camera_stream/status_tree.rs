@@ -128,6 +128,13 @@ fn global(transforms: &TransformTree, fixed_frame: &str) -> StatusEntry<'static>
 /// The program's arguments that mend what makes a projection miss.
 const ADVICE: Advice = Advice { exact: "--projection exact follows P", undistort: "--undistort allows for it" };
 
+/// What makes a projection of a camera's picture miss, or is left out of its CameraInfo: a phrase for each.
+pub(crate) fn deviations_of(stage: &Stage, view: &CameraView, model: CameraModel) -> Vec<String> {
+    let info = stage.camera_info(view);
+    let no_lens = stage.no_lens(view).filter(|_| model.undistort);
+    info.map(|info| deviations(&fields_of(info), model, no_lens, ADVICE)).unwrap_or_default()
+}
+
 /// A camera, with the statuses that rviz's CameraPub has.
 pub(crate) fn camera(stage: &Stage, view: &CameraView, model: CameraModel) -> StatusEntry<'static> {
     let settings = &view.settings;
@@ -144,10 +151,7 @@ pub(crate) fn camera(stage: &Stage, view: &CameraView, model: CameraModel) -> St
         values.push(("camera info topic", settings.camera_info_topic.clone()));
         match stage.camera(view, model) {
             Ok(_) => {
-                let info = stage.camera_info(view);
-                let deviations = info
-                    .map(|info| deviations(&fields_of(info), model, stage.no_lens(view), ADVICE))
-                    .unwrap_or_default();
+                let deviations = deviations_of(stage, view, model);
                 if deviations.is_empty() {
                     statuses.set(Level::Ok, "Camera Info", "OK");
                 } else {

@@ -57,10 +57,15 @@ static void test_lens(RcsCamera *camera)
   CHECK(rcs_camera_warning(camera, text, sizeof text) == 0);
 
   /* One that cannot be allowed for: the picture is drawn without it. */
-  info.k[1] = 3;
+  info.k[8] = 0;
   CHECK(rcs_camera_set_info(camera, &info, RCS_PROJECTION_RVIZ, true, 0.05, &view) == RCS_RESULT_OK);
   CHECK(view.drawn_width == 640);
-  CHECK(rcs_camera_warning(camera, text, sizeof text) > 0 && strstr(text, "K: a skew"));
+  CHECK(rcs_camera_warning(camera, text, sizeof text) > 0 && strstr(text, "K: its last row"));
+  /* A skew is allowed for. */
+  info = bent(640, 480);
+  info.k[1] = 3;
+  CHECK(rcs_camera_set_info(camera, &info, RCS_PROJECTION_RVIZ, true, 0.05, &view) == RCS_RESULT_OK);
+  CHECK(view.drawn_width > 650 && rcs_camera_warning(camera, text, sizeof text) == 0);
   info = bent(640, 480);
   info.distortion_model = "fish\xff";
   CHECK(rcs_camera_set_info(camera, &info, RCS_PROJECTION_RVIZ, true, 0.05, &view) == RCS_RESULT_OK);

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use rcs_scene::{Camera, Encoding, Intrinsics, PixelMap};
+use rcs_scene::{Camera, Encoding, Flip, Intrinsics, PixelMap};
 
 use super::*;
 
@@ -133,45 +133,71 @@ proptest! {
 
 const SIZE: [u32; 2] = [96, 64];
 
-/// A camera somewhere in the fixed frame, perhaps behind a lens, and where its pixels' light goes to.
-fn camera(is_bent: bool) -> Camera {
-    let p = [70.0, 0.0, 45.0, 0.0, 0.0, 72.0, 70.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-    let pose =
-        Isometry3::from_parts(Vector3::new(1.0, -2.0, 0.5).into(), UnitQuaternion::from_euler_angles(0.4, -1.1, 2.0));
-    let drawn = Intrinsics::from_p(SIZE[0], SIZE[1], &p).unwrap().as_p_means();
-    if !is_bent {
-        return Camera::new(drawn, &pose, 0.01);
+/// What a camera may be beside a pinhole.
+#[derive(Clone, Copy, Debug, Default)]
+struct Kind {
+    is_bent: bool,
+    skew_px: [f64; 2],
+    flip: Flip,
+}
+
+impl Kind {
+    /// Where the lens takes a pixel from.
+    fn place([u, v]: [f64; 2]) -> Option<[f64; 2]> {
+        let (x, y) = ((u - 45.0) / 70.0, (v - 70.0) / 72.0);
+        let scale = 1.0 + 0.15 * (x * x + y * y);
+        Some([45.0 + 70.0 * x * scale, 70.0 + 72.0 * y * scale])
     }
-    let map = PixelMap::new(SIZE, place).unwrap();
-    let ([width_px, height_px], [left, top]) = (map.source_size_px(), map.source_origin_px().map(f64::from));
-    let drawn = Intrinsics { width_px, height_px, cx_px: drawn.cx_px - left, cy_px: drawn.cy_px - top, ..drawn };
-    Camera::new(drawn, &pose, 0.01).with_lens(Arc::new(map))
+
+    /// A camera somewhere in the fixed frame.
+    fn camera(self) -> Camera {
+        let [s, t] = self.skew_px;
+        let p = [70.0, s, 45.0, 0.0, t, 72.0, 70.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let pose = Isometry3::from_parts(
+            Vector3::new(1.0, -2.0, 0.5).into(),
+            UnitQuaternion::from_euler_angles(0.4, -1.1, 2.0),
+        );
+        let (drawn, _) = Intrinsics::exactly(SIZE[0], SIZE[1], &p).unwrap();
+        let camera = if self.is_bent {
+            let map = PixelMap::new(SIZE, Self::place).unwrap();
+            let ([width_px, height_px], [left, top]) = (map.source_size_px(), map.source_origin_px().map(f64::from));
+            let drawn = Intrinsics { width_px, height_px, cx_px: drawn.cx_px - left, cy_px: drawn.cy_px - top, ..drawn };
+            Camera::new(drawn, &pose, 0.01).with_lens(Arc::new(map))
+        } else {
+            Camera::new(drawn, &pose, 0.01)
+        };
+        camera.with_flip(self.flip)
+    }
+
+    /// How far a pixel's ray passes a point, in the fixed frame.
+    fn distance(self, camera: &Camera, pixel: [f64; 2], point: &Point3<f64>) -> f64 {
+        let pixel = self.flip.pixel(SIZE, pixel);
+        let [u, v] = if self.is_bent { Self::place(pixel).unwrap() } else { pixel };
+        let [s, t] = self.skew_px;
+        let direction = nalgebra::Matrix2::new(70.0, s, t, 72.0).try_inverse().unwrap()
+            * nalgebra::Vector2::new(u - 45.0, v - 70.0);
+        let direction = Vector3::new(direction.x, -direction.y, -1.0).normalize();
+        let in_view = camera.fixed_from_view().inverse_transform_point(point).coords;
+        let along = in_view.dot(&direction).max(0.0);
+        (in_view - along * direction).norm()
+    }
 }
 
-/// Where the lens takes a pixel from.
-fn place([u, v]: [f64; 2]) -> Option<[f64; 2]> {
-    let (x, y) = ((u - 45.0) / 70.0, (v - 70.0) / 72.0);
-    let scale = 1.0 + 0.15 * (x * x + y * y);
-    Some([45.0 + 70.0 * x * scale, 70.0 + 72.0 * y * scale])
-}
-
-/// How far a pixel's ray passes a point, in the fixed frame, and how far away the point is.
-fn distance(camera: &Camera, is_bent: bool, pixel: [f64; 2], point: &Point3<f64>) -> f64 {
-    let [u, v] = if is_bent { place(pixel).unwrap() } else { pixel };
-    let direction = Vector3::new((u - 45.0) / 70.0, -(v - 70.0) / 72.0, -1.0).normalize();
-    let in_view = camera.fixed_from_view().inverse_transform_point(point).coords;
-    let along = in_view.dot(&direction).max(0.0);
-    (in_view - along * direction).norm()
+fn kinds() -> impl Strategy<Value = Kind> {
+    let skews = prop_oneof![2 => Just([0.0; 2]), 1 => [-30.0..30.0, Just(0.0)], 1 => [-30.0..30.0, -30.0..30.0]];
+    (any::<bool>(), skews, any::<bool>(), any::<bool>()).prop_map(|(is_bent, skew_px, is_left_right, is_up_down)| {
+        Kind { is_bent, skew_px, flip: Flip { is_left_right, is_up_down } }
+    })
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(160))]
     /// No part of a pixel that lights a sphere is lit, and what is some pixels away from its silhouette is.
     #[test]
     fn no_light_falls_on_a_sphere(
-        is_bent: bool, x in -2.0_f64..2.0, y in -2.0_f64..1.0, z in -1.0_f64..4.0, radius_m in 0.02_f64..0.6,
+        kind in kinds(), x in -2.0_f64..2.0, y in -2.0_f64..1.0, z in -1.0_f64..4.0, radius_m in 0.02_f64..0.6,
     ) {
-        let camera = camera(is_bent);
+        let camera = kind.camera();
         // The view frame's y points up and its z backwards.
         let center = camera.fixed_from_view().transform_point(&Point3::new(x, -y, -z));
         let keep_out = KeepOut::new(&camera, &[Sphere { center, radius_m }]);
@@ -181,13 +207,14 @@ proptest! {
         for (at, level) in (0..).zip(&after.data) {
             let pixel = [at % SIZE[0], at / SIZE[0]].map(f64::from);
             let corners = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.0, 0.0]];
-            let nearest = corners.map(|[du, dv]| distance(&camera, is_bent, [pixel[0] + du, pixel[1] + dv], &center))
+            let nearest = corners.map(|[du, dv]| kind.distance(&camera, [pixel[0] + du, pixel[1] + dv], &center))
                 .into_iter().fold(f64::INFINITY, f64::min);
             if nearest <= radius_m {
                 prop_assert_eq!(*level, 0, "{:?} lights the sphere", pixel);
             }
-            // Six pixels more, at most.
-            if nearest > radius_m + 6.0 / 70.0 * (from_lens + radius_m) && from_lens > 1.5 * radius_m {
+            // Six pixels more, at most, of up to 1/38 (skewed) or 1/70.
+            let pixel_m = if kind.skew_px == [0.0; 2] { 1.0 / 70.0 } else { 1.0 / 38.0 };
+            if nearest > radius_m + 6.0 * pixel_m * (from_lens + radius_m) && from_lens > 1.5 * radius_m {
                 prop_assert_eq!(*level, 9, "{:?} is dark for nothing", pixel);
             }
         }
@@ -196,7 +223,7 @@ proptest! {
 
 #[test]
 fn all_is_dark_where_the_lens_is_in_the_sphere_or_its_place_is_no_number() {
-    let camera = camera(false);
+    let camera = Kind::default().camera();
     let eye = camera.eye();
     for center in [eye, eye + Vector3::new(0.1, 0.1, 0.1), Point3::new(f64::NAN, 0.0, 0.0)] {
         let step =

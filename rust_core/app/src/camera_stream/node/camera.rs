@@ -311,7 +311,7 @@ impl CameraOutput {
             self.health.latency.forget();
             return self.publish_black(drawn, ros).map(|()| Progress::Published);
         }
-        self.health.warn_about_projection(&self.view, &drawn.info, model);
+        self.health.projection.check(stage, &self.view, model);
         Ok(Progress::Begun(DuePicture { view: Arc::clone(&self.view), visible, camera, drawn }))
     }
 

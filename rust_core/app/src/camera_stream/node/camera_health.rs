@@ -3,15 +3,14 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use rcs_camera::{is_distorted, rviz_differs, CameraModel, Projection};
+use rcs_camera::CameraModel;
 use rcs_displays::{CameraView, Level};
-use rcs_files::projector::fields_of;
-use rcs_messages::sensor_msgs::CameraInfo;
 
 use super::camera::CameraConnections;
 use super::latency::Latency;
 use super::progress::Progress;
 use crate::camera_stream::camera_pose::CameraProblem;
+use crate::camera_stream::projection_warning::ProjectionWarning;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::logging::one_line;
@@ -37,7 +36,8 @@ pub(super) struct CameraHealth {
     black: Option<String>,
     /// Why a picture failed, unless one was published since.
     last_error: Option<String>,
-    has_warned_about_projection: bool,
+    /// What makes a projection miss.
+    pub(super) projection: ProjectionWarning,
     /// When a picture last took long, and what it took so long for.
     slow_picture: Option<(Instant, String)>,
     slow_picture_logged: Option<Instant>,
@@ -125,21 +125,6 @@ impl CameraHealth {
             None => log::info!("camera {camera}: the picture is shown again"),
         }
         self.black = why.map(str::to_owned);
-    }
-
-    /// Warns once if rviz's projection is not the one that the CameraInfo asks for.
-    pub(super) fn warn_about_projection(&mut self, view: &CameraView, info: &CameraInfo, model: CameraModel) {
-        let info = fields_of(info);
-        let is_exact = model.projection == Projection::Exact || (model.undistort && is_distorted(&info));
-        if !is_exact && rviz_differs(&info) && !self.has_warned_about_projection {
-            self.has_warned_about_projection = true;
-            log::warn!(
-                "camera {}: P on [{}] has fx ≠ fy or P[7] ≠ 0, which rviz's CameraPub does not project exactly; \
-                 --projection exact (or _projection:=exact) does",
-                view.name,
-                view.settings.camera_info_topic
-            );
-        }
     }
 
     /// The camera's statuses and figures.

@@ -24,6 +24,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::camera_stream::camera_pose::CameraProblem;
 use crate::camera_stream::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
+use crate::camera_stream::projection_warning::ProjectionWarning;
 use crate::camera_stream::stage::{renderer_view, Stage};
 
 pub use moments::Section;
@@ -97,6 +98,7 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
     let mut output = job.target.open()?;
     let progress = progress(moments.count());
     let (mut picture, mut turned) = (Arc::new(Picture::default()), Picture::default());
+    let mut projection = ProjectionWarning::default();
     for moment in moments.iter() {
         if interrupted.is_set() {
             bail!("interrupted at {moment}");
@@ -107,6 +109,7 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
             Ok(camera) => camera,
             Err(problem) => return Err(job.no_camera_at(moment, problem, &mut player, stage, &view, times)),
         };
+        projection.check(stage, &view, job.model);
         let scene = stage.scene();
         renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
         job.last_step.apply(Arc::make_mut(&mut picture), &mut turned);
