@@ -22,8 +22,8 @@ from soak_scene import CAMERAS, HANDLES, SENSORS, SOURCES, THINGS
 
 # So many equal pictures in a row, and no sooner than frames that were made up have disappeared.
 EQUAL, SETTLED_S = 5, soak_scene.FRAME_TIMEOUT_S + 1.0
-PATIENCE_S = 20.0
-RENDER_S = 60.0
+PATIENCE_S = 60.0
+RENDER_S = 300.0
 
 
 def later(stamp, seconds):

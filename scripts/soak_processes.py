@@ -17,7 +17,7 @@ from soak_scene import URDF
 
 SCRIPTS = os.path.dirname(os.path.abspath(__file__))
 PR_SET_PDEATHSIG = 1
-ANSWER_S = 20.0
+ANSWER_S = 60.0
 # Linux kills a process when the thread that started it ends, so one thread that lives as long as the program starts all.
 STARTER = concurrent.futures.ThreadPoolExecutor(1)
 LIBC = ctypes.CDLL(None)

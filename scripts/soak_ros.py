@@ -9,7 +9,7 @@ import xmlrpc.client
 import rosgraph.network
 
 NAME = '/soak'
-TIMEOUT_S = 5.0
+TIMEOUT_S = 20.0
 
 
 class Transport(xmlrpc.client.Transport):

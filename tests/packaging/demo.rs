@@ -6,7 +6,7 @@ use std::process::Output;
 use std::time::Duration;
 
 use rcs_tests::programs::repository;
-use rcs_tests::ros::{wait_until, Running};
+use rcs_tests::ros::{wait_until, Running, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
 use crate::files::pixels;
@@ -115,7 +115,7 @@ os.setsid(); signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1],
     let printed = demo.lines().join("\n");
     assert!(seen && demo.count(when) > 0, "{printed}\n{}", demo.errors().join("\n"));
     succeed(&format!("kill -{signal} -- -{}", demo.id()));
-    let ended = demo.wait(Duration::from_secs(30));
+    let ended = demo.wait(PATIENCE);
     assert_eq!(ended.and_then(|ended| ended.code()), Some(status), "{printed}");
     assert_eq!(processes_with(&master_of(&printed)), Vec::<String>::new());
 }
