@@ -1,7 +1,7 @@
 //! A whole `.rviz` file.
 //!
 //! Of the file's sections only `Visualization Manager` decides the picture. The others lay out rviz's windows and are
-//! passed over, as are the mouse tools but for which is the first.
+//! passed over, except for the Time panel's synchronization, as are the mouse tools but for which is the first.
 
 use crate::displays::{self, DisplayConfig, DisplaySettings};
 use crate::error::ConfigError;
@@ -9,6 +9,7 @@ use crate::finding::{one_line, Finding};
 use crate::global_options::GlobalOptions;
 use crate::node::{self, Content, Node};
 use crate::section::{Report, Section};
+use crate::time_panel;
 use crate::view::ViewConfig;
 
 /// The part of a `.rviz` file that decides the picture.
@@ -127,6 +128,7 @@ pub(crate) fn read(text: &str, source: &str) -> Result<Config, ConfigError> {
         return Err(ConfigError::Ros2 { file: file(), class: one_line(ros2) });
     }
     let report = Report::default();
+    time_panel::check(root.get("Panels"), &report);
     let mut top = Section::new(&root, String::new(), &report);
     top.skip(&WINDOW_SECTIONS);
     top.skip(&[MANAGER]);

@@ -22,6 +22,23 @@ pub struct Finding {
 pub enum FindingKind {
     /// A key that rviz 1.14 does not read at this place. It has no effect.
     UnknownKey,
+    /// A key that older versions of rviz wrote, and that 1.14 ignores.
+    OldKey {
+        /// The keys that stand for it now.
+        now: &'static str,
+    },
+    /// The links of a robot in another Link Tree Style than the one that rviz reads.
+    UnreadTree {
+        /// What is not as without the tree: the keys' paths below it.
+        changed: Vec<String>,
+    },
+    /// Synchronization that the Time panel asks for.
+    TimeSync {
+        /// How rviz's window calls it.
+        mode: &'static str,
+        /// The display whose messages set the time; empty for none.
+        source: String,
+    },
     /// A view class that is not known, or a display without one. Its keys are not read.
     UnknownClass {
         /// The class as the file names it; empty when there is none.
@@ -55,6 +72,23 @@ impl fmt::Display for Finding {
         write!(f, "line {}: {note}{}: ", self.line, one_line(&self.path))?;
         match &self.kind {
             FindingKind::UnknownKey => write!(f, "unknown key"),
+            FindingKind::OldKey { now } => {
+                write!(f, "key of an older rviz, which rviz ignores since 1.12; it reads {now}")
+            }
+            FindingKind::UnreadTree { changed } => write!(
+                f,
+                "rviz does not read this tree of links back, so these settings have no effect: {}; save the config with the \
+                 Link Tree Style \"Links in Alphabetic Order\"",
+                one_line(&changed.join(", "))
+            ),
+            FindingKind::TimeSync { mode, source } => {
+                let source = if source.is_empty() { String::new() } else { format!(" to {}", one_line(source)) };
+                write!(
+                    f,
+                    "synchronization \"{mode}\"{source} is not followed: what follows frames is shown at their latest \
+                     transforms, as with SyncMode 0"
+                )
+            }
             FindingKind::UnknownClass { class } if class.is_empty() => write!(f, "no class named"),
             FindingKind::UnknownClass { class } => write!(f, "unknown class {}", one_line(class)),
             FindingKind::PluginDisplay { class, topics } => {

@@ -22,6 +22,7 @@ mod config;
 mod displays;
 mod error;
 mod finding;
+mod frame_filter;
 mod global_options;
 pub mod headless;
 mod insert;
@@ -30,6 +31,7 @@ mod plugin_displays;
 mod qt_value;
 mod section;
 mod setting_problems;
+mod time_panel;
 mod view;
 mod view_direction;
 
@@ -44,10 +46,11 @@ pub use displays::visibility::Visibility;
 pub use displays::*;
 pub use error::ConfigError;
 pub use finding::{Finding, FindingKind};
+pub use frame_filter::{FilterError, FrameFilter};
 pub use global_options::GlobalOptions;
 pub use insert::{insert_camera, InsertError, NewCamera};
 pub use section::{Property, ENTRY};
-pub use setting_problems::setting_problems;
+pub use setting_problems::{setting_problems, SettingProblem};
 pub use view::{FrameAxis, OrbitView, ViewConfig, ViewController};
 pub use view_direction::FollowedRotation;
 

@@ -54,6 +54,11 @@ impl Report {
         self.findings.borrow_mut().push(Finding { line, path: path.to_owned(), is_note, kind });
     }
 
+    /// Reports what changes no picture.
+    pub(crate) fn add_note(&self, line: usize, path: &str, kind: FindingKind) {
+        self.with_notes(true, || self.add(line, path, kind));
+    }
+
     /// Calls `read`; what it finds is a note if `is_note` says so, or if it is inside of another such call.
     pub(crate) fn with_notes<T>(&self, is_note: bool, read: impl FnOnce() -> T) -> T {
         let outer = self.notes_only.replace(is_note || self.notes_only.get());
@@ -194,6 +199,14 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// Marks keys as read that older versions of rviz wrote; `now` are the keys that it reads in their place.
+    pub(crate) fn skip_old(&mut self, keys: &[&str], now: &'static str) {
+        for item in self.items.iter_mut().filter(|item| !item.read && keys.contains(&item.key)) {
+            item.read = true;
+            self.report.add_note(item.line, &join(&self.path, item.key), FindingKind::OldKey { now });
+        }
+    }
+
     /// Marks all keys as read.
     pub(crate) fn skip_rest(&mut self) {
         for item in &mut self.items {
@@ -232,7 +245,7 @@ impl<'a> Section<'a> {
     }
 
     /// The text of a property and its line.
-    fn scalar(&mut self, key: &str) -> Option<(&'a str, usize)> {
+    pub(crate) fn scalar(&mut self, key: &str) -> Option<(&'a str, usize)> {
         let node = self.node(key)?;
         match &node.content {
             Content::Scalar(text) => Some((text, node.line)),
@@ -321,7 +334,7 @@ impl<'a> Section<'a> {
                 _ if range != ANY => *setting = *range.start(),
                 _ => {}
             }
-            if read != Some(*setting) {
+            if !read.is_some_and(|value| is_same_in_five_digits(value, *setting)) {
                 self.invalid(line, &join(&self.path, key), text, &setting.to_string());
             }
         }
@@ -411,8 +424,15 @@ impl<'a> Section<'a> {
             inside.skip(&[OWN_VALUE]);
             self.invalid(node.line, &inside.path, "not three numbers X, Y, Z", &numbers(setting));
         }
+        inside.skip_old(&[OWN_VALUE], "X, Y and Z");
         inside.finish();
     }
+}
+
+/// Whether two numbers are the same in the five digits that older versions of rviz wrote: the largest pitch of a view,
+/// 1.5697963, stands in their files as 1.5698, which is above it.
+fn is_same_in_five_digits(a: f32, b: f32) -> bool {
+    a == b || (a - b).abs() <= 5e-5 * a.abs().min(b.abs())
 }
 
 /// Colours and vectors as a config writes colours.

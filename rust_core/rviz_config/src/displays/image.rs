@@ -6,7 +6,7 @@
 use crate::section::Section;
 
 /// The properties that both have.
-const OF_BOTH: [&str; 3] = ["Transport Hint", "Queue Size", "Unreliable"];
+const OF_BOTH: [&str; 4] = ["Transport Hint", "Queue Size", "Unreliable", "Timeout"];
 
 /// The properties of an Image display alone.
 const OF_IMAGE: [&str; 4] = ["Normalize Range", "Min Value", "Max Value", "Median window"];

@@ -45,6 +45,8 @@ impl OdometrySettings {
         section.float("Position Tolerance", at_least(0.0), &mut settings.position_tolerance_m);
         section.float("Angle Tolerance", at_least(0.0), &mut settings.angle_tolerance_rad);
         section.count("Keep", 0, &mut settings.keep);
+        section.skip_old(&["Color"], "Shape / Color");
+        section.skip_old(&["Length"], "Shape / Shaft Length and Head Length");
         settings.symbol = PoseSymbolSettings::read_inside_shape(section);
         settings.covariance = CovarianceSettings::read(section);
         settings

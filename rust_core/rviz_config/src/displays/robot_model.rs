@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::section::{at_least, Section, ANY};
+use crate::finding::FindingKind;
+use crate::node::{Content, Node};
+use crate::section::{at_least, join, Section, ANY};
 
 /// The properties of one link below `Links`.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +65,7 @@ impl Default for RobotModelSettings {
 const TREE_KEYS: [&str; 5] = ["Link Tree Style", "Expand Tree", "Expand Link Details", "Expand Joint Details", "Value"];
 
 /// What rviz calls the links where another Link Tree Style was chosen. It writes them under these names and does not
-/// find them again when it reads the file, so that all links are shown.
+/// find them again when it reads the file, so that all links are shown, and no axes of links or joints.
 const OTHER_TREES: [&str; 3] = ["Link Tree", "Joints", "Link/Joint Tree"];
 
 impl RobotModelSettings {
@@ -75,7 +77,7 @@ impl RobotModelSettings {
         section.float("Alpha", 0.0..=1.0, &mut settings.alpha);
         section.text("Robot Description", &mut settings.robot_description);
         section.text("TF Prefix", &mut settings.tf_prefix);
-        section.skip(&OTHER_TREES);
+        OTHER_TREES.iter().for_each(|key| report_unread_tree(section, key));
         settings.read_links(section.child("Links"));
         settings
     }
@@ -102,5 +104,42 @@ impl RobotModelSettings {
     /// The settings of a link.
     pub fn link(&self, name: &str) -> &LinkSettings {
         self.links.get(name).unwrap_or(&self.other_links)
+    }
+}
+
+/// The most settings of a tree that a finding lists.
+const MOST_LISTED: usize = 8;
+
+/// Passes over a tree that rviz does not read back. Its author saw something else if settings in it are not the
+/// defaults.
+fn report_unread_tree(section: &mut Section<'_>, key: &str) {
+    let Some(tree) = section.node(key) else { return };
+    let mut changed = Vec::new();
+    add_changed(tree, key, &mut changed);
+    if !changed.is_empty() {
+        let path = join(section.path(), key);
+        section.report().add_note(tree.line, &path, FindingKind::UnreadTree { changed });
+    }
+}
+
+/// Adds the settings of a link or joint, and of those below it, that are not the defaults.
+fn add_changed(node: &Node, name: &str, changed: &mut Vec<String>) {
+    let Content::Map(entries) = &node.content else { return };
+    for entry in entries {
+        if changed.len() >= MOST_LISTED {
+            return;
+        }
+        match (entry.key.as_str(), &entry.value.content) {
+            ("Show Axes" | "Show Trail" | "Show Joint Axis", Content::Scalar(value)) if value == "true" => {
+                changed.push(format!("{} of {name}", entry.key));
+            }
+            ("Alpha", Content::Scalar(value)) if value != "1" => changed.push(format!("Alpha {value} of {name}")),
+            ("Value" | "All Links Enabled", Content::Scalar(value)) if value == "false" => {
+                changed.push(format!("{name} is switched off"));
+            }
+            ("Details", _) => add_changed(&entry.value, name, changed),
+            (_, Content::Map(_)) => add_changed(&entry.value, &entry.key, changed),
+            _ => {}
+        }
     }
 }

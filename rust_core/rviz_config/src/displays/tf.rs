@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::frame_filter::FrameFilter;
 use crate::node::Content;
 use crate::section::{at_least, join, Section, ANY, ENTRY};
 
@@ -26,6 +27,10 @@ pub struct TfSettings {
     /// Seconds without a new transform after which a frame disappears, at least 1. It turns grey in the second third of
     /// that time and fades away in the last one.
     pub frame_timeout_s: f32,
+    /// Frames without a match in their names are left out; without an expression, none is.
+    pub whitelist: FrameFilter,
+    /// Frames with a match in their names are left out; without an expression, none is.
+    pub blacklist: FrameFilter,
     /// The frames that the list "Frames" switches off.
     pub hidden_frames: BTreeSet<String>,
 }
@@ -40,6 +45,8 @@ impl Default for TfSettings {
             marker_alpha: 1.0,
             update_interval_s: 0.0,
             frame_timeout_s: 15.0,
+            whitelist: FrameFilter::default(),
+            blacklist: FrameFilter::default(),
             hidden_frames: BTreeSet::new(),
         }
     }
@@ -55,11 +62,29 @@ impl TfSettings {
         section.float("Marker Alpha", 0.0..=1.0, &mut settings.marker_alpha);
         section.float("Update Interval", at_least(0.0), &mut settings.update_interval_s);
         section.float("Frame Timeout", at_least(1.0), &mut settings.frame_timeout_s);
+        filter(section, "Filter (whitelist)", &mut settings.whitelist);
+        filter(section, "Filter (blacklist)", &mut settings.blacklist);
         settings.hidden_frames = hidden_frames(section);
         // What the window shows of the frames' order.
         section.skip(&["Tree"]);
         settings
     }
+
+    /// Whether the filters leave a frame in.
+    pub fn lists(&self, frame: &str) -> bool {
+        self.whitelist.matches(frame).unwrap_or(true) && !self.blacklist.matches(frame).unwrap_or(false)
+    }
+}
+
+/// Reads a filter. One that cannot be compiled is none, as in rviz.
+fn filter(section: &mut Section<'_>, key: &str, setting: &mut FrameFilter) {
+    section.record(key, String::new);
+    let Some((text, line)) = section.scalar(key) else { return };
+    *setting = FrameFilter::new(text).unwrap_or_else(|error| {
+        let used = format!("no filter, because it is no regular expression: {error}");
+        section.report().add_invalid(line, &join(section.path(), key), text, &used);
+        FrameFilter::default()
+    });
 }
 
 /// Reads the frames' tick boxes, which are maps with a `Value`. rviz takes anything else for a frame that is off, and

@@ -3,6 +3,7 @@
 mod displays;
 mod files;
 mod rules;
+mod versions;
 
 use rcs_rviz_config::{parse, Config, DisplaySettings};
 

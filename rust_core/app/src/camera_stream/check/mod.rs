@@ -44,14 +44,20 @@ fn print_all(config: &Config, fixed_frame: Option<&str>, out: &mut dyn Write) ->
 /// Prints what keeps the cameras from publishing, what else does not work, and each finding. Returns whether there is
 /// nothing but notes.
 fn print_findings(config: &Config, out: &mut dyn Write) -> io::Result<bool> {
-    let problems = [camera_problems(config), setting_problems(config)].concat();
-    for problem in &problems {
+    let camera_problems = camera_problems(config);
+    for problem in &camera_problems {
+        writeln!(out, "{}: {problem}", config.source)?;
+    }
+    let setting_problems = setting_problems(config);
+    for problem in &setting_problems {
         writeln!(out, "{}: {problem}", config.source)?;
     }
     for finding in &config.findings {
         writeln!(out, "{}: {finding}", config.source)?;
     }
-    Ok(problems.is_empty() && config.findings.iter().all(|finding| finding.is_note))
+    let is_all_notes =
+        setting_problems.iter().all(|problem| problem.is_note) && config.findings.iter().all(|finding| finding.is_note);
+    Ok(camera_problems.is_empty() && is_all_notes)
 }
 
 #[cfg(test)]

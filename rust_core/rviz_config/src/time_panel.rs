@@ -1,0 +1,30 @@
+//! rviz's Time panel, which may synchronize frames with the messages of a display.
+//!
+//! With a `SyncMode` other than 0, rviz looks frames up at another time than their latest: at the stamp of the source's
+//! last message (exact), as long ago as these messages come late (approximate), or now (frame). That is not followed, and
+//! so reported.
+
+use crate::finding::FindingKind;
+use crate::node::{Content, Node};
+use crate::qt_value;
+use crate::section::Report;
+
+/// The names of the modes from 1 on in rviz's window. Other numbers are as good as 0.
+const MODES: [&str; 3] = ["Exact", "Approximate", "Frame"];
+
+/// Reports the synchronization of a Time panel among `panels`.
+pub(crate) fn check(panels: Option<&Node>, report: &Report) {
+    let Some(Content::List(panels)) = panels.map(|panels| &panels.content) else { return };
+    let text = |node: &Node| match &node.content {
+        Content::Scalar(text) => Some(text.clone()),
+        _ => None,
+    };
+    for panel in panels.iter().filter(|panel| panel.get("Class").and_then(text).as_deref() == Some("rviz/Time")) {
+        let Some(node) = panel.get("SyncMode") else { continue };
+        let number = text(node).and_then(|text| qt_value::to_int(&text)).and_then(|mode| usize::try_from(mode).ok());
+        let mode = number.and_then(|number| MODES.get(number.checked_sub(1)?));
+        let Some(mode) = mode else { continue };
+        let source = panel.get("SyncSource").and_then(text).unwrap_or_default();
+        report.add(node.line, "Panels / Time / SyncMode", FindingKind::TimeSync { mode, source });
+    }
+}
