@@ -21,7 +21,12 @@ use crate::framework::display::Display;
 use crate::framework::frame;
 use crate::framework::world::stamp;
 use crate::parts::cloud::{one_row, CloudDisplay, CloudSource, NonFinite, PlacedCloud};
-use crate::{StatusText, World};
+use crate::{Level, StatusText, Statuses, World};
+
+/// The status of scans that take long.
+const SCAN_TIME: &str = "Scan Time";
+/// Shorter scans have none.
+const LONG_SCAN_SECS: f64 = 2.0;
 
 /// `sensor_msgs/LaserScan` as a cloud in the fixed frame.
 #[derive(Debug)]
@@ -39,6 +44,21 @@ impl CloudSource for LaserScanSource {
     /// The time of the last ray. A scan whose rays have no time does not wait: it is refused when it is placed.
     fn end(scan: &LaserScan) -> Time {
         last_ray(scan).unwrap_or(stamp(&scan.header))
+    }
+
+    /// rviz's warning (since 1.14.21) for a scan of two seconds or more.
+    fn announce(scan: &LaserScan, statuses: &mut Statuses) {
+        let secs = f64::from(scan.time_increment) * scan.ranges.len() as f64;
+        if secs >= LONG_SCAN_SECS {
+            let text = format!(
+                "The scan takes {secs:.1} s, its time_increment of {} s for each of {} rays, and is shown that much later",
+                scan.time_increment,
+                scan.ranges.len()
+            );
+            statuses.set(Level::Warn, SCAN_TIME, text);
+        } else {
+            statuses.remove(SCAN_TIME);
+        }
     }
 
     fn place(scan: &Arc<LaserScan>, world: &World<'_>) -> Result<PlacedCloud, StatusText> {
@@ -106,7 +126,6 @@ mod tests {
 
     use super::*;
     use crate::framework::test_world::TestWorld;
-    use crate::{Level, Statuses};
 
     /// A display of scans, and a scanner that drives in `map` and turns.
     struct Bench {
@@ -260,5 +279,23 @@ mod tests {
         }
         assert!(bench.show(Some(scan(10, &[1.0, 1.0]))).is_some());
         assert_eq!(bench.display.statuses().level(), Level::Ok);
+    }
+
+    #[test]
+    fn a_scan_that_takes_seconds_is_a_warning_until_a_shorter_one_comes() {
+        let mut bench = Bench::new(CloudSettings::default());
+        bench.place(10, [0.0, 0.0, 0.0], 0.0);
+        bench.place(20, [0.0, 0.0, 0.0], 0.0);
+        let mut status = |time_increment: f32, rays: usize| {
+            bench.show(Some(LaserScan { time_increment, ..scan(10, &vec![1.0; rays]) }));
+            bench.display.statuses().get("Scan Time").map(|status| (status.level, status.text.clone()))
+        };
+        assert_eq!(status(1.0, 1), None);
+        let text =
+            "The scan takes 360.0 s, its time_increment of 1 s for each of 360 rays, and is shown that much later";
+        assert_eq!(status(1.0, 360), Some((Level::Warn, text.to_owned())), "while it waits");
+        assert_eq!(status(0.001, 360), None);
+        assert_eq!(status(1.0, 2).map(|(level, _)| level), Some(Level::Warn));
+        assert_eq!(status(-1.0, 2), None, "rays backwards in time delay nothing");
     }
 }

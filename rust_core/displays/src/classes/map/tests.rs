@@ -93,6 +93,17 @@ fn a_map_is_as_large_as_its_cells_and_follows_its_frame() {
 }
 
 #[test]
+fn cells_and_place_of_a_new_map_change_in_one_picture() {
+    let mut bench = Bench::new(MapSettings::default());
+    bench.map(grid(1, 1, &[7]));
+    bench.place(5, 10.0);
+    let mut grown = grid(2, 1, &[7, 8]);
+    grown.info.origin.position.x = -0.5;
+    assert!(bench.map(grown));
+    assert_eq!((bench.sheet().cells.width(), bench.corner(0.0, 0.0).x), (2, 9.5));
+}
+
+#[test]
 fn with_use_timestamp_it_stays_where_it_was_at_its_stamp() {
     let mut bench = Bench::new(MapSettings { use_timestamp: true, ..MapSettings::default() });
     bench.place(5, 10.0);

@@ -36,6 +36,8 @@ const SHORTEST_ARROW_M: f64 = 0.001;
 #[derive(Debug)]
 struct Frame {
     age: Age,
+    /// Whether the filters leave it in. What they leave out has neither a symbol nor a status.
+    is_listed: bool,
     is_enabled: bool,
     symbol: Symbol,
     /// Since when it is too old to be seen, and its newest stamp then.
@@ -160,11 +162,16 @@ impl Display for TfDisplay {
         let mut next_fade: Option<Time> = None;
         for name in world.transforms.frames() {
             if !self.frames.contains_key(name) {
-                let is_enabled = !self.settings.hidden_frames.contains(name);
-                let frame = Frame { age: Age::new(world.now), is_enabled, symbol: Symbol::default(), gone: None };
+                let frame = Frame {
+                    age: Age::new(world.now),
+                    is_listed: self.settings.lists(name),
+                    is_enabled: !self.settings.hidden_frames.contains(name),
+                    symbol: Symbol::default(),
+                    gone: None,
+                };
                 self.frames.insert(name.to_owned(), frame);
             }
-            let Some(frame) = self.frames.get_mut(name) else { continue };
+            let Some(frame) = self.frames.get_mut(name).filter(|frame| frame.is_listed) else { continue };
             let newest = world.transforms.newest_stamp_of(name);
             if frame.gone.is_some_and(|gone| gone.is_certain(newest, world.now)) {
                 continue;

@@ -1,5 +1,6 @@
 //! Frames that come, move, fade and are switched off, by what is shown of them.
 
+use rcs_rviz_config::FrameFilter;
 use rcs_scene::{Geometry, Lighting, Rgba};
 use rcs_transforms::RawTransform;
 
@@ -196,5 +197,24 @@ fn made_up_frames_are_bounded_and_cost_nothing_once_they_are_old() {
     bench.publish("base", "box_5", 115.0, 1.0, false);
     bench.publish("map", "base", 115.0, 9.0, false);
     assert!(bench.update(115.0));
+    assert_eq!(bench.shown(), (3, 2));
+}
+
+#[test]
+fn filters_leave_frames_out_with_their_statuses_and_their_arrows_but_not_the_arrows_to_them() {
+    let filter = |text: &str| FrameFilter::new(text).unwrap();
+    let settings = TfSettings { whitelist: filter("^lamp|map"), blacklist: filter("_2$"), ..TfSettings::default() };
+    let mut bench = Bench::new(settings);
+    bench.publish("map", "laser", 0.0, 1.0, true);
+    bench.publish("laser", "lamp_1", 0.0, 1.0, true);
+    bench.publish("map", "lamp_2", 0.0, 3.0, true);
+    assert!(bench.update(0.0));
+    assert_eq!(bench.shown(), (2, 1), "map, lamp_1 and its arrow to laser");
+    let named: Vec<&str> = bench.display.statuses.iter().map(|(name, _)| name).collect();
+    assert_eq!(named, ["lamp_1", "map"]);
+    bench.publish("map", "lamp_3", 0.0, 4.0, true);
+    assert!(bench.update(1.0), "a frame that comes later is filtered, too");
+    bench.publish("map", "camera", 0.0, 5.0, true);
+    assert!(!bench.update(2.0));
     assert_eq!(bench.shown(), (3, 2));
 }

@@ -26,6 +26,9 @@ pub(crate) trait CloudSource {
         message.header().map_or(Time::ZERO, stamp)
     }
 
+    /// Sets or clears the statuses that a message deserves when it arrives.
+    fn announce(_message: &Self::Message, _statuses: &mut Statuses) {}
+
     /// The cloud that it is.
     ///
     /// # Errors
@@ -60,6 +63,7 @@ impl<S: CloudSource> Display for CloudDisplay<S> {
     fn take(&mut self, message: &AnyMessage, _world: &World<'_>) {
         let Some(message) = S::Message::from_any(message) else { return };
         if let Some(header) = message.header() {
+            S::announce(message, &mut self.statuses);
             self.incoming.push_until(header, S::end(message), message.clone(), &mut self.statuses);
         }
     }
