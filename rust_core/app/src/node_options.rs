@@ -5,7 +5,7 @@
 
 use std::ffi::OsString;
 
-use anyhow::{anyhow, bail};
+use anyhow::anyhow;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, Parser};
 use rcs_ros::RosNode;
@@ -17,11 +17,14 @@ use crate::small_node;
 /// # Errors
 /// When a parameter has no valid value, or does not go with another option; names it.
 pub(crate) fn with_parameters<A: Parser>(node: &RosNode) -> anyhow::Result<A> {
-    merged(&small_node::own_arguments(), &|name| node.text_param(name))
+    merged(&small_node::own_arguments(), &|name| Ok(node.text_param(name)?))
 }
 
 /// `given` is valid by itself; `parameter` has the text of a parameter that is set.
-fn merged<A: Parser>(given: &[OsString], parameter: &dyn Fn(&str) -> Option<String>) -> anyhow::Result<A> {
+fn merged<A: Parser>(
+    given: &[OsString],
+    parameter: &dyn Fn(&str) -> anyhow::Result<Option<String>>,
+) -> anyhow::Result<A> {
     let command = A::command();
     let matches = command.clone().try_get_matches_from(given).map_err(|error| anyhow!(reason(&error)))?;
     let mut all = given.to_vec();
@@ -31,7 +34,7 @@ fn merged<A: Parser>(given: &[OsString], parameter: &dyn Fn(&str) -> Option<Stri
             continue;
         }
         let name = format!("~{}", option.replace('-', "_"));
-        let Some(text) = parameter(&name) else { continue };
+        let Some(text) = parameter(&name)? else { continue };
         let Some(word) = as_option(argument, option, &text).map_err(|reason| anyhow!("parameter {name}: {reason}"))?
         else {
             continue;
@@ -49,10 +52,15 @@ fn as_option(argument: &Arg, option: &str, text: &str) -> anyhow::Result<Option<
     if !matches!(argument.get_action(), ArgAction::SetTrue) {
         return Ok(Some(format!("--{option}={text}").into()));
     }
-    match text {
-        "true" | "1" => Ok(Some(format!("--{option}").into())),
-        "false" | "0" => Ok(None),
-        _ => bail!("{text} is not true or false"),
+    Ok(yes_or_no(text).map_err(|error| anyhow!(error))?.then(|| format!("--{option}").into()))
+}
+
+/// Reads a parameter's true or false; XML and YAML write them with capitals, too.
+pub(crate) fn yes_or_no(text: &str) -> Result<bool, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "true" | "1" => Ok(true),
+        "false" | "0" => Ok(false),
+        _ => Err(format!("{text} is not true or false")),
     }
 }
 
@@ -101,7 +109,7 @@ mod tests {
     fn options(given: &[&str], parameters: &[(&str, &str)]) -> Result<Options, String> {
         let given: Vec<OsString> = std::iter::once("node").chain(given.iter().copied()).map(OsString::from).collect();
         let text = |name: &str| parameters.iter().find(|(known, _)| *known == name).map(|(_, text)| (*text).to_owned());
-        merged(&given, &text).map_err(|error| error.to_string())
+        merged(&given, &|name| Ok(text(name))).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -109,7 +117,7 @@ mod tests {
         let read = options(&["--topic", "/a"], &[("~topic", "/b"), ("~rate_hz", "2.5")]).unwrap();
         assert_eq!(read, Options { rate_hz: 2.5, once: false, topic: Some("/a".to_owned()) });
         assert!(options(&[], &[("~once", "true")]).unwrap().once);
-        assert!(!options(&["--rate-hz", "2"], &[("~once", "0")]).unwrap().once);
+        assert!(!options(&["--rate-hz", "2"], &[("~once", "False")]).unwrap().once);
     }
 
     #[test]

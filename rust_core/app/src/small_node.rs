@@ -35,15 +35,6 @@ fn without_ros_arguments(arguments: impl IntoIterator<Item = OsString>) -> Vec<O
     arguments.into_iter().enumerate().filter(is_own).map(|(_, argument)| argument).collect()
 }
 
-/// The right side of the remapping `name:=other` among the program's arguments, if there is one.
-pub fn remapping_of(name: &str) -> Option<String> {
-    std::env::args_os().skip(1).find_map(|argument| {
-        let argument = argument.to_string_lossy().into_owned();
-        let (from, to) = argument.split_once(":=")?;
-        (from.trim_start_matches('/') == name).then(|| to.to_owned())
-    })
-}
-
 /// Runs a program with the process's arguments, and ends its node. An error is the last line of the log.
 pub fn run_main<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<()>) -> ExitCode {
     let arguments = A::parse_from(own_arguments());

@@ -81,6 +81,7 @@ pub use events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall, Trigger
 pub use graph::{Publication, Publications};
 pub use latched_publisher::LatchedPublisher;
 pub use node::{is_asked_to_end, node_time, plain_args, NodeError, NodeTime, RosNode};
+pub use parameters::remapping_of;
 pub use plain_image_topic::PlainImagePublisher;
 pub use reconfigure::ReconfigureServer;
 pub use rosout::{log_line, LogLine, Loggers};

@@ -66,6 +66,9 @@ pub enum NodeError {
     /// The name is not one that ROS allows.
     #[error("'{0}' is not a valid ROS name")]
     Name(String),
+    /// A parameter has a value of another type than those that are read.
+    #[error("parameter {0}: it is neither a text, a number, true nor false, nor a list of these")]
+    Parameter(String),
     /// The node subscribes to the topic with another type already.
     #[error("{topic} is subscribed to as {subscribed}, not {wanted}")]
     TypeMismatch {
@@ -384,32 +387,23 @@ impl RosNode {
     }
 
     /// A private parameter (`~name`) that was a string, a boolean, a number, or a list of these when the node started,
-    /// as text; commas stand between the elements of a list.
-    pub fn text_param(&self, name: &str) -> Option<String> {
-        text_of(self.private_param(name)?)
+    /// as text; commas stand between the elements of a list. `None` if it was not set.
+    ///
+    /// # Errors
+    /// [`NodeError::Parameter`] for a value of another type.
+    pub fn text_param(&self, name: &str) -> Result<Option<String>, NodeError> {
+        self.private_param(name).map(|value| text_or_error(name, value)).transpose()
     }
 
-    /// Another node's parameter as text, as [`Self::text_param`] has it. Waits for the master, for
-    /// some seconds at most.
-    pub fn other_text_param(&self, name: &str) -> Option<String> {
-        let whole_name = self.resolve(name).ok()?;
-        text_of(&self.network().registrar().master().param(&whole_name).ok()??)
-    }
-
-    /// A private parameter (`~name`) that was a boolean when the node started.
-    pub fn bool_param(&self, name: &str) -> Option<bool> {
-        match self.private_param(name)? {
-            Value::Bool(value) => Some(*value),
-            _ => None,
-        }
-    }
-
-    /// A private parameter (`~name`) that was a whole number when the node started.
-    pub fn int_param(&self, name: &str) -> Option<i32> {
-        match self.private_param(name)? {
-            Value::Int(value) => Some(*value),
-            _ => None,
-        }
+    /// Another node's parameter as text, as [`Self::text_param`] has it. Waits for the master, for some seconds at most;
+    /// `None` if it does not answer.
+    ///
+    /// # Errors
+    /// [`NodeError::Name`], and [`NodeError::Parameter`] for a value of another type.
+    pub fn other_text_param(&self, name: &str) -> Result<Option<String>, NodeError> {
+        let whole_name = self.resolve(name)?;
+        let value = self.network().registrar().master().param(&whole_name).ok().flatten();
+        value.map(|value| text_or_error(name, &value)).transpose()
     }
 
     /// A private parameter (`~name`) that was a list of strings, or one string, when the node started.
@@ -557,6 +551,10 @@ fn with_wake_slack<T>(start: impl FnOnce() -> T) -> T {
     let _ = rustix::thread::set_current_timer_slack(before);
     let _ = name.and_then(|name| rustix::thread::set_name(&name));
     started
+}
+
+fn text_or_error(name: &str, value: &Value) -> Result<String, NodeError> {
+    text_of(value).ok_or_else(|| NodeError::Parameter(name.to_owned()))
 }
 
 /// A parameter's value as text, if it is a string, a boolean, a number, or a list of these.

@@ -1,7 +1,7 @@
 //! Parameters that the scene needs, a robot's description most of all, fetched in the background.
 //!
 //! A name is looked up as `ros::NodeHandle::getParam` and, failing that, `searchParam` do: in the node's namespace
-//! first and then in the namespaces around it. A parameter that is not set yet is polled once a second, as rviz does. A
+//! first and then in the namespaces around it; a name that is remapped to an absolute one there alone. A parameter that is not set yet is polled once a second, as rviz does. A
 //! parameter that is not a string counts as an empty one, as in rviz.
 
 use crate::graph::Master;
@@ -94,9 +94,8 @@ fn poll(shared: &Weak<Shared>) {
 /// [`CallError`] if the master does not answer.
 fn find(master: &Master, name: &str) -> Result<Option<Arc<str>>, CallError> {
     let Some(own) = rosrust::param(name).map(|param| param.name().to_owned()) else { return Ok(None) };
-    let is_relative = !name.starts_with(['/', '~']);
-    let candidates = if is_relative { upwards(&own, name) } else { vec![own] };
-    for candidate in candidates {
+    let (namespace, _) = master.node_name.rsplit_once('/').unwrap_or_default();
+    for candidate in candidates(own, namespace, name, remapping_of(name).as_deref()) {
         if let Some(value) = master.param(&candidate)? {
             return Ok(Some(value.as_str().unwrap_or_default().into()));
         }
@@ -104,13 +103,31 @@ fn find(master: &Master, name: &str) -> Result<Option<Arc<str>>, CallError> {
     Ok(None)
 }
 
-/// The whole names that a relative name may stand for, the innermost namespace first. A remapped name has only one.
-fn upwards(whole: &str, name: &str) -> Vec<String> {
-    let Some(namespace) = whole.strip_suffix(name) else { return vec![whole.to_owned()] };
-    let mut namespace = namespace.trim_end_matches('/');
+/// The right side of the remapping `name:=other` among the program's arguments, if there is one.
+pub fn remapping_of(name: &str) -> Option<String> {
+    std::env::args_os().skip(1).find_map(|argument| {
+        let argument = argument.to_string_lossy().into_owned();
+        let (from, to) = argument.split_once(":=")?;
+        (from.trim_start_matches('/') == name).then(|| to.to_owned())
+    })
+}
+
+/// The whole names that a name may stand for, in the order in which they are looked up. `own` is the name as it was
+/// resolved in the node's namespace, `remapping` what the command line puts in its place.
+fn candidates(own: String, namespace: &str, name: &str, remapping: Option<&str>) -> Vec<String> {
+    let is_absolute = |name: &str| name.starts_with(['/', '~']);
+    let searched = match remapping {
+        _ if own == format!("{namespace}/{name}") => name,
+        Some(other) => other,
+        None => return vec![own],
+    };
+    if is_absolute(name) || is_absolute(searched) {
+        return vec![own];
+    }
+    let mut namespace = namespace;
     let mut names = Vec::new();
     loop {
-        names.push(format!("{namespace}/{name}"));
+        names.push(format!("{namespace}/{searched}"));
         match namespace.rsplit_once('/') {
             Some((outer, _)) => namespace = outer,
             None => return names,
@@ -124,9 +141,24 @@ mod tests {
 
     #[test]
     fn a_relative_name_is_looked_for_in_all_namespaces_around_the_node() {
-        let names = upwards("/a/b/robot_description", "robot_description");
+        let names = candidates("/a/b/robot_description".to_owned(), "/a/b", "robot_description", None);
         assert_eq!(names, ["/a/b/robot_description", "/a/robot_description", "/robot_description"]);
-        assert_eq!(upwards("/robot_description", "robot_description"), ["/robot_description"]);
-        assert_eq!(upwards("/other", "robot_description"), ["/other"]);
+        assert_eq!(candidates("/robot".to_owned(), "", "robot", None), ["/robot"]);
+    }
+
+    #[test]
+    fn a_name_that_is_remapped_to_an_absolute_one_is_looked_for_there_alone() {
+        let names = |own: &str, remapping| candidates(own.to_owned(), "/a", "robot_description", remapping);
+        assert_eq!(names("/r1/robot_description", Some("/r1/robot_description")), ["/r1/robot_description"]);
+        assert_eq!(names("/a/c/robot_description", Some("~robot_description")), ["/a/c/robot_description"]);
+        assert_eq!(
+            names("/r1/robot_description", None),
+            ["/r1/robot_description"],
+            "/a/robot_description:= was remapped"
+        );
+        assert_eq!(names("/a/arm", Some("arm")), ["/a/arm", "/arm"], "a relative one is searched");
+        for name in ["/robot_description", "~robot_description"] {
+            assert_eq!(candidates("/x".to_owned(), "/a", name, None), ["/x"]);
+        }
     }
 }

@@ -102,6 +102,16 @@ impl ResourceArgs {
 }
 
 impl Cli {
+    /// The config that is named, by whichever argument.
+    pub(crate) fn config_mut(&mut self) -> Option<&mut PathBuf> {
+        match &mut self.command {
+            Some(Command::NewCamera(args)) => args.display_config.as_mut(),
+            Some(Command::Check(args)) => args.config.as_mut().or(args.node.display_config.as_mut()),
+            Some(Command::Render(args)) => Some(&mut args.display_config),
+            None => self.node.display_config.as_mut(),
+        }
+    }
+
     /// Whether debug messages are logged.
     pub fn is_debug(&self) -> bool {
         let of_check = matches!(&self.command, Some(Command::Check(args)) if args.node.log_level_debug);
@@ -118,7 +128,7 @@ impl Cli {
 /// The arguments of the node: those of rviz.
 #[derive(Args, Clone, Debug)]
 pub struct NodeArgs {
-    /// The .rviz config with CameraPub displays
+    /// The .rviz config with CameraPub displays; a name without slashes may be that of a file in ~/.rviz
     #[arg(short = 'd', long = "display-config", value_name = "FILE")]
     pub display_config: Option<PathBuf>,
     /// The fixed frame, overriding the config's
@@ -297,13 +307,6 @@ pub struct CheckArgs {
     pub listen: Duration,
 }
 
-impl CheckArgs {
-    /// The config's file, by whichever of the two arguments.
-    pub fn file(&self) -> PathBuf {
-        self.config.clone().or_else(|| self.node.display_config.clone()).unwrap_or_default()
-    }
-}
-
 /// A clap error as it is, but for two hints: that a config is named with `-d`, and none at an option that help hides.
 pub fn with_hints(mut error: clap::Error) -> clap::Error {
     if let (ErrorKind::InvalidSubcommand, Some(ContextValue::String(word))) =
@@ -337,7 +340,7 @@ fn rate(text: &str) -> Result<f64, String> {
 }
 
 /// The size of a file in MB.
-fn mesh_mb(text: &str) -> Result<u64, String> {
+pub(crate) fn mesh_mb(text: &str) -> Result<u64, String> {
     text.parse().ok().filter(|size| MESH_MB.contains(size)).ok_or_else(|| ResourceArgs::SIZE_RANGE.to_owned())
 }
 
@@ -469,9 +472,12 @@ mod tests {
     fn check_takes_the_arguments_of_the_launch_line_that_it_diagnoses() {
         let check = |line: &str| {
             let args = ["camera_stream", "check", "--live"].into_iter().chain(line.split(' '));
-            Cli::try_parse_from(args).map(|cli| match cli.command {
-                Some(Command::Check(args)) => (args.file(), args.node.fixed_frame, cli.model.projection, cli.renderer),
-                other => panic!("{other:?}"),
+            Cli::try_parse_from(args).map(|mut cli| {
+                let file = cli.config_mut().cloned().unwrap_or_default();
+                match cli.command {
+                    Some(Command::Check(args)) => (file, args.node.fixed_frame, cli.model.projection, cli.renderer),
+                    other => panic!("{other:?}"),
+                }
             })
         };
         let line = "-d x.rviz -f map --projection exact --renderer cpu --no-watch --log-level-debug --splash-screen s \

@@ -4,6 +4,7 @@ mod black_picture;
 pub mod camera_pose;
 pub mod check;
 pub mod cli;
+mod config_file;
 pub mod depth_image;
 mod lazy_streams;
 pub mod light_arguments;
@@ -36,6 +37,7 @@ use rcs_rviz_config::{Config, Finding};
 
 use crate::camera_stream::check::live::LiveArgs;
 use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
+use crate::camera_stream::config_file::find_config;
 use crate::camera_stream::offline::{Job, Section, Target};
 use crate::camera_stream::stage::Stage;
 use crate::logging;
@@ -48,7 +50,7 @@ const INVALID: u8 = 2;
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse_from(own_arguments()) {
+    let mut cli = match Cli::try_parse_from(own_arguments()) {
         Ok(cli) => cli,
         Err(error) => {
             let error = cli::with_hints(error);
@@ -64,17 +66,20 @@ pub fn main() -> ExitCode {
     if cli.may_use_gpu() {
         quiet_graphics_libraries();
     }
-    let file = match &cli.command {
-        Some(Command::NewCamera(args)) => return finished(new_camera::run(args)),
-        Some(Command::Check(args)) => Some(args.file()),
-        Some(Command::Render(args)) => Some(args.display_config.clone()),
-        None => cli.node.display_config.clone(),
-    };
+    let is_node = cli.command.is_none();
     let invalid = |error: &dyn std::fmt::Display| {
-        print_error(&error.to_string(), cli.command.is_none());
+        print_error(&error.to_string(), is_node);
         ExitCode::from(INVALID)
     };
-    let Some(file) = file else { return invalid(&"no config: name one with -d FILE.rviz (see --help)") };
+    if let Err(error) = find_config(&mut cli) {
+        return invalid(&error);
+    }
+    if let Some(Command::NewCamera(args)) = &cli.command {
+        return finished(new_camera::run(args));
+    }
+    let Some(file) = cli.config_mut().cloned() else {
+        return invalid(&"no config: name one with -d FILE.rviz (see --help)");
+    };
     let config = match rcs_rviz_config::load(&file) {
         Ok(config) => config,
         Err(error) => return invalid(&error),

@@ -10,10 +10,11 @@ use rcs_render::RendererChoice;
 use rcs_resources::ResourceOptions;
 use rcs_ros::RosNode;
 
-use crate::camera_stream::cli::{ModelArgs, ResourceArgs, MESH_MB};
+use crate::camera_stream::cli::{mesh_mb, ModelArgs, ResourceArgs};
 use crate::camera_stream::depth_image::DepthEncoding;
 use crate::camera_stream::light_arguments::Gamma;
 use crate::camera_stream::window_arguments::ScreenArgs;
+use crate::node_options::yes_or_no;
 
 /// What draws: `--renderer`, else `~renderer`.
 ///
@@ -47,10 +48,7 @@ pub(crate) fn resources(ros: &RosNode, given: &ResourceArgs) -> Result<ResourceO
     const SIZE: &str = "~max_mesh_mb";
     const FOLDERS: &str = "~mesh_folders";
     let mut args = given.clone();
-    if args.max_mesh_mb.is_none() && ros.has_param(SIZE) {
-        let size = ros.int_param(SIZE).and_then(|size| u64::try_from(size).ok()).filter(|size| MESH_MB.contains(size));
-        args.max_mesh_mb = Some(size.ok_or_else(|| anyhow!("parameter {SIZE}: {}", ResourceArgs::SIZE_RANGE))?);
-    }
+    args.max_mesh_mb = choose(ros, args.max_mesh_mb, &[SIZE], mesh_mb)?;
     if ros.has_param(FOLDERS) {
         let folders = ros.strings_param(FOLDERS);
         let folders = folders.ok_or_else(|| anyhow!("parameter {FOLDERS}: it is a list of folders"))?;
@@ -99,9 +97,9 @@ pub(crate) fn strings(ros: &RosNode, parameter: &str) -> Result<Vec<String>> {
 /// # Errors
 /// When the parameter is something else; names the parameter.
 pub(crate) fn texts(ros: &RosNode, parameter: &str) -> Result<Vec<String>> {
-    match ros.text_param(parameter) {
-        Some(text) => Ok(vec![text]),
-        None => strings(ros, parameter),
+    match ros.strings_param(parameter) {
+        Some(texts) => Ok(texts),
+        None => Ok(ros.text_param(parameter)?.into_iter().collect()),
     }
 }
 
@@ -113,14 +111,6 @@ pub(crate) fn switch(ros: &RosNode, given: Option<bool>, parameter: &str) -> Res
     choose(ros, given, &[parameter], yes_or_no)
 }
 
-fn yes_or_no(text: &str) -> Result<bool, String> {
-    match text {
-        "true" | "1" => Ok(true),
-        "false" | "0" => Ok(false),
-        _ => Err(format!("{text} is not true or false")),
-    }
-}
-
 /// The node's windows: `--window`, else `~window`, one or a list; `--set-mode` or `~set_mode`.
 ///
 /// # Errors
@@ -128,12 +118,10 @@ fn yes_or_no(text: &str) -> Result<bool, String> {
 pub(crate) fn windows(ros: &RosNode, given: &ScreenArgs) -> Result<ScreenArgs> {
     const WINDOW: &str = "~window";
     let mut args = given.clone();
-    args.set_mode |= ros.bool_param("~set_mode").unwrap_or(false);
+    args.set_mode = flag(ros, args.set_mode, "~set_mode")?;
     if args.windows.is_empty() && ros.has_param(WINDOW) {
         // A monitor's number is no string.
-        let texts = ros.strings_param(WINDOW).or_else(|| Some(vec![ros.text_param(WINDOW)?]));
-        let texts = texts.ok_or_else(|| anyhow!("parameter {WINDOW}: it is MONITOR, or a list of CAMERA=MONITOR"))?;
-        args.windows = texts.iter().flat_map(|text| text.parse()).collect();
+        args.windows = texts(ros, WINDOW)?.iter().flat_map(|text| text.parse()).collect();
     }
     Ok(args)
 }
@@ -151,7 +139,11 @@ pub(crate) fn choose<T>(
     if given.is_some() {
         return Ok(given);
     }
-    let text = |name: &str| if name.starts_with('~') { ros.text_param(name) } else { ros.other_text_param(name) };
-    let set = parameters.iter().map(AsRef::as_ref).find_map(|name| Some((name, text(name)?)));
-    set.map(|(name, text)| parse(&text).map_err(|error| anyhow!("parameter {name}: {error}"))).transpose()
+    for name in parameters.iter().map(AsRef::as_ref) {
+        let text = if name.starts_with('~') { ros.text_param(name) } else { ros.other_text_param(name) };
+        if let Some(text) = text? {
+            return parse(&text).map(Some).map_err(|error| anyhow!("parameter {name}: {error}"));
+        }
+    }
+    Ok(None)
 }

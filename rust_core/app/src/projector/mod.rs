@@ -96,7 +96,7 @@ fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<ProjectorFile> {
 }
 
 fn file_parameter(node: &RosNode) -> anyhow::Result<PathBuf> {
-    match node.text_param("~file") {
+    match node.text_param("~file")? {
         Some(path) if !path.is_empty() => Ok(path.into()),
         _ => bail!("no projector file: give FILE, --file FILE or the parameter ~file (_file:=FILE)"),
     }

@@ -66,8 +66,7 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
     if arguments.monitor.tell_monitors()? {
         return Ok(());
     }
-    let topic =
-        arguments.topic.or_else(|| small_node::remapping_of("image")).unwrap_or_else(|| DEFAULT_TOPIC.to_owned());
+    let topic = arguments.topic.or_else(|| rcs_ros::remapping_of("image")).unwrap_or_else(|| DEFAULT_TOPIC.to_owned());
     let mut options = arguments.monitor.window_options(&topic);
     options.stale_timeout = arguments.stale_timeout;
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
@@ -108,12 +107,12 @@ fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &Picture
         return Ok(());
     };
     if !has_timeout {
-        if let Some(text) = node.text_param("~stale_timeout") {
+        if let Some(text) = node.text_param("~stale_timeout")? {
             let timeout = stale_secs(&text).map_err(|error| anyhow!("parameter ~stale_timeout: {error}"))?;
             sink.set_stale_timeout(timeout);
         }
     }
-    let (topic, kind) = match node.text_param("~image_transport").as_deref() {
+    let (topic, kind) = match node.text_param("~image_transport")?.as_deref() {
         None | Some("raw" | "") => (topic.to_owned(), MessageKind::Image),
         Some("compressed") => (format!("{topic}/compressed"), MessageKind::CompressedImage),
         Some(other) => bail!("parameter ~image_transport: there are raw and compressed, not {other}"),

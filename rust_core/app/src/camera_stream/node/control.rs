@@ -21,6 +21,7 @@ use super::file_watch::FileWatch;
 use super::shared::{Reload, Shared};
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::log_findings;
+use crate::camera_stream::private_parameters;
 use crate::camera_stream::watchdog::Task;
 use crate::logging::{self, one_line};
 use crate::small_node::EndRequest;
@@ -231,7 +232,7 @@ impl Control {
 
 /// Watches the config's file, unless `--no-watch` or `~watch` says not to.
 fn watch(cli: &Cli, ros: &RosNode) -> Result<Option<FileWatch>> {
-    let is_wanted = !cli.node.no_watch && ros.bool_param("~watch").unwrap_or(true);
+    let is_wanted = private_parameters::switch(ros, cli.node.no_watch.then_some(false), "~watch")?.unwrap_or(true);
     let Some(file) = cli.node.display_config.clone().filter(|_| is_wanted) else { return Ok(None) };
     let calls = Arc::clone(ros.calls());
     FileWatch::start(file, move || calls.wake()).map(Some).context("cannot watch the config")

@@ -118,7 +118,7 @@ impl SceneLoop {
             renderer_choice,
             model,
             prediction,
-            is_lazy: !cli.node.no_lazy && ros.bool_param("~lazy").unwrap_or(true),
+            is_lazy: private_parameters::switch(ros, cli.node.no_lazy.then_some(false), "~lazy")?.unwrap_or(true),
             freshness,
             assessment: None,
             last_steps,

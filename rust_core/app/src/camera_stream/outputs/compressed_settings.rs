@@ -41,8 +41,14 @@ impl CompressionSettings {
     /// The defaults with what `parameter` says under each name.
     pub(super) fn start(parameter: impl Fn(&str) -> Option<String>) -> Self {
         let number = |name: &str| {
-            let value = parameter(name)?.parse().ok()?;
-            Some(IntParameter { name: name.to_owned(), value })
+            let text = parameter(name)?;
+            match text.parse() {
+                Ok(value) => Some(IntParameter { name: name.to_owned(), value }),
+                Err(_) => {
+                    log::warn!("{name}: \"{text}\" is no whole number; the default is used");
+                    None
+                }
+            }
         };
         let format = parameter(FORMAT).map(|value| StrParameter { name: FORMAT.to_owned(), value });
         let mut settings = Self::default();

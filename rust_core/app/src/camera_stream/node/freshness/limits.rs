@@ -83,7 +83,7 @@ impl Limits {
         const GENERAL: &str = "~stale_timeout";
         const TOPICS: &str = "~stale_timeouts";
         let mut limits = Self { general: Limit::Never, by_topic: HashMap::new(), has_note: false };
-        if let Some(text) = ros.text_param(GENERAL) {
+        if let Some(text) = ros.text_param(GENERAL)? {
             limits.general = match text.parse() {
                 Ok(Limit::Held) | Err(_) => Err(anyhow!("parameter {GENERAL}: seconds from 0 (off) to 86400")),
                 Ok(limit) => Ok(limit),
