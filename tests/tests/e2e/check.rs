@@ -95,7 +95,7 @@ fn cameras_and_displays_that_do_not_work_are_reported_and_exit_with_1() {
         (config(&[CLOUD], &[]), "no CameraPub display"),
         (config(&[CLOUD], &[lost]), "Camera Info Topic: empty"),
         (config(&[CLOUD], &[CameraPub::default(), CameraPub { namespace: "other", ..other }]), "same name"),
-        (config(&[CLOUD], &[CameraPub::default(), CameraPub { name: "Other", ..other }]), "Display namespace"),
+        (config(&[CLOUD], &[CameraPub::default()]) + SYNCHRONIZED, "Time / SyncMode: synchronization \"Exact\" to cloud"),
         (config(&["{Class: rviz/PointCloud2, Name: it, Enabled: true, Topic: ''}"], &[other]), "its topic is empty"),
         (misspelt, "Visibility / clowd: no display has this name; there are: cloud"),
     ];
@@ -108,6 +108,44 @@ fn cameras_and_displays_that_do_not_work_are_reported_and_exit_with_1() {
         let findings: Vec<&str> = findings.filter(|line| !line.contains("fixed frame")).collect();
         assert!(findings.len() == 1 && findings[0].contains(word), "{word}: {printed}");
     }
+}
+
+/// A window's panel that looks frames up at the times of a display's messages.
+const SYNCHRONIZED: &str = "Panels:\n- {Class: rviz/Time, Name: Time, SyncMode: 1, SyncSource: cloud}\n";
+
+#[test]
+fn what_other_versions_of_rviz_and_of_the_plugin_saved_exits_with_0() {
+    let odometry = "{Class: rviz/Odometry, Name: odom, Enabled: true, Topic: /odom, Color: 255; 25; 0, Length: 1}";
+    let filtered = "{Class: rviz/TF, Name: TF, Enabled: true, Filter (whitelist): '', Filter (blacklist): ''}";
+    let other = CameraPub { name: "Other", image: "/other", ..CameraPub::default() };
+    let (_folder, path) = file(&config(&[odometry, filtered], &[CameraPub::default(), other]));
+    let output = check(&path);
+    let notes = text_of_notes(&output);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+    let found = ["Other / Display namespace", "odom / Color", "odom / Length"];
+    assert!(notes.len() == 3 && notes.iter().zip(found).all(|(note, words)| note.contains(words)), "{notes:?}");
+}
+
+#[test]
+fn a_config_is_found_by_its_name_in_the_users_folder() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join(".rviz");
+    std::fs::create_dir(&folder).unwrap();
+    std::fs::write(folder.join("scene.rviz"), config(&[CLOUD], &[CameraPub::default()])).unwrap();
+    let check = |name: &str| {
+        let mut command = Command::new(program("camera_stream"));
+        command.current_dir(home.path()).env("HOME", home.path()).args(["check", name]).output().unwrap()
+    };
+    let output = check("scene");
+    let named = folder.join("scene.rviz").display().to_string();
+    assert_eq!(output.status.code(), Some(0));
+    assert!(text(&output.stdout).starts_with(&named), "{}", text(&output.stdout));
+    assert!(text(&output.stderr).contains(&format!("config 'scene': reading {named}")), "{}", text(&output.stderr));
+    let output = check("other");
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    let places = [format!("{}/other, ", folder.display()), format!("{}/other.rviz; ", folder.display())];
+    assert!(error.contains("no file other, ") && places.iter().all(|place| error.contains(place)), "{error}");
 }
 
 #[test]

@@ -64,6 +64,62 @@ fn the_renderer_is_chosen_by_a_private_parameter() {
     says(&both, "with cpu");
 }
 
+#[test]
+fn a_parameter_that_cannot_be_used_ends_the_node_with_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.rviz");
+    let other = CameraPub { name: "Other", image: "/other", ..CameraPub::default() };
+    std::fs::write(&file, config(&[], &[CameraPub::default(), other])).unwrap();
+    let master = RosMaster::start().unwrap();
+    let start = |args: &[&str]| {
+        let mut command = master.environment(Command::new(program("camera_stream")));
+        Running::start(command.args(["--renderer", "cpu", "-d"]).arg(&file).args(args)).unwrap()
+    };
+    let wrong = [
+        "_lazy:=maybe",
+        "_lazy:={a: 1}",
+        "_watch:=7",
+        "_set_mode:=often",
+        "_undistort:={a: true}",
+        "_stale_timeout:={a: 1}",
+        "_max_mesh_mb:=[1, 2]",
+        "_mesh_folders:=3",
+        "_window:={a: b}",
+        "_mask_topic:=[{a: b}]",
+    ];
+    for argument in wrong {
+        let mut node = start(&[argument]);
+        assert_eq!(node.wait(PATIENCE).unwrap().code(), Some(1), "{argument}");
+        let name = format!("parameter ~{}:", argument[1..].split(":=").next().unwrap());
+        let errors = node.errors();
+        assert!(errors.last().is_some_and(|line| line.contains(&name)), "{argument}: {errors:?}");
+    }
+    // A list has one value for each of its elements.
+    let node = start(&["_orientation:=[CameraPub=90, Other=180]", "_lazy:=False"]);
+    let draws = || node.errors().iter().any(|line| line.contains("drawing CameraPub, Other"));
+    assert!(wait_until(PATIENCE, draws), "{:?}", node.errors());
+}
+
+#[test]
+fn a_robot_description_that_is_remapped_to_a_whole_name_is_read_there_alone() {
+    let robot = "{Class: rviz/RobotModel, Name: robot, Enabled: true, Robot Description: robot_description}";
+    let args = ["robot_description:=/r1/robot_description"];
+    let fixture = RosFixture::start(&config(&[robot], &[CameraPub::default()]), &args).unwrap();
+    let description = |color: &str| {
+        format!(
+            "'<robot name=\"r\"><link name=\"map\"><visual><origin xyz=\"0 0 2\"/><geometry><box size=\"9 9 0.1\"/></geometry><material \
+             name=\"m\"><color rgba=\"{color} 1\"/></material></visual></link></robot>'"
+        )
+    };
+    fixture.python(format!("rospy.set_param('/robot_description', {})", description("0 1 0")));
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python("latch('/eye/camera_info', info()); viewer = Viewer('/view/image')");
+    let is_missing = || fixture.log().contains("Parameter [robot_description] does not exist");
+    assert!(wait_until(PATIENCE, is_missing), "{}", fixture.log());
+    fixture.python(format!("rospy.set_param('/r1/robot_description', {})", description("1 0 0")));
+    fixture.wait_for("viewer.middle()[0] > 50 and viewer.middle()[1] == 0");
+}
+
 /// Memory in use in MB, and the number of threads.
 fn footprint(node: &Running) -> (f64, u32) {
     let status = std::fs::read_to_string(format!("/proc/{}/status", node.id())).unwrap();

@@ -87,6 +87,8 @@ impl SceneLoop {
         let ros = &shared.ros;
         let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
         let model = private_parameters::camera_model(ros, &cli.model, None)?;
+        let is_lazy = private_parameters::switch(ros, cli.node.no_lazy.then_some(false), "~lazy")?;
+        let depth_encoding = private_parameters::depth_encoding(ros, cli.node.depth.depth_encoding)?;
         let prediction = PredictionSettings::read(ros, &cli.node.prediction)?;
         let limits = Limits::read(ros, &cli.node.stale)?;
         let stale_timeout = limits.for_all_topics();
@@ -118,13 +120,13 @@ impl SceneLoop {
             renderer_choice,
             model,
             prediction,
-            is_lazy: private_parameters::switch(ros, cli.node.no_lazy.then_some(false), "~lazy")?.unwrap_or(true),
+            is_lazy: is_lazy.unwrap_or(true),
             freshness,
             assessment: None,
             last_steps,
             steps: Vec::new(),
             oriented_frames: OrientedFrames::default(),
-            depth_encoding: private_parameters::depth_encoding(ros, cli.node.depth.depth_encoding)?,
+            depth_encoding,
             depth: DepthPicture::default(),
             turned: Picture::default(),
             sizes_px: Vec::new(),
