@@ -13,5 +13,6 @@ pub mod correspondences;
 pub mod pcd;
 pub mod picture_file;
 pub mod projector;
+mod text;
 pub mod verification;
 mod yaml_text;

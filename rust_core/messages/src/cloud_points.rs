@@ -27,14 +27,29 @@ impl PointCloud2 {
     /// # Errors
     /// [`NoPositions`], before the first point.
     pub fn positions(&self) -> Result<impl Iterator<Item = [f64; 3]> + '_, NoPositions> {
-        let [x, y, z] = [self.coordinate("x")?, self.coordinate("y")?, self.coordinate("z")?];
-        let (step, row_step) = (self.point_step as usize, self.row_step as usize);
-        let (width, height) = (self.width as usize, self.height as usize);
+        self.numbers(["x", "y", "z"])
+    }
+
+    /// The numbers of these fields in each point. A `row_step` of 0, as some drivers send it, stands for rows without
+    /// gaps.
+    ///
+    /// # Errors
+    /// [`NoPositions`], before the first point.
+    pub fn numbers<const N: usize>(
+        &self,
+        names: [&'static str; N],
+    ) -> Result<impl Iterator<Item = [f64; N]> + '_, NoPositions> {
+        let mut fields = [Coordinate { offset: 0, is_double: false }; N];
+        for (field, name) in fields.iter_mut().zip(names) {
+            *field = self.coordinate(name)?;
+        }
+        let (width, height, step) = (self.width as usize, self.height as usize, self.point_step as usize);
         let row = width.checked_mul(step).ok_or(NoPositions::Short)?;
+        let row_step = if self.row_step == 0 { row } else { self.row_step as usize };
         let before_last = height.saturating_sub(1).checked_mul(row_step).ok_or(NoPositions::Short)?;
         let is_empty = width == 0 || height == 0;
         let needed = before_last.checked_add(row).ok_or(NoPositions::Short)?;
-        let ends = [x, y, z].map(|at| at.offset + if at.is_double { 8 } else { 4 });
+        let ends = fields.map(|at| at.offset + if at.is_double { 8 } else { 4 });
         if !is_empty && (needed > self.data().len() || row_step < row || ends.iter().any(|end| *end > step)) {
             return Err(NoPositions::Short);
         }
@@ -43,7 +58,7 @@ impl PointCloud2 {
             let data = self.data().get(line * row_step..line * row_step + row).unwrap_or_default();
             data.chunks_exact(step.max(1))
         });
-        Ok(points.map(move |point| [x, y, z].map(|at| self.number(point, at))))
+        Ok(points.map(move |point| fields.map(|at| self.number(point, at))))
     }
 
     fn coordinate(&self, name: &'static str) -> Result<Coordinate, NoPositions> {
@@ -109,6 +124,17 @@ mod tests {
                 assert_eq!(points, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0], [6.0, 7.0, 8.0], [9.0, 10.0, 11.0]]);
             }
         }
+    }
+
+    #[test]
+    fn rows_without_gaps_may_have_no_row_step() {
+        let mut cloud = cloud(PointField::FLOAT32, false);
+        let data: Vec<u8> = cloud.data().chunks(28).flat_map(|row| row[..24].to_vec()).collect();
+        cloud.row_step = 0;
+        let cloud = cloud.with_data(data);
+        assert_eq!(cloud.numbers(["z"]).unwrap().collect::<Vec<_>>(), [[2.0], [5.0], [8.0], [11.0]]);
+        let short = cloud.clone().with_data(cloud.data()[1..].to_vec());
+        assert_eq!(short.positions().map(Iterator::count), Err(NoPositions::Short));
     }
 
     #[test]

@@ -203,6 +203,14 @@ fn a_list_without_indentation_and_depth_is_read() {
 }
 
 #[test]
+fn a_byte_order_mark_before_the_list_changes_nothing() {
+    let folder = written();
+    let path = folder.path().join(CAPTURE_FILE);
+    fs::write(&path, format!("\u{feff}{}", fs::read_to_string(&path).unwrap())).unwrap();
+    assert_eq!(Capture::read(folder.path()).unwrap().pictures, capture().pictures);
+}
+
+#[test]
 fn a_missing_scale_is_a_tenth_of_a_millimetre_and_unknown_keys_are_warnings() {
     let folder = written();
     let path = folder.path().join(CAPTURE_FILE);

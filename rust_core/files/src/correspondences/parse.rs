@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use rcs_calibration::Sample;
 
 use super::{PointsError, RowProblem};
+use crate::text::without_byte_order_mark;
 
 /// The bytes of a piece, about.
 const PIECE_BYTES: usize = 1 << 18;
@@ -42,7 +43,7 @@ struct Header {
 /// Parses a file that needs these of the columns; pixels that it does not have are zero.
 pub(super) fn parse(path: &Path, text: &[u8], needed: Range<usize>) -> Result<Parsed, PointsError> {
     let row_error = |line, problem| PointsError::Row { path: path.to_owned(), line, problem };
-    let mut rest = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let mut rest = without_byte_order_mark(text);
     let mut line = 0;
     let header = loop {
         if rest.is_empty() {

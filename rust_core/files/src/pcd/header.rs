@@ -1,15 +1,15 @@
 //! The header of a PCD file.
 //!
 //! A PCD file (Point Cloud Library, versions 0.5 to 0.7) begins with lines of text, one entry each, in any order
-//! up to `DATA`, after which the points follow:
+//! up to `DATA`, after which the points follow. Bytes that are not UTF-8, as in comments of Windows tools, are allowed.
 //!
 //! ```text
 //! # comment
 //! VERSION 0.7
 //! FIELDS x y z rgb
-//! SIZE 4 4 4 4          bytes of one element of each field: 1, 2, 4 or 8
-//! TYPE F F F F          float, signed (I) or unsigned (U)
-//! COUNT 1 1 1 1         elements of each field; 1 each when the line is missing
+//! SIZE 4 4 4 4          bytes of one element of each field: 1, 2, 4 or 8; 4 each when the line is missing
+//! TYPE F F F F          float, signed (I) or unsigned (U); float each when the line is missing
+//! COUNT 1 1 1 1         elements of each field, which 0 drops; 1 each when the line is missing
 //! WIDTH 640
 //! HEIGHT 480            1 for a cloud without rows
 //! VIEWPOINT 0 0 0 1 0 0 0
@@ -21,6 +21,8 @@
 //! the cloud.
 
 use std::fmt;
+
+use crate::text::without_byte_order_mark;
 
 /// How one element of a field is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -149,11 +151,11 @@ const MOST_BYTES: u64 = u32::MAX as u64;
 
 /// The entries of the file, each with its line.
 #[derive(Default)]
-struct Entries<'a> {
-    names: Option<(usize, Vec<&'a str>)>,
-    sizes: Option<(usize, Vec<&'a str>)>,
-    types: Option<(usize, Vec<&'a str>)>,
-    counts: Option<(usize, Vec<&'a str>)>,
+struct Entries {
+    names: Option<(usize, Vec<String>)>,
+    sizes: Option<(usize, Vec<String>)>,
+    types: Option<(usize, Vec<String>)>,
+    counts: Option<(usize, Vec<String>)>,
     width: Option<(usize, u32)>,
     height: Option<(usize, u32)>,
     points: Option<(usize, u64)>,
@@ -166,7 +168,7 @@ impl PcdHeader {
     /// [`HeaderError`] with the line that is wrong or the entry that is missing.
     pub(super) fn parse(file: &[u8]) -> Result<Self, HeaderError> {
         let mut entries = Entries::default();
-        let mut offset = 0;
+        let mut offset = file.len() - without_byte_order_mark(file).len();
         for line_number in 1.. {
             let rest = file.get(offset..).unwrap_or(&[]);
             if rest.is_empty() {
@@ -176,15 +178,14 @@ impl PcdHeader {
             let text = rest.get(..length).unwrap_or(rest);
             offset += (length + 1).min(rest.len());
             let fail = |reason: String| HeaderError { line: Some(line_number), reason };
-            let text = std::str::from_utf8(text)
-                .map_err(|_| fail("not text: not a PCD file, or its DATA line is missing".to_owned()))?;
+            let text = String::from_utf8_lossy(text);
             let mut words = text.split_ascii_whitespace();
             let Some(entry) = words.next().filter(|word| !word.starts_with('#')) else {
                 continue;
             };
-            let values: Vec<&str> = words.collect();
+            let values: Vec<String> = words.map(str::to_owned).collect();
             let one = || match values.as_slice() {
-                [value] => Ok(*value),
+                [value] => Ok(value.as_str()),
                 _ => Err(fail(format!("{entry} takes one value, not {}", values.len()))),
             };
             let number = || {
@@ -211,6 +212,9 @@ impl PcdHeader {
                     };
                     return entries.finish(encoding, offset, line_number + 1);
                 }
+                other if other.contains('\u{fffd}') => {
+                    return Err(fail("not text: not a PCD file, or its DATA line is missing".to_owned()))
+                }
                 other => return Err(fail(format!("'{}' is no entry of a PCD header", shorten(other)))),
             }
         }
@@ -228,7 +232,7 @@ impl PcdHeader {
     }
 }
 
-impl Entries<'_> {
+impl Entries {
     fn finish(
         self,
         encoding: PcdEncoding,
@@ -272,53 +276,58 @@ impl Entries<'_> {
 
     fn fields(&self) -> Result<Vec<PcdField>, HeaderError> {
         let (names_line, names) = self.names.as_ref().ok_or_else(|| missing("there is no FIELDS line"))?;
-        let (size_line, sizes) = self.sizes.as_ref().ok_or_else(|| missing("there is no SIZE line"))?;
-        let (type_line, types) = self.types.as_ref().ok_or_else(|| missing("there is no TYPE line"))?;
         if names.is_empty() {
             return Err(HeaderError { line: Some(*names_line), reason: "FIELDS names no field".to_owned() });
         }
-        let same_length = |line: usize, entry: &str, values: &[&str]| {
-            if values.len() == names.len() {
-                return Ok(());
-            }
-            Err(HeaderError {
-                line: Some(line),
-                reason: format!("{entry} has {} values for {} FIELDS", values.len(), names.len()),
-            })
-        };
-        same_length(*size_line, "SIZE", sizes)?;
-        same_length(*type_line, "TYPE", types)?;
-        if let Some((line, counts)) = &self.counts {
-            same_length(*line, "COUNT", counts)?;
+        for (entry, values) in [("SIZE", &self.sizes), ("TYPE", &self.types), ("COUNT", &self.counts)] {
+            let Some((line, values)) = values.as_ref().filter(|(_, values)| values.len() != names.len()) else {
+                continue;
+            };
+            let reason = format!("{entry} has {} values for {} FIELDS", values.len(), names.len());
+            return Err(HeaderError { line: Some(*line), reason });
         }
         let mut fields = Vec::with_capacity(names.len());
         let mut offset_bytes = 0usize;
-        for (index, ((name, size), letter)) in names.iter().zip(sizes).zip(types).enumerate() {
-            let kind = size.parse().ok().and_then(|size| PcdType::of(letter, size));
-            let kind = kind.ok_or_else(|| HeaderError {
-                line: Some(*type_line),
-                reason: format!("field '{}': no type {letter} of SIZE {size} exists", shorten(name)),
-            })?;
-            let count = match &self.counts {
-                None => 1,
-                Some((line, counts)) => {
-                    let text = counts.get(index).copied().unwrap_or_default();
-                    let count = text.parse::<u32>().ok().filter(|count| *count > 0);
-                    let count = count.ok_or_else(|| HeaderError {
-                        line: Some(*line),
-                        reason: format!("field '{}': COUNT {text} is not a number from 1", shorten(name)),
-                    })?;
-                    count as usize
-                }
-            };
-            let field = PcdField { name: (*name).to_owned(), kind, count, offset_bytes };
+        for (index, name) in names.iter().enumerate() {
+            let (kind, count) = (self.kind(index, name)?, self.count(index, name)?);
+            if count == 0 {
+                continue;
+            }
+            let field = PcdField { name: name.clone(), kind, count, offset_bytes };
             offset_bytes = offset_bytes
                 .checked_add(field.size_bytes())
                 .filter(|bytes| *bytes as u64 <= MOST_BYTES)
                 .ok_or_else(|| missing("a point is larger than a PointCloud2 can hold"))?;
             fields.push(field);
         }
+        if fields.is_empty() {
+            return Err(missing("COUNT is 0 for all FIELDS"));
+        }
         Ok(fields)
+    }
+
+    /// A field's type. As in PCL a field without TYPE and SIZE has floats of 4 bytes.
+    fn kind(&self, index: usize, name: &str) -> Result<PcdType, HeaderError> {
+        let value = |entry: &'_ Option<(usize, Vec<String>)>, default: &str| {
+            let given = entry.as_ref().and_then(|(_, values)| values.get(index));
+            given.map_or_else(|| default.to_owned(), String::clone)
+        };
+        let (letter, size) = (value(&self.types, "F"), value(&self.sizes, "4"));
+        let kind = size.parse().ok().and_then(|size| PcdType::of(&letter, size));
+        kind.ok_or_else(|| HeaderError {
+            line: self.types.as_ref().or(self.sizes.as_ref()).map(|(line, _)| *line),
+            reason: format!("field '{}': no type {letter} of SIZE {size} exists", shorten(name)),
+        })
+    }
+
+    /// How many elements a field has.
+    fn count(&self, index: usize, name: &str) -> Result<usize, HeaderError> {
+        let Some((line, counts)) = &self.counts else { return Ok(1) };
+        let text = counts.get(index).map(String::as_str).unwrap_or_default();
+        text.parse::<u32>().map(|count| count as usize).map_err(|_| HeaderError {
+            line: Some(*line),
+            reason: format!("field '{}': COUNT {text} is not a number from 0", shorten(name)),
+        })
     }
 }
 
@@ -371,7 +380,9 @@ mod tests {
             ("SIZE 4 8 1", "SIZE 4 8", Some(4), "SIZE"),
             ("SIZE 4 8 1", "SIZE 3 8 1", Some(5), "'x'"),
             ("TYPE F F u", "TYPE F X u", Some(5), "'normal'"),
-            ("COUNT 1 3 1", "COUNT 1 0 1", Some(6), "'normal'"),
+            ("COUNT 1 3 1", "COUNT 1 -1 1", Some(6), "'normal'"),
+            ("COUNT 1 3 1", "COUNT 0 0 0", None, "COUNT is 0"),
+            ("TYPE F F u\n", "", Some(4), "no type F of SIZE 1"),
             ("WIDTH 3", "WIDTH -3", Some(7), "WIDTH -3"),
             ("WIDTH 3", "WIDTH 3 3", Some(7), "WIDTH"),
             ("POINTS 6", "POINTS 5", Some(10), "POINTS 5"),
@@ -386,6 +397,35 @@ mod tests {
             assert_eq!(error.line, line, "{error}");
             assert!(error.reason.contains(word), "{error}");
         }
+    }
+
+    #[test]
+    fn a_field_with_count_0_takes_no_place() {
+        let header = PcdHeader::parse(WHOLE.replace("COUNT 1 3 1", "COUNT 1 0 1").as_bytes()).unwrap();
+        let fields: Vec<_> = header.fields.iter().map(|f| (f.name.as_str(), f.offset_bytes)).collect();
+        assert_eq!((fields, header.point_step_bytes), (vec![("x", 0), ("id", 4)], 5));
+    }
+
+    #[test]
+    fn fields_without_size_and_type_are_floats_of_4_bytes() {
+        let kinds = |text: &str| {
+            let header = PcdHeader::parse(text.as_bytes()).unwrap();
+            header.fields.iter().map(|field| field.kind).collect::<Vec<_>>()
+        };
+        assert_eq!(kinds("FIELDS x y\nWIDTH 1\nHEIGHT 1\nDATA ascii\n"), [PcdType::F32; 2]);
+        assert_eq!(kinds("FIELDS x y\nSIZE 4 8\nWIDTH 1\nDATA ascii\n"), [PcdType::F32, PcdType::F64]);
+        assert_eq!(kinds("FIELDS x y\nTYPE F U\nWIDTH 1\nDATA ascii\n"), [PcdType::F32, PcdType::U32]);
+    }
+
+    #[test]
+    fn comments_may_be_latin_1_and_a_byte_order_mark_may_come_first() {
+        let marked = [b"\xef\xbb\xbf# Gr\xf6\xdfe\n", WHOLE.as_bytes()].concat();
+        let header = PcdHeader::parse(&marked).unwrap();
+        assert_eq!((header.points(), &marked[header.data_offset_bytes..]), (6, &b"rest"[..]));
+        let marked = [b"\xef\xbb\xbf", WHOLE.as_bytes()].concat();
+        assert_eq!(&marked[PcdHeader::parse(&marked).unwrap().data_offset_bytes..], b"rest");
+        let error = PcdHeader::parse(b"# comment\n\xff\xfe\x01 binary\n").unwrap_err();
+        assert_eq!((error.line, error.reason.starts_with("not text")), (Some(2), true));
     }
 
     #[test]

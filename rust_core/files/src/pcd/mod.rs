@@ -5,15 +5,20 @@
 //! like any other. What a PointCloud2 cannot express is converted: integers of 8 bytes become `FLOAT64` (exact up to
 //! 2^53), and PCL's padding fields (`_`) become bytes that no field names.
 //!
+//! As in PCL, numbers with a point are allowed in fields of integers, and a row of text with too few or too many numbers
+//! is skipped with a warning. PCL leaves a point of zeros in its place; here an organised cloud has NaN there, and
+//! any other cloud becomes shorter.
+//!
 //! The crates that read PCD files decode each point into a list of typed values. Here the bytes are needed, errors name
 //! line or offset, and a damaged header allocates no memory that the file does not fill.
 
+mod ascii;
+mod coordinates;
 mod header;
 mod lzf;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 pub use header::HeaderError;
 use header::{PcdEncoding, PcdField, PcdHeader, PcdType};
@@ -155,14 +160,14 @@ impl PcdCloud {
         let header = PcdHeader::parse(bytes).map_err(|error| PcdError::Header { path: path.to_owned(), error })?;
         let body = bytes.get(header.data_offset_bytes..).unwrap_or(&[]);
         let reader = BodyReader { path, header: &header };
-        let mut data = match header.encoding {
+        let (mut data, skipped) = match header.encoding {
             PcdEncoding::Ascii => reader.ascii(body)?,
-            PcdEncoding::Binary => reader.binary(body)?,
-            PcdEncoding::BinaryCompressed => reader.binary_compressed(body)?,
+            PcdEncoding::Binary => (reader.binary(body)?, 0),
+            PcdEncoding::BinaryCompressed => (reader.binary_compressed(body)?, 0),
         };
         integers_to_floats(&header, &mut data);
         Ok(Self {
-            width: header.width,
+            width: if header.height == 1 { header.width - skipped } else { header.width },
             height: header.height,
             is_dense: is_dense(&header, &data),
             fields: cloud_fields(&header),
@@ -296,74 +301,6 @@ impl BodyReader<'_> {
         }
         data
     }
-
-    /// One line for each point, one word for each element. Empty lines are skipped.
-    fn ascii(&self, body: &[u8]) -> Result<Vec<u8>, PcdError> {
-        let points = self.header.points();
-        let mut data = Vec::with_capacity(self.header.total_bytes().min(body.len().saturating_mul(8)));
-        let mut found = 0usize;
-        let mut last_line = self.header.data_line;
-        for (index, text) in body.split(|byte| *byte == b'\n').enumerate() {
-            let line = self.header.data_line + index;
-            let line_error = |reason: String| PcdError::Line { path: self.path.to_owned(), line, reason };
-            let text = std::str::from_utf8(text).map_err(|_| line_error("not text".to_owned()))?;
-            if text.trim_ascii().is_empty() {
-                continue;
-            }
-            if found == points {
-                log::warn!("{}: line {line}: more points than the header's {points}; ignored", self.path.display());
-                break;
-            }
-            self.ascii_point(text, &mut data).map_err(line_error)?;
-            found += 1;
-            last_line = line;
-        }
-        if found < points {
-            return Err(PcdError::Line {
-                path: self.path.to_owned(),
-                line: last_line,
-                reason: format!("the file ends after {found} of {points} points"),
-            });
-        }
-        Ok(data)
-    }
-
-    fn ascii_point(&self, text: &str, data: &mut Vec<u8>) -> Result<(), String> {
-        let mut words = text.split_ascii_whitespace();
-        for field in &self.header.fields {
-            for _ in 0..field.count {
-                let word = words.next().ok_or_else(|| format!("the line ends before field '{}'", field.name))?;
-                push_value(field.kind, word, data).ok_or_else(|| {
-                    let word: String = word.chars().take(40).collect();
-                    format!("field '{}': '{word}' is no value of type {:?}", field.name, field.kind)
-                })?;
-            }
-        }
-        match words.count() {
-            0 => Ok(()),
-            more => Err(format!("{more} more values than the header's fields")),
-        }
-    }
-}
-
-/// Appends the bytes of a value written as text.
-fn push_value(kind: PcdType, word: &str, data: &mut Vec<u8>) -> Option<()> {
-    fn parse<T: FromStr, const N: usize>(word: &str, bytes: fn(T) -> [u8; N], data: &mut Vec<u8>) -> Option<()> {
-        data.extend_from_slice(&bytes(word.parse().ok()?));
-        Some(())
-    }
-    match kind {
-        PcdType::I8 => parse(word, i8::to_le_bytes, data),
-        PcdType::U8 => parse(word, u8::to_le_bytes, data),
-        PcdType::I16 => parse(word, i16::to_le_bytes, data),
-        PcdType::U16 => parse(word, u16::to_le_bytes, data),
-        PcdType::I32 => parse(word, i32::to_le_bytes, data),
-        PcdType::U32 => parse(word, u32::to_le_bytes, data),
-        PcdType::I64 => parse(word, i64::to_le_bytes, data),
-        PcdType::U64 => parse(word, u64::to_le_bytes, data),
-        PcdType::F32 => parse(word, f32::to_le_bytes, data),
-        PcdType::F64 => parse(word, f64::to_le_bytes, data),
-    }
 }
 
 #[cfg(test)]
@@ -474,8 +411,9 @@ mod tests {
         let cases = [
             (text.replace("-2 nan", "two nan"), "cloud.pcd: line 10: field 'y': 'two'"),
             (text.replace("16711680", "-1"), "cloud.pcd: line 10: field 'rgb': '-1'"),
-            (text.replace(" 7\n", "\n"), "cloud.pcd: line 10: the line ends before field 'label'"),
-            (text.replace(" 7\n", " 7 8 9\n"), "cloud.pcd: line 10: 2 more values"),
+            (text.replace("16711680", "256e9"), "cloud.pcd: line 10: field 'rgb': '256e9'"),
+            (text.replace("16711680", "nan"), "cloud.pcd: line 10: field 'rgb': 'nan'"),
+            (text.replace(" 7\n", "\n").replace(" 4294967296", ""), "cloud.pcd: line 10: 8 values for the 9 of"),
             (text.replace("0.25", "\n#"), "cloud.pcd: line 13: field 'x'"),
             (text.split("0.25").next().unwrap().to_owned(), "cloud.pcd: line 10: the file ends after 1 of 2"),
             (text.replace("SIZE 4", "SIZE 5"), "cloud.pcd: line 4: field 'x'"),
@@ -486,6 +424,19 @@ mod tests {
         }
         let error = PcdCloud::read(Path::new("missing/cloud.pcd")).unwrap_err();
         assert!(error.to_string().starts_with("missing/cloud.pcd: "), "{error}");
+    }
+
+    #[test]
+    fn fields_with_count_0_are_in_none_of_the_encodings() {
+        for file in [binary_file(), compressed_file(), ascii_file()] {
+            let place = file.windows(5).position(|bytes| bytes == b"DATA ").unwrap();
+            let header = String::from_utf8(file[..place].to_vec()).unwrap();
+            let header = header.replace(" label", " none label").replace("1 8", "1 8 8");
+            let header = header.replace("U U I", "U U I I").replace("3 2", "3 0 2");
+            let with_none = [header.as_bytes(), &file[place..]].concat();
+            assert_ne!(with_none, file);
+            assert_eq!(parse(&with_none).unwrap(), parse(&file).unwrap());
+        }
     }
 
     #[test]

@@ -145,6 +145,7 @@ impl ProjectorFile {
             key: key.to_owned(),
             reason,
         };
+        let text = text.trim_start_matches('\u{feff}');
         // OpenCV writes this directive, which is not YAML; camera_calibration's files carry it at times.
         let text = match text.split_once('\n') {
             Some((first, rest)) if first.starts_with("%YAML:") => format!("\n{rest}"),
@@ -412,7 +413,9 @@ projection_matrix:
 
     #[test]
     fn the_calibration_form_is_read_whole() {
-        for text in [CALIBRATION.to_owned(), format!("%YAML:1.0\n{CALIBRATION}")] {
+        let with_directive = format!("%YAML:1.0\n{CALIBRATION}");
+        let marked = ["\u{feff}", CALIBRATION].concat();
+        for text in [CALIBRATION.to_owned(), format!("\u{feff}{with_directive}"), with_directive, marked] {
             let info = parse(&text).unwrap().camera_info;
             assert_eq!((info.width, info.height), (1280, 720));
             assert_eq!(info.distortion_model, "rational_polynomial");

@@ -78,6 +78,13 @@ fn descriptions_that_urdfdom_refuses_are_refused_with_line_and_element() {
 }
 
 #[test]
+fn a_byte_order_mark_before_the_description_changes_nothing() {
+    let text = "<?xml version=\"1.0\"?>\n<robot name=\"r\"><link name=\"x\"/></robot>";
+    assert_eq!(parse(&format!("\u{feff}{text}")), parse(text));
+    assert!(parse(text).is_ok());
+}
+
+#[test]
 fn unknown_elements_are_skipped() {
     let text =
         "<!DOCTYPE robot><!-- c --><robot name=\"r\" xmlns:q=\"q\"><gazebo:x y:z=\"1\"><b>t &amp; u</b></gazebo:x>
