@@ -14,8 +14,9 @@ use crate::small_node::{self, EndRequest};
 
 /// Publishes a PCD file as a latched sensor_msgs/PointCloud2.
 ///
-/// Reads ascii, binary and binary_compressed files with any fields. The file's VIEWPOINT is ignored. ROS's remappings
-/// and special arguments work: cloud:=/other __name:=name __ns:=namespace.
+/// Reads ascii, binary and binary_compressed files with any fields; x, y and z of doubles or integers become float32,
+/// which rviz needs. The file's VIEWPOINT is ignored. ROS's remappings and special arguments work: cloud:=/other
+/// __name:=name __ns:=namespace.
 #[derive(Parser)]
 #[command(
     name = "publish_cloud",
@@ -56,7 +57,12 @@ pub fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let message = message(PcdCloud::read(&arguments.file)?, &arguments.frame);
+    let mut cloud = PcdCloud::read(&arguments.file)?;
+    if let Some(change) = cloud.coordinates_to_f32() {
+        let file = arguments.file.display();
+        log::warn!("{file}: x, y and z are not float32 and were converted, with rounding by up to {change:.1e}");
+    }
+    let message = message(cloud, &arguments.frame);
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
     let Some(node) = small_node::connect("publish_cloud", &end)? else {
         return Ok(());

@@ -4,13 +4,10 @@
 use std::borrow::Cow;
 
 use rcs_displays::unpack_image;
-use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::{AnyMessage, Image, PointCloud2};
 
+use super::bayer::Bayer;
 use super::devices::DepthFrame;
-
-/// Numbers of the type float32 in a PointField.
-const FLOAT32: u8 = 7;
 
 /// Size in pixels and grey levels of an image, compressed or not.
 ///
@@ -41,11 +38,16 @@ fn image_of<'a>(topic: &str, message: &'a AnyMessage) -> Result<Cow<'a, Image>, 
     }
 }
 
-/// Grey levels of an image, row by row. Of colours, the luma of ITU-R BT.601, as cv_bridge has it.
+/// Grey levels of an image, row by row. Of colours, the luma of ITU-R BT.601, as cv_bridge has it; the colours that a
+/// pixel of a Bayer pattern lacks are its neighbours'.
 ///
 /// # Errors
 /// The reason, for a message that names the topic.
 fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
+    if let Some(bayer) = Bayer::of(&image.encoding) {
+        let rows: Vec<&[u8]> = rows(image, bayer.sample.bytes())?.collect();
+        return Ok(bayer.grey_levels(&rows, image.is_bigendian != 0));
+    }
     // Where red, green and blue are in a pixel, and its bytes.
     let (channels, bytes) = match image.encoding.as_str() {
         "mono8" | "8UC1" => ([0, 0, 0], 1),
@@ -54,7 +56,9 @@ fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
         "rgba8" => ([0, 1, 2], 4),
         "bgra8" | "8UC4" => ([2, 1, 0], 4),
         other => {
-            return Err(format!("encoding '{other}' cannot be used (mono8, rgb8, bgr8, rgba8 and bgra8 can)"));
+            return Err(format!(
+                "encoding '{other}' cannot be used (mono8, rgb8, bgr8, rgba8, bgra8 and bayer_* can)"
+            ));
         }
     };
     let mut grey = Vec::new();
@@ -64,7 +68,8 @@ fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
     Ok(grey)
 }
 
-fn luma([red, green, blue]: [u8; 3]) -> u8 {
+/// The luma of a colour.
+pub(super) fn luma([red, green, blue]: [u8; 3]) -> u8 {
     ((299 * u32::from(red) + 587 * u32::from(green) + 114 * u32::from(blue) + 500) / 1000) as u8
 }
 
@@ -105,21 +110,8 @@ fn cloud_depths_m(cloud: &PointCloud2) -> Result<Vec<f32>, String> {
     if cloud.height < 2 {
         return Err(format!("the cloud is not organised: it has {} row", cloud.height));
     }
-    let is_z = |field: &&PointField| field.name == "z" && field.datatype == FLOAT32;
-    let z = cloud.fields.iter().find(is_z).ok_or("the cloud has no field z of float32")?;
-    let (offset, step) = (z.offset as usize, cloud.point_step as usize);
-    let (width, row_step) = (cloud.width as usize, cloud.row_step as usize);
-    let is_inside = offset + 4 <= step && width.checked_mul(step).is_some_and(|needed| needed <= row_step);
-    let needed = row_step.checked_mul(cloud.height as usize);
-    if !is_inside || needed.is_none_or(|needed| needed > cloud.data().len()) || row_step == 0 {
-        return Err("the cloud's data are shorter than its size says".to_owned());
-    }
-    let mut depths = Vec::with_capacity(width * cloud.height as usize);
-    for row in cloud.data().chunks_exact(row_step).take(cloud.height as usize) {
-        let z_of = |point: &[u8]| point[offset..].first_chunk().map_or(f32::NAN, |z| float(*z, cloud.is_bigendian));
-        depths.extend(row.chunks_exact(step).take(width).map(z_of));
-    }
-    Ok(depths)
+    let depths = cloud.numbers(["z"]).map_err(|error| error.to_string())?;
+    Ok(depths.map(|[z]| z as f32).collect())
 }
 
 fn float(bytes: [u8; 4], is_bigendian: bool) -> f32 {
@@ -152,7 +144,7 @@ mod tests {
     use std::sync::Arc;
 
     use rcs_files::picture_file;
-    use rcs_messages::sensor_msgs::CompressedImage;
+    use rcs_messages::sensor_msgs::{CompressedImage, PointField};
     use rcs_messages::std_msgs::Header;
     use rcs_scene::{Encoding, Picture};
 
@@ -214,12 +206,14 @@ mod tests {
         let cloud = |change: fn(&mut PointCloud2), len: usize| {
             let mut cloud = PointCloud2::default();
             (cloud.width, cloud.height, cloud.point_step, cloud.row_step) = (2, 2, 8, 16);
-            cloud.fields = vec![PointField { name: "z".to_owned(), offset: 4, datatype: FLOAT32, count: 1 }];
+            cloud.fields =
+                vec![PointField { name: "z".to_owned(), offset: 4, datatype: PointField::FLOAT32, count: 1 }];
             change(&mut cloud);
             let data: Vec<u8> = (0..8_u8).flat_map(|i| f32::from(i).to_le_bytes()).collect();
             cloud_depths_m(&cloud.with_data(data[..len].to_vec()))
         };
         assert_eq!(cloud(|_| (), 32), Ok(vec![1.0, 3.0, 5.0, 7.0]));
+        assert_eq!(cloud(|cloud| cloud.row_step = 0, 32), Ok(vec![1.0, 3.0, 5.0, 7.0]));
         assert!(cloud(|cloud| (cloud.width, cloud.height) = (4, 1), 32).unwrap_err().contains("organised"));
         assert!(cloud(|cloud| cloud.fields.clear(), 32).unwrap_err().contains("no field z"));
         assert!(cloud(|_| (), 20).is_err());
@@ -234,7 +228,9 @@ mod tests {
             ("mono8", [0, 4], 4, 16),
             ("mono8", [4, 0], 4, 16),
             ("mono8", [u32::MAX, u32::MAX], u32::MAX, 16),
-            ("bayer_rggb8", [4, 4], 4, 16),
+            ("bayer_rggb8", [4, 4], 4, 15),
+            ("bayer_rggb16", [4, 4], 4, 16),
+            ("bayer_rgbg8", [4, 4], 4, 16),
         ] {
             assert!(grey_levels(&image(encoding, size_px, step, &vec![0; len])).is_err(), "{encoding} {size_px:?}");
         }
