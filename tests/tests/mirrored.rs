@@ -9,7 +9,7 @@ use rcs_app::camera_stream::stage::Stage;
 use rcs_camera::{CameraModel, Projection};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::AnyMessage;
-use rcs_render::{create, KeepOut, LastStep, Orientation, RendererChoice, Sphere, View};
+use rcs_render::{create, Finished, KeepOut, LastStep, Orientation, RendererChoice, Sphere, View};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{
     Blending, Camera, DepthPicture, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment,
@@ -124,7 +124,7 @@ fn drawn(camera: &Camera, encoding: Encoding) -> Vec<(Picture, DepthPicture)> {
         let mut renderer = create(choice).unwrap();
         let (mut picture, mut depth) = (Picture::default(), DepthPicture::default());
         renderer.submit_with_depth(&view, &mut depth).unwrap();
-        assert!(renderer.finish(&mut picture).unwrap());
+        assert_eq!(renderer.finish(&mut picture).unwrap(), Finished::Drawn);
         let mut alone = Picture::default();
         renderer.render(&view, &mut alone).unwrap();
         assert_eq!(picture, alone);

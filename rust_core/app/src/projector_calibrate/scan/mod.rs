@@ -6,7 +6,6 @@
 //! share what is checked of the pictures, and [`finish`].
 
 mod arguments;
-mod bayer;
 mod camera_lens;
 mod coarse_code;
 mod compare;

@@ -6,7 +6,6 @@ use std::borrow::Cow;
 use rcs_displays::unpack_image;
 use rcs_messages::{AnyMessage, Image, PointCloud2};
 
-use super::bayer::Bayer;
 use super::devices::DepthFrame;
 
 /// Size in pixels and grey levels of an image, compressed or not.
@@ -44,15 +43,14 @@ fn image_of<'a>(topic: &str, message: &'a AnyMessage) -> Result<Cow<'a, Image>, 
 /// # Errors
 /// The reason, for a message that names the topic.
 fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
-    if let Some(bayer) = Bayer::of(&image.encoding) {
-        let rows: Vec<&[u8]> = rows(image, bayer.sample.bytes())?.collect();
-        return Ok(bayer.grey_levels(&rows, image.is_bigendian != 0));
+    if let Some(colors) = image.demosaic() {
+        return Ok(colors?.as_chunks().0.iter().map(|color| luma(*color)).collect());
     }
     // Where red, green and blue are in a pixel, and its bytes.
     let (channels, bytes) = match image.encoding.as_str() {
         "mono8" | "8UC1" => ([0, 0, 0], 1),
-        "rgb8" | "8UC3" => ([0, 1, 2], 3),
-        "bgr8" => ([2, 1, 0], 3),
+        "rgb8" => ([0, 1, 2], 3),
+        "bgr8" | "8UC3" => ([2, 1, 0], 3),
         "rgba8" => ([0, 1, 2], 4),
         "bgra8" | "8UC4" => ([2, 1, 0], 4),
         other => {
@@ -62,14 +60,14 @@ fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
         }
     };
     let mut grey = Vec::new();
-    for row in rows(image, bytes)? {
+    for row in image.rows(bytes)? {
         grey.extend(row.chunks_exact(bytes).map(|pixel| luma(channels.map(|channel| pixel[channel]))));
     }
     Ok(grey)
 }
 
 /// The luma of a colour.
-pub(super) fn luma([red, green, blue]: [u8; 3]) -> u8 {
+fn luma([red, green, blue]: [u8; 3]) -> u8 {
     ((299 * u32::from(red) + 587 * u32::from(green) + 114 * u32::from(blue) + 500) / 1000) as u8
 }
 
@@ -78,21 +76,16 @@ pub(super) fn luma([red, green, blue]: [u8; 3]) -> u8 {
 /// # Errors
 /// The reason, for a message that names the topic.
 fn depths_m(image: &Image) -> Result<Vec<f32>, String> {
-    let is_bigendian = image.is_bigendian != 0;
     let mut depths = Vec::new();
     match image.encoding.as_str() {
         "16UC1" | "mono16" => {
-            for row in rows(image, 2)? {
-                depths.extend(row.as_chunks().0.iter().map(|bytes| {
-                    let millimetres =
-                        if is_bigendian { u16::from_be_bytes(*bytes) } else { u16::from_le_bytes(*bytes) };
-                    f32::from(millimetres) / 1000.0
-                }));
+            for row in image.rows(2)? {
+                depths.extend(row.as_chunks().0.iter().map(|bytes| f32::from(image.u16_of(*bytes)) / 1000.0));
             }
         }
         "32FC1" => {
-            for row in rows(image, 4)? {
-                depths.extend(row.as_chunks().0.iter().map(|bytes| float(*bytes, is_bigendian)));
+            for row in image.rows(4)? {
+                depths.extend(row.as_chunks().0.iter().map(|bytes| image.f32_of(*bytes)));
             }
         }
         other => {
@@ -112,31 +105,6 @@ fn cloud_depths_m(cloud: &PointCloud2) -> Result<Vec<f32>, String> {
     }
     let depths = cloud.numbers(["z"]).map_err(|error| error.to_string())?;
     Ok(depths.map(|[z]| z as f32).collect())
-}
-
-fn float(bytes: [u8; 4], is_bigendian: bool) -> f32 {
-    if is_bigendian {
-        f32::from_be_bytes(bytes)
-    } else {
-        f32::from_le_bytes(bytes)
-    }
-}
-
-/// The rows of an image whose pixels have so many bytes, without what is between them.
-fn rows(image: &Image, bytes_of_pixel: usize) -> Result<impl Iterator<Item = &[u8]>, String> {
-    let (width, height, step) = (image.width as usize, image.height as usize, image.step as usize);
-    let bytes = width.checked_mul(bytes_of_pixel).filter(|bytes| (1..=step).contains(bytes));
-    let needed = bytes.and_then(|bytes| step.checked_mul(height.checked_sub(1)?)?.checked_add(bytes));
-    match (bytes, needed) {
-        (Some(bytes), Some(needed)) if needed <= image.data().len() => {
-            Ok(image.data().chunks(step).take(height).map(move |row| &row[..bytes]))
-        }
-        _ => Err(format!(
-            "{} bytes with a step of {step} are no picture of {width}x{height} pixels in {}",
-            image.data().len(),
-            image.encoding
-        )),
-    }
 }
 
 #[cfg(test)]
