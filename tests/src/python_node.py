@@ -24,8 +24,19 @@ answers, sys.stdout = sys.stdout.buffer, sys.stderr
 
 def publisher(topic, kind, latch):
     if topic not in publishers:
+        if latch:
+            latch_first(topic, kind)
         publishers[topic] = rospy.Publisher(topic, kind, latch=latch, queue_size=100)
     return publishers[topic]
+
+
+def latch_first(topic, kind):
+    """rospy registers a publisher before it has it latch: a subscriber that connects in between would be told that it does
+    not."""
+    manager, impl = rospy.topics.get_topic_manager(), rospy.topics._PublisherImpl(rospy.resolve_name(topic), kind)
+    if impl.resolved_name not in manager.pubs:
+        impl.enable_latch()
+        manager._add(impl, manager.pubs, rospy.topics.Registration.PUB)
 
 
 def latch(topic, message):

@@ -4,10 +4,9 @@
 //! the longest time without a new picture of it, from before the scene's message is sent until it has been shown for a
 //! while, at 640×480. Nothing of a scene is nearer than the square, which would hide that pictures change.
 
-use rcs_tests::ros::PROMPT;
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
 
-use crate::load::{CAMERA, CROWD, MANY};
+use crate::load::{CAMERA, CROWD, LONGEST_GAP_SECS, MANY};
 
 /// The display whose pictures must go on, so small and near that it hides nothing and nothing hides it.
 const NEAR: &str =
@@ -93,7 +92,7 @@ fn pictures_go_on_beside(mut fixture: RosFixture, scenes: &[Heavy]) {
         fixture.wait_for("len(viewer.images) > before + 10");
         let gap = fixture.python("longest_gap()");
         println!("{name}: at most {gap} s between pictures");
-        assert!(gap.parse::<f64>().unwrap() < PROMPT.as_secs_f64(), "{name}: {gap} s without a new picture");
+        assert!(gap.parse::<f64>().unwrap() < LONGEST_GAP_SECS, "{name}: {gap} s without a new picture");
     }
     let status = fixture.node.end("TERM").unwrap();
     assert!(status.success(), "{status}");

@@ -1,7 +1,7 @@
 //! Heavy scenes and floods of messages: calls, signals and pictures go on, and memory is bounded.
 
 use rcs_tests::python_node::MONITOR;
-use rcs_tests::ros::{wait_until, PATIENCE, PROMPT};
+use rcs_tests::ros::{wait_until, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 use std::fs;
 use std::time::{Duration, Instant};
@@ -289,6 +289,10 @@ fn a_hundred_thousand_markers_give_their_memory_back() {
     assert!(most < 300 << 10, "{most} kB");
 }
 
+/// Without a new picture for longer than this, beside what takes long to draw, they have stopped: ten times what a slow
+/// machine needs.
+pub(crate) const LONGEST_GAP_SECS: f64 = 60.0;
+
 /// Arrows or texts behind the cloud, all or one of them before the camera, and how long no new picture of the cloud
 /// came.
 pub(crate) const CROWD: &str = "def crowd(count, kind, seen=None):\n    \
@@ -328,7 +332,7 @@ fn pictures_of_another_display_go_on_while_a_large_array_is_placed() {
             fixture.wait_for("len(viewer.images) > shown + 10");
             let gap = fixture.python("longest_gap()");
             println!("{kind}: at most {gap} s between pictures, {before} s before");
-            assert!(gap.parse::<f64>().unwrap() < PROMPT.as_secs_f64(), "{kind}: {gap} s without a new picture");
+            assert!(gap.parse::<f64>().unwrap() < LONGEST_GAP_SECS, "{kind}: {gap} s without a new picture");
             fixture.python("send('/markers', MarkerArray([Marker(action=Marker.DELETEALL)]))");
             fixture.wait_for("max(viewer.last.data[1::3]) == 0");
         }
