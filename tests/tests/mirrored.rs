@@ -13,8 +13,8 @@ use rcs_render::{create, Finished, KeepOut, LastStep, Orientation, RendererChoic
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::{
     Blending, Camera, DepthPicture, DirectionalLight, DisplayMask, Drawable, Encoding, Geometry, HorizontalAlignment,
-    LineTopology, Lines, Material, Mesh, Picture, PointBuffer, PointColors, PointStyle, Points, Rgba, Scene, Text, Vertex,
-    VerticalAlignment,
+    LineTopology, Lines, Material, Mesh, Picture, PointBuffer, PointColors, PointStyle, Points, Rgba, Scene, Text,
+    Vertex, VerticalAlignment,
 };
 use rcs_tests::scenes::solids::drawable;
 use rcs_transforms::Time;
@@ -82,8 +82,9 @@ fn solid() -> Mesh {
 
 fn cloud(style: PointStyle, seed: u32) -> Drawable {
     let number = |i: u32| (i.wrapping_mul(2_654_435_761).rotate_left(7) % 1000) as f32 / 1000.0 - 0.5;
-    let positions: Vec<_> =
-        (0..60).map(|i| [number(3 * i + seed) * 1.4, number(3 * i + 1 + seed), 1.6 + number(3 * i + 2 + seed)]).collect();
+    let positions: Vec<_> = (0..60)
+        .map(|i| [number(3 * i + seed) * 1.4, number(3 * i + 1 + seed), 1.6 + number(3 * i + 2 + seed)])
+        .collect();
     let colors = (0..60_u8).map(|i| [4 * i, 255 - 3 * i, 90, 255]).collect();
     let buffer = Arc::new(PointBuffer { positions, colors: PointColors::PerPoint(colors) });
     drawable(Geometry::Points(Points { buffer, style, alpha: 1.0, blended: false, auto_size: false }))

@@ -337,10 +337,10 @@ void rcs_camera_free(struct RcsCamera *camera);
 
 /**
  * Sets the camera's CameraInfo: checks it as the node does, and writes what is to be drawn for it to `view`.
- * `undistort`: where D is not 0, or the lens is equidistant, the picture is bent so that it is right after the lens of K and D; the texture is
- * larger then, and P is taken exactly whatever `projection` says. A lens that cannot be allowed for is no error: the
- * picture is drawn without it, and `rcs_camera_warning` says why. `near_clip_m`: metres, moved into what is possible
- * (1e-6 to 99.9).
+ * `undistort`: where D is not 0, or the lens is equidistant, the picture is bent so that it is right after the lens of
+ * K and D; the texture is larger then, and P is taken exactly whatever `projection` says. A lens that cannot be
+ * allowed for is no error: the picture is drawn without it, and `rcs_camera_warning` says why. `near_clip_m`: metres,
+ * moved into what is possible (1e-6 to 99.9).
  *
  * A lens takes up to some tenths of a second, once: the same CameraInfo again costs less than a microsecond.
  *
@@ -363,8 +363,9 @@ void rcs_camera_clear_info(struct RcsCamera *camera);
 /**
  * Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy,
  * P[7] ≠ 0, skews, a mirror and a third row of P where rviz's projection is drawn, D ≠ 0 where the lens is not allowed
- * for, each with its size in pixels; why a lens could not be allowed for; binning and a region of interest. Empty where nothing does, and without a CameraInfo. Buffer and
- * returned length are as those of `rcs_last_error`.
+ * for, each with its size in pixels; why a lens could not be allowed for; and that binning and a region of interest are
+ * not applied. Empty where nothing does, and without a CameraInfo. Buffer and returned length are as those of
+ * `rcs_last_error`.
  */
 size_t rcs_camera_warning(const struct RcsCamera *camera,
                           char *buffer,

@@ -150,10 +150,12 @@ mod tests {
 
     /// The same with skews, mirrored, or both.
     fn lenses() -> impl Strategy<Value = Lens> {
-        (prop_oneof![Just([0.0; 2]), Just([-4.0, 0.0]), Just([60.0, -9.0])], any::<bool>()).prop_map(|(skew, mirrors)| {
-            let sign = if mirrors { -1.0 } else { 1.0 };
-            Lens { skew_px: skew.into(), focal_px: Vector2::new(sign * 1410.0, 1395.0), ..lens() }
-        })
+        (prop_oneof![Just([0.0; 2]), Just([-4.0, 0.0]), Just([60.0, -9.0])], any::<bool>()).prop_map(
+            |(skew, mirrors)| {
+                let sign = if mirrors { -1.0 } else { 1.0 };
+                Lens { skew_px: skew.into(), focal_px: Vector2::new(sign * 1410.0, 1395.0), ..lens() }
+            },
+        )
     }
 
     proptest! {

@@ -166,7 +166,12 @@ mod tests {
     /// The deviations of a camera with these focal lengths, P[7] and distortion.
     fn found(fx: f64, fy: f64, ty: f64, (model, d): (&str, &[f64]), projection: Projection) -> Vec<String> {
         let (none, p) = ([0.0; 9], [fx, 0.0, 500.0, 0.0, 0.0, fy, 400.0, ty, 0.0, 0.0, 1.0, 0.0]);
-        deviations(&CameraInfoFields { distortion_model: model, d, ..ideal(&none, &p) }, projection.into(), None, ADVICE)
+        deviations(
+            &CameraInfoFields { distortion_model: model, d, ..ideal(&none, &p) },
+            projection.into(),
+            None,
+            ADVICE,
+        )
     }
 
     fn ideal<'a>(none: &'a [f64; 9], p: &'a [f64; 12]) -> CameraInfoFields<'a> {

@@ -149,7 +149,8 @@ mod tests {
             optics(&fields(&[0.1, 0.0, 0.0, 0.0], &k, &p), "", model, &Lenses::default())
         };
         assert!(drawn(Projection::Rviz, false).is_ok());
-        for refused in [drawn(Projection::Exact, false), drawn(Projection::Rviz, true), drawn(Projection::Exact, true)] {
+        for refused in [drawn(Projection::Exact, false), drawn(Projection::Rviz, true), drawn(Projection::Exact, true)]
+        {
             assert_eq!(refused.unwrap_err(), CameraError::ThirdRow { row: [0.0; 4] });
         }
     }

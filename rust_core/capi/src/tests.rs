@@ -73,14 +73,7 @@ fn published(camera: *mut RcsCamera, view: &RcsView) -> (Vec<u8>, Vec<f32>) {
     let results = unsafe {
         [
             rcs_camera_encode(camera, &pixels, encoding, background.as_ptr(), picture.as_mut_ptr(), picture.len()),
-            rcs_camera_encode_depth(
-                camera,
-                depths.as_ptr(),
-                depths.len(),
-                Flag(1),
-                metres.as_mut_ptr(),
-                metres.len(),
-            ),
+            rcs_camera_encode_depth(camera, depths.as_ptr(), depths.len(), Flag(1), metres.as_mut_ptr(), metres.len()),
         ]
     };
     assert_eq!(results, [RcsResult::Ok; 2]);
@@ -146,8 +139,7 @@ fn skew_scale_third_row_and_binning_are_followed_or_told_as_the_node_does() {
     unusual.p[10] = 0.0;
     let mut view = NO_VIEW;
     // SAFETY: all pointers are valid.
-    let refused =
-        unsafe { rcs_camera_set_info(one, &unusual, ProjectionNumber(1), Flag(0), 0.1, &mut view) };
+    let refused = unsafe { rcs_camera_set_info(one, &unusual, ProjectionNumber(1), Flag(0), 0.1, &mut view) };
     assert_eq!(refused, RcsResult::BadCameraInfo);
     // SAFETY: lengths are that of the buffer.
     let error = text(|buffer, length| unsafe { rcs_last_error(buffer, length) });

@@ -486,7 +486,9 @@ mod tests {
                 let [u, v] = camera.flip().pixel([640, 480], [u - 0.5, v - 0.5]);
                 let by_p = |row: usize| {
                     let Point3 { coords } = point;
-                    (mirrored[row] * coords.x + mirrored[row + 1] * coords.y + mirrored[row + 2] * coords.z
+                    (mirrored[row] * coords.x
+                        + mirrored[row + 1] * coords.y
+                        + mirrored[row + 2] * coords.z
                         + mirrored[row + 3])
                         / coords.z
                 };

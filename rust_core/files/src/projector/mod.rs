@@ -17,8 +17,9 @@
 //!
 //! and the file of `camera_calibration` and `camera_info_manager` (`image_width`, `image_height`, `camera_matrix:
 //! {rows, cols, data}`, `distortion_coefficients`, `rectification_matrix`, `projection_matrix`). What is missing is
-//! filled in: P from K, K from P, R with the identity, D with five zeros, `distortion_model` with `plumb_bob`. Three
-//! keys are this project's own, in either form:
+//! filled in: P from K, K from P, R with the identity, D with zeros, `distortion_model` by `camera_model` (Melodic) or
+//! `fisheye_model` (OpenCV), else with `plumb_bob`. Files of other calibrators are in [`other_tools`]. Three keys are
+//! this project's own, in any form:
 //!
 //! ```yaml
 //! frame_id: proj_view                       # wins over header.frame_id
@@ -34,8 +35,12 @@
 //! yaw pitch roll, or x y z qx qy qz qw (the plain text with the frames behind, and a period that is not used).
 
 pub(crate) mod checked_numbers;
+mod distortion_name;
 mod frames;
 mod lens;
+mod matlab;
+mod opencv_xml;
+mod other_tools;
 mod write;
 
 use std::fs;
@@ -48,11 +53,13 @@ use serde_yaml_ng::Value;
 
 use crate::yaml_text::{brief, one_line};
 use checked_numbers::{Matrix, Numbers, Size, Whole};
+use distortion_name::distortion_model;
 pub use frames::StaticFrame;
 use frames::{check_placed_once, FrameEntry};
 pub use lens::{fields_of, lens_of};
 use rcs_calibration::Distortion;
 pub use rcs_calibration::{DistortionModel, DistortionProblem};
+use rcs_scene::Intrinsics;
 
 /// The contents of the file.
 ///
@@ -129,8 +136,13 @@ impl ProjectorFile {
     /// # Errors
     /// [`ProjectorFileError`] with the file and, where there is one, key and line.
     pub fn read(path: &Path) -> Result<Self, ProjectorFileError> {
-        let text =
-            fs::read_to_string(path).map_err(|source| ProjectorFileError::Read { path: path.to_owned(), source })?;
+        let bytes = fs::read(path).map_err(|source| ProjectorFileError::Read { path: path.to_owned(), source })?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let is_mat = error.as_bytes().starts_with(b"MATLAB 5.0");
+            let what = if is_mat { "it seems to be a MAT-file of MATLAB" } else { "it is no text in UTF-8" };
+            let reason = format!("{what}: write the projector's size, K and D as text");
+            ProjectorFileError::Key { path: path.to_owned(), key: "the file".to_owned(), reason }
+        })?;
         Self::parse(path, &text)
     }
 
@@ -152,25 +164,34 @@ impl ProjectorFile {
             _ => text.to_owned(),
         };
         let mut ignored_keys = Vec::new();
-        let document = serde_yaml_ng::Deserializer::from_str(&text)
-            .next()
-            .ok_or_else(|| key_error(("the file", "it is empty".to_owned())))?;
-        let raw: RawFile = serde_ignored::deserialize(document, |key| ignored_keys.push(key.to_string()))
-            .map_err(|source| ProjectorFileError::Yaml { path: path.to_owned(), source })?;
+        let ignore = |key: serde_ignored::Path<'_>| ignored_keys.push(key.to_string());
+        let raw: Result<RawFile, _> = match other_tools::values(&text).map_err(key_error)? {
+            Some(values) => serde_ignored::deserialize(values, ignore),
+            None => {
+                let document = serde_yaml_ng::Deserializer::from_str(&text)
+                    .next()
+                    .ok_or_else(|| key_error(("the file", "it is empty".to_owned())))?;
+                serde_ignored::deserialize(document, ignore)
+            }
+        };
+        let raw = raw.map_err(|source| ProjectorFileError::Yaml { path: path.to_owned(), source })?;
         let camera_info_topic = raw.camera_info_topic.clone();
         let frames = raw.frames.iter().map(|FrameEntry(frame)| frame.clone()).collect::<Vec<_>>();
         check_placed_once(&frames).map_err(|reason| key_error(("frames", reason)))?;
         Ok(Self { camera_info: raw.camera_info().map_err(key_error)?, camera_info_topic, frames, ignored_keys })
     }
 
-    /// What is not wrong enough for an error: keys without a meaning, and a distortion that no lens model can have.
+    /// What is not wrong enough for an error: keys without a meaning, a distortion that no lens model can have, and a P
+    /// that only rviz's projection draws.
     /// Each is a phrase without the file's name.
     pub fn warnings(&self) -> Vec<String> {
         let ignored =
             self.ignored_keys.iter().map(|key| format!("key '{}' is not known and is ignored", one_line(key)));
         let distortion = Distortion::from_message(&self.camera_info.distortion_model, &self.camera_info.D);
         let problem = distortion.err().map(|problem| format!("{}: {problem}", problem.key()));
-        ignored.chain(problem).collect()
+        let CameraInfo { width, height, P: p, .. } = &self.camera_info;
+        let projection = Intrinsics::exactly(*width, *height, p).err().map(|error| error.to_string());
+        ignored.chain(problem).chain(projection).collect()
     }
 }
 
@@ -181,6 +202,8 @@ struct RawFile {
     height: Option<Size>,
     width: Option<Size>,
     distortion_model: Option<String>,
+    camera_model: Option<String>,
+    fisheye_model: Option<u64>,
     #[serde(rename = "D")]
     d: Option<Numbers>,
     #[serde(rename = "K")]
@@ -290,14 +313,16 @@ impl RawFile {
             (None, None) => return Err(("P", "missing, and K too (or projection_matrix, camera_matrix)".to_owned())),
         };
         check_focal_lengths(&p)?;
+        let model = distortion_model(self.distortion_model, self.camera_model.as_deref(), self.fisheye_model)?;
+        let zeros = if model == DistortionModel::Equidistant.name() { 4 } else { 5 };
         let header_frame = self.header.map(|header| header.frame_id).unwrap_or_default();
         let RawRegion { x_offset, y_offset, height: roi_height, width: roi_width, do_rectify } = self.roi;
         Ok(CameraInfo {
             header: Header { frame_id: self.frame_id.unwrap_or(header_frame), ..Header::default() },
             height: height.0,
             width: width.0,
-            distortion_model: self.distortion_model.unwrap_or_else(|| "plumb_bob".to_owned()),
-            D: d.map_or_else(|| vec![0.0; 5], |Numbers(d)| d),
+            distortion_model: model,
+            D: d.map_or_else(|| vec![0.0; zeros], |Numbers(d)| d),
             K: k,
             R: r.map_or([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], |Matrix(r)| r),
             P: p,
@@ -525,7 +550,10 @@ projection_matrix:
         let file = parse(&MESSAGE.replace("D: [0.1, 0.0,", "D: [0.1,")).unwrap();
         assert!(file.warnings().is_empty(), "four coefficients: {:?}", file.warnings());
         let file = parse(&MESSAGE.replace("D: [0.1, 0.0, 0.0,", "D: [0.1,")).unwrap();
-        assert_eq!(file.warnings(), ["D: 3 coefficients, but plumb_bob has 4 or 5"]);
+        assert_eq!(file.warnings(), ["D: 3 coefficients, but plumb_bob has 4, 5, 8, 12 or 14"]);
+        let file =
+            parse(&MESSAGE.replace("750.0, 0.0, 0.0, 0.0, 1.0, 0.0]", "750.0, 0.0, 0.0, 0.0, 0.0, 0.0]")).unwrap();
+        assert!(file.warnings()[0].starts_with("the third row of P, P[8] to P[11], is [0.0"), "{:?}", file.warnings());
         let file = parse(&format!("{MESSAGE}Kk: [1]\nroii: {{a: 1}}\n")).unwrap();
         assert_eq!(file.camera_info, parse(MESSAGE).unwrap().camera_info);
     }

@@ -302,7 +302,7 @@ mod tests {
             (|file| file.camera_info.width = 0, "width: it is zero"),
             (|file| file.camera_info.height = 0, "height: it is zero"),
             (|file| file.camera_info.P[5] = 0.0, "P: a focal length is zero (fx 1900, fy 0)"),
-            (|file| file.camera_info.D = vec![0.1; 8], "D: 8 coefficients, but plumb_bob has 4 or 5"),
+            (|file| file.camera_info.D = vec![0.1; 7], "D: 7 coefficients, but plumb_bob has 4, 5, 8, 12 or 14"),
             (|file| file.frames[0].parent.clear(), "frames: parent and child need names"),
             (|file| file.frames[0].child = "/base".to_owned(), "frames: frame 'base' cannot be its own parent"),
             (|file| file.frames[1].child = "proj_link".to_owned(), "frames: frame 'proj_link' is placed twice"),

@@ -149,8 +149,8 @@ impl KeepOut {
         };
         let columns = |cone: &Cone| {
             let x = |column: u32| directions.of([f64::from(column) + 0.5, 0.0])[0];
-            let mut beside = (0..camera.width_px())
-                .map(|column| directions.are_square() && cone.is_beside_column(x(column)));
+            let mut beside =
+                (0..camera.width_px()).map(|column| directions.are_square() && cone.is_beside_column(x(column)));
             let begin = beside.position(|is_beside| !is_beside);
             let end = beside.rposition(|is_beside| !is_beside);
             begin.map_or(0..0, |begin| begin..begin + end.map_or(1, |end| end + 2))

@@ -1,0 +1,65 @@
+//! OpenCV's XML (`cv::FileStorage`) as the values that its YAML would be.
+//!
+//! A matrix is an element with `rows`, `cols`, `dt` and `data`; lists of numbers stand between spaces, lists of other
+//! values in elements `_`, texts in quotes.
+
+use roxmltree::{Document, Node};
+use serde_yaml_ng::{Mapping, Value};
+
+/// The name of the root element.
+const ROOT: &str = "opencv_storage";
+/// Deeper than any calibration's values.
+const DEEPEST: usize = 8;
+
+/// The values of a file by their names.
+///
+/// # Errors
+/// What is wrong with it, or what other kind of XML it is.
+pub(super) fn values(text: &str) -> Result<Mapping, String> {
+    let document = Document::parse(text).map_err(|error| format!("it is not XML as OpenCV writes it: {error}"))?;
+    let root = document.root_element();
+    match root.tag_name().name() {
+        ROOT => Ok(children(root, 0)),
+        "ProjectorCameraEnsemble" => Err("it seems to be a calibration of the RoomAlive Toolkit, which is not read: \
+                                          write its projector's size, K and D into a projector file"
+            .to_owned()),
+        other => Err(format!("it is XML, but <{other}> where OpenCV writes <{ROOT}>")),
+    }
+}
+
+fn children(node: Node<'_, '_>, depth: usize) -> Mapping {
+    let elements = node.children().filter(Node::is_element);
+    elements.map(|child| (child.tag_name().name().into(), value(child, depth + 1))).collect()
+}
+
+fn value(node: Node<'_, '_>, depth: usize) -> Value {
+    let mut elements = node.children().filter(Node::is_element).peekable();
+    match elements.peek() {
+        Some(_) if depth >= DEEPEST => Value::Null,
+        Some(first) if first.has_tag_name("_") => elements.map(|item| value(item, depth + 1)).collect(),
+        Some(_) => children(node, depth).into(),
+        None => text_value(node.text().unwrap_or_default().trim()),
+    }
+}
+
+/// A number, a list of numbers, or a text.
+fn text_value(text: &str) -> Value {
+    let numbers: Option<Vec<Value>> = text.split_ascii_whitespace().map(number).collect();
+    match numbers {
+        Some(numbers) => match <[Value; 1]>::try_from(numbers) {
+            Ok([number]) => number,
+            Err(numbers) => numbers.into(),
+        },
+        None => text.trim_matches('"').into(),
+    }
+}
+
+/// A number as OpenCV writes it: `5.`, `.Nan`, whole ones without a point.
+fn number(word: &str) -> Option<Value> {
+    match word {
+        ".Nan" => Some(f64::NAN.into()),
+        ".Inf" => Some(f64::INFINITY.into()),
+        "-.Inf" => Some(f64::NEG_INFINITY.into()),
+        _ => word.parse::<i64>().map(Value::from).or_else(|_| word.parse::<f64>().map(Value::from)).ok(),
+    }
+}
