@@ -46,7 +46,7 @@ pub struct Cli {
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct ModelArgs {
     /// How a CameraInfo's P is used: as rviz does (the same picture as before), or exactly, which a projector needs
-    /// (rviz is half a pixel off, and more if fx ≠ fy or P[7] ≠ 0)
+    /// (rviz is half a pixel off, and more with fx ≠ fy, P[7] ≠ 0, a skew or a mirror)
     #[arg(long, global = true, value_enum)]
     pub projection: Option<Projection>,
     /// Bend the picture of a CameraInfo with D ≠ 0, so that it is right after the projector's lens; P is used exactly

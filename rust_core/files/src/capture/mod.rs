@@ -134,7 +134,7 @@ impl Capture {
 fn read_camera(path: &Path) -> Result<(Lens, String, Vec<String>), CaptureError> {
     check_is_file(path)?;
     let file = ProjectorFile::read(path)?;
-    let lens = file.lens().map_err(|problem| CaptureError::Lens { path: path.to_owned(), problem })?;
+    let lens = file.camera_lens().map_err(|problem| CaptureError::Lens { path: path.to_owned(), problem })?;
     let warnings = file.warnings().into_iter().map(|warning| format!("{}: {warning}", path.display())).collect();
     Ok((lens, file.camera_info.header.frame_id, warnings))
 }

@@ -62,7 +62,7 @@ impl Capture {
             .map_err(unwritable)?;
         check_amount(folder, self.camera.size_px, self.pictures.len())?;
         ProjectorFile::from_lens(&self.camera, &self.camera_frame_id)
-            .lens()
+            .camera_lens()
             .map_err(|problem| unwritable(format!("the camera's {problem}")))?;
         let [width, height] = self.camera.size_px.map(|size| size as usize);
         let wrong = |count: usize| count != width * height;

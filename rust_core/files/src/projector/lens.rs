@@ -47,6 +47,20 @@ impl ProjectorFile {
         lens_of(&self.camera_info)
     }
 
+    /// The lens of a camera that pictures are decoded with, which must not be mirrored: a scan's pictures that are tell
+    /// of a mirror on the way.
+    ///
+    /// # Errors
+    /// Those of [`lens_of`], and focal lengths that are not positive.
+    pub fn camera_lens(&self) -> Result<Lens, LensProblem> {
+        let lens = self.lens()?;
+        let [fx, fy] = lens.focal_px.into();
+        if fx > 0.0 && fy > 0.0 {
+            return Ok(lens);
+        }
+        Err(LensProblem { key: "K", reason: format!("the focal lengths (fx {fx}, fy {fy}) are not positive") })
+    }
+
     /// The file of a lens whose optical frame is `frame_id`: P is K, R the identity.
     pub fn from_lens(lens: &Lens, frame_id: &str) -> Self {
         let Lens { size_px: [width, height], focal_px, skew_px, center_px, distortion } = *lens;
@@ -137,6 +151,16 @@ mod tests {
         assert_eq!(info.header.frame_id, "proj_view");
         assert_eq!((file.frames[0].parent.as_str(), file.frames[0].child.as_str()), ("camera", "proj_view"));
         assert_eq!(file.frames[0].translation_m, [0.1, 0.2, 0.3]);
+    }
+
+    #[test]
+    fn a_mirrored_lens_is_a_projectors_and_no_cameras() {
+        let text = "width: 64\nheight: 48\nK: [-60, 2, 32, 0, 60, 24, 0, 0, 1]\n";
+        let file = ProjectorFile::parse(Path::new("camera_info.yaml"), text).unwrap();
+        let lens = file.lens().unwrap();
+        assert_eq!((lens.focal_px.x, lens.skew_px.x), (-60.0, 2.0));
+        let problem = file.camera_lens().unwrap_err().to_string();
+        assert_eq!(problem, "K: the focal lengths (fx -60, fy 60) are not positive");
     }
 
     #[test]

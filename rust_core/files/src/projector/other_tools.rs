@@ -351,10 +351,10 @@ mod tests {
         ));
         let skewed = two.replace("0.000000", "2.5");
         assert!(error(&skewed).contains("alpha_c_right: it is 2.5"), "{}", error(&skewed));
-        let one = "fc = [ 3953.5 ; 3893.0 ];\ncc = [ 737.25 ; 1357.5 ];\nalpha_c = 0.01;\n\
+        let one = "fc = [ 3953.5 ; 3893.0 ];\ncc = [ 737.25 ; 1357.5 ];\nalpha_c = 0.5;\n\
                    kc = [ -0.017 ; -0.44 ; -0.0094 ; -0.0213 ; 1.7 ];\nnx = 1024;\nny = 768;\nactive_images = ones(1,3);\n";
         let info = parse(one).unwrap().camera_info;
-        assert_eq!((info.K[1], info.K[0], info.K[5], info.width), (39.535, 3953.5, 1357.5, 1024));
+        assert_eq!((info.K[1], info.K[0], info.K[5], info.width), (1976.75, 3953.5, 1357.5, 1024));
     }
 
     #[test]

@@ -34,7 +34,7 @@ fn lens_of(info: &CameraInfo, is_rectified: bool) -> Result<Lens, String> {
         return Err(format!("the camera's size is {}x{} pixels", camera_info.width, camera_info.height));
     }
     let file = ProjectorFile { camera_info, camera_info_topic: None, frames: Vec::new(), ignored_keys: Vec::new() };
-    file.lens().map_err(|problem| problem.to_string())
+    file.camera_lens().map_err(|problem| problem.to_string())
 }
 
 #[cfg(test)]
