@@ -94,7 +94,8 @@ fn marker(secs: u32, frame_locked: bool) -> Marker {
 
 fn cloud(secs: u32) -> PointCloud2 {
     let field = |(i, name): (u32, &str)| PointField { name: name.to_owned(), offset: i * 4, datatype: 7, count: 1 };
-    let mut cloud = PointCloud2 { header: header(secs), ..PointCloud2::default() };
+    let mut cloud = PointCloud2::default();
+    cloud.header = header(secs);
     cloud.fields = (0..).zip(["x", "y", "z"]).map(field).collect();
     (cloud.height, cloud.width, cloud.point_step, cloud.row_step) = (1, 1, 12, 12);
     cloud.with_data(vec![0; 12])
@@ -135,7 +136,8 @@ fn interactive_marker() -> Vec<(&'static str, AnyMessage)> {
 }
 
 fn map(secs: u32) -> OccupancyGrid {
-    let mut map = OccupancyGrid { header: header(secs), ..OccupancyGrid::default() };
+    let mut map = OccupancyGrid::default();
+    map.header = header(secs);
     (map.info.width, map.info.height, map.info.resolution) = (1, 1, 1.0);
     map.info.origin = pose();
     map.with_data(vec![0])
