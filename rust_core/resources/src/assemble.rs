@@ -30,8 +30,8 @@ const MAX_TEXTURES: usize = 1000;
 
 /// Makes the parts of a mesh; textures are searched for beside it.
 pub(crate) fn assemble(imported: Imported, source: Source<'_>) -> LoadedMesh {
-    let Imported { meshes, materials: specs, placed } = imported;
-    let mut textures = Textures { source, loaded: HashMap::new(), texels: 0, warnings: Vec::new() };
+    let Imported { meshes, materials: specs, placed, images } = imported;
+    let mut textures = Textures { source, images, loaded: HashMap::new(), texels: 0, warnings: Vec::new() };
     let mut materials: HashMap<usize, MeshMaterial> = HashMap::new();
     let mut triangulation = Triangulation::new();
     let mut uses: HashMap<usize, usize> = HashMap::new();
@@ -185,9 +185,11 @@ fn material(spec: &MaterialSpec, textures: &mut Textures<'_>) -> MeshMaterial {
     }
 }
 
-/// The textures beside a mesh, each loaded once.
+/// The textures beside a mesh or in its file, each loaded once.
 struct Textures<'a> {
     source: Source<'a>,
+    /// The images in its file.
+    images: HashMap<String, Vec<u8>>,
     /// By name, and how often each is laid onto itself.
     loaded: HashMap<(String, usize), Arc<Texture>>,
     /// How many texels they have.
@@ -223,6 +225,14 @@ impl Textures<'_> {
         if name.is_empty() {
             return Err(ResourceError::NoDiffuseTexture { path: path.to_owned() });
         }
+        if self.texels >= MAX_TEXELS || self.loaded.len() >= MAX_TEXTURES {
+            return Err(self.too_many(name));
+        }
+        if let Some(image) = self.images.get(name) {
+            let texture = texture::from_bytes(image, &path.join(name))?;
+            self.count(&texture, name)?;
+            return Ok(texture);
+        }
         // rviz puts a slash between the two, so an absolute name is searched for beside the mesh as well.
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut file = folder.join(name.trim_start_matches('/'));
@@ -232,9 +242,6 @@ impl Textures<'_> {
             if decoded.is_file() {
                 file = decoded;
             }
-        }
-        if self.texels >= MAX_TEXELS || self.loaded.len() >= MAX_TEXTURES {
-            return Err(self.too_many(name));
         }
         let texture = texture::load(options, &file)?;
         self.count(&texture, name)?;

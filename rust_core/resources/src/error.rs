@@ -97,7 +97,7 @@ pub enum ResourceError {
         url: String,
     },
     /// A mesh format that is not read.
-    #[error("{}: mesh format {format} is not supported, only STL, COLLADA (.dae) and OBJ", path.display())]
+    #[error("{}: mesh format {format} is not supported, only STL, COLLADA (.dae), OBJ, PLY and glTF (.gltf, .glb)", path.display())]
     UnsupportedFormat {
         /// Which file.
         path: PathBuf,
@@ -153,7 +153,7 @@ pub enum MeshFault {
         /// Which rule.
         what: String,
     },
-    /// A line of an OBJ or STL text file that cannot be read.
+    /// A line of an OBJ, STL or PLY text file that cannot be read.
     #[error("line {line}: {what}")]
     Line {
         /// Line in the file, from 1.
@@ -161,6 +161,9 @@ pub enum MeshFault {
         /// What is wrong.
         what: String,
     },
+    /// A rule of the format that is broken, in a file that has no lines.
+    #[error("{0}")]
+    Malformed(String),
     /// There is nothing to draw in it.
     #[error("no triangles in it")]
     Empty,

@@ -24,9 +24,16 @@ const MAX_DECODED_BYTES: u64 = 512 << 20;
 /// # Errors
 /// [`ResourceError::BadImage`], and those of reading the file.
 pub(crate) fn load(options: &ResourceOptions, path: &Path) -> Result<Arc<Texture>, ResourceError> {
-    let bytes = options.read(path)?;
+    from_bytes(&options.read(path)?, path)
+}
+
+/// The texture of an image file's contents; `path` gives the format of those that do not tell.
+///
+/// # Errors
+/// [`ResourceError::BadImage`].
+pub(crate) fn from_bytes(bytes: &[u8], path: &Path) -> Result<Arc<Texture>, ResourceError> {
     // Some damaged images make the decoder of JPEG panic. The mesh that they are on is shown all the same.
-    let decoded = catch_unwind(|| decode(&bytes, path)).unwrap_or_else(|_| Err("its decoder panicked".to_owned()));
+    let decoded = catch_unwind(|| decode(bytes, path)).unwrap_or_else(|_| Err("its decoder panicked".to_owned()));
     decoded.map(Arc::new).map_err(|reason| ResourceError::BadImage { path: path.to_owned(), reason })
 }
 

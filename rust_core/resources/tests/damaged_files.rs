@@ -1,9 +1,10 @@
 //! Damaged mesh files give errors or meshes that are whole, never a panic.
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
+#[expect(dead_code, reason = "other tests use the rest")]
 mod common;
 
-use common::{binary_stl, load_bytes, DAE, MTL, OBJ, TEXT_STL, TRIANGLES};
+use common::{binary_stl, glb, load_bytes, DAE, GLTF, GLTF_DATA, MTL, OBJ, PLY, TEXT_STL, TRIANGLES};
 use proptest::prelude::*;
 
 /// What happens to a file: bytes are overwritten, removed, doubled, or the end is lost.
@@ -99,8 +100,23 @@ proptest! {
     }
 
     #[test]
+    fn damaged_ply(damages in prop::collection::vec(damage(), 1..4)) {
+        check("a.ply", &damaged(PLY.as_bytes(), &damages))?;
+    }
+
+    #[test]
+    fn damaged_gltf(damages in prop::collection::vec(damage(), 1..4)) {
+        check("a.gltf", &damaged(GLTF.replace("DATA", GLTF_DATA).as_bytes(), &damages))?;
+    }
+
+    #[test]
+    fn damaged_glb(damages in prop::collection::vec(damage(), 1..4)) {
+        check("a.glb", &damaged(&glb(&GLTF.replace(", \"uri\": \"data:x/y;base64,DATA\"", "")), &damages))?;
+    }
+
+    #[test]
     fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        for name in ["a.stl", "a.obj", "a.dae"] {
+        for name in ["a.stl", "a.obj", "a.dae", "a.ply", "a.gltf"] {
             check(name, &bytes)?;
         }
     }

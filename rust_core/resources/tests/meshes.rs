@@ -1,32 +1,16 @@
 //! Meshes as rviz shows them, by way of Assimp.
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
+#[expect(dead_code, reason = "other tests use the rest")]
 mod common;
 
 use std::{fs, path::Path, sync::Arc};
 
-use common::{binary_stl, get, load, load_bytes, store_of, DAE, MTL, OBJ, TEXT_STL, TRIANGLES};
-use rcs_resources::{warning_texture, LoadedMesh, MeshFault, MeshPart, MeshStore, PackageIndex, ResourceError};
+use common::{
+    binary_stl, fault, get, load, load_bytes, normals, positions, store_of, uvs, DAE, MTL, OBJ, TEXT_STL, TRIANGLES,
+};
+use rcs_resources::{warning_texture, LoadedMesh, MeshFault, MeshStore, PackageIndex, ResourceError};
 use rcs_scene::{Blending, CullMode, Filtering, Lighting, Rgba, Wrapping};
-
-fn positions(part: &MeshPart) -> Vec<[f32; 3]> {
-    part.mesh.triangles().flatten().map(|vertex| vertex.position.map(|x| (x * 1e5).round() / 1e5)).collect()
-}
-
-fn normals(part: &MeshPart) -> Vec<[f32; 3]> {
-    part.mesh.triangles().flatten().map(|vertex| vertex.normal.map(|x| (x * 1e5).round() / 1e5)).collect()
-}
-
-fn uvs(part: &MeshPart) -> Vec<[f32; 2]> {
-    part.mesh.triangles().flatten().map(|vertex| vertex.uv).collect()
-}
-
-fn fault(result: Result<Arc<LoadedMesh>, ResourceError>) -> MeshFault {
-    match result {
-        Err(ResourceError::BadMesh { fault, .. }) => fault,
-        other => panic!("a fault in the mesh is expected, not {other:?}"),
-    }
-}
 
 fn write_png(path: &Path, texel: [u8; 4]) {
     image::RgbaImage::from_pixel(2, 3, image::Rgba(texel)).save(path).unwrap();
@@ -355,7 +339,7 @@ fn faults_in_collada_files_are_reported_with_their_line() {
 
 #[test]
 fn other_formats_are_named_in_their_error() {
-    for (name, format) in [("a.mesh", "Ogre .mesh"), ("a.glb", ".glb"), ("a", "(no extension)")] {
+    for (name, format) in [("a.mesh", "Ogre .mesh"), ("a.fbx", ".fbx"), ("a", "(no extension)")] {
         let error = load_bytes(name, b"").unwrap_err().to_string();
         assert!(error.contains(name) && error.contains(format), "{error}");
     }
@@ -411,4 +395,18 @@ fn a_command_in_an_address_is_not_run() {
         }
     }
     assert!(!inside.exists() && !Path::new(&beside).exists());
+}
+
+#[test]
+fn a_byte_order_mark_before_a_text_file_changes_nothing() {
+    let marked = |text: &str| ["\u{feff}", text].concat();
+    let all = |mesh: &LoadedMesh| mesh.parts.iter().map(|part| (positions(part), normals(part))).collect::<Vec<_>>();
+    for (name, text) in [("a.stl", TEXT_STL), ("a.obj", OBJ), ("a.dae", DAE)] {
+        let with = load_bytes(name, marked(text).as_bytes()).unwrap();
+        assert_eq!(all(&with), all(&load_bytes(name, text.as_bytes()).unwrap()), "{name}");
+    }
+    let folder = obj_folder();
+    fs::write(folder.path().join("things.mtl"), marked(MTL)).unwrap();
+    let mesh = load(&folder.path().join("a.obj")).unwrap();
+    assert_eq!(mesh.parts[0].material.diffuse, Rgba::new(1.0, 0.0, 0.0, 1.0));
 }

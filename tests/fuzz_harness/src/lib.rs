@@ -95,6 +95,8 @@ targets! {
     STL: "stl", "STL", 64 MiB, resources::stl;
     COLLADA: "collada", "COLLADA", 64 MiB, resources::collada;
     OBJ: "obj", "OBJ and its MTL", 64 MiB, resources::obj;
+    PLY: "ply", "PLY", 64 MiB, resources::ply;
+    GLTF: "gltf", "glTF, text and GLB", 256 MiB, resources::gltf;
     TEXTURE: "texture", "textures: PNG, JPEG, BMP, TGA, TIFF, GIF", 2048 MiB, resources::texture;
     RVIZ_CONFIG: "rviz_config", ".rviz", 64 MiB, texts::rviz_config;
     NEW_CAMERA: "new_camera", ".rviz that a camera is added to", 64 MiB, cameras::new_camera;

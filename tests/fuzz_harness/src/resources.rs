@@ -20,6 +20,9 @@ const BETWEEN_FILES: &[u8] = b"\n=====\n";
 /// A triangle whose material has a texture.
 const TEXTURED: &[u8] = b"mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
 
+/// The key of a glTF file's list of images.
+const IMAGES: &[u8] = b"images";
+
 thread_local! {
     static FOLDER: TempDir = packages();
 }
@@ -109,6 +112,19 @@ pub(crate) fn obj(data: &[u8]) {
         return;
     }
     load(&[("a.obj", obj), ("a.mtl", mtl)], "a.obj");
+}
+
+/// A PLY file.
+pub(crate) fn ply(data: &[u8]) {
+    load(&[("a.ply", data)], "a.ply");
+}
+
+/// A glTF file, of text or a GLB. Its images are another target's.
+pub(crate) fn gltf(data: &[u8]) {
+    if data.windows(IMAGES.len()).any(|window| window == IMAGES) {
+        return;
+    }
+    load(&[("a.glb", data)], "a.glb");
 }
 
 /// Whether an image of this width and height has so many pixels that most of the time goes into memory for them: a

@@ -1,15 +1,17 @@
 //! Mesh files into polygons, materials and placings, one reader for each format.
 
-use std::path::Path;
+use std::{collections::HashMap, path::Path};
 
 use nalgebra::Matrix4;
 
 use crate::{MeshFault, ResourceError, ResourceOptions};
 
 mod collada;
+mod gltf;
 mod lenient_float;
 mod mtl;
 mod obj;
+mod ply;
 mod process;
 mod stl;
 mod triangulate;
@@ -35,6 +37,8 @@ pub(crate) enum Format {
     Stl,
     Collada,
     Obj,
+    Ply,
+    Gltf,
 }
 
 impl Format {
@@ -45,6 +49,8 @@ impl Format {
             "stl" | "stlb" => Ok(Self::Stl),
             "dae" => Ok(Self::Collada),
             "obj" => Ok(Self::Obj),
+            "ply" => Ok(Self::Ply),
+            "gltf" | "glb" => Ok(Self::Gltf),
             "mesh" => Err(ResourceError::UnsupportedFormat { path: path.to_owned(), format: "Ogre .mesh".to_owned() }),
             "" => Err(ResourceError::UnsupportedFormat { path: path.to_owned(), format: "(no extension)".to_owned() }),
             other => Err(ResourceError::UnsupportedFormat { path: path.to_owned(), format: format!(".{other}") }),
@@ -60,6 +66,8 @@ pub(crate) struct Imported {
     pub(crate) materials: Vec<MaterialSpec>,
     /// Which mesh is drawn at which pose, in drawing order.
     pub(crate) placed: Vec<Placed>,
+    /// Images within the file, by the names by which its materials refer to them.
+    pub(crate) images: HashMap<String, Vec<u8>>,
 }
 
 /// A mesh at a place.
@@ -85,18 +93,27 @@ impl Default for Faces {
     }
 }
 
-/// Faces of any number of corners, which share none.
+/// Faces of any number of corners.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polygons {
-    /// The corners of the first face, then of the second, and so on.
+    /// The vertices. Those of the first face, then of the second, and so on, unless `corners` says otherwise.
     pub(crate) positions: Vec<[f32; 3]>,
-    /// One for each corner or, see [`Faces`], each face; or none at all.
+    /// One for each vertex or, see [`Faces`], each face; or none at all.
     pub(crate) normals: Vec<[f32; 3]>,
-    /// One for each corner, or none at all; v up, as in the files.
+    /// One for each vertex, or none at all; v up, as in most files.
     pub(crate) uvs: Vec<[f32; 2]>,
+    /// The vertices of the first face, then of the second, and so on, of formats whose faces share vertices. All exist.
+    pub(crate) corners: Option<Vec<u32>>,
     pub(crate) faces: Faces,
     /// Index into [`Imported::materials`].
     pub(crate) material: usize,
+}
+
+impl Polygons {
+    /// The corners of all faces.
+    fn corner_count(&self) -> usize {
+        self.corners.as_ref().map_or(self.positions.len(), Vec::len)
+    }
 }
 
 /// A material as Assimp would report it, before rviz makes its own of it. Opacity is left out: rviz requests it by a
@@ -110,7 +127,7 @@ pub(crate) struct MaterialSpec {
     pub(crate) shininess: f32,
     /// One normal for each face (COLLADA's `faceted`).
     pub(crate) flat: bool,
-    /// The diffuse texture's file, beside the mesh; empty for none.
+    /// The diffuse texture: a file beside the mesh, or one of [`Imported::images`]; empty for none.
     pub(crate) diffuse_texture: String,
     /// How many textures of any kind are named.
     pub(crate) texture_count: usize,
@@ -137,17 +154,24 @@ pub(crate) fn import(format: Format, bytes: &[u8], source: Source<'_>) -> Result
         Format::Stl => stl::read(bytes),
         Format::Collada => collada::read(bytes, max_corners),
         Format::Obj => obj::read(bytes, source),
+        Format::Ply => ply::read(bytes, max_corners),
+        Format::Gltf => gltf::read(bytes, source),
     }?;
     // A small file may place a mesh any number of times.
     check_count(imported.placed.len(), MAX_MESHES, "meshes")?;
     check_count(imported.materials.len(), MAX_MATERIALS, "materials")?;
     let placed = imported.placed.iter().filter_map(|placed| imported.meshes.get(placed.mesh));
-    let corners = placed.fold(0_usize, |sum, mesh| sum.saturating_add(mesh.positions.len()));
+    let corners = placed.fold(0_usize, |sum, mesh| sum.saturating_add(mesh.corner_count()));
     check_count(corners, max_corners, "corners")?;
     if corners == 0 {
         return Err(MeshFault::Empty);
     }
     Ok(imported)
+}
+
+/// A text file's bytes without the byte order mark that Windows tools put before UTF-8.
+fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 /// Refuses more than is plausible.

@@ -14,7 +14,7 @@ use super::{
     check_count,
     lenient_float::{leading_f32, three},
     mtl::{self, Named},
-    Faces, Imported, Placed, Polygons, Source, MAX_MATERIALS, MAX_MESHES,
+    without_byte_order_mark, Faces, Imported, Placed, Polygons, Source, MAX_MATERIALS, MAX_MESHES,
 };
 use crate::{MeshFault, ResourceError};
 
@@ -74,7 +74,7 @@ struct Corner {
 
 /// Reads an OBJ file and the material libraries beside it that it names.
 pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Imported, MeshFault> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(without_byte_order_mark(bytes));
     let mut reader = Reader {
         source,
         positions: Vec::new(),
@@ -288,7 +288,7 @@ impl Reader<'_> {
             }
         };
         self.library_bytes = self.library_bytes.saturating_add(bytes.len() as u64);
-        let text: Cow<'_, str> = String::from_utf8_lossy(&bytes);
+        let text: Cow<'_, str> = String::from_utf8_lossy(without_byte_order_mark(&bytes));
         let (current, meshes) = (&mut self.current_material, &mut self.meshes);
         mtl::read(&text, &mut self.materials, |index, is_new| {
             *current = Some(index);
@@ -317,6 +317,7 @@ impl Reader<'_> {
             meshes.push(Polygons { material: mesh.material.unwrap_or(0), faces, ..mesh.polygons });
         }
         let placed = (0..meshes.len()).map(|mesh| Placed { mesh, object_from_mesh: Matrix4::identity() }).collect();
-        Imported { meshes, materials: self.materials.into_iter().map(|material| material.spec).collect(), placed }
+        let materials = self.materials.into_iter().map(|material| material.spec).collect();
+        Imported { meshes, materials, placed, ..Imported::default() }
     }
 }

@@ -3,7 +3,8 @@
 //! In this order: v of the texture coordinates is turned to point down; polygons are cut into triangles; points, lines
 //! and triangles of one mesh become meshes of their own; coordinates that are not numbers, or all the same, are
 //! dropped, and so are a mesh's normals when a single one of them is zero or not a number; and triangles that then have
-//! no normals get those of their faces (`aiProcess_GenNormals` does not smooth). Corners are never merged.
+//! no normals get those of their faces (`aiProcess_GenNormals` does not smooth; a vertex that faces share has the last
+//! one's). Vertices are never merged.
 
 use super::{triangulate::Triangulation, Faces, Polygons};
 
@@ -37,16 +38,26 @@ pub(crate) fn process(polygons: Polygons, triangulation: &mut Triangulation) -> 
     let mut by_kind: [Vec<u32>; 3] = Default::default();
     let [points, lines, triangles] = &mut by_kind;
     let mut start = 0_usize;
+    let (mut face, mut corners) = (Vec::new(), Vec::new());
     for &size in face_sizes {
         let end = start + size as usize;
-        let Some(corners) = polygons.positions.get(start..end) else { break };
-        let first = start as u32;
-        match size {
-            0 => {}
-            1 => points.push(first),
-            2 => lines.extend([first, first + 1]),
-            3 => triangles.extend([first, first + 1, first + 2]),
-            _ => triangulation.cut(corners, |[a, b, c]| triangles.extend([first + a, first + b, first + c])),
+        face.clear();
+        match &polygons.corners {
+            Some(shared) => face.extend_from_slice(shared.get(start..end).unwrap_or_default()),
+            None if end <= polygons.positions.len() => face.extend(start as u32..end as u32),
+            None => {}
+        }
+        match face.as_slice() {
+            [] => {}
+            [_] => points.extend(&face),
+            [_, _] => lines.extend(&face),
+            [_, _, _] => triangles.extend(&face),
+            _ => {
+                corners.clear();
+                corners.extend(face.iter().filter_map(|&corner| polygons.positions.get(corner as usize)));
+                let corner = |number: u32| face.get(number as usize).copied().unwrap_or_default();
+                triangulation.cut(&corners, |triangle| triangles.extend(triangle.map(corner)));
+            }
         }
         start = end;
     }
@@ -59,14 +70,14 @@ pub(crate) fn process(polygons: Polygons, triangulation: &mut Triangulation) -> 
     by_kind.filter_map(|(kind, indices)| finish(unshared(&polygons, &indices), kind == 2)).collect()
 }
 
-/// All corners, shared as the triangulation shares them.
+/// All vertices, shared as the file and the triangulation share them.
 fn whole(polygons: Polygons, indices: Option<Vec<u32>>) -> Triangles {
     let Polygons { positions, normals, mut uvs, .. } = polygons;
     uvs.iter_mut().for_each(|uv| *uv = flipped(*uv));
     Triangles { positions, normals, uvs, indices }
 }
 
-/// The corners of some faces, each index with its own.
+/// The corners of some faces, each index with a vertex of its own.
 fn unshared(polygons: &Polygons, indices: &[u32]) -> Triangles {
     fn pick<T: Copy>(values: &[T], indices: &[u32]) -> Vec<T> {
         indices.iter().filter_map(|&i| values.get(i as usize).copied()).collect()

@@ -8,7 +8,7 @@
 
 use nalgebra::Matrix4;
 
-use super::{lenient_float::three, Faces, Imported, Placed, Polygons};
+use super::{lenient_float::three, without_byte_order_mark, Faces, Imported, Placed, Polygons};
 use crate::MeshFault;
 
 const HEADER_BYTES: usize = 84;
@@ -22,8 +22,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Imported, MeshFault> {
     if needed == Some(size) {
         return read_binary(bytes);
     }
-    if is_text(bytes) {
-        return read_text(bytes);
+    let text = without_byte_order_mark(bytes);
+    if is_text(text) {
+        return read_text(text);
     }
     match (announced, needed) {
         (Some(0), _) | (None, _) | (_, None) => Err(MeshFault::NotStl),
@@ -126,5 +127,5 @@ fn empty_solid() -> Polygons {
 
 fn one_part_each(meshes: Vec<Polygons>) -> Imported {
     let placed = (0..meshes.len()).map(|mesh| Placed { mesh, object_from_mesh: Matrix4::identity() }).collect();
-    Imported { meshes, materials: Vec::new(), placed }
+    Imported { meshes, placed, ..Imported::default() }
 }

@@ -2,7 +2,9 @@
 
 use std::{fs, path::Path, sync::Arc, task::Poll};
 
-use rcs_resources::{LoadedMesh, MeshStore, PackageIndex, ResourceError, ResourceOptions, Retry};
+use rcs_resources::{
+    LoadedMesh, MeshFault, MeshPart, MeshStore, PackageIndex, ResourceError, ResourceOptions, Retry,
+};
 
 /// Loads a file by its path.
 pub(crate) fn load(path: &Path) -> Result<Arc<LoadedMesh>, ResourceError> {
@@ -29,6 +31,29 @@ pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Arc<LoadedMesh>, Re
     let path = dir.path().join(name);
     fs::write(&path, bytes).unwrap();
     load(&path)
+}
+
+/// Where the corners of a part's triangles are, rounded.
+pub(crate) fn positions(part: &MeshPart) -> Vec<[f32; 3]> {
+    part.mesh.triangles().flatten().map(|vertex| vertex.position.map(|x| (x * 1e5).round() / 1e5)).collect()
+}
+
+/// The normals at the corners of a part's triangles, rounded.
+pub(crate) fn normals(part: &MeshPart) -> Vec<[f32; 3]> {
+    part.mesh.triangles().flatten().map(|vertex| vertex.normal.map(|x| (x * 1e5).round() / 1e5)).collect()
+}
+
+/// The texture coordinates at the corners of a part's triangles.
+pub(crate) fn uvs(part: &MeshPart) -> Vec<[f32; 2]> {
+    part.mesh.triangles().flatten().map(|vertex| vertex.uv).collect()
+}
+
+/// What is wrong with a mesh that was not loaded.
+pub(crate) fn fault(result: Result<Arc<LoadedMesh>, ResourceError>) -> MeshFault {
+    match result {
+        Err(ResourceError::BadMesh { fault, .. }) => fault,
+        other => panic!("a fault in the mesh is expected, not {other:?}"),
+    }
 }
 
 /// A binary STL file: each triangle's normal and corners.
@@ -133,3 +158,102 @@ pub(crate) const DAE: &str = r##"<?xml version="1.0" encoding="utf-8"?>
   </visual_scene></library_visual_scenes>
   <scene><instance_visual_scene url="#scene"/></scene>
 </COLLADA>"##;
+
+/// A PLY file of a quad and a sloping triangle that share an edge, with a colour and an element that nobody knows.
+pub(crate) const PLY: &str = "ply
+format ascii 1.0
+comment five vertices
+element vertex 5
+property float x
+property float y
+property double z
+property uchar red
+element thing 1
+property short weight
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 0 10
+1 0 0 20
+1 1 0 30
+0 1 0 40
+0.5 0.5 1.5 50
+-7
+4 0 1 2 3
+3 0 1 4
+";
+
+/// A glTF file of a triangle with a material under a turned root, and again without one under its turned child. `DATA`
+/// stands for [`GLTF_DATA`].
+pub(crate) const GLTF: &str = r#"{
+  "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+  "nodes": [
+    {"mesh": 0, "translation": [0,0,1], "rotation": [0,0,0.70710678,0.70710678], "scale": [2,2,2], "children": [1]},
+    {"mesh": 1, "translation": [1,0,0], "rotation": [0,0,0.70710678,0.70710678]},
+    {"mesh": 1}
+  ],
+  "meshes": [
+    {"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]},
+    {"primitives": [{"attributes": {"POSITION": 0}}]}
+  ],
+  "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5,0.25,0.125,0.5]}, "emissiveFactor": [0,0,0.5]}],
+  "accessors": [
+    {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+    {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
+    {"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC2"},
+    {"bufferView": 1, "componentType": 5121, "count": 3, "type": "VEC2", "normalized": true}
+  ],
+  "bufferViews": [
+    {"buffer": 0, "byteOffset": 0, "byteLength": 36},
+    {"buffer": 0, "byteOffset": 36, "byteLength": 6},
+    {"buffer": 0, "byteOffset": 0, "byteLength": 36, "byteStride": 12}
+  ],
+  "buffers": [{"byteLength": 42, "uri": "data:x/y;base64,DATA"}]
+}"#;
+
+/// The corners (0, 0, 0), (1, 0, 0) and (0, 1, 0), and the indices 0, 1 and 2.
+pub(crate) fn gltf_data() -> Vec<u8> {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0_f32]];
+    let mut data: Vec<u8> = corners.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+    data.extend([0_u16, 1, 2].iter().flat_map(|index| index.to_le_bytes()));
+    data
+}
+
+/// [`gltf_data`] in base64.
+pub(crate) const GLTF_DATA: &str = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA";
+
+/// Bytes in base64.
+pub(crate) fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for three in bytes.chunks(3) {
+        let number = (0..3).fold(0, |number, i| number << 8 | u32::from(three.get(i).copied().unwrap_or(0)));
+        for digit in 0..=three.len() {
+            text.push(char::from(DIGITS[(number >> (18 - 6 * digit)) as usize % 64]));
+        }
+    }
+    text
+}
+
+/// A GLB of a JSON text and [`gltf_data`].
+pub(crate) fn glb(json: &str) -> Vec<u8> {
+    let padded = |mut bytes: Vec<u8>, filler| {
+        bytes.resize(bytes.len().next_multiple_of(4), filler);
+        bytes
+    };
+    let (json, data) = (padded(json.as_bytes().to_vec(), b' '), padded(gltf_data(), 0));
+    let number = |number: usize| (number as u32).to_le_bytes();
+    let length = 12 + 8 + json.len() + 8 + data.len();
+    let parts: [&[u8]; 9] = [
+        b"glTF",
+        &number(2),
+        &number(length),
+        &number(json.len()),
+        b"JSON",
+        &json,
+        &number(data.len()),
+        b"BIN\0",
+        &data,
+    ];
+    parts.concat()
+}

@@ -164,6 +164,7 @@ impl Geometry {
             positions: self.positions.get(range.clone())?.to_vec(),
             normals: self.normals.get(range.clone()).unwrap_or_default().to_vec(),
             uvs: self.uvs.iter().find_map(|uvs| uvs.get(range.clone())).unwrap_or_default().to_vec(),
+            corners: None,
             faces: import::Faces::Sizes(face_sizes),
             material: 0,
         })

@@ -16,13 +16,13 @@ mod source;
 
 use dom::{parse, Node};
 
-use super::Imported;
+use super::{without_byte_order_mark, Imported};
 use crate::MeshFault;
 
 /// Reads a COLLADA file that may make so many corners.
 pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFault> {
-    let text = String::from_utf8_lossy(bytes);
-    parse(text.trim_start_matches('\u{feff}'), |root| {
+    let text = String::from_utf8_lossy(without_byte_order_mark(bytes));
+    parse(&text, |root| {
         if root.tag_name().name() != "COLLADA" {
             return Err(dom::fault(root, "the root element is not <COLLADA>"));
         }

@@ -1,0 +1,204 @@
+//! The JSON of a glTF file, as far as it reaches the picture. What is missing has its default, what is unknown is skipped.
+
+use serde::Deserialize;
+
+/// A whole file.
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Root {
+    pub(super) asset: Asset,
+    pub(super) extensions_required: Vec<String>,
+    /// Which of the scenes is shown.
+    pub(super) scene: usize,
+    pub(super) scenes: Vec<Scene>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) accessors: Vec<Accessor>,
+    pub(super) buffer_views: Vec<BufferView>,
+    pub(super) buffers: Vec<Buffer>,
+    pub(super) materials: Vec<Material>,
+    pub(super) textures: Vec<Texture>,
+    pub(super) images: Vec<Image>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Asset {
+    pub(super) version: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Scene {
+    pub(super) nodes: Vec<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Node {
+    pub(super) children: Vec<usize>,
+    pub(super) mesh: Option<usize>,
+    /// Column by column.
+    pub(super) matrix: Option<Box<[f32; 16]>>,
+    pub(super) translation: Option<[f32; 3]>,
+    /// x, y, z and w of a quaternion.
+    pub(super) rotation: Option<[f32; 4]>,
+    pub(super) scale: Option<[f32; 3]>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Mesh {
+    pub(super) primitives: Vec<Primitive>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct Primitive {
+    pub(super) attributes: Attributes,
+    pub(super) indices: Option<usize>,
+    pub(super) material: Option<usize>,
+    /// OpenGL's number of what the vertices make.
+    pub(super) mode: u32,
+}
+
+impl Default for Primitive {
+    fn default() -> Self {
+        Self { attributes: Attributes::default(), indices: None, material: None, mode: 4 }
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Attributes {
+    #[serde(rename = "POSITION")]
+    pub(super) position: Option<usize>,
+    #[serde(rename = "NORMAL")]
+    pub(super) normal: Option<usize>,
+    #[serde(rename = "TEXCOORD_0")]
+    pub(super) uv: Option<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Accessor {
+    pub(super) buffer_view: Option<usize>,
+    pub(super) byte_offset: usize,
+    /// OpenGL's number of the type.
+    pub(super) component_type: u32,
+    pub(super) normalized: bool,
+    pub(super) count: usize,
+    #[serde(rename = "type")]
+    pub(super) kind: String,
+    pub(super) sparse: Option<Sparse>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Sparse {
+    pub(super) count: usize,
+    pub(super) indices: SparsePlace,
+    pub(super) values: SparsePlace,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct SparsePlace {
+    pub(super) buffer_view: usize,
+    pub(super) byte_offset: usize,
+    /// Of the indices; the values have the accessor's.
+    pub(super) component_type: u32,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct BufferView {
+    pub(super) buffer: usize,
+    pub(super) byte_offset: usize,
+    pub(super) byte_length: usize,
+    /// From one value to the next; without it they follow each other.
+    pub(super) byte_stride: Option<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Buffer {
+    /// A file beside the mesh or the bytes themselves; without it those after the JSON of a GLB.
+    pub(super) uri: Option<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Material {
+    pub(super) pbr_metallic_roughness: Pbr,
+    pub(super) normal_texture: Option<TextureRef>,
+    pub(super) occlusion_texture: Option<TextureRef>,
+    pub(super) emissive_texture: Option<TextureRef>,
+    pub(super) emissive_factor: [f32; 3],
+    pub(super) extensions: MaterialExtensions,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Pbr {
+    pub(super) base_color_factor: [f32; 4],
+    pub(super) base_color_texture: Option<TextureRef>,
+    pub(super) metallic_roughness_texture: Option<TextureRef>,
+    pub(super) roughness_factor: f32,
+}
+
+impl Default for Pbr {
+    fn default() -> Self {
+        let (base_color_texture, metallic_roughness_texture) = (None, None);
+        Self { base_color_factor: [1.0; 4], base_color_texture, metallic_roughness_texture, roughness_factor: 1.0 }
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    pub(super) specular_glossiness: Option<SpecularGlossiness>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct SpecularGlossiness {
+    pub(super) diffuse_factor: [f32; 4],
+    pub(super) diffuse_texture: Option<TextureRef>,
+    pub(super) specular_factor: [f32; 3],
+    pub(super) glossiness_factor: f32,
+    pub(super) specular_glossiness_texture: Option<TextureRef>,
+}
+
+impl Default for SpecularGlossiness {
+    fn default() -> Self {
+        Self {
+            diffuse_factor: [1.0; 4],
+            diffuse_texture: None,
+            specular_factor: [1.0; 3],
+            glossiness_factor: 1.0,
+            specular_glossiness_texture: None,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct TextureRef {
+    pub(super) index: usize,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Texture {
+    pub(super) source: Option<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Image {
+    /// A file beside the mesh, or the bytes themselves.
+    pub(super) uri: Option<String>,
+    pub(super) buffer_view: Option<usize>,
+}

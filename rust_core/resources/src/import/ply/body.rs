@@ -1,0 +1,98 @@
+//! The rows after a PLY file's header.
+
+use super::super::lenient_float::leading_f32;
+use super::header::{Encoding, Kind};
+use crate::MeshFault;
+
+/// What is left of the rows.
+pub(super) enum Body<'a> {
+    /// A row is a line of words.
+    Text {
+        /// What is left of the row at hand.
+        line: &'a [u8],
+        /// Its number, counted from 1.
+        number: usize,
+        /// The lines after it.
+        rest: &'a [u8],
+    },
+    /// Rows follow each other without gaps.
+    Binary {
+        /// What is left.
+        rest: &'a [u8],
+        is_big_endian: bool,
+    },
+}
+
+impl<'a> Body<'a> {
+    /// The rows of a file from its line `first_line` on.
+    pub(super) fn new(encoding: Encoding, rest: &'a [u8], first_line: usize) -> Self {
+        match encoding {
+            Encoding::Text => Self::Text { line: &[], number: first_line - 1, rest },
+            Encoding::LittleEndian => Self::Binary { rest, is_big_endian: false },
+            Encoding::BigEndian => Self::Binary { rest, is_big_endian: true },
+        }
+    }
+
+    /// Goes on to the next line that is not empty; what is left of the one at hand is skipped.
+    pub(super) fn begin_row(&mut self) -> Result<(), MeshFault> {
+        let Self::Text { line, number, rest } = self else { return Ok(()) };
+        loop {
+            if rest.is_empty() {
+                return Err(MeshFault::Malformed("the file ends too early".to_owned()));
+            }
+            let end = rest.iter().position(|&byte| byte == b'\n').map_or(rest.len(), |end| end + 1);
+            (*line, *rest) = rest.split_at(end);
+            *number += 1;
+            *line = line.trim_ascii();
+            if !line.is_empty() {
+                return Ok(());
+            }
+        }
+    }
+
+    /// The next value of the row.
+    pub(super) fn value(&mut self, kind: Kind) -> Result<f64, MeshFault> {
+        match self {
+            Self::Text { line, number, .. } => {
+                let bad = |what: String| MeshFault::Line { line: *number, what };
+                let text = line.trim_ascii_start();
+                let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+                let (word, after) = text.split_at(end);
+                *line = after;
+                if word.is_empty() {
+                    return Err(bad("it ends too early".to_owned()));
+                }
+                let word = String::from_utf8_lossy(word);
+                let value = word.parse().ok().or_else(|| leading_f32(&word).map(f64::from));
+                value.ok_or_else(|| bad(format!("{word:?} is not a number")))
+            }
+            Self::Binary { rest, is_big_endian } => {
+                let value = binary_value(kind, rest, *is_big_endian);
+                value.ok_or_else(|| MeshFault::Malformed("the file ends too early".to_owned()))
+            }
+        }
+    }
+}
+
+/// The value at the beginning of some bytes, which are then those after it.
+fn binary_value(kind: Kind, rest: &mut &[u8], is_big_endian: bool) -> Option<f64> {
+    fn take<const N: usize>(rest: &mut &[u8], is_big_endian: bool) -> Option<[u8; N]> {
+        let (&bytes, after) = rest.split_first_chunk()?;
+        *rest = after;
+        let mut bytes: [u8; N] = bytes;
+        if is_big_endian {
+            bytes.reverse();
+        }
+        Some(bytes)
+    }
+    Some(match kind {
+        Kind::I8 => f64::from(i8::from_le_bytes(take(rest, is_big_endian)?)),
+        Kind::U8 => f64::from(u8::from_le_bytes(take(rest, is_big_endian)?)),
+        Kind::I16 => f64::from(i16::from_le_bytes(take(rest, is_big_endian)?)),
+        Kind::U16 => f64::from(u16::from_le_bytes(take(rest, is_big_endian)?)),
+        Kind::I32 => f64::from(i32::from_le_bytes(take(rest, is_big_endian)?)),
+        Kind::U32 => f64::from(u32::from_le_bytes(take(rest, is_big_endian)?)),
+        Kind::F32 => f64::from(f32::from_le_bytes(take(rest, is_big_endian)?)),
+        Kind::F64 => f64::from_le_bytes(take(rest, is_big_endian)?),
+    })
+}
