@@ -407,6 +407,6 @@ fn a_byte_order_mark_before_a_text_file_changes_nothing() {
     }
     let folder = obj_folder();
     fs::write(folder.path().join("things.mtl"), marked(MTL)).unwrap();
-    let mesh = load(&folder.path().join("a.obj")).unwrap();
+    let mesh = load(&folder.path().join("thing.obj")).unwrap();
     assert_eq!(mesh.parts[0].material.diffuse, Rgba::new(1.0, 0.0, 0.0, 1.0));
 }

@@ -1,4 +1,4 @@
-"""Markers of meshes: STL, Collada, OBJ with textures."""
+"""Markers of meshes: STL, Collada, OBJ with textures, PLY, glTF."""
 
 from visualization_msgs.msg import Marker
 
@@ -480,3 +480,47 @@ def marker_mesh_stl_translucent_unequal_scale(scene):
             ),
         ),
     )
+
+
+def of_mesh(name, place, number, **rest):
+    """A marker of a mesh file with its own materials."""
+    return marker(
+        Marker.MESH_RESOURCE,
+        at=place,
+        size=(1, 1, 1),
+        id=number,
+        mesh_resource=f"package://conformance_assets/meshes/{name}",
+        mesh_use_embedded_materials=True,
+        **rest,
+    )
+
+
+@case
+def marker_mesh_ply(scene):
+    """gem.ply (text: polygons, vertex colours, no normals) and bowl.ply (binary, big endian: doubles, normals)"""
+    scene.camera(eye=(1.5, 0.4, 1.1), target=(0, 0, 0.2))
+    scene.show(display("MarkerArray"))
+    scene.publish(
+        "/m",
+        markers(
+            of_mesh("gem.ply", (0, -0.45, 0.3), 1, turned=(0.3, 0.2, 0.5)),
+            of_mesh("bowl.ply", (0, 0.05, 0.25), 2, turned=(0.2, 0.4, 0)),
+            of_mesh("gem.ply", (0, 0.5, 0.3), 3, turned=(3, 0.2, 0.5), paint=(0.2, 0.6, 1, 1)),
+            marker(
+                Marker.MESH_RESOURCE,
+                at=(-0.5, 0.3, 0.2),
+                size=(1, 1, 1),
+                paint=(0.9, 0.8, 0.1, 1),
+                id=4,
+                mesh_resource="package://conformance_assets/meshes/bowl.ply",
+            ),
+        ),
+    )
+
+
+@case
+def marker_mesh_gltf(scene):
+    """tower.gltf: nodes with transforms under a turned root, base colours, a texture, a strip and a fan without normals"""
+    scene.camera(eye=(1.1, 0.5, 0.8), target=(0, 0, 0.15))
+    scene.show(display("MarkerArray"))
+    scene.publish("/m", markers(of_mesh("tower.gltf", (0, 0, 0.1), 1, turned=(0, 0, 0.4))))

@@ -171,7 +171,7 @@ fn parse_yaml<T: for<'de> Deserialize<'de>>(path: &Path, text: &str) -> Result<(
         let key = one_line(&key.to_string());
         warnings.push(format!("{}: key '{key}' is not known and is ignored", path.display()));
     };
-    let document = serde_yaml_ng::Deserializer::from_str(text);
+    let document = serde_yaml_ng::Deserializer::from_str(text.trim_start_matches('\u{feff}'));
     let contents = serde_ignored::deserialize(document, ignored)
         .map_err(|source| CaptureError::Yaml { path: path.to_owned(), source })?;
     Ok((contents, warnings))
