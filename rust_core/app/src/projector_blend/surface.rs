@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, bail, Context, Result};
 use nalgebra::{Isometry3, Point3};
-use rcs_files::pcd::PcdCloud;
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{quaternion_xyzw, translation_xyz, AnyMessage, MessageKind, PointCloud2};
@@ -32,7 +31,7 @@ impl Surface {
     pub(super) fn from_file(path: &Path, frame: Option<&str>, files: &[(&Path, ProjectorFile)]) -> Result<Self> {
         let parent = files.first().and_then(|(_, file)| file.frames.first()).map(|placed| placed.parent.as_str());
         let frame = frame.or(parent).context("which frame are the points in? Give --frame FRAME")?.to_owned();
-        let cloud = publish_cloud::message(PcdCloud::read(path)?, &frame);
+        let cloud = publish_cloud::read(path, &frame)?;
         let points = points(&cloud).map_err(|error| anyhow!("{}: {error}", path.display()))?;
         Ok(Self { points, frame, frames: frames_of(files) })
     }

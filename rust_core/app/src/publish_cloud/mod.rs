@@ -1,12 +1,12 @@
 //! `publish_cloud`: a PCD file as a latched `sensor_msgs/PointCloud2`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::Context;
 use clap::Parser;
-use rcs_files::pcd::PcdCloud;
+use rcs_files::pcd::{PcdCloud, PcdError};
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::PointCloud2;
 
@@ -57,12 +57,7 @@ pub fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut cloud = PcdCloud::read(&arguments.file)?;
-    if let Some(change) = cloud.coordinates_to_f32() {
-        let file = arguments.file.display();
-        log::warn!("{file}: x, y and z are not float32 and were converted, with rounding by up to {change:.1e}");
-    }
-    let message = message(cloud, &arguments.frame);
+    let message = read(&arguments.file, &arguments.frame)?;
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
     let Some(node) = small_node::connect("publish_cloud", &end)? else {
         return Ok(());
@@ -92,8 +87,20 @@ fn period(rate_hz: f64) -> Duration {
     Duration::try_from_secs_f64(rate_hz.recip()).unwrap_or(Duration::MAX)
 }
 
-/// A file's cloud as a message, in a frame.
-pub(crate) fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
+/// The cloud of a PCD file as a message in a frame, with coordinates of float32.
+///
+/// # Errors
+/// [`PcdError`] with the file and the line or offset.
+pub(crate) fn read(path: &Path, frame: &str) -> Result<PointCloud2, PcdError> {
+    let mut cloud = PcdCloud::read(path)?;
+    if let Some(change) = cloud.coordinates_to_f32() {
+        let file = path.display();
+        log::warn!("{file}: x, y and z are not float32 and were converted, with rounding by up to {change:.1e}");
+    }
+    Ok(message(cloud, frame))
+}
+
+fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
     let fields = cloud.fields.into_iter().map(|field| PointField {
         name: field.name,
         offset: field.offset_bytes,
@@ -115,6 +122,18 @@ pub(crate) fn message(cloud: PcdCloud, frame: &str) -> PointCloud2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn doubles_and_integers_are_published_as_float32() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cloud.pcd");
+        let file = "FIELDS x y z\nSIZE 8 2 4\nTYPE F I F\nWIDTH 1\nHEIGHT 1\nDATA ascii\n0.5 -2 3\n";
+        std::fs::write(&path, file).unwrap();
+        let cloud = read(&path, "map").unwrap();
+        assert!(cloud.fields.iter().all(|field| field.datatype == PointField::FLOAT32));
+        assert_eq!((cloud.point_step, cloud.row_step, cloud.header.frame_id.as_str()), (12, 12, "map"));
+        assert_eq!(cloud.data(), [0.5_f32, -2.0, 3.0].map(f32::to_le_bytes).concat());
+    }
 
     #[test]
     fn a_rate_of_next_to_nothing_is_a_wait_without_end() {
