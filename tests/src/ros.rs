@@ -12,8 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// What has not come by then never will: ten times what the slowest of it, a large array through Python, needs on a slow
-/// machine.
+/// What has not come by then never will: ten times what a large array through Python needs on a slow machine.
 pub const PATIENCE: Duration = Duration::from_secs(300);
 /// What waits for longer than this hangs: the end of a program, the next picture. Ten times what a slow machine needs.
 pub const PROMPT: Duration = Duration::from_secs(20);

@@ -1,7 +1,7 @@
 //! Heavy scenes in the running node: pictures of another display go on beside them, and it ends when it is asked to.
 //!
-//! Beside each scene, a square of some pixels in front of it changes its colour thirty times a second. What is printed is
-//! the longest time without a new picture of it, from before the scene's message is sent until it has been shown for a
+//! Beside each scene, a square of some pixels in front of it changes its colour thirty times a second. Printed is the
+//! longest time without a new picture of it, from before the scene's message is sent until it has been shown for a
 //! while, at 640×480. Nothing of a scene is nearer than the square, which would hide that pictures change.
 
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture};
