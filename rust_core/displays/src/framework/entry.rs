@@ -261,7 +261,11 @@ impl Entry {
             }
         }
         self.update_once(world);
-        if self.display.panics() == panics { Ok(()) } else { Err(last) }
+        if self.display.panics() == panics {
+            Ok(())
+        } else {
+            Err(last)
+        }
     }
 }
 

@@ -1,13 +1,12 @@
 //! Every display class beside a frame that stops.
 
 use rcs_messages::geometry_msgs::{
-    AccelStamped, Point32, PointStamped, PolygonStamped, PoseArray, PoseStamped, PoseWithCovarianceStamped,
+    AccelStamped, Point, Point32, PointStamped, PolygonStamped, PoseArray, PoseStamped, PoseWithCovarianceStamped,
     TwistStamped, WrenchStamped,
 };
 use rcs_messages::nav_msgs::{GridCells, Odometry};
 use rcs_messages::sensor_msgs::{
-    ChannelFloat32, FluidPressure, Illuminance, JointState, LaserScan, PointCloud, PointField, Range,
-    RelativeHumidity, Temperature,
+    FluidPressure, Illuminance, JointState, LaserScan, PointCloud, PointField, Range, RelativeHumidity, Temperature,
 };
 use rcs_messages::std_msgs::Header;
 use rcs_messages::visualization_msgs::{
@@ -18,7 +17,8 @@ use rcs_messages::{Image, OccupancyGrid, PointCloud2};
 use super::*;
 
 /// A robot whose only link that is drawn, and whose only joint, is the arm.
-const ROBOT: &str = "<robot name='r'><link name='base'/><link name='arm'><visual><geometry><box size='1 1 1'/></geometry>\
+const ROBOT: &str =
+    "<robot name='r'><link name='base'/><link name='arm'><visual><geometry><box size='1 1 1'/></geometry>\
      </visual></link><joint name='j' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 0 1'/>\
      <limit effort='1' velocity='1' lower='-1' upper='1'/></joint></robot>";
 
@@ -107,10 +107,7 @@ fn depth_image(secs: u32) -> Vec<(&'static str, AnyMessage)> {
     info.P = [2.0, 0.0, 0.5, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let pixels = [1.0_f32, 2.0].into_iter().flat_map(f32::to_le_bytes).collect();
     let image = Image::new(header(secs), [2, 1], "32FC1", 8, Arc::new(pixels));
-    vec![
-        ("/t/camera_info", AnyMessage::CameraInfo(Arc::new(info))),
-        ("/t/image", AnyMessage::Image(Arc::new(image))),
-    ]
+    vec![("/t/camera_info", AnyMessage::CameraInfo(Arc::new(info))), ("/t/image", AnyMessage::Image(Arc::new(image)))]
 }
 
 fn interactive_marker() -> Vec<(&'static str, AnyMessage)> {
@@ -154,72 +151,62 @@ fn path(secs: u32) -> Path {
     Path { header: header(secs), poses }
 }
 
+fn polygon(secs: u32) -> PolygonStamped {
+    let mut polygon = PolygonStamped { header: header(secs), ..PolygonStamped::default() };
+    polygon.polygon.points = vec![Point32::default(), Point32 { x: 1.0, ..Point32::default() }];
+    polygon
+}
+
+fn with_covariance(secs: u32) -> PoseWithCovarianceStamped {
+    let mut stamped = PoseWithCovarianceStamped { header: header(secs), ..PoseWithCovarianceStamped::default() };
+    stamped.pose.pose = pose();
+    stamped
+}
+
 /// The messages by which a display of a class shows something in the frame `arm`; without a stamp for 0.
 fn messages(class: &str, placing: Placing, secs: u32) -> Vec<(&'static str, AnyMessage)> {
-    let header = header(secs);
+    match class {
+        "Axes" | "Grid" | "RobotModel" | "TF" => Vec::new(),
+        "DepthCloud" => depth_image(secs),
+        "InteractiveMarkers" => interactive_marker(),
+        _ => vec![("/t", message(class, placing, secs))],
+    }
+}
+
+fn message(class: &str, placing: Placing, secs: u32) -> AnyMessage {
+    use geometry_msgs::{Accel, Twist, Wrench};
+    let (header, marker) = (header(secs), marker(secs, placing == Follows));
     macro_rules! any {
         ($kind:ident { $($fields:tt)* }) => {
-            AnyMessage::$kind(Arc::new($kind { $($fields)* ..$kind::default() }))
+            AnyMessage::$kind(Arc::new($kind { $($fields)*, ..$kind::default() }))
         };
     }
-    let message = match class {
-        "Axes" | "Grid" | "RobotModel" | "TF" => return Vec::new(),
-        "DepthCloud" => return depth_image(secs),
-        "InteractiveMarkers" => return interactive_marker(),
-        "AccelStamped" => {
-            let mut accel = AccelStamped { header, ..AccelStamped::default() };
-            accel.accel.linear = up();
-            AnyMessage::AccelStamped(Arc::new(accel))
-        }
-        "TwistStamped" => {
-            let mut twist = TwistStamped { header, ..TwistStamped::default() };
-            twist.twist.linear = up();
-            AnyMessage::TwistStamped(Arc::new(twist))
-        }
-        "WrenchStamped" => {
-            let mut wrench = WrenchStamped { header, ..WrenchStamped::default() };
-            wrench.wrench.force = up();
-            AnyMessage::WrenchStamped(Arc::new(wrench))
-        }
-        "Effort" => any!(JointState { header, name: vec!["j".to_owned()], position: vec![0.0], effort: vec![1.0], }),
-        "FluidPressure" => any!(FluidPressure { header, fluid_pressure: 1.0, }),
-        "GridCells" => {
-            let cells = vec![geometry_msgs::Point::default()];
-            any!(GridCells { header, cell_width: 1.0, cell_height: 1.0, cells, })
-        }
-        "Illuminance" => any!(Illuminance { header, illuminance: 1.0, }),
-        "LaserScan" => {
-            any!(LaserScan { header, ranges: vec![1.0, 1.0], angle_increment: 0.1, range_max: 2.0, })
-        }
+    match class {
+        "AccelStamped" => any!(AccelStamped { header, accel: Accel { linear: up(), ..Accel::default() } }),
+        "TwistStamped" => any!(TwistStamped { header, twist: Twist { linear: up(), ..Twist::default() } }),
+        "WrenchStamped" => any!(WrenchStamped { header, wrench: Wrench { force: up(), ..Wrench::default() } }),
+        "Effort" => any!(JointState { header, name: vec!["j".to_owned()], position: vec![0.0], effort: vec![1.0] }),
+        "FluidPressure" => any!(FluidPressure { header, fluid_pressure: 1.0 }),
+        "GridCells" => any!(GridCells { header, cell_width: 1.0, cell_height: 1.0, cells: vec![Point::default()] }),
+        "Illuminance" => any!(Illuminance { header, illuminance: 1.0 }),
+        "LaserScan" => any!(LaserScan { header, ranges: vec![1.0, 1.0], angle_increment: 0.1, range_max: 2.0 }),
         "Map" => AnyMessage::OccupancyGrid(Arc::new(map(secs))),
-        "Marker" => AnyMessage::Marker(Arc::new(marker(secs, placing == Follows))),
-        "MarkerArray" => any!(MarkerArray { markers: vec![marker(secs, placing == Follows)], }),
+        "Marker" => AnyMessage::Marker(Arc::new(marker)),
+        "MarkerArray" => AnyMessage::MarkerArray(Arc::new(MarkerArray { markers: vec![marker] })),
         "Odometry" => AnyMessage::Odometry(Arc::new(odometry(secs))),
         "Path" => AnyMessage::Path(Arc::new(path(secs))),
-        "PointCloud" => {
-            let channels = Vec::<ChannelFloat32>::new();
-            any!(PointCloud { header, points: vec![Point32::default()], channels, })
-        }
+        "PointCloud" => any!(PointCloud { header, points: vec![Point32::default()] }),
         "PointCloud2" => AnyMessage::PointCloud2(Arc::new(cloud(secs))),
-        "PointStamped" => any!(PointStamped { header, }),
-        "Polygon" => {
-            let mut polygon = PolygonStamped { header, ..PolygonStamped::default() };
-            polygon.polygon.points = vec![Point32::default(), Point32 { x: 1.0, ..Point32::default() }];
-            AnyMessage::PolygonStamped(Arc::new(polygon))
-        }
-        "Pose" => any!(PoseStamped { header, pose: pose(), }),
-        "PoseArray" => any!(PoseArray { header, poses: vec![pose()], }),
-        "PoseWithCovariance" => {
-            let mut with_covariance = PoseWithCovarianceStamped { header, ..PoseWithCovarianceStamped::default() };
-            with_covariance.pose.pose = pose();
-            AnyMessage::PoseWithCovarianceStamped(Arc::new(with_covariance))
-        }
-        "Range" => any!(Range { header, range: 1.0, max_range: 2.0, field_of_view: 0.1, }),
-        "RelativeHumidity" => any!(RelativeHumidity { header, relative_humidity: 0.5, }),
-        "Temperature" => any!(Temperature { header, temperature: 20.0, }),
-        other => panic!("no messages for rviz/{other}"),
-    };
-    vec![("/t", message)]
+        "PointStamped" => any!(PointStamped { header }),
+        "Polygon" => AnyMessage::PolygonStamped(Arc::new(polygon(secs))),
+        "Pose" => AnyMessage::PoseStamped(Arc::new(PoseStamped { header, pose: pose() })),
+        "PoseArray" => AnyMessage::PoseArray(Arc::new(PoseArray { header, poses: vec![pose()] })),
+        "PoseWithCovariance" => AnyMessage::PoseWithCovarianceStamped(Arc::new(with_covariance(secs))),
+        "Range" => any!(Range { header, range: 1.0, max_range: 2.0, field_of_view: 0.1 }),
+        "RelativeHumidity" => any!(RelativeHumidity { header, relative_humidity: 0.5 }),
+        "Temperature" => any!(Temperature { header, temperature: 20.0 }),
+        other => panic!("no message for rviz/{other}"),
+    }
 }
 
 /// A display of a class beside its camera.
@@ -329,7 +316,9 @@ fn what_is_drawn_without_a_place_is_dark() {
         assert!(bench.stage.known_until("arm").is_none());
         assert!(!bench.is_lit(0.0), "{class} {settings}");
     }
-    for (class, settings) in [("Map", "Topic: /t"), ("Grid", "Reference Frame: arm"), ("RobotModel", "Robot Description: robot")] {
+    for (class, settings) in
+        [("Map", "Topic: /t"), ("Grid", "Reference Frame: arm"), ("RobotModel", "Robot Description: robot")]
+    {
         let mut bench = bench(class, settings);
         bench.latched.insert("/t");
         bench.send_all(messages(class, Follows, 100));
