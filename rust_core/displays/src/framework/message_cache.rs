@@ -1,9 +1,9 @@
 //! The last messages of each topic, for displays that are recreated.
 //!
-//! When a config is read again, a display whose settings changed is recreated while its topics stay subscribed, as is one
-//! that panicked, so that no publisher sends it its latched message again. So the last message of each topic is kept, and of markers, map
-//! updates and interactive markers all those that later ones do not replace, within limits. The messages share their
-//! memory with the displays that draw them.
+//! A display is recreated when its settings change and when it panics, while its topics stay subscribed, so that no
+//! publisher sends it its latched message again. So the last message of each topic is kept, and of markers, map updates
+//! and interactive markers all those that later ones do not replace, within limits. The messages share their memory
+//! with the displays that draw them.
 
 use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet, VecDeque};

@@ -2,10 +2,10 @@
 //!
 //! The age of data is the longer of two: since their stamp, by ROS time, and since they were received, by the
 //! computer's clock, so that neither a wrong clock nor a simulation that stands still makes old data look new. What a
-//! latching publisher sent does not age while that publisher is connected, for it is not sent again. What follows a frame
-//! is as old as that frame's transforms as well, and too old while there are none: static ones do not age, and moving
-//! ones are as old as the oldest on the way to the fixed frame. A display without data, a grid in the fixed frame say,
-//! is neither current nor stale.
+//! latching publisher sent does not age while that publisher is connected, for it is not sent again. What follows a
+//! frame is as old as the frame's transforms as well, and too old while there are none: static ones do not age, and
+//! moving ones are as old as the oldest on the way to the fixed frame. A display without data, a grid in the fixed
+//! frame say, is neither current nor stale.
 
 pub(in crate::camera_stream) mod limits;
 #[cfg(test)]
@@ -167,8 +167,8 @@ impl Freshness {
         frames.names().map(|frame| self.followed_frame(frame, stage, now)).fold(all, State::and)
     }
 
-    /// The state of a frame that a display follows. Where its place is not known, it ages since that was last known, and
-    /// one that was never known is too old.
+    /// The state of a frame that a display follows. Where its place is not known, it ages since that was last known,
+    /// and one that was never known is too old.
     fn followed_frame(&mut self, frame: &str, stage: &Stage, now: Now) -> State {
         if stage.known_until(frame).is_some() {
             return self.frame(frame, stage, now);
