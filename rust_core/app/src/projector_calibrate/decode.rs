@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::Point2;
 use rcs_calibration::patterns::Pattern;
-use rcs_calibration::{decode, points, Decoded, Pictures, Sample};
-use rcs_files::capture::Capture;
+use rcs_calibration::{decode, points, Decoded, Pictures, Sample, ScanProblem};
+use rcs_files::capture::{read_patterns, Capture, CAPTURE_FILE};
 use rcs_files::correspondences::{write_pixels, write_points, PointColumns};
 
 use super::Failure;
@@ -76,7 +76,7 @@ pub(super) fn decode_capture(folder: &Path, capture: &Capture) -> Result<Decoded
         .map_err(|error| Failure::Unreadable(anyhow::anyhow!("{}: {error}", folder.display())))?;
     for problem in decoded.quality.problems() {
         if problem.is_fatal() {
-            return Err(Failure::Refused(anyhow::anyhow!("{}: {problem}", folder.display())));
+            return Err(Failure::Refused(anyhow::anyhow!("{}: {}", folder.display(), in_words(folder, &problem))));
         }
         log::warn!("{}: {problem}", folder.display());
     }
@@ -86,6 +86,16 @@ pub(super) fn decode_capture(folder: &Path, capture: &Capture) -> Result<Decoded
         return Err(Failure::Refused(anyhow::anyhow!("{}: {reason}", folder.display())));
     }
     Ok(decoded)
+}
+
+/// A problem with the names of the pictures' files.
+fn in_words(folder: &Path, problem: &ScanProblem) -> String {
+    let ScanProblem::Misplaced(misplaced) = problem else { return problem.to_string() };
+    let files = read_patterns(&folder.join(CAPTURE_FILE)).map(|list| list.patterns).unwrap_or_default();
+    misplaced.describe(|index| match files.get(index) {
+        Some((file, _)) => file.strip_prefix(folder).unwrap_or(file).display().to_string(),
+        None => format!("picture {}", index + 1),
+    })
 }
 
 /// The decoded points of a capture that have a depth.

@@ -2,6 +2,7 @@
 //!
 //! - [`response`]: the camera's gamma and noise, from the capture itself.
 //! - [`quality`]: whether the pictures belong together.
+//! - [`order`]: whether each is the one that the list says.
 //! - [`range`]: whether they are those of this projector.
 //! - [`blur`]: how blurred the stripes are in each tile.
 //! - [`search`]: each pixel's place along each axis, by comparing what it saw with blurred stripes.
@@ -15,12 +16,14 @@ mod blur;
 pub(crate) mod channels;
 mod margins;
 mod neighbours;
+mod order;
 mod quality;
 mod range;
 pub(crate) mod response;
 mod search;
 mod stripes;
 
+pub use order::{Misplaced, PictureFault};
 pub use quality::{Quality, ScanProblem};
 
 use rayon::prelude::*;
@@ -31,6 +34,7 @@ use blur::{Energy, Tables, COARSE_FROM_PX};
 use channels::{AxisChannels, Channel, Channels, MOST_CHANNELS};
 use margins::{without_bleeding, without_margins};
 use neighbours::{Field, Prediction};
+use order::Order;
 use range::least_place_px;
 use response::Response;
 use search::{Differences, Found, Search};
@@ -185,7 +189,8 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
     let response = Response::find(pictures, &channels);
     let lights = Lights { pictures, channels: &channels, response: &response };
     let noise = lights.noise();
-    let mut quality = Quality::measure(pictures, &channels, &response, &noise);
+    let order = Order { pictures, channels: &channels, response: &response, noise: &noise };
+    let mut quality = Quality::measure(&order);
     quality.beyond = [0, 1].map(|axis| lights.share_beyond(&channels.axes[axis], projector_px[axis], &noise));
     let lit = noise.iter().filter(|noise| noise.is_finite()).count();
     let amplitudes = lights.amplitudes();
@@ -214,6 +219,10 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
             }
         })
         .collect();
+    quality.misplaced = quality.misplaced.or_else(|| order::turned(&pixels, width, &channels));
+    let contradicted = |single: &Single, pixel: usize| single.found[pixel].is_none_or(|found| found.misfit >= WORST_MISFIT);
+    let count = (0..expected).filter(|pixel| noise[*pixel].is_finite() && single.iter().any(|single| contradicted(single, *pixel))).count();
+    quality.contradicted = count as f64 / lit.max(1) as f64;
     let pixels = without_margins(&pixels, width);
     let pixels = without_bleeding(&pixels, &amplitudes, width);
     Ok(Decoded { size_px: pictures.size_px, pixels, lit, quality })

@@ -9,6 +9,8 @@ use super::Pictures;
 
 /// Pixels that are looked at.
 const LOOKED_AT: usize = 6000;
+/// Fewer tell nothing.
+const LEAST: usize = 50;
 /// The range of gammas that cameras have.
 const GAMMAS: [f64; 2] = [0.8, 3.0];
 /// From this level on, of 255, a pixel may be clipped.
@@ -34,7 +36,7 @@ impl Response {
     pub(crate) fn find(pictures: &Pictures<'_>, channels: &Channels) -> Self {
         let sample = Sample::collect(pictures, channels);
         let mut response = Self::with_gamma(1.0);
-        if sample.pixels.len() >= 50 {
+        if sample.pixels.len() >= LEAST {
             response = Self::with_gamma(sample.gamma());
             response.noise = sample.noise(&response);
         }
@@ -66,19 +68,36 @@ struct PixelLevels {
     pairs: Vec<[u8; 2]>,
 }
 
+impl PixelLevels {
+    /// Stripes with their inverses where neither is clipped.
+    fn unclipped(&self) -> impl Iterator<Item = &[u8; 2]> {
+        self.pairs.iter().filter(|pair| pair.iter().all(|level| *level < CLIPPED_FROM))
+    }
+}
+
 struct Sample {
     pixels: Vec<PixelLevels>,
 }
 
 impl Sample {
+    /// Pixels that are neither clipped nor quite black; where black is quite black everywhere, as in rendered pictures,
+    /// it is taken as it is.
     fn collect(pictures: &Pictures<'_>, channels: &Channels) -> Self {
+        let sample = Self::with_black_from(1, pictures, channels);
+        if sample.pixels.len() < LEAST {
+            return Self::with_black_from(0, pictures, channels);
+        }
+        sample
+    }
+
+    fn with_black_from(least_black: u8, pictures: &Pictures<'_>, channels: &Channels) -> Self {
         let (white, black) = (pictures.levels[channels.white], pictures.levels[channels.black]);
         // The finest ones, which are half lit nearly everywhere, and coarse ones, which hardly are anywhere.
         let pairs: Vec<[usize; 2]> =
             channels.axes.iter().flat_map(AxisChannels::all_pairs).map(|channel| [channel.0, channel.1]).collect();
         let is_good = |pixel: &usize| {
             let (white, black) = (white[*pixel], black[*pixel]);
-            white < CLIPPED_FROM && black > 0 && white > black.saturating_add(20)
+            white < CLIPPED_FROM && black >= least_black && white > black.saturating_add(20)
         };
         let good = (0..white.len()).filter(is_good).count();
         let every = (good / LOOKED_AT).max(1);
@@ -98,7 +117,7 @@ impl Sample {
         for pixel in &self.pixels {
             let (white, black) = (light(pixel.white), light(pixel.black));
             let range = white - black;
-            for [lit, inverse] in &pixel.pairs {
+            for [lit, inverse] in pixel.unclipped() {
                 let contrast = f64::from(lit.abs_diff(*inverse)) / f64::from(pixel.white - pixel.black);
                 // Bounded, as pixels that something passed through would decide otherwise.
                 let miss = ((light(*lit) + light(*inverse) - white - black) / range).clamp(-0.3, 0.3);
@@ -133,7 +152,7 @@ impl Sample {
         for pixel in &self.pixels {
             let sum = light(pixel.white) + light(pixel.black);
             squares
-                .extend(pixel.pairs.iter().map(|[lit, inverse]| (sum, (light(*lit) + light(*inverse) - sum).powi(2))));
+                .extend(pixel.unclipped().map(|[lit, inverse]| (sum, (light(*lit) + light(*inverse) - sum).powi(2))));
         }
         squares.sort_by(|a, b| a.0.total_cmp(&b.0));
         let points: Vec<[f64; 2]> = squares
