@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod big_robot;
+pub mod captures;
 pub mod programs;
 pub mod python_node;
 pub mod ros;

@@ -202,3 +202,26 @@ fn the_screen_shows_test_pictures_and_patterns_pixel_for_pixel() {
     }
     assert_eq!(window.wait(PATIENCE).unwrap().code(), Some(0), "{:?}", window.errors());
 }
+
+#[test]
+fn captures_of_other_tools_are_decoded_and_a_wrong_picture_is_named() {
+    let captures = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures");
+    let folder = tempfile::tempdir().unwrap();
+    let decode = |capture: &Path| {
+        exit(&run(folder.path(), &["decode", capture.to_str().unwrap(), "--pixels", "pixels.csv"]))
+    };
+    let (code, errors) = decode(&captures.join("gsoup"));
+    assert!(code == 0 && errors.iter().any(|line| line.contains("overexposed")), "{errors:?}");
+    assert_eq!(decode(&captures.join("kamino")).0, 0);
+
+    fs::remove_file(folder.path().join("pixels.csv")).unwrap();
+    for file in fs::read_dir(captures.join("kamino")).unwrap() {
+        let file = file.unwrap();
+        fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+    }
+    fs::copy(folder.path().join("c14.png"), folder.path().join("c15.png")).unwrap();
+    let (code, errors) = decode(folder.path());
+    assert_eq!((code, errors.len()), (1, 1), "{errors:?}");
+    assert!(errors[0].contains("c14.png and c15.png are not each other's inverse"), "{errors:?}");
+    assert!(!folder.path().join("pixels.csv").exists());
+}

@@ -1,0 +1,131 @@
+//! Captures that other tools made, and captures whose pictures are not in the order that they say. `tests/captures`
+//! says where the former come from.
+
+use std::path::{Path, PathBuf};
+
+use rcs_calibration::{PictureFault, ScanProblem};
+use rcs_scan_simulator::{has_many_seeds, seeds};
+use rcs_tests::captures::KnownCapture;
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("captures").join(name)
+}
+
+fn read(name: &str) -> KnownCapture {
+    KnownCapture::read(&folder(name)).unwrap()
+}
+
+/// The problems for which a capture with this order is refused.
+fn refusals(capture: &KnownCapture, order: &[usize]) -> Vec<ScanProblem> {
+    let problems = capture.decode(order).unwrap().quality.problems();
+    problems.into_iter().filter(|problem| problem.is_fatal()).collect()
+}
+
+#[test]
+fn captures_of_other_tools_are_decoded_with_a_warning_of_what_is_clipped() {
+    for (name, least_decoded, is_clipped) in [("gsoup", 0.8, true), ("kamino", 0.9, false)] {
+        let capture = read(name);
+        let decoded = capture.decode(&capture.in_order()).unwrap();
+        let shares = capture.shares(&decoded);
+        println!("{name}: {shares:?}, {:?}", decoded.quality);
+        assert!(shares.decoded > least_decoded && shares.wrong < 0.002, "{name}: {shares:?}");
+        let problems = decoded.quality.problems();
+        let expected = matches!(problems[..], [ScanProblem::Clipped(share)] if share > 0.8);
+        assert!(if is_clipped { expected } else { problems.is_empty() }, "{name}: {problems:?}");
+    }
+}
+
+#[test]
+fn an_exposure_that_settles_is_no_motion() {
+    let mut capture = read("kamino");
+    for (picture, grey) in capture.greys.iter_mut().enumerate() {
+        let brighter = 1.0 + 0.25 * (-(picture as f64) / 6.0).exp();
+        grey.iter_mut().for_each(|level| *level = (f64::from(*level) * brighter).round().min(255.0) as u8);
+    }
+    let decoded = capture.decode(&capture.in_order()).unwrap();
+    let (shares, problems) = (capture.shares(&decoded), decoded.quality.problems());
+    assert!(matches!(problems[..], [ScanProblem::Exposure(change)] if change < 0.3), "{problems:?}");
+    assert!(shares.decoded > 0.9 && shares.wrong < 0.002, "{shares:?}");
+}
+
+#[test]
+fn a_camera_that_moves_by_a_pixel_is_still_noticed() {
+    let mut capture = read("kamino");
+    let width = capture.size_px[0] as usize;
+    for grey in &mut capture.greys[14..] {
+        // By a pixel down and to the right.
+        grey.rotate_right(width + 1);
+    }
+    let refusals = refusals(&capture, &capture.in_order());
+    assert!(matches!(refusals[..], [ScanProblem::Moved(px), ..] if (0.7..2.5).contains(&px)), "{refusals:?}");
+}
+
+#[test]
+fn a_real_captures_wrong_picture_is_named() {
+    let capture = read("kamino");
+    // Pictures, by how much they are another, and those that have to be named.
+    let lapses = [
+        (15..16, -1, &[14, 15][..]),
+        (15..16, 1, &[15]),
+        (10..11, -1, &[10]),
+        (28..29, -1, &[28]),
+        (33..34, -1, &[32, 33]),
+        (2..4, 2, &[2, 3]),
+        (8..10, 2, &[8, 9]),
+        (12..14, -2, &[12, 13]),
+        (14..16, 2, &[14, 15]),
+        (22..24, 2, &[22, 23]),
+        (30..32, 2, &[30, 31]),
+        (32..34, -2, &[32, 33]),
+    ];
+    for (pictures, by, named) in lapses {
+        let mut order = capture.in_order();
+        for at in pictures.clone() {
+            order[at] = at.checked_add_signed(by).unwrap();
+        }
+        let refusals = refusals(&capture, &order);
+        let [ScanProblem::Misplaced(misplaced), ..] = refusals[..] else { panic!("{pictures:?} {by}: {refusals:?}") };
+        let pictures_named = match misplaced.fault {
+            PictureFault::Copy([picture, _]) => vec![picture],
+            PictureFault::NoInverse(both) | PictureFault::Shows(both, _) | PictureFault::NoEdges(both) => both.to_vec(),
+            PictureFault::Alike(..) => Vec::new(),
+        };
+        assert_eq!(pictures_named, named, "{pictures:?} {by}: {misplaced:?}");
+        let message = misplaced.describe(|index| format!("c{index:02}.png"));
+        assert!(named.iter().all(|index| message.contains(&format!("c{index:02}.png"))), "{message}");
+    }
+}
+
+#[test]
+fn what_is_coarsest_twice_is_refused() {
+    // Both coarsest pairs of x come one too early.
+    let capture = read("kamino");
+    let mut order = capture.in_order();
+    order.copy_within(4..8, 2);
+    let refusals = refusals(&capture, &order);
+    assert!(matches!(refusals[..], [ScanProblem::Misplaced(_), ..]), "{refusals:?}");
+}
+
+#[test]
+fn rooms_whose_pictures_are_in_order_are_not_suspected() {
+    for seed in seeds(3000, 3, 120) {
+        let capture = KnownCapture::simulated(seed);
+        let quality = capture.decode(&capture.in_order()).unwrap().quality;
+        assert_eq!(quality.problems(), [], "seed {seed}");
+    }
+}
+
+#[test]
+fn a_lapse_is_refused_or_does_no_harm() {
+    for seed in seeds(3200, 2, 8) {
+        let capture = KnownCapture::simulated(seed);
+        let every = if has_many_seeds() { 1 } else { 11 };
+        for (name, _, order) in capture.lapses().into_iter().skip(seed as usize % every).step_by(every) {
+            let decoded = capture.decode(&order).unwrap();
+            let is_refused = decoded.quality.problems().into_iter().any(ScanProblem::is_fatal);
+            let shares = capture.shares(&decoded);
+            let does_no_harm = shares.decoded < 0.05 || shares.wrong < 0.05;
+            assert!(is_refused || does_no_harm, "seed {seed}: {name}: {shares:?}");
+        }
+    }
+}
