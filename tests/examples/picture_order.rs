@@ -10,7 +10,8 @@ fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let what = arguments.next().unwrap_or_default();
     for name in arguments {
-        let seeds = name.split_once("..").map(|(first, end)| Ok::<_, anyhow::Error>(first.parse()?..end.parse::<u64>()?));
+        let seeds =
+            name.split_once("..").map(|(first, end)| Ok::<_, anyhow::Error>(first.parse()?..end.parse::<u64>()?));
         let captures: Box<dyn Iterator<Item = Result<(String, KnownCapture)>>> = match (seeds, name.parse()) {
             (Some(seeds), _) => Box::new(seeds?.map(|seed| Ok((seed.to_string(), KnownCapture::simulated(seed))))),
             (None, Ok(seed)) => Box::new(std::iter::once(Ok((name, KnownCapture::simulated(seed))))),

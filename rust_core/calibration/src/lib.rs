@@ -25,9 +25,7 @@ mod verification;
 
 pub use blend::{blend_weights, BlendProblem, BlendWeights, PlacedProjector};
 use crossings::crossings;
-pub use decode::{
-    decode, DecodeError, Decoded, DecodedPixel, Misplaced, PictureFault, Pictures, Quality, ScanProblem,
-};
+pub use decode::{decode, DecodeError, Decoded, DecodedPixel, Misplaced, PictureFault, Pictures, Quality, ScanProblem};
 pub use distortion::{Distorted, Distortion, DistortionModel, DistortionProblem};
 pub use keystone::Keystone;
 pub use landed::Landed;

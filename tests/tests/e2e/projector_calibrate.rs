@@ -207,9 +207,8 @@ fn the_screen_shows_test_pictures_and_patterns_pixel_for_pixel() {
 fn captures_of_other_tools_are_decoded_and_a_wrong_picture_is_named() {
     let captures = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures");
     let folder = tempfile::tempdir().unwrap();
-    let decode = |capture: &Path| {
-        exit(&run(folder.path(), &["decode", capture.to_str().unwrap(), "--pixels", "pixels.csv"]))
-    };
+    let decode =
+        |capture: &Path| exit(&run(folder.path(), &["decode", capture.to_str().unwrap(), "--pixels", "pixels.csv"]));
     let (code, errors) = decode(&captures.join("gsoup"));
     assert!(code == 0 && errors.iter().any(|line| line.contains("overexposed")), "{errors:?}");
     assert_eq!(decode(&captures.join("kamino")).0, 0);

@@ -220,12 +220,18 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
         })
         .collect();
     quality.misplaced = quality.misplaced.or_else(|| order::turned(&pixels, width, &channels));
-    let contradicted = |single: &Single, pixel: usize| single.found[pixel].is_none_or(|found| found.misfit >= WORST_MISFIT);
-    let count = (0..expected).filter(|pixel| noise[*pixel].is_finite() && single.iter().any(|single| contradicted(single, *pixel))).count();
-    quality.contradicted = count as f64 / lit.max(1) as f64;
+    quality.contradicted = contradicted_share(&single, &noise);
     let pixels = without_margins(&pixels, width);
     let pixels = without_bleeding(&pixels, &amplitudes, width);
     Ok(Decoded { size_px: pictures.size_px, pixels, lit, quality })
+}
+
+/// The share of the lit pixels whose stripes fit no place along an axis.
+fn contradicted_share(axes: &[Single; 2], noise: &[f32]) -> f64 {
+    let fits = |single: &Single, pixel: usize| single.found[pixel].is_some_and(|found| found.misfit < WORST_MISFIT);
+    let lit: Vec<usize> = (0..noise.len()).filter(|pixel| noise[*pixel].is_finite()).collect();
+    let count = lit.iter().filter(|pixel| !axes.iter().all(|single| fits(single, **pixel))).count();
+    count as f64 / lit.len().max(1) as f64
 }
 
 /// The pictures in linear light.

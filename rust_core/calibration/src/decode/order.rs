@@ -87,7 +87,12 @@ impl Misplaced {
                 format!("{} and {} show the stripes of {}, not of {said}", name(*one), name(*other), bit_of(shown))
             }
             PictureFault::Alike([one, other], also) => {
-                format!("{} and {} show the same, not the stripes of {said} and of {}", name(*one), name(*other), bit_of(also))
+                format!(
+                    "{} and {} show the same, not the stripes of {said} and of {}",
+                    name(*one),
+                    name(*other),
+                    bit_of(also)
+                )
             }
             PictureFault::NoEdges([one, other]) => format!(
                 "{} and {} do not show the stripes of {said}: the code turns back where these have their edges",
@@ -364,6 +369,42 @@ impl Place {
             if stripes.is_lit(sides[0]) != stripes.is_lit(sides[1]) {
                 *(if self.is_back { &mut turns.back } else { &mut turns.on }) += 1;
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patterns::gray_code;
+
+    const SIDE: usize = 80;
+
+    /// A slanted surface whose columns a code says that has lost a bit: where the stripes of this bit are lit, columns
+    /// are those on the other side of the line before them.
+    fn surface(lost: Option<Stripes>) -> Vec<DecodedPixel> {
+        let pixel = |index: usize| {
+            let (x, y) = ((index % SIDE) as f32, (index / SIDE) as f32);
+            let (mut u, v) = (20.3 + 2.0 * x + 0.2 * y, 10.6 + 1.8 * y - 0.1 * x);
+            if let Some(stripes) = lost.filter(|stripes| stripes.is_lit(u.round() as u32)) {
+                // The bit's stripes begin in the middle of a block of their width.
+                let block = stripes.width_px() as f32;
+                u = (2.0 * ((u + 0.5) / block).floor() + 1.0) * block - 1.0 - u;
+            }
+            DecodedPixel { at: [u, v], sigma: [0.1; 2] }
+        };
+        (0..SIDE * SIDE).map(pixel).collect()
+    }
+
+    #[test]
+    fn a_bit_that_is_lost_turns_coordinates_back_along_its_lines() {
+        let channels = Channels::new(&gray_code([256, 256])).unwrap();
+        assert_eq!(turned(&surface(None), SIDE, &channels), None);
+        for bit in [1, 2] {
+            let channel = &channels.axes[0].all[bit];
+            let found = turned(&surface(Some(channel.stripes)), SIDE, &channels);
+            assert_eq!(found.map(|found| found.stripes), Some(channel.stripes), "{bit}");
+            assert_eq!(found.map(|found| found.fault), Some(PictureFault::NoEdges(pair(channel))));
         }
     }
 }

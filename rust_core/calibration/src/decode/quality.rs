@@ -1,7 +1,8 @@
 //! Whether the pictures of a scan belong together: nothing clipped, camera and things at rest, exposure steady.
 //!
 //! Stripes and their inverse together are white and black together. Where the camera has moved in between, they differ
-//! along the picture's gradient; where the exposure has changed, everywhere by the same factor.
+//! along the picture's gradient; where the exposure has changed, everywhere by the same factor. Pixels that are clipped
+//! in any of these pictures tell nothing.
 
 use std::fmt;
 
@@ -165,8 +166,12 @@ impl Quality {
         let lit: Vec<usize> = (0..noise.len()).filter(|pixel| noise[*pixel].is_finite()).collect();
         let white = pictures.levels[channels.white];
         let clipped = lit.iter().filter(|pixel| white[**pixel] == CLIPPED).count();
-        let mut quality =
-            Self { clipped: clipped as f64 / lit.len().max(1) as f64, gamma: response.gamma, misplaced, ..Self::default() };
+        let mut quality = Self {
+            clipped: clipped as f64 / lit.len().max(1) as f64,
+            gamma: response.gamma,
+            misplaced,
+            ..Self::default()
+        };
         let every = (lit.len() / LOOKED_AT).max(1);
         let sample: Vec<Sum> =
             lit.iter().step_by(every).filter_map(|pixel| Sum::at(pictures, channels, response, *pixel)).collect();
@@ -251,11 +256,8 @@ fn compare(pictures: &Pictures<'_>, response: &Response, channel: &Channel, samp
         rows.push((sum.block, weight, terms, miss));
     }
     let middle = changes.len() / 2;
-    let change = if changes.len() < LEAST_COMPARED {
-        0.0
-    } else {
-        *changes.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
+    let change =
+        if changes.len() < LEAST_COMPARED { 0.0 } else { *changes.select_nth_unstable_by(middle, f64::total_cmp).1 };
     // A picture without gradients tells nothing; noise in them would tell too much.
     normal += Matrix4::identity() * 1e-6 * light_square;
     let Some(inverse) = normal.try_inverse().filter(|_| rows.len() >= LEAST_COMPARED) else {
@@ -270,7 +272,8 @@ fn compare(pictures: &Pictures<'_>, response: &Response, channel: &Channel, samp
     let covariance = inverse * between * inverse;
     let shift = solution.fixed_rows::<2>(0).into_owned();
     let moved_px = shift.norm();
-    let variance = (shift.transpose() * covariance.fixed_view::<2, 2>(0, 0) * shift).x / (moved_px * moved_px).max(1e-12);
+    let variance =
+        (shift.transpose() * covariance.fixed_view::<2, 2>(0, 0) * shift).x / (moved_px * moved_px).max(1e-12);
     let is_shown = moved_px > MOVED_SIGMAS * variance.sqrt();
     Comparison { moved_px: if is_shown { moved_px } else { 0.0 }, change }
 }
