@@ -85,8 +85,11 @@ fn data_outside_of_allowed_folders_are_not_read() {
     let path = dir.path().join("meshes/a.gltf");
     fs::write(&path, GLTF.replace("data:x/y;base64,DATA", "../secret.bin")).unwrap();
     let error = load(&path).unwrap_err();
-    assert!(matches!(&error, ResourceError::BadMesh { fault: MeshFault::Malformed(what), .. }
-        if what.contains("secret.bin") && what.contains("--mesh-folder")), "{error}");
+    assert!(
+        matches!(&error, ResourceError::BadMesh { fault: MeshFault::Malformed(what), .. }
+        if what.contains("secret.bin") && what.contains("--mesh-folder")),
+        "{error}"
+    );
 }
 
 #[test]
@@ -95,8 +98,11 @@ fn a_texture_beside_the_file_or_in_it_is_laid_on_twice_as_in_rviz() {
     image::RgbaImage::from_pixel(2, 2, image::Rgba([255, 128, 0, 255])).save(dir.path().join("t.png")).unwrap();
     let png = fs::read(dir.path().join("t.png")).unwrap();
     let textured = |image: &str| {
-        changed("\"baseColorFactor\": [0.5,0.25,0.125,0.5]", "\"baseColorTexture\": {\"index\": 0}")
-            .replacen("\"materials\"", &format!("\"textures\": [{{\"source\": 0}}], \"images\": [{image}], \"materials\""), 1)
+        changed("\"baseColorFactor\": [0.5,0.25,0.125,0.5]", "\"baseColorTexture\": {\"index\": 0}").replacen(
+            "\"materials\"",
+            &format!("\"textures\": [{{\"source\": 0}}], \"images\": [{image}], \"materials\""),
+            1,
+        )
     };
     let inside = format!("{{\"uri\": \"data:image/png;base64,{}\"}}", common::base64(&png));
     for image in ["{\"uri\": \"t.png\"}", &inside] {
@@ -115,13 +121,15 @@ fn a_texture_beside_the_file_or_in_it_is_laid_on_twice_as_in_rviz() {
 #[test]
 fn texture_coordinates_point_down_as_in_the_file() {
     // Those of the file's first three vertices, read as u and v.
-    let mesh = read(&changed("\"attributes\": {\"POSITION\": 0}", "\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 2}"));
+    let mesh =
+        read(&changed("\"attributes\": {\"POSITION\": 0}", "\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 2}"));
     assert_eq!(uvs(&mesh.parts[0]), [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
 }
 
 #[test]
 fn integers_that_are_normalised_become_floats() {
-    let mesh = read(&changed("\"attributes\": {\"POSITION\": 0}", "\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 3}"));
+    let mesh =
+        read(&changed("\"attributes\": {\"POSITION\": 0}", "\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 3}"));
     // The bytes of the indices 0, 1 and 2, of 16 bits.
     let expected = [[0.0, 0.0], [1.0 / 255.0, 0.0], [2.0 / 255.0, 0.0]];
     for (uv, expected) in uvs(&mesh.parts[0]).iter().zip(expected) {
@@ -139,7 +147,10 @@ fn sparse_values_replace_those_of_their_accessor() {
 
 #[test]
 fn faces_with_indices_past_the_end_are_dropped_and_a_primitive_without_any_is_refused() {
-    let error = fault(load_bytes("a.gltf", changed("\"count\": 3, \"type\": \"VEC3\"", "\"count\": 2, \"type\": \"VEC3\"").as_bytes()));
+    let error = fault(load_bytes(
+        "a.gltf",
+        changed("\"count\": 3, \"type\": \"VEC3\"", "\"count\": 2, \"type\": \"VEC3\"").as_bytes(),
+    ));
     assert!(matches!(error, MeshFault::Malformed(what) if what.contains("no faces")));
 }
 
@@ -183,6 +194,9 @@ fn what_is_wrong_with_a_gltf_file_is_said() {
 
 #[test]
 fn zeros_of_a_count_that_no_file_fills_are_refused() {
-    let zeros = changed("\"bufferView\": 0, \"componentType\": 5126, \"count\": 3", "\"componentType\": 5126, \"count\": 30000000");
+    let zeros = changed(
+        "\"bufferView\": 0, \"componentType\": 5126, \"count\": 3",
+        "\"componentType\": 5126, \"count\": 30000000",
+    );
     assert!(matches!(fault(load_bytes("a.gltf", zeros.as_bytes())), MeshFault::TooLarge { .. }));
 }

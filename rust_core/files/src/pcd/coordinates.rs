@@ -102,12 +102,14 @@ mod tests {
         );
         let change = cloud.coordinates_to_f32().unwrap();
         assert!((change - (f64::from(4.1_f32) - 4.1).abs()).abs() < 1e-12, "{change}");
-        let fields: Vec<_> = cloud.fields.iter().map(|f| (f.name.as_str(), f.datatype, f.offset_bytes, f.count)).collect();
+        let fields: Vec<_> =
+            cloud.fields.iter().map(|f| (f.name.as_str(), f.datatype, f.offset_bytes, f.count)).collect();
         let float = PointDatatype::Float32;
         let rest = [("stamp", PointDatatype::Float64, 12, 1), ("id", PointDatatype::Uint16, 20, 2)];
         assert_eq!(fields, [[("x", float, 0, 1), ("y", float, 4, 1), ("z", float, 8, 1)].as_slice(), &rest].concat());
         let point = |xyz: [f32; 3], stamp: f64, id: [u16; 2]| {
-            [xyz.map(f32::to_le_bytes).concat(), stamp.to_le_bytes().to_vec(), id.map(u16::to_le_bytes).concat()].concat()
+            [xyz.map(f32::to_le_bytes).concat(), stamp.to_le_bytes().to_vec(), id.map(u16::to_le_bytes).concat()]
+                .concat()
         };
         assert_eq!(cloud.point_step_bytes, 24);
         assert_eq!(cloud.data, [point([1.5, -2.0, 3.0], 0.1, [7, 8]), point([4.1, 5.0, -6.0], 0.2, [9, 10])].concat());

@@ -5,9 +5,9 @@
 //! like any other. What a PointCloud2 cannot express is converted: integers of 8 bytes become `FLOAT64` (exact up to
 //! 2^53), and PCL's padding fields (`_`) become bytes that no field names.
 //!
-//! As in PCL, numbers with a point are allowed in fields of integers, and a row of text with too few or too many numbers
-//! is skipped with a warning. PCL leaves a point of zeros in its place; here an organised cloud has NaN there, and
-//! any other cloud becomes shorter.
+//! As in PCL, numbers with a point are allowed in fields of integers, and a row of text with too few or too many
+//! numbers is skipped with a warning. PCL leaves a point of zeros in its place; here an organised cloud has NaN there,
+//! and any other cloud becomes shorter.
 //!
 //! The crates that read PCD files decode each point into a list of typed values. Here the bytes are needed, errors name
 //! line or offset, and a damaged header allocates no memory that the file does not fill.

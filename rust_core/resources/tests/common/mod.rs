@@ -2,9 +2,7 @@
 
 use std::{fs, path::Path, sync::Arc, task::Poll};
 
-use rcs_resources::{
-    LoadedMesh, MeshFault, MeshPart, MeshStore, PackageIndex, ResourceError, ResourceOptions, Retry,
-};
+use rcs_resources::{LoadedMesh, MeshFault, MeshPart, MeshStore, PackageIndex, ResourceError, ResourceOptions, Retry};
 
 /// Loads a file by its path.
 pub(crate) fn load(path: &Path) -> Result<Arc<LoadedMesh>, ResourceError> {

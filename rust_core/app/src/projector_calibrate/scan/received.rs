@@ -54,9 +54,7 @@ fn grey_levels(image: &Image) -> Result<Vec<u8>, String> {
         "rgba8" => ([0, 1, 2], 4),
         "bgra8" | "8UC4" => ([2, 1, 0], 4),
         other => {
-            return Err(format!(
-                "encoding '{other}' cannot be used (mono8, rgb8, bgr8, rgba8, bgra8 and bayer_* can)"
-            ));
+            return Err(format!("encoding '{other}' cannot be used (mono8, rgb8, bgr8, rgba8, bgra8 and bayer_* can)"));
         }
     };
     let mut grey = Vec::new();

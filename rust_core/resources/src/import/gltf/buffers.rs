@@ -178,12 +178,7 @@ impl<'a> Buffers<'a> {
     }
 
     /// The bytes of each of the values that a sparse accessor replaces, or of their indices.
-    fn packed(
-        &self,
-        place: &SparsePlace,
-        count: usize,
-        size: usize,
-    ) -> Result<impl Iterator<Item = &[u8]>, MeshFault> {
+    fn packed(&self, place: &SparsePlace, count: usize, size: usize) -> Result<impl Iterator<Item = &[u8]>, MeshFault> {
         let (_, bytes) = self.view(place.buffer_view)?;
         strided(bytes, place.byte_offset, count, size.max(1), size)
     }

@@ -1,4 +1,5 @@
-//! The JSON of a glTF file, as far as it reaches the picture. What is missing has its default, what is unknown is skipped.
+//! The JSON of a glTF file, as far as it reaches the picture. What is missing has its default, what is unknown is
+//! skipped.
 
 use serde::Deserialize;
 

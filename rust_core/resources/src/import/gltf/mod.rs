@@ -2,13 +2,13 @@
 //!
 //! The reading rules are those of Assimp 5.2, as far as they reach the picture: the scene's nodes are walked, a node's
 //! own mesh before its children's; the base colour is the diffuse one; primitives without a material are white;
-//! animations, skins, morph targets, cameras and lights are not used, and neither are colours of vertices, which rviz does
-//! not read. A texture is laid on once for each of the slots that Assimp lists it in (the base colour's in two), so
+//! animations, skins, morph targets, cameras and lights are not used, and neither are colours of vertices, which rviz
+//! does not read. A texture is laid on once for each of the slots that Assimp lists it in (the base colour's in two), so
 //! that rviz shows it darker. Of a file whose scene has one root node, rviz drops that node's rotation. Nothing is
 //! turned to an up axis, so that a glTF file, whose y is up, lies on its side.
 //!
-//! Beyond that, what rviz 1.14 cannot load is loaded here: its streams count bytes where Assimp counts items, so that it
-//! refuses `.glb` and data in files beside a `.gltf`; it searches images within a file beside it; and it takes
+//! Beyond that, what rviz 1.14 cannot load is loaded here: its streams count bytes where Assimp counts items, so that
+//! it refuses `.glb` and data in files beside a `.gltf`; it searches images within a file beside it; and it takes
 //! integers (texture coordinates, quantised meshes) for floats.
 
 mod buffers;
@@ -176,7 +176,12 @@ impl Reader<'_> {
             positions,
             normals: normals.filter(|normals| normals.len() == count).unwrap_or_default(),
             // Theirs point down already.
-            uvs: uvs.filter(|uvs| uvs.len() == count).unwrap_or_default().into_iter().map(|[u, v]| [u, 1.0 - v]).collect(),
+            uvs: uvs
+                .filter(|uvs| uvs.len() == count)
+                .unwrap_or_default()
+                .into_iter()
+                .map(|[u, v]| [u, 1.0 - v])
+                .collect(),
             corners: Some(corners),
             faces: Faces::Sizes(sizes),
             material: primitive.material.unwrap_or(self.root.materials.len()),

@@ -1,8 +1,9 @@
 //! PLY (Stanford), as text and as binary of either byte order.
 //!
 //! As in Assimp: the vertices are those of the element `vertex`, the faces (any number of corners) those of `face`, by
-//! the list `vertex_index` or `vertex_indices`; `s`/`t`, `u`/`v` and `texture_u`/`texture_v` are texture coordinates, and
-//! so is the list `texcoord` of a face, which lies on the vertices; `comment TextureFile NAME` is the diffuse texture.
+//! the list `vertex_index` or `vertex_indices`; `s`/`t`, `u`/`v` and `texture_u`/`texture_v` are texture coordinates,
+//! and so is the list `texcoord` of a face, which lies on the vertices; `comment TextureFile NAME` is the diffuse
+//! texture.
 //! Everything else is skipped, materials (which only ancient files have) included. Colours of vertices are not used
 //! because rviz does not read them: without a tint or a texture a PLY mesh is white. Of `tristrips` all triangles are
 //! drawn, where Assimp keeps the last one.
