@@ -27,7 +27,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use rcs_app::camera_stream::offline::{self, Job, Section, Target};
 use rcs_app::camera_stream::stage::Stage;
 use rcs_camera::Projection;
-use rcs_render::{LastStep, Renderer, RendererChoice};
+use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 
 use cases::Case;
@@ -178,8 +178,7 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
     let bag = case.folder.join("scene.bag");
     let (camera, section, model) = (case.camera.as_deref(), Section::default(), Projection::Rviz.into());
-    let job =
-        Job { bag: &bag, camera, projector: None, section, target: &target, model, last_step: LastStep::default() };
+    let job = Job { bag: &bag, camera, projector: None, section, target: &target, model, orientations: Vec::new() };
     offline::render(&mut stage, &job, renderer.as_mut())
 }
 

@@ -4,6 +4,7 @@
 pub mod all_programs;
 pub mod camera_stream;
 mod frames;
+mod key_value;
 pub mod line_of_sight;
 pub mod logging;
 pub mod monitor_arguments;

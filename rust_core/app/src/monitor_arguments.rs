@@ -47,7 +47,7 @@ impl MonitorArguments {
     /// The window's options; `source` says what is shown.
     pub fn window_options(&self, source: &str) -> WindowOptions {
         let (monitor, screenshot, set_mode) = (self.monitor.clone(), self.screenshot.clone(), self.set_mode);
-        WindowOptions { source: source.to_owned(), monitor, screenshot, set_mode, stale_timeout: None }
+        WindowOptions { source: source.to_owned(), monitor, screenshot, set_mode, ..WindowOptions::default() }
     }
 }
 

@@ -20,6 +20,7 @@ mod content;
 mod coverage;
 mod identify;
 mod keys;
+mod light;
 mod monitor;
 mod refresh;
 mod run;
@@ -33,6 +34,7 @@ mod x11;
 
 pub use identify::identify;
 pub use keys::WindowKey;
+pub use light::{Light, LitPicture, Mask, WindowPermit};
 pub use monitor::{list as list_lines, MonitorChoice, MonitorError, MonitorInfo};
 pub use refresh::Refresh;
 pub use run::UserEvent;
@@ -60,6 +62,8 @@ pub struct WindowOptions {
     pub screenshot: Option<PathBuf>,
     /// The window becomes black when no picture came for so long; zero: never.
     pub stale_timeout: Option<Duration>,
+    /// What test pictures may light while there is no picture that says so, or pictures have stopped coming.
+    pub test_light: Light,
     /// Whether a monitor that runs another mode is set to its native one; otherwise there is a warning.
     pub set_mode: bool,
 }
@@ -93,7 +97,7 @@ pub enum WindowError {
 }
 
 /// Opens the window and shows pictures until it is closed. Its keys: space or p pauses, b is black, t shows test
-/// pictures, each until it is pressed again.
+/// pictures, each until it is pressed again and as far as a [`WindowPermit`] allows it.
 ///
 /// `start` is called once, when the window is open, with the sink for pictures. It must not block: it starts threads.
 ///

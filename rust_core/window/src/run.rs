@@ -11,8 +11,9 @@ use rcs_files::picture_file;
 use rcs_scene::{Encoding, Picture};
 use xkeysym::Keysym;
 
-use crate::content::{Content, Face};
+use crate::content::{Content, Face, Image};
 use crate::keys::{is_quit_key, WindowKey};
+use crate::light::{dim, LitPicture};
 use crate::monitor::MonitorInfo;
 use crate::refresh::Refresh;
 use crate::screen_picture::{rgb_bytes, PictureError, ScreenPicture};
@@ -154,7 +155,7 @@ impl<'a> Shown<'a> {
     fn new(options: &'a WindowOptions) -> Self {
         Self {
             source: &options.source,
-            content: Content::new(options.stale_timeout),
+            content: Content::new(options.stale_timeout, options.test_light.clone()),
             spare: None,
             last_drawn: None,
             last_error: None,
@@ -183,27 +184,27 @@ impl<'a> Shown<'a> {
 
     /// Takes the newest picture, if there is a new one.
     fn take_picture(&mut self, sink: &PictureSink, monitor: &MonitorInfo, now: Instant) {
-        let picture = match sink.take() {
+        let image = match sink.take() {
             None => return,
             Some(Handed::Nothing) => {
                 self.is_due |= self.content.clear();
                 self.last_drawn = None;
                 return;
             }
-            Some(Handed::Read(picture)) => picture,
-            Some(Handed::Drawn(drawn)) => {
-                if self.last_drawn.as_ref().is_some_and(|last| Arc::ptr_eq(last, &drawn)) {
-                    self.is_due |= self.content.note_alive(now);
+            Some(Handed::Read(picture, permit)) => Image { picture, drawn: None, permit },
+            Some(Handed::Drawn(LitPicture { picture: seen, drawn, permit })) => {
+                if self.last_drawn.as_ref().is_some_and(|last| Arc::ptr_eq(last, &seen)) {
+                    self.is_due |= self.content.repeat(&permit, now);
                     return;
                 }
-                let Some(picture) = self.read(&drawn) else { return };
+                let Some(picture) = self.read(&seen) else { return };
                 // Kept, so that its memory cannot become another picture's.
-                self.last_drawn = Some(drawn);
-                picture
+                self.last_drawn = Some(seen);
+                Image { picture, drawn, permit }
             }
         };
-        let size = picture.size_px();
-        let (old, is_changed) = self.content.take(picture, now);
+        let size = image.picture.size_px();
+        let (old, is_changed) = self.content.take(image, now);
         self.spare = old.or(self.spare.take());
         self.is_due |= is_changed;
         self.compare_sizes(size, monitor);
@@ -273,8 +274,13 @@ fn compose(face: Face<'_>, monitor: &MonitorInfo, pixels: &mut [u32], (width_px,
     match face {
         Face::Black => pixels.fill(0),
         Face::Picture(picture) => picture.draw_unscaled(pixels, width_px),
-        Face::Test(test) => match test_picture(test, monitor, [width_px, height_px]) {
-            Ok(picture) => picture.draw_unscaled(pixels, width_px),
+        Face::Test(test, mask) => match test_picture(test, monitor, [width_px, height_px]) {
+            Ok(picture) => {
+                picture.draw_unscaled(pixels, width_px);
+                if let Some(mask) = mask {
+                    dim(pixels, &mask.shares([width_px, height_px]).data);
+                }
+            }
             Err(_) => pixels.fill(0),
         },
     }

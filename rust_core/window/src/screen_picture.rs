@@ -237,6 +237,11 @@ impl ScreenPicture {
         Self { width_px, height_px, pixels }
     }
 
+    /// Whether nothing of it is lit.
+    pub fn is_black(&self) -> bool {
+        self.pixels.iter().all(|pixel| *pixel == 0)
+    }
+
     /// `0x00RRGGBB`, rows from the top.
     pub(crate) fn pixels(&self) -> &[u32] {
         &self.pixels

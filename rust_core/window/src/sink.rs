@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use rcs_scene::Picture;
 use rustix::event::{eventfd, EventfdFlags};
 use rustix::io::{read, write};
 
+use crate::light::{LitPicture, WindowPermit};
 use crate::refresh::Refresh;
 use crate::screen_picture::ScreenPicture;
 
@@ -17,9 +17,9 @@ use crate::screen_picture::ScreenPicture;
 #[derive(Debug, Clone)]
 pub(crate) enum Handed {
     /// Read already.
-    Read(ScreenPicture),
+    Read(ScreenPicture, WindowPermit),
     /// As it was drawn; the window's thread reads it.
-    Drawn(Arc<Picture>),
+    Drawn(LitPicture),
     /// No picture: black.
     Nothing,
 }
@@ -62,11 +62,16 @@ impl PictureSink {
 
     /// Shows a picture, in place of one that was not drawn yet.
     pub fn show(&self, picture: ScreenPicture) {
-        self.hand_over(Handed::Read(picture));
+        self.show_permitted(picture, WindowPermit::default());
+    }
+
+    /// Shows a picture, and says what may be lit in its place.
+    pub fn show_permitted(&self, picture: ScreenPicture, permit: WindowPermit) {
+        self.hand_over(Handed::Read(picture, permit));
     }
 
     /// Shows a picture that others hold as well; it is read on the window's thread.
-    pub fn show_drawn(&self, picture: Arc<Picture>) {
+    pub fn show_drawn(&self, picture: LitPicture) {
         self.hand_over(Handed::Drawn(picture));
     }
 

@@ -1,6 +1,10 @@
 //! `~mask_topic`, `~keep_out`: where there must be no light, and none at all while that is not known.
 
-use rcs_tests::python_node::PythonNode;
+use std::process::Command;
+
+use rcs_tests::programs::{case, program};
+use rcs_tests::python_node::{PythonNode, MONITOR};
+use rcs_tests::ros::{RosMaster, PATIENCE};
 use rcs_tests::ros_fixture::{config, CameraPub, RosFixture, CLOUD};
 
 /// A wall of red before the whole view.
@@ -110,4 +114,100 @@ fn where_the_lens_is_unknown_nothing_is_lit_around_keep_out_frames() {
     fixture.wait_for_log("where the lens sends light around keep-out frames is not known").unwrap();
     fixture.python("latch('/eye/camera_info', info(D=[0.01, 0, 0, 0, 0], distortion_model='plumb_bob'))");
     fixture.wait_for(dark);
+}
+
+/// Two cameras that are called `cam` and `other`, or anything else.
+fn two_cameras(name: &'static str) -> String {
+    let camera = |name, image| CameraPub { name, image, ..CameraPub::default() };
+    config(&[CLOUD], &[camera(name, "/view/image"), camera("other", "/other/image")])
+}
+
+#[test]
+fn a_rule_for_a_camera_that_the_config_does_not_have_is_refused_with_the_cameras() {
+    let values = [
+        ("mask_topic", "camm=/people"),
+        ("mask", "camm=/mask.png"),
+        ("blend", "camm=/nowhere/run=3/left.png"),
+        ("orientation", "camm=180"),
+        ("window", "camm=auto"),
+    ];
+    for (name, value) in values {
+        for (args, expected_status) in [
+            (vec![format!("--{}", name.replace('_', "-")), value.to_owned()], 2),
+            (vec![format!("_{name}:={value}")], 1),
+        ] {
+            // A window's monitor may turn out to be none later, so that its name is no invalid argument.
+            let expected_status = if name == "window" { 1 } else { expected_status };
+            let args: Vec<_> = args.iter().map(String::as_str).collect();
+            let master = RosMaster::start().unwrap();
+            let python = PythonNode::start(&master, &[]).unwrap();
+            let mut fixture = RosFixture::with(master, python, &two_cameras("cam"), &args).unwrap();
+            let status = fixture.node.wait(PATIENCE).and_then(|status| status.code());
+            assert_eq!(status, Some(expected_status), "{args:?}: {}", fixture.log());
+            let names = ["cam, other", "camm"];
+            assert_eq!(fixture.log_lines(&names), 1, "{args:?}: {}", fixture.log());
+        }
+    }
+}
+
+#[test]
+fn check_and_render_refuse_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = case("pc2_flat_squares_rgb8");
+    let (scene, bag) = (case.join("scene.rviz"), case.join("scene.bag"));
+    let picture = folder.path().join("picture.png");
+    let mut render = Command::new(program("camera_stream"));
+    render.args(["render", "--renderer", "cpu", "--orientation", "camm=90", "-d"]).arg(&scene);
+    render.arg("--bag").arg(bag).arg("-o").arg(&picture);
+    let mut check = Command::new(program("camera_stream"));
+    check.args(["check", "--mask-topic", "camm=/people"]).arg(&scene);
+    for (mut command, status) in [(render, 1), (check, 2)] {
+        let output = command.output().unwrap();
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(status), "{error}");
+        assert!(error.contains("the config has no camera 'camm'; cameras: "), "{error}");
+    }
+    assert!(!picture.exists());
+}
+
+#[test]
+fn a_file_with_the_sign_in_its_path_is_no_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run=3");
+    std::fs::create_dir(&run).unwrap();
+    let weights = run.join("left.png");
+    image::GrayImage::from_fn(64, 48, |u, _| image::Luma([if u < 32 { 255 } else { 0 }])).save(&weights).unwrap();
+    for value in [weights.display().to_string(), format!("CameraPub={}", weights.display())] {
+        let fixture = fixture(&["--blend", &value]);
+        fixture.wait_for("viewer.last and only_right_of(32)");
+    }
+}
+
+#[test]
+fn after_a_reload_that_leaves_a_name_unmatched_every_camera_is_dark_until_the_names_fit_again() {
+    let args = ["--mask-topic", "cam=/mask", "--mask-required", "false", "--stale-note"];
+    let fixture = RosFixture::start(&two_cameras("cam"), &args).unwrap();
+    fixture.python("topic = '/diagnostics'");
+    fixture.python(MONITOR);
+    fixture.python("viewer, other = Viewer('/view/image'), Viewer('/other/image')");
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python("latch('/eye/camera_info', info())");
+    fixture.python(WALL);
+    let lit = "viewer.middle() == other.middle() == (255, 0, 0)";
+    fixture.wait_for(lit);
+    fixture.rewrite(&two_cameras("camm"));
+    let dark = "max(viewer.last.data) == max(other.last.data) == 0";
+    fixture.wait_for(dark);
+    fixture
+        .wait_for_log("all cameras are dark: the config has no camera for mask_topic cam; cameras: camm, other")
+        .unwrap();
+    for entry in ["camm", "other", "Global Status"] {
+        fixture.wait_for(format!("level('camera_stream: {entry}') == 2"));
+    }
+    fixture.wait_for("'no camera for mask_topic cam' in message('camera_stream: other')");
+    fixture.python("viewer.forget()");
+    fixture.wait_for(format!("len(viewer.images) > 5 and {dark}"));
+    fixture.rewrite(&two_cameras("cam"));
+    fixture.wait_for(lit);
+    fixture.wait_for("level('camera_stream: other') == 0");
 }

@@ -152,3 +152,125 @@ fn a_window_for_no_camera_is_one_line() {
     let expected = "]: --window: which camera? Give CAMERA=MONITOR; there are: Left, Right";
     assert!(fixture.log().contains(expected), "{}", fixture.log());
 }
+
+/// A node with a window, its camera, and `points` of a wall that fills the view.
+fn wall(screen: &Screen, args: &[&str]) -> RosFixture {
+    let config = config(&[CLOUD], &[CameraPub::default()]);
+    let (master, environment) = (RosMaster::start().unwrap(), [("DISPLAY", screen.display.as_str())]);
+    let python = PythonNode::start(&master, &[]).unwrap();
+    let args = [&["--window", "auto"], args].concat();
+    let fixture = RosFixture::with_environment(master, python, &config, &args, &environment).unwrap();
+    fixture.wait_for_log("drawing ").unwrap();
+    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    fixture.python("latch('/eye/camera_info', info(width=640, height=360, f=300))");
+    fixture.python("points = [(x / 2, y / 2, 2) for x in range(-6, 7) for y in range(-4, 5)]");
+    fixture
+}
+
+/// Presses a key, again if nobody has heard it, until the log says so.
+fn press(screen: &Screen, fixture: &RosFixture, key: &str, logged: &str) {
+    let before = fixture.log_lines(&[logged]);
+    let is_pressed = || {
+        screen.press(key);
+        wait_until(Duration::from_secs(5), || fixture.log_lines(&[logged]) > before)
+    };
+    assert!(wait_until(PATIENCE, is_pressed), "{}", fixture.log());
+}
+
+fn level_at(screen: &Screen, [u, v]: [usize; 2]) -> [u8; 3] {
+    let pixels = screen.pixels();
+    let at = 3 * (640 * v + u);
+    [pixels[at], pixels[at + 1], pixels[at + 2]]
+}
+
+fn is_black(screen: &Screen) -> bool {
+    screen.pixels().iter().all(|level| *level == 0)
+}
+
+const RED: [u8; 3] = [255, 0, 0];
+const BLUE: [u8; 3] = [0, 0, 255];
+
+#[test]
+fn data_that_go_stale_beat_a_pause_and_do_not_end_a_test_picture() {
+    let screen = Screen::start();
+    let fixture = wall(&screen, &["--stale-timeout", "1"]);
+    let publisher = PythonNode::start(&fixture.master, &["__name:=publisher"]).unwrap();
+    publisher.run("points = [(x / 2, y / 2, 2) for x in range(-6, 7) for y in range(-4, 5)]").unwrap();
+    publisher.run("color = [0xff0000]").unwrap();
+    publisher
+        .run("PublishRepeatedly(20, lambda i: cloud(color[0], points=points, stamp=rospy.Time.now()), '/cloud')")
+        .unwrap();
+    assert!(wait_until(PATIENCE, || level_at(&screen, [320, 180]) == RED), "{}", fixture.log());
+    press(&screen, &fixture, "p", "paused: the picture stays");
+    publisher.run("color[0] = 0x0000ff").unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    assert_eq!(level_at(&screen, [320, 180]), RED, "it is paused while data are current");
+    drop(publisher);
+    assert!(wait_until(PATIENCE, || is_black(&screen)), "{}", fixture.log());
+    press(&screen, &fixture, "t", "test picture ");
+    assert!(wait_until(PATIENCE, || !is_black(&screen)), "one can focus without data");
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(!is_black(&screen));
+}
+
+#[test]
+fn keep_out_frames_and_their_absence_beat_pauses_and_test_pictures() {
+    let screen = Screen::start();
+    let fixture = wall(&screen, &["--keep-out", "head=0.2"]);
+    let tracker = PythonNode::start(&fixture.master, &["__name:=tracker"]).unwrap();
+    tracker.run("x = [0.5]").unwrap();
+    tracker
+        .run("PublishRepeatedly(20, lambda i: tf('map', 'head', (x[0], 0, 1), stamp=rospy.Time.now()), '/tf')")
+        .unwrap();
+    fixture.python("latch('/cloud', cloud(0xff0000, points=points))");
+    // At 1 m, half a metre is 150 pixels.
+    let (right, left, above) = ([470, 180], [170, 180], [320, 30]);
+    let sees = |expected: [[u8; 3]; 3]| [right, left, above].map(|at| level_at(&screen, at)) == expected;
+    assert!(wait_until(PATIENCE, || sees([[0; 3], RED, RED])), "{}", fixture.log());
+    press(&screen, &fixture, "p", "paused: the picture stays");
+    fixture.python("latch('/cloud', cloud(0x0000ff, points=points))");
+    tracker.run("x[0] = -0.5").unwrap();
+    assert!(wait_until(PATIENCE, || sees([RED, [0; 3], RED])), "the scene is held, and the head is masked where it is");
+    // The test picture has light there.
+    press(&screen, &fixture, "t", "test picture ");
+    let black_pixels = |half: usize| {
+        let pixels = screen.pixels();
+        let near = |index: usize| {
+            let (u, v) = ((index % 640) as i64, (index / 640) as i64);
+            (u - if half == 0 { 170 } else { 470 }).pow(2) + (v - 180).pow(2) < 55 * 55
+        };
+        let inside = pixels.chunks_exact(3).enumerate().filter(|(index, _)| near(*index));
+        let lit = inside.filter(|(_, pixel)| pixel.iter().any(|level| *level > 0)).count();
+        (lit, pixels.iter().any(|level| *level > 0))
+    };
+    assert!(wait_until(PATIENCE, || black_pixels(0) == (0, true) && black_pixels(1).0 > 0), "{}", fixture.log());
+    tracker.run("x[0] = 0.5").unwrap();
+    assert!(wait_until(PATIENCE, || black_pixels(1) == (0, true) && black_pixels(0).0 > 0), "{}", fixture.log());
+    drop(tracker);
+    assert!(wait_until(PATIENCE, || is_black(&screen)), "nobody knows where the head is: {}", fixture.log());
+    press(&screen, &fixture, "p", "paused: the picture stays");
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(is_black(&screen));
+}
+
+#[test]
+fn a_mask_that_closes_beats_a_pause() {
+    let screen = Screen::start();
+    let fixture = wall(&screen, &["--mask-topic", "/mask"]);
+    fixture.python("latch('/cloud', cloud(0xff0000, points=points))");
+    fixture.python("level = [255]");
+    fixture.python(
+        "def mask():\n    m = Image(width=2, height=1, step=2, encoding='mono8', data=bytes([255, level[0]]))\n    \
+         m.header.stamp = rospy.Time.now()\n    return m",
+    );
+    fixture.python("PublishRepeatedly(20, lambda i: mask(), '/mask')");
+    let sees = |expected: [[u8; 3]; 2]| [[160, 180], [480, 180]].map(|at| level_at(&screen, at)) == expected;
+    assert!(wait_until(PATIENCE, || sees([RED, RED])), "{}", fixture.log());
+    press(&screen, &fixture, "space", "paused: the picture stays");
+    fixture.python("latch('/cloud', cloud(0x0000ff, points=points)); level[0] = 0");
+    assert!(wait_until(PATIENCE, || sees([RED, [0; 3]])), "{}", fixture.log());
+    fixture.python("level[0] = 255");
+    assert!(wait_until(PATIENCE, || sees([RED, RED])), "{}", fixture.log());
+    press(&screen, &fixture, "space", "showing pictures");
+    assert!(wait_until(PATIENCE, || sees([BLUE, BLUE])), "{}", fixture.log());
+}

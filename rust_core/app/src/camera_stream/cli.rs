@@ -9,7 +9,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
 use rcs_camera::{CameraModel, Projection};
 use rcs_files::picture_file::PictureFormat;
-use rcs_render::{Orientation, RendererChoice};
+use rcs_render::RendererChoice;
 use rcs_resources::ResourceOptions;
 
 use crate::camera_stream::light_arguments::{BlendArgs, DepthArgs, EyeSafetyArgs, MountingArgs, StaleArgs};
@@ -279,9 +279,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// Turn the pictures clockwise by 0, 90, 180 or 270 degrees, or mirror them before: mirrored, mirrored-90,
-    /// mirrored-180, mirrored-270 [default: 0]
-    #[arg(long, value_name = "ORIENTATION")]
-    pub orientation: Option<Orientation>,
+    /// mirrored-180, mirrored-270; with CAMERA= for one camera [default: 0]
+    #[arg(long, value_name = "[CAMERA=]ORIENTATION")]
+    pub orientation: Vec<String>,
     /// A parameter that displays read (robot_description, say), from a file
     #[arg(long, value_name = "NAME=FILE")]
     pub param: Vec<String>,

@@ -6,66 +6,18 @@ use std::str::FromStr;
 use clap::Args;
 use rcs_render::Orientation;
 
+use crate::camera_stream::cli::NodeArgs;
 use crate::camera_stream::depth_image::DepthEncoding;
-use crate::camera_stream::node::StaleTimeout;
-
-/// A value for one camera, `CAMERA=VALUE`, or for all, `VALUE`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ForCamera<T> {
-    /// The camera's name in the config; none for all of them.
-    pub camera: Option<String>,
-    /// The value.
-    pub value: T,
-}
-
-impl<T: FromStr<Err: std::fmt::Display>> FromStr for ForCamera<T> {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (camera, value) = text.rsplit_once('=').map_or((None, text), |(camera, value)| (Some(camera), value));
-        if camera.is_some_and(str::is_empty) || value.is_empty() {
-            return Err(format!("\"{text}\" is neither VALUE nor CAMERA=VALUE"));
-        }
-        let value = value.parse().map_err(|error: T::Err| error.to_string())?;
-        Ok(Self { camera: camera.map(str::to_owned), value })
-    }
-}
-
-/// That of a camera: its own, else the one for all; of several the last.
-pub(crate) fn of_camera<'v, T>(values: &'v [ForCamera<T>], camera: &str) -> Option<&'v T> {
-    let last = |wanted: Option<&str>| values.iter().rev().find(|value| value.camera.as_deref() == wanted);
-    last(Some(camera)).or_else(|| last(None)).map(|found| &found.value)
-}
-
-/// A frame around which there must be no light: `FRAME=RADIUS`, metres.
-#[derive(Clone, Debug, PartialEq)]
-pub struct KeepOutFrame {
-    /// The frame.
-    pub frame: String,
-    /// How far around its origin, metres.
-    pub radius_m: f64,
-}
-
-impl FromStr for KeepOutFrame {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("\"{text}\" is not FRAME=RADIUS with a radius in metres, above 0 and not above 100");
-        let (frame, radius) = text.split_once('=').ok_or_else(wrong)?;
-        let radius_m = radius.parse::<f64>().ok().filter(|radius_m| *radius_m > 0.0 && *radius_m <= 100.0);
-        match (frame.trim_start_matches('/'), radius_m) {
-            ("", _) | (_, None) => Err(wrong()),
-            (frame, Some(radius_m)) => Ok(Self { frame: frame.to_owned(), radius_m }),
-        }
-    }
-}
+use crate::camera_stream::safety::ages::limits::StaleTimeout;
+use crate::camera_stream::safety::names::{CameraValue, ForCamera};
+use crate::camera_stream::safety::rules::KeepOutFrame;
 
 /// Where there must be no light.
 #[derive(Args, Clone, Debug, Default)]
 pub struct EyeSafetyArgs {
     /// A mono8 image over the projector's picture, dark where there must be no light; with CAMERA= for one camera
     #[arg(long, value_name = "[CAMERA=]TOPIC")]
-    pub mask_topic: Vec<ForCamera<String>>,
+    pub mask_topic: Vec<String>,
     /// No light within this distance of a frame's origin, in metres; may be given several times
     #[arg(long, value_name = "FRAME=RADIUS")]
     pub keep_out: Vec<KeepOutFrame>,
@@ -80,14 +32,14 @@ pub struct BlendArgs {
     /// The projector's share of the light, as projector_blend writes it, or a grey picture: white is all of it; with
     /// CAMERA= for one camera
     #[arg(long, value_name = "[CAMERA=]FILE.png")]
-    pub blend: Vec<ForCamera<PathBuf>>,
+    pub blend: Vec<String>,
     /// The gamma of the projectors: light is the level to its power [default: 2.2]
     #[arg(long, value_name = "GAMMA")]
     pub blend_gamma: Option<Gamma>,
     /// A grey picture over the projector's picture, dark or transparent where it must not light its surface; with
     /// CAMERA= for one camera
     #[arg(long, value_name = "[CAMERA=]FILE.png")]
-    pub mask: Vec<ForCamera<PathBuf>>,
+    pub mask: Vec<String>,
 }
 
 /// How a projector's light follows the level of a picture: as its power.
@@ -123,7 +75,7 @@ pub struct MountingArgs {
     /// Turn the picture clockwise by 0, 90, 180 or 270 degrees, or mirror it before: mirrored, mirrored-90,
     /// mirrored-180, mirrored-270; with CAMERA= for one camera
     #[arg(long, value_name = "[CAMERA=]ORIENTATION")]
-    pub orientation: Vec<ForCamera<Orientation>>,
+    pub orientation: Vec<String>,
 }
 
 /// When data are too old to be shown.
@@ -139,30 +91,16 @@ pub struct StaleArgs {
     pub stale_note: bool,
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_camera_has_its_own_value_or_that_of_all() {
-        let values: Vec<ForCamera<Orientation>> =
-            ["90", "Left = right=180", "270", "Left=mirrored"].iter().map(|text| text.parse().unwrap()).collect();
-        let of = |camera: &str| of_camera(&values, camera).map(ToString::to_string);
-        assert_eq!(of("Left").as_deref(), Some("mirrored"));
-        assert_eq!(of("Left = right").as_deref(), Some("180"));
-        assert_eq!(of("other").as_deref(), Some("270"));
-        assert_eq!(of_camera::<Orientation>(&[], "other"), None);
-        for wrong in ["", "=90", "Left=", "45"] {
-            assert!(wrong.parse::<ForCamera<Orientation>>().is_err(), "{wrong}");
-        }
+/// Reads the values of options with `CAMERA=` for a config with these cameras.
+///
+/// # Errors
+/// One line that names the option, the value, and the cameras where it names none of them.
+pub(crate) fn check_cameras(node: &NodeArgs, cameras: &[String]) -> Result<(), String> {
+    fn check<T: CameraValue>(option: &str, given: &[String], cameras: &[String]) -> Result<(), String> {
+        ForCamera::<T>::read_all(given, cameras).map(drop).map_err(|error| format!("{option}: {error}"))
     }
-
-    #[test]
-    fn a_keep_out_frame_has_a_radius_in_metres() {
-        let parse = |text: &str| text.parse::<KeepOutFrame>();
-        assert_eq!(parse("/head=0.4"), Ok(KeepOutFrame { frame: "head".to_owned(), radius_m: 0.4 }));
-        for wrong in ["head", "head=", "=1", "/=1", "head=0", "head=-1", "head=nan", "head=inf"] {
-            assert!(parse(wrong).is_err(), "{wrong}");
-        }
-    }
+    check::<String>("--mask-topic", &node.eye_safety.mask_topic, cameras)?;
+    check::<PathBuf>("--mask", &node.blend.mask, cameras)?;
+    check::<PathBuf>("--blend", &node.blend.blend, cameras)?;
+    check::<Orientation>("--orientation", &node.mounting.orientation, cameras)
 }

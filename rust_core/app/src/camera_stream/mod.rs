@@ -8,7 +8,6 @@ mod config_file;
 pub mod depth_image;
 mod lazy_streams;
 pub mod light_arguments;
-pub mod mask_image;
 mod new_camera;
 pub mod node;
 pub mod offline;
@@ -18,6 +17,7 @@ mod parameter_description;
 pub mod prediction;
 mod private_parameters;
 mod projection_warning;
+pub mod safety;
 pub mod stage;
 mod status_log;
 mod status_tree;
@@ -30,15 +30,15 @@ use std::process::ExitCode;
 
 use anyhow::{anyhow, Result};
 use clap::Parser;
-use rcs_render::LastStep;
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::restart;
-use rcs_rviz_config::{Config, Finding};
+use rcs_rviz_config::{Config, DisplaySettings, Finding};
 
 use crate::camera_stream::check::live::LiveArgs;
 use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
 use crate::camera_stream::config_file::find_config;
 use crate::camera_stream::offline::{Job, Section, Target};
+use crate::camera_stream::safety::names::ForCamera;
 use crate::camera_stream::stage::Stage;
 use crate::logging;
 use crate::small_node::{self, own_arguments};
@@ -84,6 +84,15 @@ pub fn main() -> ExitCode {
         Ok(config) => config,
         Err(error) => return invalid(&error),
     };
+    let node_args = match &cli.command {
+        Some(Command::Check(args)) => Some(&args.node),
+        None => Some(&cli.node),
+        Some(Command::Render(_) | Command::NewCamera(_)) => None,
+    };
+    let checked = node_args.map_or(Ok(()), |args| light_arguments::check_cameras(args, &camera_names(&config)));
+    if let Err(error) = checked {
+        return invalid(&error);
+    }
     let result = match &cli.command {
         Some(Command::Check(args)) if args.live => return check_live(&cli, args, &config),
         Some(Command::Check(args)) => {
@@ -96,6 +105,13 @@ pub fn main() -> ExitCode {
         Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
     };
     finished(result)
+}
+
+/// The names of a config's cameras, enabled or not.
+fn camera_names(config: &Config) -> Vec<String> {
+    let placed = config.placed_displays();
+    let cameras = placed.iter().filter(|placed| matches!(placed.display.settings, DisplaySettings::CameraPub(_)));
+    cameras.map(|placed| placed.display.name.clone()).collect()
 }
 
 /// The exit status of a result. An error is printed.
@@ -176,7 +192,8 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
         section: Section { at_secs: args.at, start_secs: args.start, end_secs: args.end },
         target: &target,
         model: cli.model.chosen(),
-        last_step: LastStep { orientation: args.orientation.unwrap_or_default(), ..LastStep::default() },
+        orientations: ForCamera::read_all(&args.orientation, &camera_names(config))
+            .map_err(|error| anyhow!("--orientation: {error}"))?,
     };
     let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
     offline::render(&mut stage, &job, renderer.as_mut())

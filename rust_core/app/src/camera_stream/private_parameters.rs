@@ -121,7 +121,7 @@ pub(crate) fn windows(ros: &RosNode, given: &ScreenArgs) -> Result<ScreenArgs> {
     args.set_mode = flag(ros, args.set_mode, "~set_mode")?;
     if args.windows.is_empty() && ros.has_param(WINDOW) {
         // A monitor's number is no string.
-        args.windows = texts(ros, WINDOW)?.iter().flat_map(|text| text.parse()).collect();
+        args.windows = texts(ros, WINDOW)?;
     }
     Ok(args)
 }

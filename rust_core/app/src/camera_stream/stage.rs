@@ -33,7 +33,9 @@ use std::time::{Duration, Instant};
 
 use nalgebra::Point3;
 use rcs_camera::{is_distorted, CameraModel, Lenses, NoLens};
-use rcs_displays::{time_from_stamp, CameraView, DisplaySet, Reconfigured, ShownMessage, TopicRequest, World};
+use rcs_displays::{
+    time_from_stamp, CameraView, DisplayAge, DisplaySet, Reconfigured, ShownMessage, TopicRequest, World,
+};
 use rcs_files::projector::fields_of;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
@@ -45,6 +47,7 @@ use rcs_scene::{DisplayId, Scene};
 use rcs_transforms::{Prediction, Time, TransformTree, UNCROWDED};
 
 use crate::camera_stream::camera_pose::{self, CameraProblem};
+use crate::camera_stream::safety::ages::SceneAges;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::frames::raw_transforms;
 
@@ -266,21 +269,6 @@ impl Stage {
         self.camera_infos.get(&camera.settings.camera_info_topic).map(|(info, _)| info)
     }
 
-    /// The last CameraInfo of a topic, by its name in the config, and what is known of its age.
-    pub(crate) fn received_camera_info(&self, topic: &str) -> Option<(&Arc<CameraInfo>, ShownMessage)> {
-        let (info, received) = self.camera_infos.get(topic)?;
-        Some((info, ShownMessage { stamp: time_from_stamp(info.header.stamp), received: *received }))
-    }
-
-    /// Until when a frame's place in the fixed frame is known; zero where nothing between them moves. None for the
-    /// fixed frame itself, and for a frame whose place is not known at all.
-    pub(crate) fn known_until(&self, frame: &str) -> Option<Time> {
-        let is_fixed = frame.trim_start_matches('/') == self.around.fixed_frame;
-        let found =
-            (!is_fixed).then(|| self.around.transforms.lookup_stamped(&self.around.fixed_frame, frame, Time::ZERO));
-        found?.ok().map(|(_, stamp)| stamp)
-    }
-
     /// Where a camera is and what it sees of the scene, from its last CameraInfo and the latest transforms, or
     /// what these [predict](Self::predict).
     ///
@@ -310,16 +298,38 @@ impl Stage {
         info.and_then(|_| self.no_lens(camera))
     }
 
-    /// Where the origin of a frame is in the fixed frame now, as far as that is known.
-    pub(crate) fn place_of(&self, frame: &str) -> Option<Point3<f64>> {
-        let place = self.around.world(Time::ZERO).fixed_from(frame, Time::ZERO).ok()?;
-        Some(Point3::from(place.translation.vector))
-    }
-
     /// Drops frames and messages: the time jumped back. CameraInfos are kept, as latched topics are not sent again.
     pub fn reset(&mut self) {
         self.around.transforms.clear();
         self.displays.reset();
+    }
+}
+
+impl SceneAges for Stage {
+    fn ages(&self) -> Vec<DisplayAge<'_>> {
+        self.displays.ages().collect()
+    }
+
+    fn camera_info_topics(&self) -> Vec<&str> {
+        self.cameras().iter().map(|view| view.settings.camera_info_topic.as_str()).collect()
+    }
+
+    fn received_camera_info(&self, topic: &str) -> Option<(&str, ShownMessage)> {
+        let (info, received) = self.camera_infos.get(topic)?;
+        let shown = ShownMessage { stamp: time_from_stamp(info.header.stamp), received: *received };
+        Some((&info.header.frame_id, shown))
+    }
+
+    fn known_until(&self, frame: &str) -> Option<Time> {
+        let is_fixed = frame.trim_start_matches('/') == self.around.fixed_frame;
+        let found =
+            (!is_fixed).then(|| self.around.transforms.lookup_stamped(&self.around.fixed_frame, frame, Time::ZERO));
+        found?.ok().map(|(_, stamp)| stamp)
+    }
+
+    fn place_of(&self, frame: &str) -> Option<Point3<f64>> {
+        let place = self.around.world(Time::ZERO).fixed_from(frame, Time::ZERO).ok()?;
+        Some(Point3::from(place.translation.vector))
     }
 }
 

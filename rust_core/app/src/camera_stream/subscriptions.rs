@@ -6,20 +6,12 @@ use std::time::{Duration, Instant};
 
 use rcs_displays::TopicRequest;
 use rcs_messages::MessageKind;
-use rcs_ros::{NodeEvent, Publishing, RosNode, TopicSubscription};
+use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
 use rcs_transforms::Time;
 
 use crate::camera_stream::lazy_streams::{Key, LazyStreams};
+use crate::camera_stream::safety::ages::Source;
 use crate::camera_stream::stage::Stage;
-
-/// Where the data of a subscribed topic come from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Source {
-    /// The topic's whole name.
-    pub(crate) topic: String,
-    /// Who is connected.
-    pub(crate) publishing: Publishing,
-}
 
 /// What is subscribed to, and the names that the config has for it.
 #[derive(Default)]

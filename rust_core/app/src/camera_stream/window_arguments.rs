@@ -1,10 +1,9 @@
 //! Arguments of the node's windows.
 
-use std::convert::Infallible;
-use std::str::FromStr;
-
 use clap::Args;
 use rcs_window::MonitorChoice;
+
+use crate::key_value::split_at_known;
 
 /// Which cameras are shown on monitors by the node itself.
 #[derive(Args, Clone, Debug, Default)]
@@ -13,7 +12,7 @@ pub struct ScreenArgs {
     /// auto (the last that is not primary); with CAMERA= where the config has several cameras; may be given several
     /// times
     #[arg(long = "window", value_name = "[CAMERA=]MONITOR")]
-    pub windows: Vec<CameraWindow>,
+    pub windows: Vec<String>,
     /// Set a monitor that runs another mode to its native one
     #[arg(long)]
     pub set_mode: bool,
@@ -21,24 +20,27 @@ pub struct ScreenArgs {
 
 /// A window for one camera.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CameraWindow {
+pub(crate) struct CameraWindow {
     /// The camera's name; `None` for the only one.
-    pub camera: Option<String>,
+    pub(crate) camera: Option<String>,
     /// Where it is shown; `None` for nowhere.
-    pub monitor: Option<MonitorChoice>,
+    pub(crate) monitor: Option<MonitorChoice>,
 }
 
-impl FromStr for CameraWindow {
-    type Err = Infallible;
-
-    fn from_str(text: &str) -> Result<Self, Infallible> {
-        let (camera, monitor) = match text.rsplit_once('=') {
-            Some((camera, monitor)) => (Some(camera.trim().to_owned()), monitor.trim()),
-            None => (None, text.trim()),
+impl CameraWindow {
+    /// Reads `CAMERA=MONITOR` or `MONITOR`, where the cameras are those of the config.
+    ///
+    /// # Errors
+    /// The name of a camera that is none of these.
+    pub(crate) fn read(text: &str, cameras: &[&str]) -> Result<Self, String> {
+        let (camera, monitor) = match (split_at_known(text, cameras.iter().copied()), text.split_once('=')) {
+            (Some((camera, monitor)), _) => (Some(camera.to_owned()), monitor),
+            (None, Some((unknown, _))) => return Err(unknown.trim().to_owned()),
+            (None, None) => (None, text.trim()),
         };
         let monitor = match monitor {
             "" | "none" => None,
-            monitor => Some(monitor.parse()?),
+            monitor => monitor.parse().ok(),
         };
         Ok(Self { camera, monitor })
     }
@@ -50,11 +52,12 @@ mod tests {
 
     #[test]
     fn a_window_is_a_monitor_with_or_without_its_camera() {
-        let read = |text: &str| text.parse::<CameraWindow>().unwrap();
+        let read = |text: &str| CameraWindow::read(text, &["a", "a=b", "Left"]).unwrap();
         let hdmi = MonitorChoice::NameOrIndex("HDMI-1".to_owned());
         assert_eq!(read("HDMI-1"), CameraWindow { camera: None, monitor: Some(hdmi.clone()) });
         assert_eq!(read("a=b=HDMI-1"), CameraWindow { camera: Some("a=b".to_owned()), monitor: Some(hdmi) });
         assert_eq!(read("auto").monitor, Some(MonitorChoice::Secondary));
         assert_eq!((read("").monitor, read("Left=none").monitor), (None, None));
+        assert_eq!(CameraWindow::read("Lef=HDMI-1", &["Left"]), Err("Lef".to_owned()));
     }
 }

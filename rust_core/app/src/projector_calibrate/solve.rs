@@ -12,6 +12,7 @@ use rcs_files::projector::ProjectorFile;
 use super::arguments::{size, Size};
 use super::placing::PlacingArguments;
 use super::{input, Failure};
+use crate::key_value;
 
 /// Solves for the projector's lens and pose, and writes the file that the program projector publishes
 ///
@@ -72,7 +73,7 @@ enum Focal {
 
 /// The name of a parameter and its value.
 fn fixed_parameter(text: &str) -> Result<(Parameter, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("not NAME=VALUE")?;
+    let (name, value) = key_value::split(text).ok_or("not NAME=VALUE")?;
     let parameter = match name.trim() {
         "fx" => Parameter::Fx,
         "fy" => Parameter::Fy,

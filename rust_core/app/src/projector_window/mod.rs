@@ -14,6 +14,8 @@ use rcs_messages::{AnyMessage, Image, MessageKind};
 use rcs_ros::NodeEvent;
 use rcs_window::{self as window, PictureSink, ReceivedPicture, ScreenPicture};
 
+use crate::camera_stream::outputs::window_permit;
+use crate::camera_stream::safety::permit::Permit;
 use crate::monitor_arguments::MonitorArguments;
 use crate::small_node::{self, EndRequest};
 use crate::window_watch::WindowWatch;
@@ -125,7 +127,7 @@ fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &Picture
             let NodeEvent::Message { message, .. } = event else { continue };
             match picture(subscription.topic(), &message) {
                 Ok(picture) => {
-                    picture.into_iter().for_each(|picture| sink.show(picture));
+                    picture.into_iter().for_each(|picture| show(sink, picture));
                     last_error = None;
                 }
                 // Each kind of error is logged once, however many pictures arrive.
@@ -141,6 +143,13 @@ fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &Picture
     // Here, because the window may wait for a display server that hangs.
     node.shutdown();
     Ok(())
+}
+
+/// Shows a picture. Whoever publishes a black one has a reason, of which nothing else is known here, so that it ends
+/// what a pause holds.
+fn show(sink: &PictureSink, picture: ScreenPicture) {
+    let permit = window_permit(&Permit::of_topic(picture.is_black()), None);
+    sink.show_permitted(picture, permit);
 }
 
 /// The picture of a message; `None` for messages of other types.

@@ -4,7 +4,7 @@
 //! the pictures, [`CameraHealth`] records problems and figures.
 //!
 //! A picture that has become false, because what it shows is too old, is followed by a black one at once, whatever the
-//! frame rate; see [`super::freshness`].
+//! frame rate; see [`crate::camera_stream::safety`].
 //!
 //! A camera belongs to both of the node's threads, see [`super::shared`]: the scene's thread draws its pictures, and
 //! the control thread answers calls and repeats the last picture while another is drawn for long. None of its methods
@@ -20,13 +20,12 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_render::LastStep;
 use rcs_ros::{RosNode, TriggerReply};
-use rcs_scene::{Camera, DepthPicture, DisplayMask, Picture, MAX_SIDE_PX};
+use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, MAX_SIDE_PX};
+use rcs_transforms::Time;
 
 use super::camera_health::CameraHealth;
 use super::camera_plan::CameraPlan;
-use super::content::{size_px, Content, Drawn, Light, Note};
-use super::freshness::Shown;
-use super::last_steps::CameraStep;
+use super::content::{size_px, Content, Drawn, Note};
 use super::latency::Update;
 use super::pacing::Pacing;
 use super::progress::Progress;
@@ -36,6 +35,8 @@ use crate::camera_stream::black_picture::black_picture;
 use crate::camera_stream::depth_image::{DepthEncoding, DepthImage};
 use crate::camera_stream::oriented_info::TurnedInfo;
 use crate::camera_stream::outputs::{Frame, Output, Outputs, TopicOutput};
+use crate::camera_stream::safety::causes::Dark;
+use crate::camera_stream::safety::{self, FramePolicy};
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::StatusEntry;
 
@@ -62,8 +63,10 @@ pub(super) struct CameraOutput {
     waiting_change: Option<(Content, Arc<LastStep>)>,
     /// When pictures for a window are begun.
     pacing: Pacing,
-    /// Whether a picture that is black because of its age says why.
-    note: Note,
+    /// What is left out because it is too old, and the size of pictures.
+    kind: (Vec<DisplayId>, [u32; 2]),
+    /// Counts the kinds of pictures that a window may not hold in each other's place.
+    scene: u64,
     turned_info: TurnedInfo,
     health: CameraHealth,
 }
@@ -81,6 +84,8 @@ struct LastPicture {
     picture: Arc<Picture>,
     /// Where depths were wanted.
     depth: Option<Arc<DepthImage>>,
+    /// Before post-processing, where a window may hold it below newer masks.
+    drawn: Option<Arc<Picture>>,
     of: Drawn,
 }
 
@@ -121,7 +126,8 @@ impl CameraOutput {
             depth_encoding: DepthEncoding::default(),
             waiting_change: None,
             pacing: Pacing::default(),
-            note: Note::NotShown,
+            kind: Default::default(),
+            scene: 0,
             turned_info: TurnedInfo::default(),
             health: CameraHealth::default(),
         }
@@ -145,6 +151,8 @@ impl CameraOutput {
         self.settings.update_from(ros, &plan.settings, switches);
         self.view = Arc::new(plan.view());
         self.connections = connections;
+        // What a window holds is of a config that may have had other displays.
+        self.scene += 1;
         self.global_frame_rate_hz = global_frame_rate_hz;
         self.has_new_settings = true;
         self.apply_new_settings(displays);
@@ -205,6 +213,7 @@ impl CameraOutput {
     /// Forgets the messages that the next picture would have been measured by: the time jumped back.
     pub(super) fn forget_messages(&mut self) {
         self.health.latency.forget();
+        self.scene += 1;
     }
 
     /// The usual time from looking up frames to publishing the picture, if it is watched and that was measured.
@@ -271,7 +280,7 @@ impl CameraOutput {
         &mut self,
         stage: &Stage,
         model: CameraModel,
-        light: Light<'_>,
+        policy: &FramePolicy,
         ros: &RosNode,
     ) -> Result<Progress<DuePicture>> {
         self.connections.outputs.topic.iter_mut().for_each(|topic| topic.attend(ros));
@@ -280,28 +289,23 @@ impl CameraOutput {
             self.health.latency.forget();
             return Ok(Progress::NotDue);
         }
-        let has_note = light.assessment.is_some_and(|assessment| assessment.has_note);
-        self.note = if has_note { Note::Shown } else { Note::NotShown };
         let camera = match stage.camera(&self.view, model) {
             Ok(camera) => camera,
             Err(problem) => {
                 let why = problem.to_string();
                 self.health.record_problem(&self.view.name, problem, Instant::now());
                 // The last picture must not pass for a current one.
-                if light.assessment.is_none() && !light.protects_eyes {
+                let Some(dark) = policy.without_camera(&why) else {
                     self.last = None;
                     return Ok(Progress::NotDue);
-                }
-                // Where the note would be lit is not known without a camera.
-                let note = if light.protects_eyes { Note::NotShown } else { self.note };
+                };
                 let info = stage.camera_info(&self.view).cloned();
-                return self.turn_black(info, light.step, (why, note), ros);
+                return self.turn_black(info, policy, dark, ros);
             }
         };
         self.health.clear_problem(&self.view.name);
         let Some(info) = stage.camera_info(&self.view).cloned() else { return Ok(Progress::NotDue) };
-        let shown = light.assessment.map(|all| all.of_camera(&self.view)).unwrap_or_default();
-        let (visible, drawn) = self.allowed(&camera, info, stage, shown, light.step);
+        let (visible, drawn) = self.allowed(&camera, info, stage, policy);
         let drawn = match self.due(drawn, ros)? {
             Progress::Begun(drawn) => drawn,
             Progress::NotDue => return Ok(Progress::NotDue),
@@ -321,25 +325,30 @@ impl CameraOutput {
         camera: &Camera,
         info: Arc<CameraInfo>,
         stage: &Stage,
-        Shown { hidden, black, until }: Shown,
-        step: &CameraStep,
+        policy: &FramePolicy,
     ) -> (DisplayMask, Drawn) {
-        // While it is not known where there may be light, no note is lit either.
-        let dark = step.dark.clone().map(|why| (why, Note::NotShown));
-        let black = dark.or(black.map(|why| (why, self.note)));
-        self.health.record_black(&self.view.name, black.as_ref().map(|(why, _)| why.as_str()));
+        self.health.record_dark(&self.view.name, policy.dark.as_ref());
         let mut visible = self.view.visible.clone();
-        hidden.iter().for_each(|display| visible.set(*display, false));
-        let content = match black {
-            Some((why, note)) => Content::Black { size_px: size_px(camera), why, note },
+        policy.hidden.iter().for_each(|display| visible.set(*display, false));
+        let kind = (policy.hidden.clone(), size_px(camera));
+        if self.kind != kind {
+            self.kind = kind;
+            self.scene += 1;
+        }
+        let content = match &policy.dark {
+            Some(dark) => Content::Black { size_px: size_px(camera), dark: dark.clone(), note: note(policy, dark) },
             None => {
                 let version = stage.displays().version_shown(&visible);
-                Content::Scene { version, camera: Box::new(camera.clone()), hidden }
+                Content::Scene { version, camera: Box::new(camera.clone()), hidden: policy.hidden.clone() }
             }
         };
-        let until = until.into_iter().chain(step.until).min();
         let looked_up = stage.prediction().map(|prediction| prediction.now);
-        (visible, Drawn { content, step: Arc::clone(&step.step), info, until, looked_up })
+        (visible, self.drawn(content, policy, info, looked_up))
+    }
+
+    fn drawn(&self, content: Content, policy: &FramePolicy, info: Arc<CameraInfo>, looked_up: Option<Time>) -> Drawn {
+        let (step, protects_eyes, until) = (Arc::clone(&policy.post), policy.protects_eyes, policy.valid_until);
+        Drawn { content, step, protects_eyes, scene: self.scene, info, until, looked_up }
     }
 
     /// The picture if it is due and differs from the last one. That one is published again if only that is due.
@@ -391,8 +400,8 @@ impl CameraOutput {
     fn turn_black(
         &mut self,
         info: Option<Arc<CameraInfo>>,
-        step: &CameraStep,
-        (why, note): (String, Note),
+        policy: &FramePolicy,
+        dark: Dark,
         ros: &RosNode,
     ) -> Result<Progress<DuePicture>> {
         let of_info = info.as_ref().map(|info| [info.width, info.height]);
@@ -404,8 +413,8 @@ impl CameraOutput {
             Content::Black { size_px, .. } => *size_px,
         });
         let Some(size_px) = of_info.filter(is_possible).or(of_last) else { return Ok(Progress::NotDue) };
-        let step = Arc::new(LastStep { orientation: step.step.orientation, ..LastStep::default() });
-        let drawn = Drawn { content: Content::Black { size_px, why, note }, step, info, until: None, looked_up: None };
+        let note = note(policy, &dark);
+        let drawn = self.drawn(Content::Black { size_px, dark, note }, &policy.unplaced(), info, None);
         match self.due(drawn, ros)? {
             Progress::Begun(drawn) => self.publish_black(drawn, ros).map(|()| Progress::Published),
             Progress::NotDue => Ok(Progress::NotDue),
@@ -416,16 +425,14 @@ impl CameraOutput {
     /// Publishes a black picture in the place of this content, and says why.
     fn publish_black(&mut self, of: Drawn, ros: &RosNode) -> Result<()> {
         let content = match of.content {
-            Content::Scene { camera, .. } => Content::Black {
-                size_px: size_px(&camera),
-                why: "the node is busy, and its data are too old by now".to_owned(),
-                note: Note::NotShown,
-            },
+            Content::Scene { camera, .. } => {
+                Content::Black { size_px: size_px(&camera), dark: safety::expired(), note: Note::NotShown }
+            }
             black => black,
         };
-        let Content::Black { size_px, why, note } = &content else { return Ok(()) };
+        let Content::Black { size_px, dark, note } = &content else { return Ok(()) };
         let size_px = *size_px;
-        let note = (*note == Note::Shown).then_some(why.as_str());
+        let note = (*note == Note::Shown).then_some(dark.why.as_str());
         let mut picture = black_picture(size_px, self.view.settings.image_encoding, note);
         of.step.apply(&mut picture, &mut Picture::default());
         let depth = self.connections.outputs.wants_depth().then(|| {
@@ -434,7 +441,7 @@ impl CameraOutput {
             Arc::new(DepthImage::new(&nowhere, self.depth_encoding, of.step.orientation))
         });
         let of = Drawn { content, until: None, ..of };
-        self.last = Some(LastPicture { picture: Arc::new(picture), depth, of });
+        self.last = Some(LastPicture { picture: Arc::new(picture), depth, drawn: None, of });
         self.publish_last(None, ros)
     }
 
@@ -482,16 +489,22 @@ impl CameraOutput {
         self.spare.take().and_then(|spare| Arc::try_unwrap(spare).ok()).unwrap_or_default()
     }
 
+    /// Whether the picture that was begun is wanted without its post-processing, too: a window may hold it below newer
+    /// masks.
+    pub(super) fn keeps_drawn(&self) -> bool {
+        self.connections.outputs.window.is_some() && self.in_flight.as_ref().is_some_and(|drawn| drawn.protects_eyes)
+    }
+
     /// What is to be done to the picture that was begun, when it is drawn.
     pub(super) fn last_step(&self) -> Arc<LastStep> {
         self.in_flight.as_ref().map(|drawn| Arc::clone(&drawn.step)).unwrap_or_default()
     }
 
-    /// Publishes the picture that was begun, now that it is finished.
+    /// Publishes the picture that was begun, now that it is finished; `drawn` is the one before post-processing.
     ///
     /// # Errors
     /// Those of the outputs.
-    pub(super) fn finish(&mut self, picture: Picture, ros: &RosNode) -> Result<()> {
+    pub(super) fn finish(&mut self, picture: Picture, drawn: Option<Arc<Picture>>, ros: &RosNode) -> Result<()> {
         let Some(of) = self.in_flight.take() else { return Ok(()) };
         self.health.drawn += 1;
         let is_similar = |spare: &Arc<Picture>| spare.data.len() <= 4 * picture.data.len();
@@ -499,7 +512,8 @@ impl CameraOutput {
         let published = if of.is_over(Instant::now()) {
             self.publish_black(of, ros)
         } else {
-            self.last = Some(LastPicture { picture: Arc::new(picture), depth: self.depth_in_flight.take(), of });
+            let depth = self.depth_in_flight.take();
+            self.last = Some(LastPicture { picture: Arc::new(picture), depth, drawn, of });
             self.publish_last(Some(Instant::now()), ros)
         };
         self.pacing.finish(Instant::now());
@@ -521,7 +535,8 @@ impl CameraOutput {
         let Some(last) = self.last.as_ref().filter(|_| !self.connections.outputs.is_empty()) else { return Ok(()) };
         let stamp = ros.now();
         let info = self.turned_info.of(&last.of.info, last.of.step.orientation);
-        let frame = Frame { picture: Arc::clone(&last.picture), info, depth: last.depth.clone(), stamp };
+        let (picture, depth, permit) = (Arc::clone(&last.picture), last.depth.clone(), last.of.permit());
+        let frame = Frame { picture, info, depth, stamp, permit, drawn: last.drawn.clone() };
         self.connections.outputs.send(&frame)?;
         if let Some(drawn) = drawn {
             self.health.latency.measure(drawn, Instant::now(), time_from_stamp(stamp));
@@ -531,5 +546,13 @@ impl CameraOutput {
         self.health.published += 1;
         self.schedule.clear_trigger();
         Ok(())
+    }
+}
+
+/// Whether a black picture says why it is black.
+fn note(policy: &FramePolicy, dark: &Dark) -> Note {
+    match policy.shows_note(dark) {
+        true => Note::Shown,
+        false => Note::NotShown,
     }
 }

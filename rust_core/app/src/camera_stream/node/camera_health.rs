@@ -11,6 +11,7 @@ use super::latency::Latency;
 use super::progress::Progress;
 use crate::camera_stream::camera_pose::CameraProblem;
 use crate::camera_stream::projection_warning::ProjectionWarning;
+use crate::camera_stream::safety::causes::Dark;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::logging::one_line;
@@ -33,7 +34,7 @@ pub(super) struct CameraHealth {
     /// Whether a problem was logged since the camera was last there: this one, or another before it.
     has_logged_problem: bool,
     /// Why the picture is black at present, though there is a camera.
-    black: Option<String>,
+    dark: Option<Dark>,
     /// Why a picture failed, unless one was published since.
     last_error: Option<String>,
     /// What makes a projection miss.
@@ -115,16 +116,16 @@ impl CameraHealth {
         }
     }
 
-    /// Records why the picture is black, if it is because of what is too old, and logs when that begins and ends.
-    pub(super) fn record_black(&mut self, camera: &str, why: Option<&str>) {
-        if self.black.as_deref() == why {
+    /// Records why the picture is black though there is a camera, and logs when that begins and ends.
+    pub(super) fn record_dark(&mut self, camera: &str, dark: Option<&Dark>) {
+        if self.dark.as_ref() == dark {
             return;
         }
-        match why {
+        match dark {
             Some(why) => log::warn!("camera {camera}: the picture is black: {why}"),
             None => log::info!("camera {camera}: the picture is shown again"),
         }
-        self.black = why.map(str::to_owned);
+        self.dark = dark.cloned();
     }
 
     /// The camera's statuses and figures.

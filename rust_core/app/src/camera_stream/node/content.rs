@@ -8,8 +8,8 @@ use rcs_render::LastStep;
 use rcs_scene::{Camera, DisplayId};
 use rcs_transforms::Time;
 
-use super::freshness::Assessment;
-use super::last_steps::CameraStep;
+use crate::camera_stream::safety::causes::Dark;
+use crate::camera_stream::safety::permit::Permit;
 
 /// What a picture shows.
 #[derive(Clone, PartialEq)]
@@ -17,7 +17,7 @@ pub(super) enum Content {
     /// The scene in this state, without the displays that are too old.
     Scene { version: u64, camera: Box<Camera>, hidden: Vec<DisplayId> },
     /// Nothing. The size is that before the picture is turned.
-    Black { size_px: [u32; 2], why: String, note: Note },
+    Black { size_px: [u32; 2], dark: Dark, note: Note },
 }
 
 /// Whether a black picture says why it is black.
@@ -27,22 +27,15 @@ pub(super) enum Note {
     NotShown,
 }
 
-/// What pictures of this moment may show, and what is done to them when they are drawn.
-#[derive(Clone, Copy)]
-pub(super) struct Light<'a> {
-    /// What is too old, where that matters.
-    pub(super) assessment: Option<&'a Assessment>,
-    /// The camera's last step.
-    pub(super) step: &'a CameraStep,
-    /// Whether there are masks or keep-out frames.
-    pub(super) protects_eyes: bool,
-}
-
 /// A picture's content, what is done to it, and its CameraInfo.
 #[derive(Clone)]
 pub(super) struct Drawn {
     pub(super) content: Content,
     pub(super) step: Arc<LastStep>,
+    /// Whether the camera has masks on a topic, or keep-out frames.
+    pub(super) protects_eyes: bool,
+    /// Another number where other data are left out, or of another config.
+    pub(super) scene: u64,
     pub(super) info: Arc<CameraInfo>,
     /// Until when it is true if nothing new arrives.
     pub(super) until: Option<Instant>,
@@ -62,12 +55,21 @@ impl Content {
 }
 
 impl Drawn {
+    /// What a window may show in its place.
+    pub(super) fn permit(&self) -> Permit {
+        let dark = match &self.content {
+            Content::Scene { .. } => None,
+            Content::Black { dark, .. } => Some(dark),
+        };
+        Permit::new(dark, self.protects_eyes, self.scene, &self.step)
+    }
+
     /// Whether a picture of the other one looks the same.
     pub(super) fn shows_the_same(&self, other: &Self) -> bool {
         self.content == other.content && self.step == other.step
     }
 
-    /// Whether it is not true any more.
+    /// Whether it has expired.
     pub(super) fn is_over(&self, now: Instant) -> bool {
         self.until.is_some_and(|until| until < now)
     }

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use rcs_camera::{CameraModel, Projection};
 use rcs_displays::{time_from_stamp, Reconfigured};
+use rcs_messages::AnyMessage;
 use rcs_render::{CpuRenderer, Finished, RenderError, Renderer, RendererChoice, View};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::NodeEvent;
@@ -18,21 +19,23 @@ use rcs_transforms::Time;
 use super::activity::Step;
 use super::camera::{self, CameraOutput};
 use super::camera_plan;
-use super::content::Light;
 use super::costs::Costs;
-use super::freshness::limits::Limits;
-use super::freshness::{Assessment, Freshness, Now};
-use super::last_steps::{CameraStep, LastSteps, LitView};
 use super::latency::Update;
 use super::oriented_frames::OrientedFrames;
 use super::progress::Progress;
+use super::rules::{self, MaskTopics};
+use super::safety_status;
 use super::shared::{Reload, Shared};
 use super::windows::Windows;
+use crate::camera_stream::camera_names;
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::depth_image::DepthEncoding;
 use crate::camera_stream::prediction::PredictionSettings;
 use crate::camera_stream::private_parameters;
+use crate::camera_stream::safety::ages::{Assessment, Now};
+use crate::camera_stream::safety::{FramePolicy, LitView, Safety};
 use crate::camera_stream::stage::{renderer_view, Stage};
+use crate::camera_stream::status_tree::EntryKind;
 use crate::camera_stream::subscriptions::Subscriptions;
 use crate::camera_stream::visibility::{self, PlacedCamera};
 
@@ -52,13 +55,10 @@ pub(super) struct SceneLoop {
     prediction: PredictionSettings,
     /// Streams that nobody watches are not received.
     is_lazy: bool,
-    /// `None` where nothing is ever too old.
-    freshness: Option<Freshness>,
-    /// What was too old when pictures were last looked for.
-    assessment: Option<Assessment>,
-    last_steps: LastSteps,
+    safety: Safety,
+    masks: MaskTopics,
     /// Those of the cameras, when pictures were last looked for.
-    steps: Vec<CameraStep>,
+    policies: Vec<FramePolicy>,
     oriented_frames: OrientedFrames,
     depth_encoding: DepthEncoding,
     /// How far away is what the picture at hand shows.
@@ -90,10 +90,8 @@ impl SceneLoop {
         let is_lazy = private_parameters::switch(ros, cli.node.no_lazy.then_some(false), "~lazy")?;
         let depth_encoding = private_parameters::depth_encoding(ros, cli.node.depth.depth_encoding)?;
         let prediction = PredictionSettings::read(ros, &cli.node.prediction)?;
-        let limits = Limits::read(ros, &cli.node.stale)?;
-        let stale_timeout = limits.for_all_topics();
-        let freshness = Freshness::new(limits);
-        let last_steps = LastSteps::start(ros, &cli.node)?;
+        let (rules, masks) = rules::read(ros, &cli.node, &camera_names(config))?;
+        let safety = Safety::new(rules);
         let renderer = rcs_render::create(renderer_choice)?;
         let resources = private_parameters::resources(ros, &cli.resources)?;
         let events = Arc::clone(ros.events());
@@ -104,7 +102,7 @@ impl SceneLoop {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
         let plans = camera_plan::plans(ros, config)?;
-        let windows = Windows::open(ros, &cli.node.screens, stale_timeout, &plans)?;
+        let windows = Windows::open(ros, &cli.node.screens, &safety, &plans)?;
         let cameras = camera_plan::rearrange(ros, plans, Vec::new(), config, stage.displays(), &windows);
         ros.subscribe_transforms()?;
         let mut subscriptions = Subscriptions::default();
@@ -121,10 +119,9 @@ impl SceneLoop {
             model,
             prediction,
             is_lazy: is_lazy.unwrap_or(true),
-            freshness,
-            assessment: None,
-            last_steps,
-            steps: Vec::new(),
+            safety,
+            masks,
+            policies: Vec::new(),
             oriented_frames: OrientedFrames::default(),
             depth_encoding,
             depth: DepthPicture::default(),
@@ -229,6 +226,10 @@ impl SceneLoop {
         }
         let Reconfigured { kept, added, removed } = changed;
         let changed = format!("{}: {kept} displays kept, {added} added, {removed} removed", config.source);
+        let changed = match self.safety.set_cameras(&camera_names(&config)) {
+            Some(why) => format!("{changed}; all cameras are dark: {why}"),
+            None => changed,
+        };
         match reply {
             Some(reply) => reply.send(true, changed),
             None => log::info!("the config changed: {changed}"),
@@ -255,8 +256,8 @@ impl SceneLoop {
         let change = self.stage.displays().next_change().map(|change| change.saturating_since(self.now()));
         let diagnostics = self.shared.diagnostics().until_due(now);
         // A little later, so that it is over then.
-        let stale = self.assessment.as_ref().and_then(Assessment::next_change).into_iter();
-        let stale = stale.chain(self.steps.iter().filter_map(|step| step.until)).min();
+        let stale = self.safety.assessment().and_then(Assessment::next_change).into_iter();
+        let stale = stale.chain(self.policies.iter().filter_map(|policy| policy.valid_until)).min();
         let stale = stale.map(|at| at.saturating_duration_since(now) + Duration::from_millis(1));
         cameras.into_iter().chain(change).chain(stale).fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
     }
@@ -273,9 +274,7 @@ impl SceneLoop {
         for entry in entries.iter_mut().filter(|entry| self.subscriptions.is_paused(&entry.topic)) {
             entry.values.push(("received", "not while nobody watches".to_owned()));
         }
-        if let Some(assessment) = &self.assessment {
-            assessment.add_statuses(&mut entries);
-        }
+        safety_status::add(&mut entries, &self.safety);
         let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
         if is_published {
             // This may take long, so the cameras are not locked meanwhile.
@@ -284,13 +283,9 @@ impl SceneLoop {
             let placed: Vec<_> = views.iter().map(|view| PlacedCamera { view, camera: place(view) }).collect();
             visibility::add(&mut entries, stage.displays(), &placed);
         }
-        entries.extend(shared.cameras().iter().map(|camera| {
-            let mut entry = camera.status_entry(stage, model);
-            if let Some(assessment) = &self.assessment {
-                assessment.add_camera_status(&mut entry, camera.view());
-            }
-            entry
-        }));
+        entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(stage, model)));
+        let cameras = entries.iter_mut().filter(|entry| entry.kind == EntryKind::Camera);
+        cameras.zip(&self.policies).for_each(|(entry, policy)| safety_status::add_dark(entry, policy));
         shared.diagnostics().report(&shared.ros, entries);
     }
 
@@ -306,8 +301,8 @@ impl SceneLoop {
             NodeEvent::Transforms { received, is_static, .. } => {
                 self.shared.activity.begin(Step::Event);
                 self.transforms_received = Some(*received);
-                if let (Some(freshness), false) = (&mut self.freshness, is_static) {
-                    freshness.note_transforms(*received);
+                if !is_static {
+                    self.safety.note_transforms(*received);
                 }
             }
             NodeEvent::TimeJumpedBack { from, to } => {
@@ -317,11 +312,13 @@ impl SceneLoop {
                     time_from_stamp(*to)
                 );
                 self.shared.cameras().iter_mut().for_each(CameraOutput::forget_messages);
-                self.freshness.iter_mut().for_each(Freshness::reset);
+                self.safety.reset();
             }
             _ => self.shared.activity.begin(Step::Event),
         }
-        self.last_steps.take(&event);
+        if let NodeEvent::Message { topic, message: AnyMessage::Image(image), received, .. } = &event {
+            self.safety.take_image(topic, image, *received);
+        }
         let now = self.now();
         self.subscriptions.apply(event, &mut self.stage, now);
     }
@@ -357,38 +354,27 @@ impl SceneLoop {
         }
     }
 
-    /// Looks at what is too old by now.
+    /// Asks what the cameras may show now.
     fn assess(&mut self) {
         let now = Now { ros: self.now(), steady: Instant::now() };
-        let (stage, subscriptions) = (&self.stage, &self.subscriptions);
-        let assess =
-            |freshness: &mut Freshness| freshness.assess(stage, |name, kind| subscriptions.source(name, kind), now);
-        self.assessment = self.freshness.as_mut().map(assess);
-        self.assess_steps(now);
-    }
-
-    /// What is done to the cameras' pictures now.
-    fn assess_steps(&mut self, now: Now) {
-        if self.last_steps.is_nothing() {
-            let cameras = self.shared.cameras().len();
-            return self.steps.resize(cameras, CameraStep::default());
-        }
         let stage = &self.stage;
         // Where the projector's light goes, however the picture is drawn.
         let model = CameraModel { projection: Projection::Exact, undistort: true };
         let views: Vec<_> = self.shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
-        let needs_camera = self.last_steps.protects_eyes();
+        let needs_camera = self.safety.needs_cameras();
         let cameras: Vec<_> =
             views.iter().map(|view| needs_camera.then(|| stage.camera(view, model).ok()).flatten()).collect();
         let lit = views.iter().zip(&cameras).map(|(view, camera)| LitView {
-            name: &view.name,
+            view,
             camera: camera.as_ref(),
             unknown_lens: camera.as_ref().and_then(|camera| stage.unknown_lens(view, camera)),
         });
-        self.steps = self.last_steps.assess(lit, stage, now);
-        for (view, step) in views.iter().zip(&self.steps) {
+        let lit: Vec<_> = lit.collect();
+        let source = |name: &str, kind| self.masks.source(name).or_else(|| self.subscriptions.source(name, kind));
+        self.policies = self.safety.assess(stage, &lit, source, now);
+        for (view, policy) in views.iter().zip(&self.policies) {
             if let Some(info) = stage.camera_info(view) {
-                self.oriented_frames.add(&self.shared.ros, &info.header.frame_id, step.step.orientation);
+                self.oriented_frames.add(&self.shared.ros, &info.header.frame_id, policy.post.orientation);
             }
         }
     }
@@ -396,11 +382,9 @@ impl SceneLoop {
     /// Begins the picture of a camera if one is due and has changed.
     fn begin(&mut self, index: usize) -> Result<Progress> {
         let shared = Arc::clone(&self.shared);
-        let (assessment, protects_eyes) = (self.assessment.as_ref(), self.last_steps.protects_eyes());
-        let Some(step) = self.steps.get(index) else { return Ok(Progress::NotDue) };
-        let light = Light { assessment, step, protects_eyes };
+        let Some(policy) = self.policies.get(index) else { return Ok(Progress::NotDue) };
         let begun = match shared.cameras().get_mut(index) {
-            Some(camera) => camera.begin_if_due(&self.stage, self.model, light, &shared.ros)?,
+            Some(camera) => camera.begin_if_due(&self.stage, self.model, policy, &shared.ros)?,
             None => Progress::NotDue,
         };
         let due = match begun {
@@ -445,8 +429,10 @@ impl SceneLoop {
 
     fn finish_picture(&mut self, index: usize, picture: &mut Picture) -> Result<Progress> {
         let step = self.shared.cameras().get(index).map(CameraOutput::last_step).unwrap_or_default();
+        let keeps_drawn = self.shared.cameras().get(index).is_some_and(CameraOutput::keeps_drawn);
         // It is lost where the renderer lost those of all cameras.
         let Finished::Drawn = self.renderer.finish(picture)? else { return Ok(Progress::NotDue) };
+        let drawn = keeps_drawn.then(|| Arc::new(picture.clone()));
         step.apply(picture, &mut self.turned);
         let slow = self.costs.slow_picture(self.renderer.as_ref(), self.stage.displays());
         let mut cameras = self.shared.cameras();
@@ -454,7 +440,7 @@ impl SceneLoop {
         if let Some(slow) = slow {
             camera.record_slow_picture(slow);
         }
-        camera.finish(std::mem::take(picture), &self.shared.ros).map(|()| Progress::Published)
+        camera.finish(std::mem::take(picture), drawn, &self.shared.ros).map(|()| Progress::Published)
     }
 
     /// Records the result of rendering and publishing a camera's picture. An error is logged once and does not end the

@@ -1,19 +1,16 @@
 //! The node's windows, each of which shows one camera.
 
 use std::sync::Arc;
-use std::time::Duration;
 
-use anyhow::{bail, Context, Result};
+use anyhow::{anyhow, bail, Context, Error, Result};
 use rcs_ros::RosNode;
 use rcs_window::WindowOptions;
 
 use super::camera_plan::CameraPlan;
-use crate::camera_stream::outputs::{WindowOutput, WindowThread};
+use crate::camera_stream::outputs::{test_light, WindowOutput, WindowThread};
 use crate::camera_stream::private_parameters;
-use crate::camera_stream::window_arguments::ScreenArgs;
-
-/// A window becomes black after this at the earliest when the node stops: it is told less often that all is well.
-const LEAST_STALE_TIMEOUT: Duration = Duration::from_secs(1);
+use crate::camera_stream::safety::Safety;
+use crate::camera_stream::window_arguments::{CameraWindow, ScreenArgs};
 
 /// The windows, as long as the node runs. Dropped, it closes them.
 #[derive(Default)]
@@ -26,30 +23,27 @@ struct Window {
 }
 
 impl Windows {
-    /// Opens those of `--window` and `~window` for the cameras of a config. They become black when the node has neither
-    /// drawn nor confirmed a picture for `stale_timeout`.
+    /// Opens those of `--window` and `~window` for the cameras of a config.
     ///
     /// # Errors
     /// One line that names what is wrong: no such camera, or a window for none of several.
-    pub(super) fn open(
-        ros: &RosNode,
-        given: &ScreenArgs,
-        stale_timeout: Option<Duration>,
-        plans: &[CameraPlan],
-    ) -> Result<Self> {
-        // The scene's thread confirms pictures at least twice a second.
-        let stale_timeout = stale_timeout.map(|timeout| timeout.max(LEAST_STALE_TIMEOUT));
+    pub(super) fn open(ros: &RosNode, given: &ScreenArgs, safety: &Safety, plans: &[CameraPlan]) -> Result<Self> {
+        let names: Vec<_> = plans.iter().map(CameraPlan::name).collect();
         let args = private_parameters::windows(ros, given)?;
         let mut windows = Self::default();
         for wanted in args.windows {
+            let wanted = CameraWindow::read(&wanted, &names).map_err(|unknown| no_camera(&unknown, &names))?;
             let Some(monitor) = wanted.monitor else { continue };
-            let camera = camera(wanted.camera.as_deref(), plans)?;
+            let camera = camera(wanted.camera, &names)?;
             if windows.0.iter().any(|window| window.camera == camera) {
                 bail!("--window: camera {camera} has two windows");
             }
             let source = format!("camera {camera}");
+            let silent = safety.silent_window(&camera);
+            let (stale_timeout, test_light) = (silent.timeout, test_light(&silent.permit, None));
+            let set_mode = args.set_mode;
             let options =
-                WindowOptions { source, monitor, set_mode: args.set_mode, stale_timeout, ..WindowOptions::default() };
+                WindowOptions { source, monitor, set_mode, stale_timeout, test_light, ..WindowOptions::default() };
             windows.0.push(Window::open(ros, camera, options)?);
         }
         Ok(windows)
@@ -78,15 +72,15 @@ impl Window {
 }
 
 /// The camera that a window is for.
-fn camera(wanted: Option<&str>, plans: &[CameraPlan]) -> Result<String> {
-    let names = || plans.iter().map(CameraPlan::name).collect::<Vec<_>>().join(", ");
-    match (wanted, plans) {
-        (Some(wanted), plans) => match plans.iter().find(|plan| plan.name() == wanted) {
-            Some(plan) => Ok(plan.name().to_owned()),
-            None => bail!("--window: the config has no enabled camera {wanted}; there are: {}", names()),
-        },
-        (None, [plan]) => Ok(plan.name().to_owned()),
+fn camera(wanted: Option<String>, cameras: &[&str]) -> Result<String> {
+    match (wanted, cameras) {
+        (Some(wanted), _) => Ok(wanted),
+        (None, [camera]) => Ok((*camera).to_owned()),
         (None, []) => bail!("--window: the config has no enabled camera"),
-        (None, _) => bail!("--window: which camera? Give CAMERA=MONITOR; there are: {}", names()),
+        (None, _) => bail!("--window: which camera? Give CAMERA=MONITOR; there are: {}", cameras.join(", ")),
     }
+}
+
+fn no_camera(wanted: &str, cameras: &[&str]) -> Error {
+    anyhow!("--window: the config has no enabled camera {wanted}; there are: {}", cameras.join(", "))
 }

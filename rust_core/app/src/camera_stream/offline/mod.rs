@@ -16,7 +16,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rcs_bag::Bag;
 use rcs_camera::CameraModel;
 use rcs_displays::{time_from_stamp, CameraView};
-use rcs_render::{LastStep, Renderer};
+use rcs_render::{LastStep, Orientation, Renderer};
 use rcs_resources::PackageIndex;
 use rcs_scene::Picture;
 use rcs_transforms::Time;
@@ -25,7 +25,10 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use crate::camera_stream::camera_pose::CameraProblem;
 use crate::camera_stream::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
 use crate::camera_stream::projection_warning::ProjectionWarning;
+use crate::camera_stream::safety::names::{of_camera, ForCamera};
+use crate::camera_stream::safety::FramePolicy;
 use crate::camera_stream::stage::{renderer_view, Stage};
+use crate::key_value;
 
 pub use moments::Section;
 use moments::{BagTimes, Moments};
@@ -73,8 +76,8 @@ pub struct Job<'a> {
     pub target: &'a Target,
     /// How P becomes a projection.
     pub model: CameraModel,
-    /// What is done to each picture when it is drawn.
-    pub last_step: LastStep,
+    /// How pictures are turned when they are drawn.
+    pub orientations: Vec<ForCamera<Orientation>>,
 }
 
 /// Renders what one camera of the stage sees of a bag.
@@ -85,6 +88,8 @@ pub struct Job<'a> {
 /// One line that names the bag, the camera, the topic, the frame or the file that is the reason.
 pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> Result<()> {
     let view = choose_camera(stage.cameras(), job.camera)?.clone();
+    let orientation = of_camera(&job.orientations, &view.name).copied().unwrap_or_default();
+    let policy = FramePolicy::offline(LastStep { orientation, ..LastStep::default() });
     let bag = Bag::open(job.bag)?;
     let Some((start, end)) = bag.time_range() else { bail!("{}: the bag holds no messages", job.bag.display()) };
     let times = BagTimes { start: time_from_stamp(start), end: time_from_stamp(end) };
@@ -112,9 +117,9 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
         projection.check(stage, &view, job.model);
         let scene = stage.scene();
         renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
-        job.last_step.apply(Arc::make_mut(&mut picture), &mut turned);
+        policy.post.apply(Arc::make_mut(&mut picture), &mut turned);
         let info = stage.camera_info(&view).cloned().unwrap_or_default();
-        output.send(&Frame { picture: Arc::clone(&picture), info, depth: None, stamp: ros_time(moment) })?;
+        output.send(&Frame { picture: Arc::clone(&picture), info, stamp: ros_time(moment), ..Frame::default() })?;
         progress.inc(1);
     }
     output.finish()?;
@@ -216,7 +221,7 @@ const MAX_PARAMETER_BYTES: u64 = 64 << 20;
 pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<HashMap<String, Arc<str>>> {
     let read = |parameter: &String| {
         let (name, file) =
-            parameter.split_once('=').with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
+            key_value::split(parameter).with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
         let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
         let mut bytes = Vec::new();
         let opened = File::open(&path);

@@ -21,14 +21,15 @@ use rcs_scene::Picture;
 use rcs_window::Refresh;
 
 use crate::camera_stream::depth_image::DepthImage;
+use crate::camera_stream::safety::permit::Permit;
 
 pub use picture_files::{PictureFile, PictureSequence, SequenceError};
 pub use topic::{retain, TopicNames, TopicOutput};
 pub use video::{VideoError, VideoFile};
-pub use window::{WindowOutput, WindowThread};
+pub use window::{test_light, window_permit, WindowOutput, WindowThread};
 
 /// A finished picture with the CameraInfo it was drawn with. Cheap to clone: picture and CameraInfo are shared.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// The picture. Its memory is drawn into again once no output holds it any more.
     pub picture: Arc<Picture>,
@@ -38,6 +39,10 @@ pub struct Frame {
     pub depth: Option<Arc<DepthImage>>,
     /// When the picture is handed on, in ROS time.
     pub stamp: Time,
+    /// What a window may show in its place.
+    pub permit: Permit,
+    /// The picture before post-processing, for a window that may hold it below newer masks.
+    pub drawn: Option<Arc<Picture>>,
 }
 
 /// Why a frame was not handed on.

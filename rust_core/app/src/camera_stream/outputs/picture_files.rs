@@ -126,7 +126,6 @@ impl Output for PictureSequence {
 mod tests {
     use std::sync::Arc;
 
-    use rcs_messages::Time;
     use rcs_scene::{Encoding, Picture};
 
     use super::*;
@@ -137,7 +136,7 @@ mod tests {
         let frame = |width_px: u32| {
             let mut picture = Picture::default();
             picture.reset(width_px, 1, Encoding::Mono8);
-            Frame { picture: Arc::new(picture), info: Arc::default(), depth: None, stamp: Time::default() }
+            Frame { picture: Arc::new(picture), ..Frame::default() }
         };
         let (file, sequence) = (folder.path().join("one.png"), folder.path().join("new/folder"));
         let mut outputs: [Box<dyn Output>; 2] =

@@ -9,9 +9,12 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use rcs_window::{run_with, PictureSink, Refresh, UserEvent, WindowOptions};
+use rcs_render::LastStep;
+use rcs_scene::{Encoding, Picture};
+use rcs_window::{run_with, Light, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit};
 
 use super::{Frame, Output, OutputError};
+use crate::camera_stream::safety::permit::{Allowance, Permit};
 use crate::camera_stream::watchdog::{self, Task, Worker};
 
 /// How long a window that could not be opened is left alone.
@@ -136,7 +139,10 @@ fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake:
 impl Output for WindowOutput {
     fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
         if self.is_watched() {
-            self.sink.show_drawn(Arc::clone(&frame.picture));
+            let drawn_px = frame.permit.post.orientation.size_px([frame.picture.width_px, frame.picture.height_px]);
+            let permit = window_permit(&frame.permit, Some(drawn_px));
+            let (picture, drawn) = (Arc::clone(&frame.picture), frame.drawn.clone());
+            self.sink.show_drawn(LitPicture { picture, drawn, permit });
         }
         Ok(())
     }
@@ -147,6 +153,62 @@ impl Output for WindowOutput {
 
     fn take_new_watcher(&mut self) -> bool {
         self.viewer.is_new.swap(false, Ordering::AcqRel)
+    }
+}
+
+/// What a window may show in place of an image whose pictures have this size before they are turned; without one, of
+/// the monitor's.
+pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermit {
+    WindowPermit {
+        paused: light(permit.paused, permit, drawn_px),
+        test: test_light(permit, drawn_px),
+        scene: permit.scene,
+    }
+}
+
+/// What test pictures may light.
+pub fn test_light(permit: &Permit, drawn_px: Option<[u32; 2]>) -> Light {
+    light(permit.test, permit, drawn_px)
+}
+
+fn light(allowance: Allowance, permit: &Permit, drawn_px: Option<[u32; 2]>) -> Light {
+    match allowance {
+        Allowance::All => Light::All,
+        Allowance::Masked => Light::Masked(Arc::new(PostMask { post: Arc::clone(&permit.post), drawn_px })),
+        Allowance::Nothing => Light::Nothing,
+    }
+}
+
+/// A camera's post-processing, for what a window shows in place of its image.
+#[derive(Debug)]
+struct PostMask {
+    post: Arc<LastStep>,
+    /// Width and height before turning.
+    drawn_px: Option<[u32; 2]>,
+}
+
+impl Mask for PostMask {
+    fn post_process(&self, drawn: &Picture) -> Picture {
+        let mut picture = drawn.clone();
+        self.post.apply(&mut picture, &mut Picture::default());
+        picture
+    }
+
+    fn shares(&self, monitor_px: [u32; 2]) -> Picture {
+        let [width_px, height_px] = self.drawn_px.unwrap_or_else(|| self.post.orientation.size_px(monitor_px));
+        let mut turned = Picture::default();
+        turned.reset(width_px, height_px, Encoding::Mono8);
+        turned.data.fill(u8::MAX);
+        // A share of the light is no mask.
+        LastStep { blend: None, ..(*self.post).clone() }.apply(&mut turned, &mut Picture::default());
+        let mut shares = Picture::default();
+        shares.reset(monitor_px[0], monitor_px[1], Encoding::Mono8);
+        let rows = shares.data.chunks_mut(monitor_px[0].max(1) as usize);
+        for (to, from) in rows.zip(turned.data.chunks(turned.width_px.max(1) as usize)) {
+            let width = to.len().min(from.len());
+            to.iter_mut().zip(from.iter().take(width)).for_each(|(to, from)| *to = *from);
+        }
+        shares
     }
 }
 

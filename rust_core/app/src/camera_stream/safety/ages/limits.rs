@@ -4,11 +4,7 @@ use std::collections::HashMap;
 use std::str::FromStr;
 use std::time::Duration;
 
-use anyhow::{anyhow, Result};
-use rcs_ros::RosNode;
-
-use crate::camera_stream::light_arguments::StaleArgs;
-use crate::camera_stream::private_parameters::{flag, strings};
+use crate::key_value;
 
 /// The topic by whose name the age of transforms is limited.
 const TRANSFORMS: &str = "/tf";
@@ -55,7 +51,7 @@ impl FromStr for StaleTimeout {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (topic, limit) =
-            text.split_once('=').map_or((None, text), |(topic, limit)| (Some(topic.to_owned()), limit));
+            key_value::split(text).map_or((None, text), |(topic, limit)| (Some(topic.to_owned()), limit));
         match (&topic, limit.parse()?) {
             (Some(topic), _) if topic.trim_matches('/').is_empty() => Err(format!("{text}: no topic before the =")),
             (None, Limit::Held) => Err("held is for single topics: TOPIC=held".to_owned()),
@@ -66,41 +62,25 @@ impl FromStr for StaleTimeout {
 
 /// The limits of all topics.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(in crate::camera_stream) struct Limits {
+pub struct Limits {
     general: Limit,
     /// By whole name.
     by_topic: HashMap<String, Limit>,
     /// Whether a black picture says why it is black.
-    pub(in crate::camera_stream) has_note: bool,
+    pub has_note: bool,
 }
 
 impl Limits {
-    /// Those of the command line, else of the node's parameters.
-    ///
-    /// # Errors
-    /// A parameter without a valid value, or the name of a topic that ROS does not allow.
-    pub(in crate::camera_stream) fn read(ros: &RosNode, args: &StaleArgs) -> Result<Self> {
-        const GENERAL: &str = "~stale_timeout";
-        const TOPICS: &str = "~stale_timeouts";
-        let mut limits = Self { general: Limit::Never, by_topic: HashMap::new(), has_note: false };
-        if let Some(text) = ros.text_param(GENERAL)? {
-            limits.general = match text.parse() {
-                Ok(Limit::Held) | Err(_) => Err(anyhow!("parameter {GENERAL}: seconds from 0 (off) to 86400")),
-                Ok(limit) => Ok(limit),
-            }?;
-        }
-        for text in strings(ros, TOPICS)? {
-            let timeout = text.parse::<StaleTimeout>().map_err(|error| anyhow!("parameter {TOPICS}: {error}"))?;
-            limits.set(timeout, |topic| Ok(ros.resolve(topic)?))?;
-        }
-        for timeout in &args.stale_timeout {
-            limits.set(timeout.clone(), |topic| Ok(ros.resolve(topic)?))?;
-        }
-        limits.has_note = flag(ros, args.stale_note, "~stale_note")?;
-        Ok(limits)
+    /// No limits.
+    pub fn off() -> Self {
+        Self { general: Limit::Never, by_topic: HashMap::new(), has_note: false }
     }
 
-    pub(super) fn set(&mut self, timeout: StaleTimeout, whole_name: impl Fn(&str) -> Result<String>) -> Result<()> {
+    /// Sets a limit. `whole_name` gives a topic's.
+    ///
+    /// # Errors
+    /// That of `whole_name`.
+    pub fn set<E>(&mut self, timeout: StaleTimeout, whole_name: impl Fn(&str) -> Result<String, E>) -> Result<(), E> {
         match timeout.topic {
             None => self.general = timeout.limit,
             Some(topic) => {
@@ -111,7 +91,7 @@ impl Limits {
     }
 
     /// That of topics that have none of their own.
-    pub(in crate::camera_stream) fn for_all_topics(&self) -> Option<Duration> {
+    pub(in super::super) fn for_all_topics(&self) -> Option<Duration> {
         match self.general {
             Limit::After(limit) => Some(limit),
             Limit::Held | Limit::Never => None,
@@ -144,7 +124,7 @@ impl Limits {
     }
 
     /// The same, with this limit for all topics that have none.
-    pub(in crate::camera_stream) fn or_after(self, limit: Duration) -> Self {
+    pub(in super::super) fn or_after(self, limit: Duration) -> Self {
         let general = if self.general == Limit::Never { Limit::After(limit) } else { self.general };
         Self { general, ..self }
     }
@@ -180,7 +160,7 @@ mod tests {
     fn a_topics_own_limit_counts_and_the_strictest_of_a_displays_topics() {
         let mut limits = Limits::general(Duration::from_secs(1));
         for text in ["/map=never", "/map_updates=3", "/plan=held", "/tf=0.5"] {
-            limits.set(text.parse().unwrap(), |topic| Ok(topic.to_owned())).unwrap();
+            limits.set(text.parse().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
         }
         let after = |secs: f64| Limit::After(Duration::from_secs_f64(secs));
         assert_eq!(limits.of(["/cloud"]), (after(1.0), false));

@@ -7,32 +7,58 @@
 //! moving ones are as old as the oldest on the way to the fixed frame. A display without data, a grid in the fixed
 //! frame say, is neither current nor stale.
 
-pub(in crate::camera_stream) mod limits;
+pub mod limits;
 #[cfg(test)]
 mod tests;
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use rcs_displays::{CameraView, DisplayAge, FollowedFrames, Level, ShownMessage};
+use nalgebra::Point3;
+use rcs_displays::{CameraView, DisplayAge, FollowedFrames, ShownMessage};
 use rcs_messages::MessageKind;
+use rcs_ros::Publishing;
 use rcs_scene::DisplayId;
 use rcs_transforms::Time;
 
 use self::limits::{Limit, Limits};
-use crate::camera_stream::stage::Stage;
-use crate::camera_stream::status_tree::{path_text, StatusEntry};
-use crate::camera_stream::subscriptions::Source;
+use super::causes::{Cause, Dark};
 
-/// The name of the status of what is not drawn because it is too old.
-const STALE: &str = "Stale";
+/// What is asked of a scene.
+pub trait SceneAges {
+    /// How old what each display shows is.
+    fn ages(&self) -> Vec<DisplayAge<'_>>;
+
+    /// The CameraInfo topics of its cameras, by their names in the config.
+    fn camera_info_topics(&self) -> Vec<&str>;
+
+    /// The frame of the last CameraInfo of such a topic, and what is known of its age.
+    fn received_camera_info(&self, topic: &str) -> Option<(&str, ShownMessage)>;
+
+    /// Until when a frame's place in the fixed frame is known; zero where nothing between them moves. None for the
+    /// fixed frame itself, and for a frame whose place is not known at all.
+    fn known_until(&self, frame: &str) -> Option<Time>;
+
+    /// Where the origin of a frame is in the fixed frame now, as far as that is known.
+    fn place_of(&self, frame: &str) -> Option<Point3<f64>>;
+}
+
+/// Where the data of a subscribed topic come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The topic's whole name.
+    pub topic: String,
+    /// Who is connected.
+    pub publishing: Publishing,
+}
 
 /// The present by both clocks.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Now {
+pub struct Now {
     /// ROS time; zero before a simulation's first.
-    pub(super) ros: Time,
-    pub(super) steady: Instant,
+    pub ros: Time,
+    /// The computer's clock.
+    pub steady: Instant,
 }
 
 /// Follows how old everything is.
@@ -69,11 +95,9 @@ struct DisplayState {
 
 /// The states of all displays, at one moment.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Assessment {
+pub struct Assessment {
     displays: Vec<DisplayState>,
     cameras: HashMap<String, State>,
-    /// Whether a black picture says why.
-    pub(super) has_note: bool,
 }
 
 /// What a camera may show.
@@ -82,7 +106,7 @@ pub(super) struct Shown {
     /// The displays that are too old.
     pub(super) hidden: Vec<DisplayId>,
     /// Why nothing may be shown, if that is so.
-    pub(super) black: Option<String>,
+    pub(super) black: Option<Dark>,
     /// Until when that holds if nothing new arrives.
     pub(super) until: Option<Instant>,
 }
@@ -119,31 +143,30 @@ impl Freshness {
     /// The state of each display and camera. `source` says who publishes a topic, by its name in the config and type.
     pub(super) fn assess(
         &mut self,
-        stage: &Stage,
+        stage: &impl SceneAges,
         source: impl Fn(&str, MessageKind) -> Option<Source>,
         now: Now,
     ) -> Assessment {
         let mut displays = Vec::new();
-        for age in stage.displays().ages() {
-            let path = path_text(age.path);
+        for age in stage.ages() {
+            let path = age.path.join(" / ");
             let state = self.display(&age, &path, stage, &source, now);
             displays.push(DisplayState { id: age.id, path, state });
         }
         let mut cameras = HashMap::new();
-        for view in stage.cameras() {
-            let topic = &view.settings.camera_info_topic;
+        for topic in stage.camera_info_topics() {
             if !cameras.contains_key(topic) {
-                cameras.insert(topic.clone(), self.camera(topic, stage, &source, now));
+                cameras.insert(topic.to_owned(), self.camera(topic, stage, &source, now));
             }
         }
-        Assessment { displays, cameras, has_note: self.limits.has_note }
+        Assessment { displays, cameras }
     }
 
     fn display(
         &mut self,
         age: &DisplayAge<'_>,
         path: &str,
-        stage: &Stage,
+        stage: &impl SceneAges,
         source: &impl Fn(&str, MessageKind) -> Option<Source>,
         now: Now,
     ) -> State {
@@ -159,7 +182,7 @@ impl Freshness {
     }
 
     /// The state of the frames that a display follows.
-    fn followed(&mut self, frames: &FollowedFrames, stage: &Stage, now: Now) -> State {
+    fn followed(&mut self, frames: &FollowedFrames, stage: &impl SceneAges, now: Now) -> State {
         let all = match self.transforms_received.filter(|_| frames.is_all()) {
             Some(received) => self.transforms(now.steady.saturating_duration_since(received), "transforms", now),
             None => State::Undated,
@@ -169,7 +192,7 @@ impl Freshness {
 
     /// The state of a frame that a display follows. Where its place is not known, it ages since that was last known,
     /// and one that was never known is too old.
-    fn followed_frame(&mut self, frame: &str, stage: &Stage, now: Now) -> State {
+    fn followed_frame(&mut self, frame: &str, stage: &impl SceneAges, now: Now) -> State {
         if stage.known_until(frame).is_some() {
             return self.frame(frame, stage, now);
         }
@@ -183,14 +206,13 @@ impl Freshness {
     fn camera(
         &mut self,
         topic: &str,
-        stage: &Stage,
+        stage: &impl SceneAges,
         source: &impl Fn(&str, MessageKind) -> Option<Source>,
         now: Now,
     ) -> State {
-        let Some((info, shown)) = stage.received_camera_info(topic) else { return State::Undated };
+        let Some((frame, shown)) = stage.received_camera_info(topic) else { return State::Undated };
         let data = self.data("CameraInfo", [(topic, MessageKind::CameraInfo)], shown, source, now);
-        let frame = info.header.frame_id.clone();
-        data.and(self.frame(&frame, stage, now))
+        data.and(self.frame(frame, stage, now))
     }
 
     /// The state of data that come on these topics.
@@ -244,7 +266,7 @@ impl Freshness {
     }
 
     /// The state of a frame's place in the fixed frame.
-    pub(super) fn frame(&mut self, frame: &str, stage: &Stage, now: Now) -> State {
+    pub(super) fn frame(&mut self, frame: &str, stage: &impl SceneAges, now: Now) -> State {
         let Some(stamp) = stage.known_until(frame) else { return State::Undated };
         if stamp.is_zero() {
             return State::Undated;
@@ -303,18 +325,18 @@ impl Assessment {
             }
         }
         match self.cameras.get(&view.settings.camera_info_topic) {
-            Some(State::Stale(why)) => shown.black = Some(why.clone()),
+            Some(State::Stale(why)) => shown.black = Some(Dark::new(Cause::CameraData, why.clone())),
             Some(State::Current(until)) => shown.until = shown.until.into_iter().chain(*until).min(),
             Some(State::Undated) | None => {}
         }
         if shown.black.is_none() && !stale.is_empty() && !is_any_current {
-            shown.black = Some(stale.join("; "));
+            shown.black = Some(Dark::new(Cause::Displays, stale.join("; ")));
         }
         shown
     }
 
     /// When the first thing that is current now will not be.
-    pub(super) fn next_change(&self) -> Option<Instant> {
+    pub(in crate::camera_stream) fn next_change(&self) -> Option<Instant> {
         let states = self.displays.iter().map(|display| &display.state).chain(self.cameras.values());
         let until = |state: &State| match state {
             State::Current(until) => *until,
@@ -323,23 +345,12 @@ impl Assessment {
         states.filter_map(until).min()
     }
 
-    /// Adds a warning to whatever is not drawn because it is too old.
-    pub(super) fn add_statuses(&self, entries: &mut [StatusEntry<'_>]) {
-        for entry in entries {
-            let state = match entry.display {
-                Some(id) => self.displays.iter().find(|display| display.id == id && display.path == entry.path),
-                None => None,
-            };
-            if let Some(DisplayState { state: State::Stale(why), .. }) = state {
-                entry.statuses.to_mut().set(Level::Warn, STALE, format!("not drawn: {why}"));
-            }
-        }
-    }
-
-    /// Adds a warning to a camera whose picture is black because of what is too old.
-    pub(super) fn add_camera_status(&self, entry: &mut StatusEntry<'_>, view: &CameraView) {
-        if let Some(why) = self.of_camera(view).black {
-            entry.statuses.to_mut().set(Level::Warn, STALE, format!("the picture is black: {why}"));
+    /// Why a display is not drawn, by its number and its path: what is too old.
+    pub(in crate::camera_stream) fn why_hidden(&self, id: DisplayId, path: &str) -> Option<&str> {
+        let display = self.displays.iter().find(|display| display.id == id && display.path == path)?;
+        match &display.state {
+            State::Stale(why) => Some(why),
+            State::Undated | State::Current(_) => None,
         }
     }
 }

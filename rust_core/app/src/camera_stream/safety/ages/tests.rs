@@ -11,6 +11,7 @@ use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::Publishing;
 
 use super::*;
+use crate::camera_stream::stage::Stage;
 
 mod every_class;
 
@@ -119,7 +120,7 @@ impl Bench {
     fn shown(&mut self, secs: f64) -> (Vec<DisplayId>, Option<String>) {
         let assessment = self.wait(secs);
         let shown = assessment.of_camera(&self.stage.cameras()[0]);
-        (shown.hidden, shown.black)
+        (shown.hidden, shown.black.map(|dark| dark.why))
     }
 }
 
@@ -170,8 +171,9 @@ fn what_a_latching_publisher_sent_does_not_age_while_it_is_connected() {
 #[test]
 fn a_topic_may_have_a_limit_of_its_own() {
     let mut limits = Limits::general(Duration::from_secs(1));
-    let set =
-        |limits: &mut Limits, text: &str| limits.set(text.parse().unwrap(), |topic| Ok(topic.to_owned())).unwrap();
+    let set = |limits: &mut Limits, text: &str| {
+        limits.set(text.parse().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap()
+    };
     set(&mut limits, "/path=never");
     set(&mut limits, "/plan=held");
     let mut bench = Bench::with(limits.clone());
@@ -236,6 +238,19 @@ fn a_display_that_follows_a_frame_is_as_old_as_the_frame() {
     assert!(!is_stale(&bench.wait(0.9)));
     assert!(is_stale(&bench.wait(0.2)));
     assert_eq!(bench.shown(0.0), NOTHING_HIDDEN, "a camera that does not show it does not mind");
+}
+
+#[test]
+fn frames_themselves_are_as_old_as_the_last_transforms_that_moved() {
+    let config = CONFIG.replace("rviz/Axes, Name: axes", "rviz/TF, Name: axes").replace("axes: false", "axes: true");
+    let mut bench = Bench::of(&config, Limits::general(Duration::from_secs(1)));
+    bench.place(100, 1.0, false);
+    bench.freshness.note_transforms(bench.now().steady);
+    assert_eq!(bench.shown(0.9), NOTHING_HIDDEN);
+    let why = "transforms: no transform of the last 1 s".to_owned();
+    assert_eq!(bench.shown(0.2), (vec![3], Some(why)));
+    bench.freshness.note_transforms(bench.now().steady);
+    assert_eq!(bench.shown(0.9), NOTHING_HIDDEN);
 }
 
 #[test]

@@ -267,7 +267,7 @@ fn what_follows_a_frame_goes_dark_with_it_and_what_is_placed_once_stays_while_it
             for topic in ["/t", "/t/image", "/t/update"] {
                 bench.connected.insert(topic);
                 let limit = format!("{topic}={limit}").parse().unwrap();
-                bench.freshness.limits.set(limit, |topic| Ok(topic.to_owned())).unwrap();
+                bench.freshness.limits.set(limit, |topic| Ok::<_, String>(topic.to_owned())).unwrap();
             }
             bench.place(100, 0.0, false);
             bench.send_all(messages(class, placing, 100));
@@ -366,7 +366,7 @@ fn the_launch_files_keep_their_path_and_markers_while_these_are_held_and_their_f
         let (_, after) = launch.split_once("<arg name=\"stale_timeouts\" default=\"").unwrap();
         let mut limits = Limits::general(Duration::from_secs(1));
         for limit in after.split('"').next().unwrap().split(' ') {
-            limits.set(limit.parse().unwrap(), |topic| Ok(topic.to_owned())).unwrap();
+            limits.set(limit.parse().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
         }
         let config = std::fs::read_to_string(folder.join(format!("rviz/{name}.rviz"))).unwrap();
         let mut bench = Bench::of(&config, limits);

@@ -1,0 +1,183 @@
+//! Values of single cameras, `CAMERA=VALUE`, and the cameras that they name.
+//!
+//! A value for a camera that does not exist is a rule that nobody follows: a mask that darkens nothing, say. So each
+//! name has to be one of the config's, whether that camera is enabled or not.
+
+use std::path::{Path, PathBuf};
+
+use rcs_render::Orientation;
+
+use crate::key_value::split_at_known;
+
+/// A value for one camera, or for all.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ForCamera<T> {
+    /// The camera's name in the config; none for all of them.
+    pub camera: Option<String>,
+    /// The value.
+    pub value: T,
+}
+
+/// Why a text is no value for a camera of the config.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NameError {
+    /// It has no value.
+    #[error("\"{text}\" is neither VALUE nor CAMERA=VALUE")]
+    NoValue {
+        /// The text.
+        text: String,
+    },
+    /// It names no camera of the config.
+    #[error("{text}: the config has no camera '{camera}'; {}", cameras_text(cameras))]
+    UnknownCamera {
+        /// The text.
+        text: String,
+        /// The name in it.
+        camera: String,
+        /// The config's cameras.
+        cameras: Vec<String>,
+    },
+    /// Its value is none of the option's.
+    #[error("{0}")]
+    Value(String),
+}
+
+/// A list of cameras, for errors.
+pub(super) fn cameras_text(cameras: &[String]) -> String {
+    match cameras {
+        [] => "it has none".to_owned(),
+        cameras => format!("cameras: {}", cameras.join(", ")),
+    }
+}
+
+/// What options take with `CAMERA=`.
+pub trait CameraValue: Sized {
+    /// Reads a value.
+    ///
+    /// # Errors
+    /// One line that names the text.
+    fn read(text: &str) -> Result<Self, String>;
+
+    /// Whether a text with a `=` that names no camera is a value as it stands.
+    fn is_whole(_text: &str) -> bool {
+        false
+    }
+}
+
+/// A topic. No valid name of one has a `=` in it.
+impl CameraValue for String {
+    fn read(text: &str) -> Result<Self, String> {
+        Ok(text.to_owned())
+    }
+}
+
+impl CameraValue for PathBuf {
+    fn read(text: &str) -> Result<Self, String> {
+        Ok(text.into())
+    }
+
+    fn is_whole(text: &str) -> bool {
+        Path::new(text).exists()
+    }
+}
+
+impl CameraValue for Orientation {
+    fn read(text: &str) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl<T: CameraValue> ForCamera<T> {
+    /// Reads `CAMERA=VALUE` or `VALUE`, where the cameras are those of the config: the longest name that fits counts,
+    /// and a text that begins with none of them is a value if it is one as a whole.
+    ///
+    /// # Errors
+    /// [`NameError`].
+    pub fn read(text: &str, cameras: &[String]) -> Result<Self, NameError> {
+        let known = split_at_known(text, cameras.iter().map(String::as_str));
+        let (camera, value) = match (known, text.split_once('=')) {
+            (Some((camera, value)), _) => (Some(camera.to_owned()), value),
+            (None, Some((camera, _))) if !camera.trim().is_empty() && !T::is_whole(text) => {
+                let (text, camera) = (text.to_owned(), camera.trim().to_owned());
+                return Err(NameError::UnknownCamera { text, camera, cameras: cameras.to_vec() });
+            }
+            (None, _) => (None, text),
+        };
+        if value.trim().is_empty() || (value.starts_with('=') && !T::is_whole(value)) {
+            return Err(NameError::NoValue { text: text.to_owned() });
+        }
+        Ok(Self { camera, value: T::read(value).map_err(NameError::Value)? })
+    }
+
+    /// Reads several.
+    ///
+    /// # Errors
+    /// The first that is wrong.
+    pub fn read_all(texts: &[String], cameras: &[String]) -> Result<Vec<Self>, NameError> {
+        texts.iter().map(|text| Self::read(text, cameras)).collect()
+    }
+}
+
+/// A camera's value, or the one for all of them. The last one given wins.
+pub fn of_camera<'v, T>(values: &'v [ForCamera<T>], camera: &str) -> Option<&'v T> {
+    let last = |wanted: Option<&str>| values.iter().rev().find(|value| value.camera.as_deref() == wanted);
+    last(Some(camera)).or_else(|| last(None)).map(|found| &found.value)
+}
+
+/// The names of cameras in values that are none of these cameras.
+pub(super) fn unmatched<'v, T>(values: &'v [ForCamera<T>], cameras: &'v [String]) -> impl Iterator<Item = &'v str> {
+    let named = values.iter().filter_map(|value| value.camera.as_deref());
+    named.filter(|name| !cameras.iter().any(|camera| camera == name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cameras() -> Vec<String> {
+        ["Left", "Left = right", "cam"].map(str::to_owned).to_vec()
+    }
+
+    #[test]
+    fn a_camera_has_its_own_value_or_that_of_all() {
+        let texts = ["90", "Left = right=180", "270", "Left=mirrored"].map(str::to_owned);
+        let values = ForCamera::<Orientation>::read_all(&texts, &cameras()).unwrap();
+        let of = |camera: &str| of_camera(&values, camera).map(ToString::to_string);
+        assert_eq!(of("Left").as_deref(), Some("mirrored"));
+        assert_eq!(of("Left = right").as_deref(), Some("180"));
+        assert_eq!(of("other").as_deref(), Some("270"));
+        assert_eq!(of_camera::<Orientation>(&[], "other"), None);
+        for wrong in ["", "=90", "Left=", "45", "Left=45"] {
+            assert!(ForCamera::<Orientation>::read(wrong, &cameras()).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_name_that_is_no_cameras_is_refused_with_the_cameras() {
+        let error = ForCamera::<String>::read("camm=/people", &cameras()).unwrap_err();
+        let expected = "camm=/people: the config has no camera 'camm'; cameras: Left, Left = right, cam";
+        assert_eq!(error.to_string(), expected);
+        let error = ForCamera::<PathBuf>::read("Lef=/nowhere/left.png", &[]).unwrap_err();
+        assert_eq!(error.to_string(), "Lef=/nowhere/left.png: the config has no camera 'Lef'; it has none");
+    }
+
+    #[test]
+    fn a_file_with_the_sign_in_its_path_is_a_value_as_a_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run=3");
+        std::fs::write(&path, "").unwrap();
+        let text = path.display().to_string();
+        let read = |text: &str| ForCamera::<PathBuf>::read(text, &cameras());
+        assert_eq!(read(&text), Ok(ForCamera { camera: None, value: path.clone() }));
+        assert_eq!(read(&format!("cam={text}")), Ok(ForCamera { camera: Some("cam".to_owned()), value: path }));
+        assert!(matches!(read(&format!("{text}4")), Err(NameError::UnknownCamera { .. })));
+    }
+
+    #[test]
+    fn names_that_a_config_does_not_have_are_found() {
+        let value = |camera: Option<&str>| ForCamera { camera: camera.map(str::to_owned), value: 0 };
+        let values = [value(None), value(Some("cam")), value(Some("gone"))];
+        assert_eq!(unmatched(&values, &cameras()).collect::<Vec<_>>(), ["gone"]);
+        assert_eq!(unmatched(&values, &[]).collect::<Vec<_>>(), ["cam", "gone"]);
+    }
+}

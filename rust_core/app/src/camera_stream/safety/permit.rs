@@ -1,0 +1,92 @@
+//! What a window may show in place of the newest image: what its user has paused, or a test picture.
+
+use std::sync::Arc;
+
+use rcs_render::LastStep;
+
+use super::causes::{Cause, Dark};
+
+/// How much of something may be lit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Allowance {
+    /// All of it.
+    #[default]
+    All,
+    /// What the masks and keep-out frames leave.
+    Masked,
+    /// Nothing.
+    Nothing,
+}
+
+/// What comes with an image.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Permit {
+    /// A paused image.
+    pub paused: Allowance,
+    /// Test pictures.
+    pub test: Allowance,
+    /// Images of one number may be held in each other's place: they leave out the same data, of the same config.
+    pub scene: u64,
+    /// Post-processing, with masks and keep-out frames.
+    pub post: Arc<LastStep>,
+}
+
+impl Permit {
+    /// That of an image which is dark for a reason, or lit.
+    pub fn new(dark: Option<&Dark>, protects_eyes: bool, scene: u64, post: &Arc<LastStep>) -> Self {
+        let post = Arc::clone(post);
+        let masked = if protects_eyes { Allowance::Masked } else { Allowance::All };
+        let is_dark_in_tests = dark.is_some_and(|dark| dark.cause.beats_test_pictures(protects_eyes));
+        let test = match is_dark_in_tests {
+            true => Allowance::Nothing,
+            false if post.painted_mask.is_some() => Allowance::Masked,
+            false => masked,
+        };
+        Self { paused: if dark.is_some() { Allowance::Nothing } else { masked }, test, scene, post }
+    }
+
+    /// That of an image on a topic of which nothing is known but its pixels.
+    pub fn of_topic(is_black: bool) -> Self {
+        let dark = is_black.then(|| Dark::new(Cause::BlackImage, "the image is black"));
+        Self::new(dark.as_ref(), false, 0, &Arc::default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cause_beats_a_pause_and_those_about_eyes_beat_test_pictures() {
+        use Cause::{BlackImage, CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
+        let test = |cause, protects_eyes| {
+            let permit = Permit::new(Some(&Dark::new(cause, "")), protects_eyes, 0, &Arc::default());
+            assert_eq!(permit.paused, Allowance::Nothing, "{cause:?}");
+            permit.test
+        };
+        for cause in [UnknownCamera, Mask, KeepOut, Lens] {
+            assert_eq!([test(cause, false), test(cause, true)], [Allowance::Nothing; 2], "{cause:?}");
+        }
+        for cause in [NoCamera, CameraData, Silence] {
+            assert_eq!([test(cause, false), test(cause, true)], [Allowance::All, Allowance::Nothing], "{cause:?}");
+        }
+        for cause in [Displays, BlackImage] {
+            assert_eq!([test(cause, false), test(cause, true)], [Allowance::All, Allowance::Masked], "{cause:?}");
+        }
+        let lit = |protects_eyes| Permit::new(None, protects_eyes, 0, &Arc::default());
+        assert_eq!((lit(false).paused, lit(false).test), (Allowance::All, Allowance::All));
+        assert_eq!((lit(true).paused, lit(true).test), (Allowance::Masked, Allowance::Masked));
+    }
+
+    #[test]
+    fn only_what_is_too_old_is_said_in_the_image() {
+        use Cause::{CameraData, Displays, KeepOut, Lens, Mask, NoCamera, Silence, UnknownCamera};
+        for cause in [UnknownCamera, Mask, KeepOut, Lens, Silence] {
+            assert!(!cause.allows_note(false) && !cause.allows_note(true), "{cause:?}");
+        }
+        for cause in [CameraData, Displays] {
+            assert!(cause.allows_note(false) && cause.allows_note(true), "{cause:?}");
+        }
+        assert!(NoCamera.allows_note(false) && !NoCamera.allows_note(true));
+    }
+}

@@ -1,0 +1,91 @@
+//! What a user has set for the light of cameras.
+
+use std::str::FromStr;
+use std::sync::Arc;
+
+use rcs_render::{Blend, LightMask, Orientation};
+
+use super::ages::limits::Limits;
+use super::names::{cameras_text, unmatched, ForCamera};
+use crate::key_value;
+
+/// The rules of all cameras.
+#[derive(Debug)]
+pub struct Rules {
+    /// How old data may be.
+    pub limits: Limits,
+    /// How images are turned.
+    pub orientations: Vec<ForCamera<Orientation>>,
+    /// The shares of projectors that light one surface.
+    pub blends: Vec<ForCamera<Arc<Blend>>>,
+    /// Masks from files.
+    pub painted_masks: Vec<ForCamera<Arc<LightMask>>>,
+    /// The topics of masks, by whole names.
+    pub mask_topics: Vec<ForCamera<String>>,
+    /// Frames around which there must be no light.
+    pub keep_out: Vec<KeepOutFrame>,
+    /// Whether all is dark while a mask or the place of a keep-out frame is missing or too old.
+    pub is_required: bool,
+}
+
+impl Rules {
+    /// Whether images stay as they are drawn, all of them and always.
+    pub(super) fn change_nothing(&self) -> bool {
+        self.orientations.is_empty()
+            && self.blends.is_empty()
+            && self.painted_masks.is_empty()
+            && self.mask_topics.is_empty()
+            && self.keep_out.is_empty()
+    }
+
+    /// Which rules name cameras that are none of these; none where all fit.
+    pub(super) fn unmatched(&self, cameras: &[String]) -> Option<String> {
+        let of = |option: &str, names: Vec<&str>| names.into_iter().map(|name| format!("{option} {name}")).collect();
+        let wrong: [Vec<String>; 4] = [
+            of("mask_topic", unmatched(&self.mask_topics, cameras).collect()),
+            of("mask", unmatched(&self.painted_masks, cameras).collect()),
+            of("blend", unmatched(&self.blends, cameras).collect()),
+            of("orientation", unmatched(&self.orientations, cameras).collect()),
+        ];
+        let wrong = wrong.concat();
+        let text = || format!("the config has no camera for {}; {}", wrong.join(", "), cameras_text(cameras));
+        (!wrong.is_empty()).then(text)
+    }
+}
+
+/// A frame around which there must be no light: `FRAME=RADIUS`, metres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeepOutFrame {
+    /// The frame.
+    pub frame: String,
+    /// How far around its origin, metres.
+    pub radius_m: f64,
+}
+
+impl FromStr for KeepOutFrame {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("\"{text}\" is not FRAME=RADIUS with a radius in metres, above 0 and not above 100");
+        let (frame, radius) = key_value::split(text).ok_or_else(wrong)?;
+        let radius_m = radius.parse::<f64>().ok().filter(|radius_m| *radius_m > 0.0 && *radius_m <= 100.0);
+        match (frame.trim_start_matches('/'), radius_m) {
+            ("", _) | (_, None) => Err(wrong()),
+            (frame, Some(radius_m)) => Ok(Self { frame: frame.to_owned(), radius_m }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_keep_out_frame_has_a_radius_in_metres() {
+        let parse = |text: &str| text.parse::<KeepOutFrame>();
+        assert_eq!(parse("/head=0.4"), Ok(KeepOutFrame { frame: "head".to_owned(), radius_m: 0.4 }));
+        for wrong in ["head", "head=", "=1", "/=1", "head=0", "head=-1", "head=nan", "head=inf"] {
+            assert!(parse(wrong).is_err(), "{wrong}");
+        }
+    }
+}
