@@ -395,6 +395,17 @@ impl RosNode {
         self.private_param(name).map(|value| text_or_error(name, value)).transpose()
     }
 
+    /// A private parameter (`~name`) as [`Self::text_param`] has it, one text for each element of a list; none if it was
+    /// not set.
+    ///
+    /// # Errors
+    /// [`NodeError::Parameter`] for a value of another type.
+    pub fn texts_param(&self, name: &str) -> Result<Vec<String>, NodeError> {
+        let Some(value) = self.private_param(name) else { return Ok(Vec::new()) };
+        let values = value.as_array().unwrap_or(std::slice::from_ref(value));
+        values.iter().map(|value| text_or_error(name, value)).collect()
+    }
+
     /// Another node's parameter as text, as [`Self::text_param`] has it. Waits for the master, for some seconds at most;
     /// `None` if it does not answer.
     ///

@@ -5,7 +5,7 @@ use rcs_rviz_config::{parse, Config, DisplayConfig, DisplaySettings};
 use rcs_scene::PointStyle;
 
 /// A config that uses every class and most keys.
-const CONFIG: &str = r#"Panels: []
+const CONFIG: &str = r#"Panels: [{Class: rviz/Time, SyncMode: 0, SyncSource: c}]
 Visualization Manager:
   Class: ""
   Displays:
@@ -28,7 +28,7 @@ Visualization Manager:
         - {Class: rviz/Axes, Name: a, Length: 0.3, Radius: 0.01}
     - {Class: rviz/Path, Name: p, Topic: /p, Buffer Length: 2, Pose Style: Axes, Line Width: 0.01}
     - {Class: rviz/MarkerArray, Name: m, Marker Topic: /m, Namespaces: {"": true, b: false}}
-    - {Class: rviz/TF, Name: TF, Frames: {All Enabled: true}}
+    - {Class: rviz/TF, Name: TF, Frames: {All Enabled: true}, "Filter (whitelist)": "^(a|[[:digit:]]{2,3}b*)"}
     - Class: rviz_camera_stream/CameraPub
       Name: cam
       Enabled: true

@@ -92,17 +92,6 @@ pub(crate) fn strings(ros: &RosNode, parameter: &str) -> Result<Vec<String>> {
     ros.strings_param(parameter).ok_or_else(|| anyhow!("parameter {parameter}: it is a list of strings"))
 }
 
-/// A parameter's list of strings, or its single value as text; empty where it is not set.
-///
-/// # Errors
-/// When the parameter is something else; names the parameter.
-pub(crate) fn texts(ros: &RosNode, parameter: &str) -> Result<Vec<String>> {
-    match ros.strings_param(parameter) {
-        Some(texts) => Ok(texts),
-        None => Ok(ros.text_param(parameter)?.into_iter().collect()),
-    }
-}
-
 /// A switch by an option, else by its parameter; none where neither is given.
 ///
 /// # Errors
@@ -121,7 +110,7 @@ pub(crate) fn windows(ros: &RosNode, given: &ScreenArgs) -> Result<ScreenArgs> {
     args.set_mode = flag(ros, args.set_mode, "~set_mode")?;
     if args.windows.is_empty() && ros.has_param(WINDOW) {
         // A monitor's number is no string.
-        args.windows = texts(ros, WINDOW)?;
+        args.windows = ros.texts_param(WINDOW)?;
     }
     Ok(args)
 }

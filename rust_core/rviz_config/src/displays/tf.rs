@@ -65,8 +65,8 @@ impl TfSettings {
         filter(section, "Filter (whitelist)", &mut settings.whitelist);
         filter(section, "Filter (blacklist)", &mut settings.blacklist);
         settings.hidden_frames = hidden_frames(section);
-        // What the window shows of the frames' order.
-        section.skip(&["Tree"]);
+        // What the window shows of the frames' order, and its button, which has no effect in a file wherever it stands.
+        section.skip(&["Tree", ALL_ENABLED]);
         settings
     }
 

@@ -12,7 +12,7 @@ use rcs_ros::{RosNode, TopicSubscription};
 
 use crate::camera_stream::cli::NodeArgs;
 use crate::camera_stream::light_arguments::{Gamma, StaleArgs};
-use crate::camera_stream::private_parameters::{blend_gamma, flag, strings, switch, texts};
+use crate::camera_stream::private_parameters::{blend_gamma, flag, strings, switch};
 use crate::camera_stream::safety::ages::limits::{Limit, Limits, StaleTimeout};
 use crate::camera_stream::safety::ages::Source;
 use crate::camera_stream::safety::names::{CameraValue, ForCamera};
@@ -69,7 +69,7 @@ fn for_cameras<T: CameraValue>(
     cameras: &[String],
 ) -> Result<Vec<ForCamera<T>>> {
     if given.is_empty() {
-        let texts = texts(ros, &format!("~{name}"))?;
+        let texts = ros.texts_param(&format!("~{name}"))?;
         return ForCamera::read_all(&texts, cameras).map_err(|error| anyhow!("parameter ~{name}: {error}"));
     }
     ForCamera::read_all(given, cameras).map_err(|error| anyhow!("--{}: {error}", name.replace('_', "-")))
@@ -81,7 +81,7 @@ fn values<T: FromStr<Err = String> + Clone>(ros: &RosNode, given: &[T], paramete
         return Ok(given.to_vec());
     }
     let read = |text: String| text.parse().map_err(|error| anyhow!("parameter {parameter}: {error}"));
-    texts(ros, parameter)?.into_iter().map(read).collect()
+    ros.texts_param(parameter)?.into_iter().map(read).collect()
 }
 
 /// The limits of the command line, else of the node's parameters.
