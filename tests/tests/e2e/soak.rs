@@ -62,9 +62,10 @@ fn pictures_that_stop_are_found_and_an_interrupted_run_leaves_a_report_and_no_pr
     let node = started[0].file_name().unwrap().to_owned();
     let signal = |name: &str| assert!(Command::new("kill").arg(name).arg(&node).status().unwrap().success());
     signal("-STOP");
-    let is_found = wait_until(PATIENCE, || has_printed("no picture for "));
+    let is_found = wait_until(PATIENCE, || has_printed("no picture since "));
     signal("-CONT");
     assert!(is_found, "{}", printed(&soak, &report));
+    assert!(wait_until(PATIENCE, || has_printed("no picture for ")), "{}", printed(&soak, &report));
     soak.signal("INT");
     let status = soak.wait(LIMIT).unwrap();
     assert_eq!(status.code(), Some(130), "{}", printed(&soak, &report));
