@@ -6,6 +6,8 @@
 use roxmltree::{Document, Node};
 use serde_yaml_ng::{Mapping, Value};
 
+use crate::yaml_text::one_line;
+
 /// The name of the root element.
 const ROOT: &str = "opencv_storage";
 /// Deeper than any calibration's values.
@@ -16,7 +18,8 @@ const DEEPEST: usize = 8;
 /// # Errors
 /// What is wrong with it, or what other kind of XML it is.
 pub(super) fn values(text: &str) -> Result<Mapping, String> {
-    let document = Document::parse(text).map_err(|error| format!("it is not XML as OpenCV writes it: {error}"))?;
+    let document = Document::parse(text)
+        .map_err(|error| format!("it is not XML as OpenCV writes it: {}", one_line(&error.to_string())))?;
     let root = document.root_element();
     match root.tag_name().name() {
         ROOT => Ok(children(root, 0)),

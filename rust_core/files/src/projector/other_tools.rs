@@ -23,6 +23,9 @@ type Wrong = (&'static str, String);
 /// Keys of this project that these files may have, too.
 const OWN: [&str; 5] = ["width", "height", "frame_id", "camera_info_topic", "frames"];
 
+/// Keys of this project's two forms, which no other tool's count beside.
+const OWN_MATRICES: [&str; 4] = ["K", "P", "camera_matrix", "projection_matrix"];
+
 /// How a tool calls what describes the projector.
 struct Tool {
     name: &'static str,
@@ -59,24 +62,29 @@ pub(super) fn values(text: &str) -> Result<Option<Value>, Wrong> {
     let of_file = |reason| ("the file", reason);
     if text.starts_with('<') {
         let values = opencv_xml::values(text).map_err(of_file)?;
-        return adopted(&values).map(|adopted| Some(adopted.unwrap_or(values).into()));
-    }
-    if text.contains("fc") && text.contains('=') {
-        if let Some(values) = of_matlab(&matlab::variables(text))? {
-            return Ok(Some(values.into()));
-        }
+        return by_own_keys(&values).map(|own| Some(own.unwrap_or(values).into()));
     }
     if let Some(what) = foreign_text(text) {
         return Err(of_file(format!("it seems to be {what}")));
     }
-    // What is no mapping gets its error from the reader of this project's files, with a line.
     let document = serde_yaml_ng::Deserializer::from_str(text).next().map(serde::Deserialize::deserialize);
-    let Some(Ok(Value::Mapping(values))) = document else { return Ok(None) };
-    if let Some(adopted) = adopted(&values)? {
-        return Ok(Some(adopted.into()));
+    let Some(Ok(Value::Mapping(values))) = document else {
+        // What is neither gets its error from the reader of this project's files, with a line.
+        return of_matlab(&matlab::variables(text)).map(|values| values.map(Value::from));
+    };
+    by_own_keys(&values).map(|own| own.map(Value::from))
+}
+
+/// The values by this project's keys, unless they are already.
+fn by_own_keys(values: &Mapping) -> Result<Option<Mapping>, Wrong> {
+    if OWN_MATRICES.iter().any(|key| values.contains_key(key)) {
+        return Ok(None);
     }
-    match foreign_keys(&values) {
-        Some(what) => Err(of_file(format!("it seems to be {what}"))),
+    if let Some(adopted) = adopted(values)? {
+        return Ok(Some(adopted));
+    }
+    match foreign_keys(values) {
+        Some(what) => Err(("the file", format!("it seems to be {what}"))),
         None => Ok(None),
     }
 }
@@ -358,6 +366,16 @@ mod tests {
     }
 
     #[test]
+    fn other_tools_keys_do_not_count_beside_this_projects_own() {
+        let own = "width: 4\nheight: 3\nK: [5, 0, 2, 0, 6, 1, 0, 0, 1]\n# fc = [ 1 2 ]; cc = [ 1 2 ];\ncamera: front\nKp: 1\n";
+        let file = parse(own).unwrap();
+        assert_eq!(
+            (file.camera_info.K[0], file.ignored_keys.as_slice()),
+            (5.0, &["camera".to_owned(), "Kp".to_owned()][..])
+        );
+    }
+
+    #[test]
     fn what_is_missing_is_named_with_the_tool() {
         for text in both_forms("proj_int", "proj_dist", ["cam_int", "cam_dist"], "") {
             assert_eq!(
@@ -381,6 +399,7 @@ mod tests {
             ("cam0:\n  camera_model: pinhole\n  intrinsics: [1, 2, 3, 4]\n", "Kalibr's camchain"),
             ("M1: [1]\nD1: [1]\nM2: [1]\nD2: [1]\n", "OpenCV's stereo_calib, which does not say which"),
             ("cam_K: [1]\ncam_kc: [1]\n", "a calibration of a camera only"),
+            ("<opencv_storage><cam_int>1</cam_int></opencv_storage>", "a calibration of a camera only"),
             ("# oST version 5.0 parameters\n\n\n[image]\n\nwidth\n640\n", "camera_calibration's ost.txt"),
             ("<?xml version=\"1.0\"?><ProjectorCameraEnsemble><name/></ProjectorCameraEnsemble>", "RoomAlive Toolkit"),
             ("<robot name=\"r\"/>", "it is XML, but <robot> where OpenCV writes <opencv_storage>"),
