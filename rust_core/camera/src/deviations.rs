@@ -216,9 +216,7 @@ mod tests {
         let (none, p) = ([0.0; 9], [1000.0, 0.0, 500.0, 0.0, 0.0, 1000.0, 400.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
         let of = |binning, region_px| {
             let info = CameraInfoFields { binning, region_px, ..ideal(&none, &p) };
-            let found = deviations(&info, Projection::Exact.into(), None, ADVICE);
-            assert_eq!(found.is_empty(), !info.is_part());
-            found.join("|")
+            deviations(&info, Projection::Exact.into(), None, ADVICE).join("|")
         };
         assert_eq!(of([1, 0], [0, 0, 1000, 800]), "");
         assert_eq!(

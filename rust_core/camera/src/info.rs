@@ -25,15 +25,12 @@ pub struct CameraInfoFields<'a> {
 }
 
 impl CameraInfoFields<'_> {
-    /// Whether it describes a picture of other pixels than `width_px` · `height_px`, which is what is drawn.
-    pub fn is_part(&self) -> bool {
-        self.is_binned() || self.is_cropped()
-    }
-
+    /// Whether the driver merges pixels.
     pub(crate) fn is_binned(&self) -> bool {
         self.binning.iter().any(|binning| *binning > 1)
     }
 
+    /// Whether the region of interest is not the whole picture.
     pub(crate) fn is_cropped(&self) -> bool {
         let [left, top, width, height] = self.region_px;
         let is_set = width != 0 || height != 0 || left != 0 || top != 0;
