@@ -29,25 +29,35 @@ def middle_of_light():
 
 #[test]
 fn a_consumer_of_the_published_camera_info_finds_what_the_published_picture_shows() {
-    for (orientation, size) in [
-        ("0", (64, 48)),
-        ("90", (48, 64)),
-        ("180", (64, 48)),
-        ("270", (48, 64)),
-        ("mirrored", (64, 48)),
-        ("mirrored-90", (48, 64)),
+    let (straight, mirrored) =
+        ("[50, 0, 20, 0, 0, 50, 30, 0, 0, 0, 1, 0]", "[-50, 5, 43, 0, 0, 50, 30, 0, 0, 0, 1, 0]");
+    for (orientation, size, p) in [
+        ("0", (64, 48), straight),
+        ("90", (48, 64), straight),
+        ("180", (64, 48), straight),
+        ("270", (48, 64), straight),
+        ("mirrored", (64, 48), straight),
+        ("mirrored-90", (48, 64), straight),
+        ("0", (64, 48), mirrored),
+        ("mirrored-90", (48, 64), mirrored),
     ] {
         let args = [&*format!("_orientation:={orientation}"), "--projection", "exact"];
         let cloud = CLOUD.replace("Size (m): 1", "Size (m): 0.12");
         let fixture = RosFixture::start(&config(&[&cloud], &[CameraPub::default()]), &args).unwrap();
         fixture.python("latch('/tf_static', tf('map', 'eye', xyz=(0, 0, 1)))");
-        fixture.python("latch('/eye/camera_info', info(P=[50, 0, 20, 0, 0, 50, 30, 0, 0, 0, 1, 0]))");
+        fixture.python(format!("latch('/eye/camera_info', info(P={p}, binning_x=4))"));
         fixture.python("latch('/cloud', cloud(0xffffff, points=((0.42, -0.66, 3),)))");
         fixture.python("viewer = Viewer('/view/image')");
         fixture.python(PROJECTED);
         fixture.wait_for("viewer.last and max(viewer.last.data) > 0 and infos");
         assert_eq!(fixture.python("(viewer.last.width, viewer.last.height)"), format!("{size:?}"), "{orientation}");
         assert_eq!(fixture.python("(infos[-1].width, infos[-1].height)"), format!("{size:?}"), "{orientation}");
+        assert_eq!(
+            fixture.python("(infos[-1].binning_x, infos[-1].roi.width)"),
+            "(0, 0)",
+            "the picture is the whole one"
+        );
+        fixture.wait_for_log("binning 4x0 not applied").unwrap();
         assert_eq!(fixture.python("infos[-1].header.frame_id == viewer.last.header.frame_id"), "True");
         fixture.wait_for("frames.can_transform(infos[-1].header.frame_id, 'eye', rospy.Time())");
         let distance = "max(abs(a - b) for a, b in zip(projected((0.42, -0.66, 2)), middle_of_light()))";
