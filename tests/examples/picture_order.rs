@@ -1,10 +1,14 @@
 //! What is noticed of captures whose pictures are in order, and of those where one is another's.
-//! `cargo run --release -p rcs_tests --example picture_order still|lapses FOLDER|SEED|FIRST..END...`
+//! `cargo run --release -p rcs_tests --example picture_order still|lapses|moved FOLDER|SEED|FIRST..END...`
 
 use std::path::Path;
 
 use anyhow::{bail, Result};
+use rcs_scan_simulator::{Conditions, Motion};
 use rcs_tests::captures::KnownCapture;
+
+/// Motions in the middle of a scan, camera pixels.
+const SHIFTS: [[f64; 2]; 4] = [[0.6, 0.3], [1.0, 0.0], [-0.2, 2.5], [6.0, -4.0]];
 
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
@@ -26,7 +30,18 @@ fn main() -> Result<()> {
                         show(&capture, &format!("{name}: {lapse}"), &order)?;
                     }
                 }
-                _ => bail!("still or lapses"),
+                "moved" => {
+                    let seed: u64 = name.parse()?;
+                    for (from_picture, shift) in
+                        [4, 14, 20, 31, 38].into_iter().flat_map(|at| SHIFTS.map(|by| (at, by)))
+                    {
+                        let motion = Some(Motion { from_picture, shift_px: shift.into() });
+                        let conditions = Conditions { motion, ..Conditions::random(seed) };
+                        let capture = KnownCapture::simulated_under(seed, conditions);
+                        show(&capture, &format!("{name}: {shift:?} from {from_picture}"), &capture.in_order())?;
+                    }
+                }
+                _ => bail!("still, lapses or moved"),
             }
         }
     }

@@ -56,9 +56,14 @@ impl KnownCapture {
 
     /// A scan of a simulated room.
     pub fn simulated(seed: u64) -> Self {
+        Self::simulated_under(seed, Conditions::random(seed))
+    }
+
+    /// A scan of a simulated room under some conditions.
+    pub fn simulated_under(seed: u64, conditions: Conditions) -> Self {
         let view = View::new(&Room::cluttered(seed), &Rig::random(seed));
         let patterns = gray_code(PROJECTOR_PX);
-        let greys = Scan::new(&view, Conditions::random(seed)).capture_all(&patterns);
+        let greys = Scan::new(&view, conditions).capture_all(&patterns);
         let size_px = view.size_px();
         let pixels = (0..size_px[1]).flat_map(|v| (0..size_px[0]).map(move |u| (u, v)));
         let truth = pixels.map(|(u, v)| view.truth(u, v).map(|at| [at.x, at.y])).collect();
