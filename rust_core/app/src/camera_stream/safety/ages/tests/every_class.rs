@@ -173,6 +173,7 @@ fn messages(class: &str, placing: Placing, secs: u32) -> Vec<(&'static str, AnyM
     }
 }
 
+#[expect(clippy::needless_update, reason = "some messages have no other fields")]
 fn message(class: &str, placing: Placing, secs: u32) -> AnyMessage {
     use geometry_msgs::{Accel, Twist, Wrench};
     let (header, marker) = (header(secs), marker(secs, placing == Follows));
