@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use rcs_rviz_config::{parse, Config, Role};
+use rcs_rviz_config::{parse, Config, Finding, FindingKind, Role};
 
 const DEFAULTS: &str = include_str!("saved_by_rviz/defaults.rviz");
 const CHANGED: &str = include_str!("saved_by_rviz/changed.rviz");
@@ -94,9 +94,11 @@ fn with_value(text: &str, property: &Property, value: &str) -> String {
 
 #[test]
 fn all_that_rviz_writes_is_understood() {
-    for text in [DEFAULTS, CHANGED] {
+    for (text, trees) in [(DEFAULTS, 0), (CHANGED, 1)] {
         let config = read(text);
-        assert!(config.findings.is_empty(), "{:#?}", config.findings);
+        // rviz does not read all that it writes.
+        let is_tree = |finding: &Finding| finding.is_note && matches!(finding.kind, FindingKind::UnreadTree { .. });
+        assert!(config.findings.len() == trees && config.findings.iter().all(is_tree), "{:#?}", config.findings);
         assert_eq!(config.displays.len(), 33);
         assert!(config.placed_displays().iter().all(|placed| placed.display.settings.role() != Role::Unknown));
     }

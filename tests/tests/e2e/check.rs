@@ -95,7 +95,10 @@ fn cameras_and_displays_that_do_not_work_are_reported_and_exit_with_1() {
         (config(&[CLOUD], &[]), "no CameraPub display"),
         (config(&[CLOUD], &[lost]), "Camera Info Topic: empty"),
         (config(&[CLOUD], &[CameraPub::default(), CameraPub { namespace: "other", ..other }]), "same name"),
-        (config(&[CLOUD], &[CameraPub::default()]) + SYNCHRONIZED, "Time / SyncMode: synchronization \"Exact\" to cloud"),
+        (
+            config(&[CLOUD], &[CameraPub::default()]) + SYNCHRONIZED,
+            "Time / SyncMode: synchronization \"Exact\" to cloud",
+        ),
         (config(&["{Class: rviz/PointCloud2, Name: it, Enabled: true, Topic: ''}"], &[other]), "its topic is empty"),
         (misspelt, "Visibility / clowd: no display has this name; there are: cloud"),
     ];

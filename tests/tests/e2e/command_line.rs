@@ -87,8 +87,9 @@ fn a_parameter_that_cannot_be_used_ends_the_node_with_its_name() {
         "_window:={a: b}",
         "_mask_topic:=[{a: b}]",
     ];
-    for argument in wrong {
-        let mut node = start(&[argument]);
+    for (index, argument) in wrong.iter().enumerate() {
+        // The master keeps the parameters of a name.
+        let mut node = start(&[argument, &format!("__name:=node_{index}")]);
         assert_eq!(node.wait(PATIENCE).unwrap().code(), Some(1), "{argument}");
         let name = format!("parameter ~{}:", argument[1..].split(":=").next().unwrap());
         let errors = node.errors();
@@ -112,7 +113,8 @@ fn a_robot_description_that_is_remapped_to_a_whole_name_is_read_there_alone() {
         )
     };
     fixture.python(format!("rospy.set_param('/robot_description', {})", description("0 1 0")));
-    fixture.python("latch('/tf_static', tf('map', 'eye'))");
+    // From above, where the view's light comes from.
+    fixture.python("latch('/tf_static', tf('map', 'eye', (0, 0, 4), (1, 0, 0, 0)))");
     fixture.python("latch('/eye/camera_info', info()); viewer = Viewer('/view/image')");
     let is_missing = || fixture.log().contains("Parameter [robot_description] does not exist");
     assert!(wait_until(PATIENCE, is_missing), "{}", fixture.log());

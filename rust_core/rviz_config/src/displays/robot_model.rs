@@ -134,9 +134,10 @@ fn add_changed(node: &Node, name: &str, changed: &mut Vec<String>) {
                 changed.push(format!("{} of {name}", entry.key));
             }
             ("Alpha", Content::Scalar(value)) if value != "1" => changed.push(format!("Alpha {value} of {name}")),
-            ("Value" | "All Links Enabled", Content::Scalar(value)) if value == "false" => {
-                changed.push(format!("{name} is switched off"));
+            ("All Links Enabled", Content::Scalar(value)) if value == "false" => {
+                changed.push("All Links Enabled is false".to_owned());
             }
+            ("Value", Content::Scalar(value)) if value == "false" => changed.push(format!("{name} is switched off")),
             ("Details", _) => add_changed(&entry.value, name, changed),
             (_, Content::Map(_)) => add_changed(&entry.value, &entry.key, changed),
             _ => {}
