@@ -248,6 +248,37 @@ fn the_projectors_window_becomes_black_when_the_node_is_killed() {
 }
 
 #[test]
+fn black_pictures_and_none_beat_a_pause_of_the_projectors_window() {
+    let screen = Screen::start();
+    let master = RosMaster::start().unwrap();
+    let python = PythonNode::start(&master, &[]).unwrap();
+    python
+        .run(
+            "level = [b'\\xff']\ndef picture(): return Image(width=640, height=360, encoding='mono8', step=640, \
+             data=level[0] * 640 * 360)\nstream = PublishRepeatedly(20, lambda i: picture(), '/image')",
+        )
+        .unwrap();
+    let window = window(&master, &screen, &["image:=/image", "--stale-timeout", "1"]);
+    let level = || screen.pixels()[0];
+    assert!(wait_until(PATIENCE, || level() == 255), "{:?}", window.errors());
+    let log = || window.lines().join(" ") + &window.errors().join(" ");
+    let is_paused = || {
+        screen.press("p");
+        wait_until(Duration::from_secs(5), || log().contains("paused: the picture stays"))
+    };
+    assert!(wait_until(PATIENCE, is_paused), "{}", log());
+    let send = |byte: &str| python.run(format!("level[0] = b'\\x{byte}'; time.sleep(0.5)")).unwrap();
+    send("40");
+    assert_eq!(level(), 255, "it is paused");
+    send("00");
+    assert!(wait_until(PATIENCE, || level() == 0), "{}", log());
+    send("80");
+    assert!(wait_until(PATIENCE, || level() == 255), "what was held is back");
+    python.run("stream.stop()").unwrap();
+    assert!(wait_until(PATIENCE, || level() == 0), "{}", log());
+}
+
+#[test]
 fn the_projectors_window_reads_compressed_pictures() {
     let screen = Screen::start();
     let master = RosMaster::start().unwrap();
