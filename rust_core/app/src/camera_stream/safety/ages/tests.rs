@@ -172,7 +172,7 @@ fn what_a_latching_publisher_sent_does_not_age_while_it_is_connected() {
 fn a_topic_may_have_a_limit_of_its_own() {
     let mut limits = Limits::general(Duration::from_secs(1));
     let set = |limits: &mut Limits, text: &str| {
-        limits.set(text.parse().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap()
+        limits.set(text.parse().unwrap(), |topic| Ok::<_, String>(topic.to_owned())).unwrap();
     };
     set(&mut limits, "/path=never");
     set(&mut limits, "/plan=held");
