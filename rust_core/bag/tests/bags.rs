@@ -139,7 +139,7 @@ fn other_files_are_no_bags_and_the_error_names_them() {
     for content in [b"".as_slice(), b"#ROSBAG V1.2\n", MAGIC, b"#ROSBAG V2.0\n\xff\xff\xff\xff"] {
         fs::write(&path, content).unwrap();
         let error = Bag::open(&path).err().unwrap().to_string();
-        assert!(error.ends_with("b.bag: not a ROS bag of version 2.0"), "{error}");
+        assert!(error.ends_with("b.bag: neither a ROS bag of version 2.0 nor an MCAP file"), "{error}");
     }
     let error = Bag::open(dir.path().join("none.bag")).err().unwrap().to_string();
     assert!(error.contains("none.bag"), "{error}");

@@ -18,7 +18,7 @@ use rcs_bag::Bag;
 use rcs_fuzz_harness::{display_topics, Record};
 use rcs_messages::sensor_msgs::{CameraInfo, CompressedImage};
 use rcs_messages::{std_msgs, Image, Message, MessageKind, RosMsg, Time};
-use rcs_test_support::BagWriter;
+use rcs_test_support::{BagWriter, McapWriter};
 
 /// Longer inputs slow fuzzing down more than they help.
 const MOST_BYTES: usize = 4096;
@@ -272,6 +272,13 @@ fn bags(seeds: &mut Seeds) {
         writer.write("/a", false, Time { sec, nsec: 0 }, &text("hello")).unwrap();
     }
     writer.write("/b", true, Time { sec: 2, nsec: 5 }, &rcs_messages::rosgraph_msgs::Clock::default()).unwrap();
+    writer.finish().unwrap();
+    seeds.add("bag", &fs::read(&path).unwrap());
+    let mut writer = McapWriter::create(&path, 40).unwrap();
+    for sec in [3, 1, 2] {
+        let message = rcs_messages::encode(&text("hello"));
+        writer.write("/a", "std_msgs/String", "ros1", Time { sec, nsec: 0 }, &message).unwrap();
+    }
     writer.finish().unwrap();
     seeds.add("bag", &fs::read(&path).unwrap());
 }

@@ -105,7 +105,7 @@ targets! {
     PATTERN_LIST: "pattern_list", "lists of patterns", 32 MiB, texts::pattern_list;
     CAPTURE: "capture", "capture.yaml", 32 MiB, captures::capture;
     PCD: "pcd", "PCD", 64 MiB, texts::pcd;
-    BAG: "bag", "bags", 256 MiB, bags::bag;
+    BAG: "bag", "bags and MCAP files", 256 MiB, bags::bag;
     TCPROS_HEADER: "tcpros_header", "connection headers of TCPROS", 32 MiB, wire::tcpros_header;
     HTTP: "http", "HTTP messages of XML-RPC", 32 MiB, wire::http;
     XMLRPC: "xmlrpc", "XML-RPC calls and answers", 64 MiB, wire::xmlrpc;

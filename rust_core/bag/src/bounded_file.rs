@@ -1,0 +1,47 @@
+//! A file that is read in pieces, none of which may reach past its end.
+
+use std::fs::File;
+use std::io;
+use std::os::unix::fs::FileExt;
+use std::path::PathBuf;
+
+use crate::BagError;
+
+/// The longest piece that is read at once: more than any chunk has.
+const MAX_PIECE_LEN: u64 = 2 << 30;
+
+/// A file and its length. What a length in it announces is compared with that before memory is taken.
+#[derive(Debug)]
+pub(crate) struct BoundedFile {
+    pub(crate) path: PathBuf,
+    pub(crate) len: u64,
+    file: File,
+}
+
+impl BoundedFile {
+    pub(crate) fn open(path: PathBuf) -> Result<Self, BagError> {
+        let opened = File::open(&path).and_then(|file| Ok((file.metadata()?, file)));
+        match opened {
+            Ok((metadata, _)) if metadata.is_dir() => {
+                Err(BagError::File { path, source: io::ErrorKind::IsADirectory.into() })
+            }
+            Ok((metadata, file)) => Ok(Self { len: metadata.len(), file, path }),
+            Err(source) => Err(BagError::File { path, source }),
+        }
+    }
+
+    /// The bytes from an offset on.
+    pub(crate) fn read(&self, at: u64, len: u64) -> io::Result<Vec<u8>> {
+        let past_end = || io::Error::new(io::ErrorKind::UnexpectedEof, "reaches past the end of the file");
+        at.checked_add(len).filter(|end| *end <= self.len).ok_or_else(past_end)?;
+        let too_long = || io::Error::new(io::ErrorKind::InvalidData, "longer than anything that is read at once");
+        let piece_len = usize::try_from(len).ok().filter(|_| len <= MAX_PIECE_LEN).ok_or_else(too_long)?;
+        let mut bytes = vec![0; piece_len];
+        self.file.read_exact_at(&mut bytes, at)?;
+        Ok(bytes)
+    }
+
+    pub(crate) fn damaged(&self, at: u64, reason: &dyn std::fmt::Display) -> BagError {
+        BagError::Damaged { path: self.path.clone(), at, reason: reason.to_string() }
+    }
+}

@@ -1,0 +1,40 @@
+//! Unpacking of chunks.
+
+use std::borrow::Cow;
+use std::io::{self, Read};
+
+/// The longest unpacked chunk; recorders cut them below a few megabytes unless one message is longer.
+const MAX_CHUNK_LEN: u64 = 1 << 30;
+/// No compression packs more tightly: bzip2 reaches some 50 000 on zeros, so a small chunk may still be a large one.
+const MAX_RATIO: u64 = 100_000;
+
+/// The records of a chunk that announces `len` bytes, by the name that a bag or an MCAP file has for its compression.
+pub(crate) fn unpack<'a>(compression: &[u8], packed: &'a [u8], len: u64) -> io::Result<Cow<'a, [u8]>> {
+    if len > MAX_CHUNK_LEN || len > (packed.len() as u64).saturating_mul(MAX_RATIO) {
+        return Err(damaged("chunk announces more bytes than it can have"));
+    }
+    match compression {
+        b"none" | b"" => Ok(Cow::Borrowed(packed)),
+        b"bz2" => read_all(bzip2::bufread::BzDecoder::new(packed), len),
+        b"lz4" => read_all(lz4::Decoder::new(packed)?, len),
+        b"zstd" => {
+            let decoder = ruzstd::decoding::StreamingDecoder::new_with_max_window_size(packed, MAX_CHUNK_LEN);
+            read_all(decoder.map_err(io::Error::other)?, len)
+        }
+        other => Err(damaged(&format!("compression '{}' is not supported", String::from_utf8_lossy(other)))),
+    }
+}
+
+fn read_all(unpacked: impl Read, len: u64) -> io::Result<Cow<'static, [u8]>> {
+    let mut bytes = Vec::new();
+    unpacked.take(len).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 == len {
+        Ok(Cow::Owned(bytes))
+    } else {
+        Err(damaged("chunk holds fewer bytes than it announces"))
+    }
+}
+
+pub(crate) fn damaged(reason: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, reason)
+}
