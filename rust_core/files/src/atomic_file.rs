@@ -1,5 +1,6 @@
 //! Files that appear whole or not at all: each is written beside its place under another name and renamed, so that a
-//! script may wait for it to exist, and a failure leaves the file of before.
+//! script may wait for it to exist, and a failure leaves the file of before. What replaces a file is on the disk before
+//! that: without power in the wrong moment, one of the two is there.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -34,13 +35,24 @@ pub fn write_atomically<E>(
         let mut file = BufWriter::new(file);
         write(&mut file)?;
         file.flush().map_err(&io_error)?;
-        fs::rename(&unfinished, &target).map_err(&io_error)
+        replace(&unfinished, &target).map_err(&io_error)
     })();
     if written.is_err() {
         // What is left of a failed attempt is of no use, and the error that matters is already at hand.
         let _ = fs::remove_file(&unfinished);
     }
     written
+}
+
+/// Gives a finished file its name. If that is another file's, its content is on the disk before.
+///
+/// # Errors
+/// The system's.
+pub fn replace(finished: &Path, target: &Path) -> io::Result<()> {
+    if fs::symlink_metadata(target).is_ok() {
+        File::open(finished)?.sync_all()?;
+    }
+    fs::rename(finished, target)
 }
 
 /// The name of a file until it is whole: hidden, in the same folder, one for each process.

@@ -4,7 +4,7 @@
 //! opaque picture, such as a mask drawn by hand, lifts nothing. Written with 16 bits; 8 bits are read, too.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use image::codecs::png::{PngDecoder, PngEncoder};
@@ -77,7 +77,7 @@ impl BlendFile {
         let mut limits = Limits::default();
         limits.max_alloc = Some(MOST_BYTES);
         (limits.max_image_width, limits.max_image_height) = (Some(MOST_SIDE_PX), Some(MOST_SIDE_PX));
-        let mut decoder = PngDecoder::new(BufReader::new(file)).map_err(decode_error)?;
+        let mut decoder = PngDecoder::with_limits(BufReader::new(file), limits.clone()).map_err(decode_error)?;
         decoder.set_limits(limits).map_err(decode_error)?;
         let picture = DynamicImage::from_decoder(decoder).map_err(decode_error)?.into_luma_alpha16();
         let size_px = [picture.width(), picture.height()];
@@ -98,7 +98,7 @@ impl BlendFile {
         write_atomically(
             path,
             |file| {
-                let encoder = PngEncoder::new(BufWriter::new(file));
+                let encoder = PngEncoder::new(file);
                 encoder.write_image(&bytes, width, height, ExtendedColorType::La16).map_err(failed)
             },
             |source| failed(ImageError::IoError(source)),

@@ -10,6 +10,7 @@ pub mod calibration_report;
 pub mod canvas;
 pub mod capture;
 pub mod correspondences;
+pub mod limited_read;
 pub mod pcd;
 pub mod picture_file;
 pub mod projector;

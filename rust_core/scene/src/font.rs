@@ -8,6 +8,7 @@
 //! The releases of that typeface differ a little in their hints. So that text is the same as in the rviz of the same
 //! machine, rviz's font file is used where there is one, and a built-in release elsewhere.
 
+use std::io::Read as _;
 use std::sync::{Arc, OnceLock};
 
 use ab_glyph_rasterizer::{point, Point, Rasterizer};
@@ -23,6 +24,8 @@ pub const GLYPH_COUNT: u32 = 1000;
 const EM_PX: f32 = 24.0;
 const ATLAS_WIDTH_PX: u32 = 1024;
 const SPACING_PX: u32 = 1;
+/// The most bytes of a font's file that are read.
+const MOST_FONT_BYTES: u64 = 64 << 20;
 
 /// Where rviz's font is: in ROS installations, and on Debian, whose rviz uses the system's.
 const RVIZ_FONTS: [&str; 4] = [
@@ -78,9 +81,16 @@ impl GlyphAtlas {
 pub fn glyph_atlas() -> &'static GlyphAtlas {
     static ATLAS: OnceLock<GlyphAtlas> = OnceLock::new();
     ATLAS.get_or_init(|| {
-        let rvizs = RVIZ_FONTS.iter().filter_map(|file| build(&std::fs::read(file).ok()?, None)).next();
+        let rvizs = RVIZ_FONTS.iter().filter_map(|file| build(&read(file).ok()?, None)).next();
         rvizs.or_else(|| build(FONT, Some(BUILT_IN_CELL))).unwrap_or_else(|| pack(&[], BUILT_IN_CELL))
     })
+}
+
+/// The contents of a font's file, cut at [`MOST_FONT_BYTES`].
+fn read(file: &str) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    std::fs::File::open(file)?.take(MOST_FONT_BYTES).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// A glyph's coverage, in pixels to the right of its origin and below its baseline.

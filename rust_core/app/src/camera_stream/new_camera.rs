@@ -7,7 +7,8 @@ use std::process::ExitCode;
 
 use anyhow::{anyhow, Context, Result};
 use rcs_files::atomic_file::write_atomically;
-use rcs_rviz_config::{insert_camera, NewCamera};
+use rcs_files::limited_read::read_limited_text;
+use rcs_rviz_config::{insert_camera, NewCamera, MAX_FILE_BYTES};
 
 use crate::camera_stream::cli::NewCameraArgs;
 
@@ -50,8 +51,7 @@ fn add(file: &Path, camera: &NewCamera) -> Result<()> {
     let source = file.display().to_string();
     // A link keeps leading to the file.
     let path = fs::canonicalize(file).with_context(|| source.clone())?;
-    let bytes = fs::read(&path).with_context(|| source.clone())?;
-    let text = String::from_utf8(bytes).map_err(|_| anyhow!("{source}: not UTF-8 text"))?;
+    let text = read_limited_text(&path, MAX_FILE_BYTES).with_context(|| source.clone())?;
     let extended = insert_camera(&text, &source, camera)?;
     let permissions = fs::metadata(&path).with_context(|| source.clone())?.permissions();
     let written = write_atomically(

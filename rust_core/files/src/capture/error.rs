@@ -26,6 +26,14 @@ pub enum CaptureError {
         /// The name.
         path: PathBuf,
     },
+    /// A link leads out of the folder.
+    #[error("{}: a link to {}, which is not in the capture's folder", path.display(), target.display())]
+    Outside {
+        /// The name in the folder.
+        path: PathBuf,
+        /// Where it leads.
+        target: PathBuf,
+    },
     /// A value is wrong, or the file is not YAML; the message names key, line and column.
     #[error("{}: {}", path.display(), brief(source))]
     Yaml {

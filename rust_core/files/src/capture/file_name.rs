@@ -1,11 +1,13 @@
-//! A file's name in a capture folder. It may lead into folders of the folder, never out of it: a folder that somebody
-//! sent must not make a program read other files.
+//! A file's name in a capture folder. It may lead into folders of the folder, never out of it, by links neither: a
+//! folder that somebody sent must not make a program read or write other files.
 
 use std::fmt;
 use std::path::{Component, Path, PathBuf};
 
 use serde::de::{Deserializer, Error, Visitor};
 use serde::Deserialize;
+
+use super::CaptureError;
 
 /// A relative name without `..`, and without control characters: errors that have it are one line.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -15,6 +17,22 @@ impl FileName {
     /// Where it is.
     pub(super) fn in_folder(&self, folder: &Path) -> PathBuf {
         folder.join(&self.0)
+    }
+
+    /// Where it is, for reading.
+    ///
+    /// # Errors
+    /// [`CaptureError::Outside`], and [`CaptureError::Read`] where it is not there.
+    pub(super) fn to_read(&self, folder: &Path) -> Result<PathBuf, CaptureError> {
+        let path = self.in_folder(folder);
+        let real =
+            |path: &Path| path.canonicalize().map_err(|source| CaptureError::Read { path: path.to_owned(), source });
+        let (target, real_folder) = (real(&path)?, real(folder)?);
+        if target.starts_with(real_folder) {
+            Ok(path)
+        } else {
+            Err(CaptureError::Outside { path, target })
+        }
     }
 
     /// As the file has it.

@@ -15,7 +15,7 @@
 //!
 //! Pictures are PNGs of 8 bits, grey or in colours. Of colours, the luma of ITU-R BT.601 counts (0.299 red, 0.587
 //! green, 0.114 blue), as with OpenCV and so with cv_bridge. [`rcs_calibration::patterns::Stripes`]
-//! defines the stripes. Names may lead into folders of the folder, never out of it.
+//! defines the stripes. Names may lead into folders of the folder, never out of it, by links neither.
 //!
 //! [`PatternList`] is the same list without a camera, as `patterns.yaml` beside the pictures to be shown.
 
@@ -110,7 +110,7 @@ impl Capture {
     pub fn read(folder: &Path) -> Result<Self, CaptureError> {
         let path = folder.join(CAPTURE_FILE);
         let (raw, mut warnings): (RawCapture, _) = read_yaml(&path)?;
-        let camera_path = raw.camera_info.in_folder(folder);
+        let camera_path = raw.camera_info.to_read(folder)?;
         let (camera, camera_frame_id, camera_warnings) = read_camera(&camera_path)?;
         warnings.extend(camera_warnings);
         let Patterns(entries) = raw.patterns;
@@ -118,14 +118,14 @@ impl Capture {
 
         let size_px = camera.size_px;
         let pictures = entries.into_par_iter().map(|entry| {
-            let grey = read_grey(&entry.file.in_folder(folder), size_px)?;
+            let grey = read_grey(&entry.file.to_read(folder)?, size_px)?;
             Ok(PatternPicture { pattern: entry.pattern, grey })
         });
         let pictures: Vec<Result<PatternPicture, CaptureError>> = pictures.collect();
         // Of several errors the first file's is told, whichever thread was faster.
         let pictures = pictures.into_iter().collect::<Result<Vec<_>, _>>()?;
         let scale_m = raw.depth_scale_m.map_or(DEPTH_SCALE_M, |PositiveNumber(scale)| scale);
-        let depth_m = raw.depth.map(|file| read_depth(&file.in_folder(folder), size_px, scale_m)).transpose()?;
+        let depth_m = raw.depth.map(|file| read_depth(&file.to_read(folder)?, size_px, scale_m)).transpose()?;
         Ok(Self { projector_size_px: raw.projector.size_px(), camera, camera_frame_id, pictures, depth_m, warnings })
     }
 }

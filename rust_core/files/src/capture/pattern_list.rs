@@ -65,6 +65,8 @@ pub fn write_patterns(folder: &Path, size_px: [u32; 2], patterns: &[Pattern]) ->
         .map_err(|reason| CaptureError::Unwritable { path: folder.to_owned(), reason })?;
     make_folder(folder)?;
     let name = |index: usize| format!("p{index:03}.png");
+    let names = (0..patterns.len()).map(name).chain([PATTERNS_FILE.to_owned()]);
+    names.map(|name| folder.join(name)).try_for_each(|path| remove_link(&path))?;
     let [width_px, height_px] = size_px;
     patterns.par_iter().enumerate().try_for_each(|(index, pattern)| {
         let picture = Picture { width_px, height_px, encoding: Encoding::Mono8, data: pattern.picture(size_px) };
@@ -73,6 +75,15 @@ pub fn write_patterns(folder: &Path, size_px: [u32; 2], patterns: &[Pattern]) ->
     let entries = patterns.iter().enumerate().map(|(index, pattern)| entry_line(&name(index), pattern));
     let text = projector_line(size_px) + "patterns:\n" + &entries.collect::<String>();
     write_text(&folder.join(PATTERNS_FILE), &text)
+}
+
+/// Removes a link, so that a file of its name is written into the folder and not to where the link leads.
+pub(super) fn remove_link(path: &Path) -> Result<(), CaptureError> {
+    let removed = match std::fs::symlink_metadata(path) {
+        Ok(metadata) if metadata.is_symlink() => std::fs::remove_file(path),
+        _ => Ok(()),
+    };
+    removed.map_err(|source| CaptureError::Write { path: path.to_owned(), source })
 }
 
 /// Writes a text whole or not at all.

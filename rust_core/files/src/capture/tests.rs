@@ -369,3 +369,51 @@ patterns:
     assert!(text.starts_with(documented), "{text}");
     assert_eq!(text.lines().count(), 46);
 }
+
+#[test]
+fn links_that_lead_out_of_the_folder_are_refused_and_others_are_followed() {
+    use std::os::unix::fs::symlink;
+
+    let (folder, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let path = |name: &str| folder.path().join(name);
+    capture().write(folder.path()).unwrap();
+    for name in ["c001.png", "camera_info.yaml", "depth.png"] {
+        fs::rename(path(name), path("moved")).unwrap();
+        symlink("moved", path(name)).unwrap();
+        Capture::read(folder.path()).unwrap();
+        let outside = elsewhere.path().join("other");
+        fs::rename(path("moved"), &outside).unwrap();
+        fs::remove_file(path(name)).unwrap();
+        symlink(&outside, path(name)).unwrap();
+        let error = Capture::read(folder.path()).unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains("which is not in the capture's folder"), "{error}");
+        // A folder of the name, which the name leads into, is no better.
+        fs::remove_file(path(name)).unwrap();
+        fs::rename(&outside, path(name)).unwrap();
+    }
+    symlink(elsewhere.path(), path("sub")).unwrap();
+    fs::copy(path("c001.png"), elsewhere.path().join("c001.png")).unwrap();
+    let yaml = fs::read_to_string(path(CAPTURE_FILE)).unwrap().replace("c001.png", "sub/c001.png");
+    fs::write(path(CAPTURE_FILE), yaml).unwrap();
+    let error = Capture::read(folder.path()).unwrap_err().to_string();
+    assert!(error.contains("sub/c001.png: a link to"), "{error}");
+}
+
+#[test]
+fn a_capture_and_patterns_are_not_written_where_links_lead() {
+    use std::os::unix::fs::symlink;
+
+    let (folder, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let names = ["c000.png", "camera_info.yaml", "depth.png", CAPTURE_FILE, "p000.png", PATTERNS_FILE];
+    for name in names {
+        fs::write(elsewhere.path().join(name), "of somebody else").unwrap();
+        symlink(elsewhere.path().join(name), folder.path().join(name)).unwrap();
+    }
+    capture().write(folder.path()).unwrap();
+    write_patterns(folder.path(), [8, 8], &[Pattern::White]).unwrap();
+    for name in names {
+        assert_eq!(fs::read_to_string(elsewhere.path().join(name)).unwrap(), "of somebody else", "{name}");
+        assert!(fs::symlink_metadata(folder.path().join(name)).unwrap().is_file(), "{name}");
+    }
+    assert_eq!(Capture::read(folder.path()).unwrap().pictures, capture().pictures);
+}

@@ -2,14 +2,15 @@
 //! interrupted, the folder is without a `capture.yaml`, or the one that is there is whole and valid: a folder that
 //! holds a capture already gets its new pictures under names of their own, and loses the old ones afterwards.
 
-use std::path::Path;
+use std::fs::File;
+use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use rcs_scene::{Encoding, Picture};
 
 use super::file_name::FileName;
 use super::pattern_entry::{check_writable, entry_line, projector_line, Patterns};
-use super::pattern_list::{make_folder, write_text};
+use super::pattern_list::{make_folder, remove_link, write_text};
 use super::{check_amount, read_yaml, Capture, CaptureError, RawCapture, CAPTURE_FILE, DEPTH_SCALE_M};
 use crate::picture_file;
 use crate::projector::ProjectorFile;
@@ -28,13 +29,18 @@ impl Capture {
         let old_files = files_of_capture(folder);
         let names = Names::new(&old_files);
         let [width_px, height_px] = self.camera.size_px;
+        let camera_info = names.camera_info();
+        let pictures = (0..self.pictures.len()).map(|index| names.picture(index));
+        let depth = self.depth_m.is_some().then(|| names.depth());
+        let files: Vec<PathBuf> =
+            pictures.chain([camera_info.clone()]).chain(depth).map(|name| folder.join(name)).collect();
+        files.iter().try_for_each(|file| remove_link(file))?;
 
         self.pictures.par_iter().enumerate().try_for_each(|(index, picture)| {
             let data = picture.grey.clone();
             let picture = Picture { width_px, height_px, encoding: Encoding::Mono8, data };
             picture_file::write(&folder.join(names.picture(index)), &picture)
         })?;
-        let camera_info = names.camera_info();
         ProjectorFile::from_lens(&self.camera, &self.camera_frame_id).write(&folder.join(&camera_info))?;
         let entries = self.pictures.iter().enumerate();
         let mut text = projector_line(self.projector_size_px) + "patterns:\n";
@@ -46,6 +52,14 @@ impl Capture {
             let picture = Picture { width_px, height_px, encoding: Encoding::Mono16, data };
             picture_file::write(&folder.join(&depth), &picture)?;
             text += &format!("depth: {depth}\ndepth_scale_m: {DEPTH_SCALE_M}\n");
+        }
+        remove_link(&folder.join(CAPTURE_FILE))?;
+        if !old_files.is_empty() {
+            // The old capture goes when its `capture.yaml` is replaced: the new one is on the disk before.
+            let write_error = |path: &Path, source| CaptureError::Write { path: path.to_owned(), source };
+            files.iter().try_for_each(|path| {
+                File::open(path).and_then(|file| file.sync_all()).map_err(|source| write_error(path, source))
+            })?;
         }
         write_text(&folder.join(CAPTURE_FILE), &text)?;
         for file in old_files.iter().filter(|file| is_ours(file)) {

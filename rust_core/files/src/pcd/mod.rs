@@ -17,11 +17,14 @@ mod coordinates;
 mod header;
 mod lzf;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::limited_read::read_limited;
 pub use header::HeaderError;
 use header::{PcdEncoding, PcdField, PcdHeader, PcdType};
+
+/// The largest file that is read: more than a message holds.
+const MOST_FILE_BYTES: u64 = 8 << 30;
 
 /// `datatype` of a `sensor_msgs/PointField`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -148,7 +151,8 @@ impl PcdCloud {
     /// # Errors
     /// [`PcdError`] with the file and the line or offset.
     pub fn read(path: &Path) -> Result<Self, PcdError> {
-        let bytes = fs::read(path).map_err(|source| PcdError::Read { path: path.to_owned(), source })?;
+        let read = read_limited(path, MOST_FILE_BYTES);
+        let bytes = read.map_err(|source| PcdError::Read { path: path.to_owned(), source })?;
         Self::parse(path, &bytes)
     }
 

@@ -43,7 +43,6 @@ mod opencv_xml;
 mod other_tools;
 mod write;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use rcs_messages::sensor_msgs::{CameraInfo, RegionOfInterest};
@@ -51,6 +50,7 @@ use rcs_messages::std_msgs::Header;
 use serde::Deserialize;
 use serde_yaml_ng::Value;
 
+use crate::limited_read::read_limited;
 use crate::yaml_text::{brief, one_line};
 use checked_numbers::{Matrix, Numbers, Size, Whole};
 use distortion_name::distortion_model;
@@ -60,6 +60,9 @@ pub use lens::{fields_of, lens_of};
 use rcs_calibration::Distortion;
 pub use rcs_calibration::{DistortionModel, DistortionProblem};
 use rcs_scene::Intrinsics;
+
+/// The largest file that is read.
+const MOST_BYTES: u64 = 4 << 20;
 
 /// The contents of the file.
 ///
@@ -136,7 +139,8 @@ impl ProjectorFile {
     /// # Errors
     /// [`ProjectorFileError`] with the file and, where there is one, key and line.
     pub fn read(path: &Path) -> Result<Self, ProjectorFileError> {
-        let bytes = fs::read(path).map_err(|source| ProjectorFileError::Read { path: path.to_owned(), source })?;
+        let bytes = read_limited(path, MOST_BYTES)
+            .map_err(|source| ProjectorFileError::Read { path: path.to_owned(), source })?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let is_mat = error.as_bytes().starts_with(b"MATLAB 5.0");
             let what = if is_mat { "it seems to be a MAT-file of MATLAB" } else { "it is no text in UTF-8" };

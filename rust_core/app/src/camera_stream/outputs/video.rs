@@ -180,7 +180,7 @@ impl Output for VideoFile {
         if let Some(running) = self.running.take() {
             self.wait(running)?;
             let failed = |source| VideoError::Write { path: self.file.clone(), source };
-            std::fs::rename(&self.unfinished, &self.file).map_err(failed)?;
+            rcs_files::atomic_file::replace(&self.unfinished, &self.file).map_err(failed)?;
         }
         Ok(())
     }
