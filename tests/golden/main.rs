@@ -20,6 +20,7 @@ mod cases;
 mod gallery;
 mod score;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -178,7 +179,17 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
     let bag = case.folder.join("scene.bag");
     let (camera, section, model) = (case.camera.as_deref(), Section::default(), Projection::Rviz.into());
-    let job = Job { bag: &bag, camera, projector: None, section, target: &target, model, orientations: Vec::new() };
+    let (bags, remappings, orientations) = ([bag], HashMap::new(), Vec::new());
+    let job = Job {
+        bags: &bags,
+        remappings: &remappings,
+        camera,
+        projector: None,
+        section,
+        target: &target,
+        model,
+        orientations,
+    };
     offline::render(&mut stage, &job, renderer.as_mut())
 }
 

@@ -35,6 +35,20 @@ fn without_ros_arguments(arguments: impl IntoIterator<Item = OsString>) -> Vec<O
     arguments.into_iter().enumerate().filter(is_own).map(|(_, argument)| argument).collect()
 }
 
+/// The remappings `from:=to` of names among the program's arguments: none that begins with `_`, such as `__name:=`.
+pub fn remappings() -> Vec<(String, String)> {
+    remappings_among(std::env::args_os().skip(1))
+}
+
+fn remappings_among(arguments: impl IntoIterator<Item = OsString>) -> Vec<(String, String)> {
+    let remapping = |argument: OsString| {
+        let argument = argument.to_string_lossy().into_owned();
+        let (from, to) = argument.split_once(":=")?;
+        (!from.starts_with('_')).then(|| (from.to_owned(), to.to_owned()))
+    };
+    arguments.into_iter().filter_map(remapping).collect()
+}
+
 /// Runs a program with the process's arguments, and ends its node. An error is the last line of the log.
 pub fn run_main<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<()>) -> ExitCode {
     let arguments = A::parse_from(own_arguments());
@@ -142,6 +156,9 @@ mod tests {
         let arguments = ["/bin/a:=b", "file.yaml", "__name:=x", "_file:=y", "image:=/z", "--rate", "2"];
         let own = without_ros_arguments(arguments.map(OsString::from));
         assert_eq!(own, ["/bin/a:=b", "file.yaml", "--rate", "2"]);
+        let arguments = ["file.yaml", "__name:=x", "_file:=y", "image:=/z", "--rate", "/a:=/b:=c"];
+        let remappings = remappings_among(arguments.map(OsString::from));
+        assert_eq!(remappings, [("image", "/z"), ("/a", "/b:=c")].map(|(from, to)| (from.to_owned(), to.to_owned())));
     }
 
     #[test]

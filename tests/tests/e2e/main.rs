@@ -17,6 +17,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod bags;
 mod blend;
 mod camera_info;
 mod check;

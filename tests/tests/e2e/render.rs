@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// Runs `render` in a temporary folder.
-struct Render {
+pub(crate) struct Render {
     folder: tempfile::TempDir,
 }
 
@@ -17,18 +17,18 @@ impl Render {
         Self { folder: tempfile::tempdir().unwrap() }
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    fn run(&self, arguments: &str) -> Output {
+    pub(crate) fn run(&self, arguments: &str) -> Output {
         let mut command = Command::new(program("camera_stream"));
         command.arg("render").args(arguments.split_whitespace()).args(["--renderer", "cpu"]);
         command.env_remove("ROS_PACKAGE_PATH").current_dir(self.folder.path()).output().unwrap()
     }
 
     /// Runs it successfully; it prints nothing.
-    fn good(&self, arguments: &str) {
+    pub(crate) fn good(&self, arguments: &str) {
         let output = self.run(arguments);
         let printed = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{arguments}: {printed}");
@@ -36,7 +36,7 @@ impl Render {
     }
 
     /// Runs it to a failure and returns the only line of its error output that is not a warning.
-    fn bad(&self, arguments: &str) -> String {
+    pub(crate) fn bad(&self, arguments: &str) -> String {
         let output = self.run(arguments);
         let printed = String::from_utf8(output.stderr).unwrap();
         assert!(matches!(output.status.code(), Some(1 | 2)), "{arguments}: {:?} {printed}", output.status);
@@ -45,12 +45,12 @@ impl Render {
         errors[0].to_owned()
     }
 
-    fn pixel(&self, picture: &str, x: u32, y: u32) -> [u8; 3] {
+    pub(crate) fn pixel(&self, picture: &str, x: u32, y: u32) -> [u8; 3] {
         image::open(self.path(picture)).unwrap().to_rgb8().get_pixel(x, y).0
     }
 
     /// Makes a bag with Python: `bag`, and the helpers of `python_node.py`.
-    fn bag(&self, name: &str, script: &str) {
+    pub(crate) fn bag(&self, name: &str, script: &str) {
         let helpers = include_str!("../../src/python_node.py").split("\nrospy.init_node").next().unwrap();
         let path = self.path(name);
         let script = format!(
@@ -64,7 +64,7 @@ impl Render {
 
     /// A config `scene.rviz` with one camera, and `scene.bag`: red from 100 s, green from 101 s, blue from 102 s to
     /// 103 s.
-    fn with_scene() -> Self {
+    pub(crate) fn with_scene() -> Self {
         let render = Self::new();
         fs::write(render.path("scene.rviz"), config(&[CLOUD], &[CameraPub::default()])).unwrap();
         render.bag(
@@ -140,7 +140,7 @@ fn a_sequence_is_numbered_and_covers_the_bag() {
 }
 
 /// The colours of the pictures in a folder, in the order of their names.
-fn colors(render: &Render, folder: &str) -> Vec<[u8; 3]> {
+pub(crate) fn colors(render: &Render, folder: &str) -> Vec<[u8; 3]> {
     let entries = fs::read_dir(render.path(folder)).unwrap().map(|entry| entry.unwrap().file_name());
     let mut names: Vec<String> = entries.map(|name| name.into_string().unwrap()).collect();
     names.sort();

@@ -196,6 +196,9 @@ pub struct WindowArgs {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Renders pictures from a bag, without ROS
+    ///
+    /// FROM:=TO, anywhere, renames a topic of the bag as with rosbag play: /robot1/points:=/points. Times are those of the
+    /// bag's /clock if it has one, else those of recording (also with /clock:=/unused).
     Render(RenderArgs),
     /// Prints which parts of a config are understood and drawn; with --live the status of each display in a running ROS
     ///
@@ -243,9 +246,10 @@ pub struct RenderArgs {
     /// The fixed frame, overriding the config's
     #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
     pub fixed_frame: Option<String>,
-    /// The bag with /tf, CameraInfo and the displays' messages
-    #[arg(long, value_name = "FILE.bag")]
-    pub bag: PathBuf,
+    /// The bag with /tf, CameraInfo and the displays' messages, or several, such as the parts of a split recording: .bag
+    /// or .mcap of ROS 1
+    #[arg(long, value_name = "FILE.bag", required = true, num_args = 1..)]
+    pub bag: Vec<PathBuf>,
     /// Write one picture; its ending, .png, .jpg or .jpeg, is the format
     #[arg(short = 'o', long, value_name = "FILE.png", value_parser = picture_file)]
     pub output: Option<PathBuf>,
@@ -361,7 +365,7 @@ fn video_file(text: &str) -> Result<PathBuf, String> {
 }
 
 /// A name of the ROS graph: words of letters, digits and `_`, with `/` between them; begins with a letter, `/` or `~`.
-fn graph_name(text: &str) -> Result<String, String> {
+pub(super) fn graph_name(text: &str) -> Result<String, String> {
     let words = text.strip_prefix(['/', '~']).unwrap_or(text);
     let words = if text.starts_with('~') { words.strip_prefix('/').unwrap_or(words) } else { words };
     let is_word = |word: &str| !word.is_empty() && word.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_');

@@ -26,6 +26,7 @@ mod visibility;
 pub mod watchdog;
 mod window_arguments;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{anyhow, Result};
@@ -170,7 +171,8 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     rcs_scene::name_threads();
     let packages = PackageIndex::from_env(&args.package_path);
     // The user's own files may lie beside each other, in no package.
-    let options = cli.resources.options_beside(&[&args.display_config, &args.bag]);
+    let files: Vec<&Path> = std::iter::once(&args.display_config).chain(&args.bag).map(PathBuf::as_path).collect();
+    let options = cli.resources.options_beside(&files);
     // What a picture shows does not depend on how fast files are read: each is loaded when it is asked for.
     let meshes = MeshStore::with_options(packages, options);
     let parameters = offline::read_parameters(&args.param, meshes.packages())?;
@@ -186,7 +188,8 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
         }
     };
     let job = Job {
-        bag: &args.bag,
+        bags: &args.bag,
+        remappings: &offline::bag_names(&small_node::remappings())?,
         camera: args.camera.as_deref(),
         projector: args.projector.as_deref(),
         section: Section { at_secs: args.at, start_secs: args.start, end_secs: args.end },

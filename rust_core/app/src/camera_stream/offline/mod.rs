@@ -3,19 +3,19 @@
 mod moments;
 mod player;
 mod projector;
+mod ros_time;
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Arc;
 
 use anyhow::{anyhow, bail, Context, Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
-use rcs_bag::Bag;
+use rcs_bag::{full_name, Bag};
 use rcs_camera::CameraModel;
-use rcs_displays::{time_from_stamp, CameraView};
+use rcs_displays::CameraView;
+use rcs_files::limited_read::read_limited;
 use rcs_render::{LastStep, Orientation, Renderer};
 use rcs_resources::PackageIndex;
 use rcs_scene::Picture;
@@ -23,6 +23,7 @@ use rcs_transforms::Time;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::camera_stream::camera_pose::CameraProblem;
+use crate::camera_stream::cli;
 use crate::camera_stream::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
 use crate::camera_stream::projection_warning::ProjectionWarning;
 use crate::camera_stream::safety::names::{of_camera, ForCamera};
@@ -64,8 +65,10 @@ pub enum Target {
 /// What is rendered of a bag.
 #[derive(Debug)]
 pub struct Job<'a> {
-    /// The bag's file.
-    pub bag: &'a Path,
+    /// The bag's files.
+    pub bags: &'a [PathBuf],
+    /// The bag's topics that get other names, see [`bag_names`].
+    pub remappings: &'a HashMap<String, String>,
     /// The name of the camera; `None` if the config has only one.
     pub camera: Option<&'a str>,
     /// The file that takes the place of the bag's CameraInfo and frames.
@@ -90,14 +93,15 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
     let view = choose_camera(stage.cameras(), job.camera)?.clone();
     let orientation = of_camera(&job.orientations, &view.name).copied().unwrap_or_default();
     let policy = FramePolicy::offline(LastStep { orientation, ..LastStep::default() });
-    let bag = Bag::open(job.bag)?;
-    let Some((start, end)) = bag.time_range() else { bail!("{}: the bag holds no messages", job.bag.display()) };
-    let times = BagTimes { start: time_from_stamp(start), end: time_from_stamp(end) };
+    let bag = job.open()?;
+    let Some(times) = BagTimes::of(&bag).with_context(|| job.name())? else {
+        bail!("{}: the bag holds no messages", job.name())
+    };
     let projector = job.projector.map(|file| Projector::read(file, &view)).transpose()?;
     if let Some(projector) = &projector {
         projector.place(stage, times.start);
     }
-    let mut player = Player::new(stage, &bag, projector);
+    let mut player = Player::new(stage, &bag, times, projector);
     let moments = job.moments(&mut player, stage, &view, times)?;
     let interrupted = Interrupted::watch()?;
     let mut output = job.target.open()?;
@@ -108,7 +112,7 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
         if interrupted.is_set() {
             bail!("interrupted at {moment}");
         }
-        player.play_until(stage, moment);
+        player.play_until(stage, moment).with_context(|| job.name())?;
         stage.update(moment);
         let camera = match stage.camera(&view, job.model) {
             Ok(camera) => camera,
@@ -129,6 +133,21 @@ pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> 
 }
 
 impl Job<'_> {
+    /// The bags' names, for messages.
+    fn name(&self) -> String {
+        self.bags.iter().map(|bag| bag.display().to_string()).collect::<Vec<_>>().join(", ")
+    }
+
+    fn open(&self) -> Result<Bag> {
+        let bag = Bag::open_all(self.bags)?;
+        for (from, to) in self.remappings {
+            if !bag.connections().any(|connection| full_name(&connection.topic) == *from) {
+                log::warn!("{from}:={to}: the bag has no topic {from}");
+            }
+        }
+        Ok(bag.remapped(self.remappings))
+    }
+
     /// The moments to be rendered. Plays the bag up to the first of a sequence.
     fn moments(&self, player: &mut Player, stage: &mut Stage, view: &CameraView, times: BagTimes) -> Result<Moments> {
         let rate_hz = match self.target {
@@ -137,7 +156,8 @@ impl Job<'_> {
         };
         let [first, last] = self.section.bounds(times)?;
         let whole = Moments::between([first, last], rate_hz)?;
-        let Some(begin) = player.play_until_camera(stage, view, self.model, [first, last]) else {
+        let begin = player.play_until_camera(stage, view, self.model, [first, last]);
+        let Some(begin) = begin.with_context(|| self.name())? else {
             // The error of the first picture says what is missing.
             return Ok(whole);
         };
@@ -163,10 +183,10 @@ impl Job<'_> {
         view: &CameraView,
         times: BagTimes,
     ) -> Error {
-        let bag = self.bag.display().to_string();
+        let bag = self.name();
         let is_missing = matches!(problem, CameraProblem::NoCameraInfo { .. } | CameraProblem::NoTransform { .. });
         let begin = is_missing.then(|| player.play_until_camera(stage, view, self.model, [moment, times.end]));
-        match begin.flatten() {
+        match begin.and_then(Result::ok).flatten() {
             Some(begin) => {
                 // Rounded up, so that the moment is not before it.
                 let secs = (begin.secs_since(times.start) * 1e3).ceil() / 1e3;
@@ -210,6 +230,21 @@ impl Target {
     }
 }
 
+/// The whole names of a bag's topics that get other names, and those, from remappings such as
+/// `/robot1/points:=/points`.
+///
+/// # Errors
+/// One line that names what is no topic's name.
+pub fn bag_names(remappings: &[(String, String)]) -> Result<HashMap<String, String>> {
+    let whole = |(from, to): &(String, String)| {
+        for name in [from, to] {
+            cli::graph_name(name).map_err(|reason| anyhow!("{from}:={to}: '{name}' is no topic of a bag: {reason}"))?;
+        }
+        Ok((full_name(from), full_name(to)))
+    };
+    remappings.iter().map(whole).collect()
+}
+
 /// The most bytes of a parameter's text.
 const MAX_PARAMETER_BYTES: u64 = 64 << 20;
 
@@ -223,13 +258,8 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
         let (name, file) =
             key_value::split(parameter).with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
         let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
-        let mut bytes = Vec::new();
-        let opened = File::open(&path);
-        let read = opened.and_then(|file| file.take(MAX_PARAMETER_BYTES + 1).read_to_end(&mut bytes));
-        read.with_context(|| format!("--param {name}: {}", path.display()))?;
-        if bytes.len() as u64 > MAX_PARAMETER_BYTES {
-            bail!("--param {name}: {}: larger than {} MB", path.display(), MAX_PARAMETER_BYTES >> 20);
-        }
+        let read = read_limited(&path, MAX_PARAMETER_BYTES);
+        let bytes = read.with_context(|| format!("--param {name}: {}", path.display()))?;
         let text = String::from_utf8_lossy(&bytes).into_owned();
         Ok((name.trim_start_matches('/').to_owned(), text.into()))
     };

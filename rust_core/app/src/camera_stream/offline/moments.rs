@@ -28,17 +28,19 @@ pub(super) struct Moments {
     count: u64,
 }
 
-/// The times of a bag's first and last message.
+/// The times of a bag's first and last message, or of its clock.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BagTimes {
     pub(super) start: Time,
     pub(super) end: Time,
+    /// Whether they are those of the bag's clock.
+    pub(super) has_clock: bool,
 }
 
 impl BagTimes {
     /// The time of a moment that lies within the bag.
     fn moment(self, option: &str, secs: f64) -> Result<Time> {
-        let Self { start, end } = self;
+        let Self { start, end, .. } = self;
         let absolute = secs >= start.as_secs_f64() && secs <= end.as_secs_f64();
         let moment = if absolute { Time::from_secs_f64(secs) } else { after(start, secs) };
         let lasts = end.secs_since(start);
@@ -127,7 +129,8 @@ mod tests {
         Time::from_secs_nanos(secs, 0)
     }
 
-    const BAG: BagTimes = BagTimes { start: Time::from_secs_nanos(100, 0), end: Time::from_secs_nanos(103, 0) };
+    const BAG: BagTimes =
+        BagTimes { start: Time::from_secs_nanos(100, 0), end: Time::from_secs_nanos(103, 0), has_clock: false };
 
     #[test]
     fn a_moment_is_within_the_bag() {

@@ -50,9 +50,9 @@ pub(in super::super) struct ScanArguments {
     /// topic on which they were shown
     #[arg(long, value_name = "TOPIC", conflicts_with = "monitor")]
     pub(super) show_on: Option<String>,
-    /// Scan what this bag has recorded
-    #[arg(long, value_name = "FILE.bag", conflicts_with = "monitor")]
-    pub(super) bag: Option<PathBuf>,
+    /// Scan what this bag has recorded, or several, such as the parts of a split recording: .bag or .mcap of ROS 1
+    #[arg(long, value_name = "FILE.bag", num_args = 1.., conflicts_with = "monitor")]
+    pub(super) bag: Vec<PathBuf>,
     /// With --bag: the folder of the patterns that were shown, or its patterns.yaml [default: those that the command
     /// patterns writes for --size and --step]
     #[arg(long, value_name = "DIR|FILE", requires = "bag")]

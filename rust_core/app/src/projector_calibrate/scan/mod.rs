@@ -29,8 +29,6 @@ mod topics;
 mod verification;
 mod verify_live;
 
-use std::path::Path;
-
 use rcs_files::capture::CAPTURE_FILE;
 use rcs_files::picture_file;
 
@@ -52,19 +50,20 @@ pub(super) use verify_live::{verify_live, LiveOptions};
 /// [`Failure`]: the scan was refused, or a topic, a bag, a window or a file cannot be used.
 pub(super) fn run(arguments: &ScanArguments) -> Result<(), Failure> {
     arguments.check_files()?;
-    match &arguments.bag {
-        Some(bag) => scan_bag(arguments, bag),
-        None => live::scan(arguments),
+    if arguments.bag.is_empty() {
+        live::scan(arguments)
+    } else {
+        scan_bags(arguments)
     }
 }
 
-/// Scans what a bag has recorded.
-fn scan_bag(arguments: &ScanArguments, bag: &Path) -> Result<(), Failure> {
+/// Scans what bags have recorded.
+fn scan_bags(arguments: &ScanArguments) -> Result<(), Failure> {
     let Size(projector_px) = arguments.size;
     let options =
         RecordedOptions { projector_px, patterns: arguments.recorded_patterns()?, frames: arguments.frames.into() };
     let shown = arguments.show_on.as_deref();
-    let footage = BagFootage::open(bag, &arguments.topics(), shown, arguments.start)?;
+    let footage = BagFootage::open(&arguments.bag, &arguments.topics(), shown, arguments.start)?;
     let mut progress = Progress::new("reading the bag", None, footage.lens().size_px, projector_px);
     let scanned = recorded::scan(&footage, &options, &mut |event| progress.show(&event));
     progress.finish();

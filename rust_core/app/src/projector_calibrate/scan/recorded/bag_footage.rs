@@ -1,14 +1,14 @@
 //! A bag as footage.
 
 use std::ops::{ControlFlow, Range};
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Duration;
 
-use rcs_bag::{full_name, Bag};
+use rcs_bag::{full_name, Bag, Connection};
 use rcs_calibration::patterns::Pattern;
 use rcs_calibration::Lens;
 use rcs_messages::sensor_msgs::CameraInfo;
-use rcs_messages::{AnyMessage, MessageKind};
+use rcs_messages::{AnyMessage, MessageKind, Time};
 
 use super::super::camera_lens::lens_of_topic;
 use super::super::devices::CameraError;
@@ -37,19 +37,19 @@ pub(in super::super) struct BagFootage {
 }
 
 impl BagFootage {
-    /// Opens a bag. What was recorded before `start`, since the beginning, is left out. `shown` is the topic on which
+    /// Opens bags. What was recorded before `start`, since the beginning, is left out. `shown` is the topic on which
     /// the patterns were shown, if the bag has it.
     ///
     /// # Errors
     /// [`ScanFailure`]: a bag that cannot be read, a topic that is missing or of another type, a CameraInfo that cannot
     /// be used.
     pub(in super::super) fn open(
-        path: &Path,
+        paths: &[PathBuf],
         topics: &CameraTopics,
         shown: Option<&str>,
         start: Duration,
     ) -> Result<Self, ScanFailure> {
-        let bag = Bag::open(path)?;
+        let bag = Bag::open_all(paths)?;
         let beginning = bag.time_range().map_or(0, |(first, _)| first.nanos());
         let depth = match &topics.depth {
             DepthTopic::Image(topic) | DepthTopic::Cloud(topic) => Some(full_name(topic)),
@@ -57,7 +57,7 @@ impl BagFootage {
         };
         let mut footage = Self {
             bag,
-            name: path.display().to_string(),
+            name: paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", "),
             image: full_name(&topics.image),
             depth,
             shown: shown.map(full_name),
@@ -84,10 +84,11 @@ impl BagFootage {
     fn check_topic(&self, topic: &str, kinds: &[MessageKind]) -> Result<(), ScanFailure> {
         let types: Vec<&str> = kinds.iter().map(|kind| kind.ros_type()).collect();
         let connections = || self.bag.connections();
-        let is_one = |connection: &rcs_bag::Connection| types.contains(&&*connection.ros_type);
-        let reason = match connections().find(|connection| full_name(&connection.topic) == topic) {
+        let is_one = |connection: &Connection| kinds.iter().any(|kind| connection.holds(*kind));
+        let of_topic = || connections().filter(|connection| full_name(&connection.topic) == topic);
+        let reason = match of_topic().find(|connection| !is_one(connection)).or_else(|| of_topic().next()) {
             Some(connection) if is_one(connection) => return Ok(()),
-            Some(connection) => format!("holds {} in the bag, not {}", connection.ros_type, types.join(" or ")),
+            Some(connection) => format!("holds {} in the bag, not {}", connection.held(), types.join(" or ")),
             None => {
                 let mut names: Vec<&str> = connections()
                     .filter(|connection| is_one(connection))
@@ -105,17 +106,18 @@ impl BagFootage {
     /// Visits the messages of a topic from a time on, with the time since the bag's beginning. The decoding is left to
     /// the visitor, who may not need all.
     fn messages(&self, topic: &str, from: Duration, visit: &mut VisitMessage<'_>) -> Result<(), ScanFailure> {
-        for message in self.bag.messages(|connection| full_name(&connection.topic) == topic) {
+        const LAST: Time = Time { sec: u32::MAX, nsec: 999_999_999 };
+        let from = self.beginning.saturating_add(i64::try_from(from.as_nanos()).unwrap_or(i64::MAX)).min(LAST.nanos());
+        let of_topic = |connection: &Connection| full_name(&connection.topic) == topic;
+        for message in self.bag.messages_from(Time::from_nanos(from), of_topic) {
             let message = message?;
             let nanos = message.time.nanos().saturating_sub(self.beginning);
             let time = Duration::from_nanos(u64::try_from(nanos).unwrap_or_default());
-            if time < from {
-                continue;
-            }
             let decode = || {
                 let damaged = |reason: String| CameraError::Unusable { topic: topic.to_owned(), reason };
-                let kind = MessageKind::from_ros_type(&message.connection.ros_type)
-                    .ok_or_else(|| damaged(format!("holds {} in the bag", message.connection.ros_type)))?;
+                let connection = &message.connection;
+                let kind =
+                    connection.kind().ok_or_else(|| damaged(format!("holds {} in the bag", connection.held())))?;
                 let decoded = kind.decode(&message.bytes);
                 Ok(decoded.map_err(|error| {
                     damaged(format!("cannot decode the message after {:.3} s: {error}", time.as_secs_f64()))
