@@ -78,11 +78,11 @@ impl History {
             }
             History::Moving(samples) => samples,
         };
-        let place = match samples.back() {
-            Some(newest) if newest.stamp > sample.stamp => samples.partition_point(|known| known.stamp < sample.stamp),
-            _ => samples.len(),
-        };
-        samples.insert(place, sample);
+        if samples.back().is_some_and(|newest| newest.stamp > sample.stamp) {
+            samples.insert(samples.partition_point(|known| known.stamp < sample.stamp), sample);
+        } else {
+            samples.push_back(sample);
+        }
         let newest = samples.back().map_or(sample.stamp, |newest| newest.stamp);
         while samples.front().is_some_and(|oldest| oldest.stamp.saturating_add(cache_length) < newest) {
             samples.pop_front();
