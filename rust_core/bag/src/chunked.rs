@@ -8,8 +8,14 @@ use crate::BagError;
 
 /// A file whose index was read.
 pub(crate) trait Chunked: fmt::Debug + Send + Sync {
-    /// Visits the messages of the chunk at an offset. What comes before a damaged one is visited, too.
-    fn unpack(&self, at: u64, visit: &mut dyn FnMut(RawMessage<'_>)) -> Result<(), BagError>;
+    /// Visits the messages of the chunk at an offset whose connection is wanted, and perhaps others. What comes before
+    /// a damaged one is visited, too.
+    fn unpack(
+        &self,
+        at: u64,
+        wanted: &dyn Fn(u32) -> bool,
+        visit: &mut dyn FnMut(RawMessage<'_>),
+    ) -> Result<(), BagError>;
 }
 
 /// A message in a chunk.

@@ -1,4 +1,4 @@
-//! Unpacking of chunks.
+//! Unpacking of an MCAP file's chunks.
 
 use std::borrow::Cow;
 use std::io::{self, Read};
@@ -8,14 +8,19 @@ const MAX_CHUNK_LEN: u64 = 1 << 30;
 /// No compression packs more tightly: bzip2 reaches some 50 000 on zeros, so a small chunk may still be a large one.
 const MAX_RATIO: u64 = 100_000;
 
-/// The records of a chunk that announces `len` bytes, by the name that a bag or an MCAP file has for its compression.
-pub(crate) fn unpack<'a>(compression: &[u8], packed: &'a [u8], len: u64) -> io::Result<Cow<'a, [u8]>> {
-    if len > MAX_CHUNK_LEN || len > (packed.len() as u64).saturating_mul(MAX_RATIO) {
+/// Whether a chunk of any format can have the length that it announces.
+pub(crate) fn check_len(len: u64, packed_len: u64) -> io::Result<()> {
+    if len > MAX_CHUNK_LEN || len > packed_len.saturating_mul(MAX_RATIO) {
         return Err(damaged("chunk announces more bytes than it can have"));
     }
+    Ok(())
+}
+
+/// The records of a chunk that announces `len` bytes, by the name of its compression.
+pub(crate) fn unpack<'a>(compression: &[u8], packed: &'a [u8], len: u64) -> io::Result<Cow<'a, [u8]>> {
+    check_len(len, packed.len() as u64)?;
     match compression {
-        b"none" | b"" => Ok(Cow::Borrowed(packed)),
-        b"bz2" => read_all(bzip2::bufread::BzDecoder::new(packed), len),
+        b"" => Ok(Cow::Borrowed(packed)),
         b"lz4" => read_all(lz4::Decoder::new(packed)?, len),
         b"zstd" => {
             let decoder = ruzstd::decoding::StreamingDecoder::new_with_max_window_size(packed, MAX_CHUNK_LEN);

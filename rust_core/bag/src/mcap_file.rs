@@ -85,7 +85,7 @@ impl McapFile {
 }
 
 impl Chunked for McapFile {
-    fn unpack(&self, at: u64, visit: &mut dyn FnMut(RawMessage<'_>)) -> Result<(), BagError> {
+    fn unpack(&self, at: u64, _: &dyn Fn(u32) -> bool, visit: &mut dyn FnMut(RawMessage<'_>)) -> Result<(), BagError> {
         self.visit_messages(at, visit).map_err(|error| self.file.damaged(at, &error))
     }
 }

@@ -76,8 +76,9 @@ impl Messages {
         let Self { files, connections, from_nanos, errors, waiting, .. } = self;
         let Some(chunked) = files.get(file) else { return };
         let mut index = 0;
-        let unpacked = chunked.unpack(at, &mut |message| {
-            if message.nanos >= *from_nanos && connections.contains_key(&(file, message.connection)) {
+        let is_wanted = |connection| connections.contains_key(&(file, connection));
+        let unpacked = chunked.unpack(at, &is_wanted, &mut |message| {
+            if message.nanos >= *from_nanos && is_wanted(message.connection) {
                 let (nanos, connection, bytes) = (message.nanos, message.connection, message.bytes.to_vec());
                 waiting.push(Reverse(Waiting { nanos, file, chunk_at: at, index, connection, bytes }));
             }

@@ -1,16 +1,21 @@
 //! Bags of version 2.0, which ROS 1 records.
 //!
 //! A record is `header length, header fields, data length, data`; a field is `length, name=value`. Chunks are records
-//! with further records in them; the index at the end repeats the connections and says where the chunks are. Records
-//! and fields that nothing here needs are skipped by their lengths, whatever is in them.
+//! with further records in them; the index at the end repeats the connections and says where the chunks are.
+//!
+//! The crate `rosbag` unpacks chunks and reads the messages that are asked for. It takes a connection with a message
+//! definition that is not UTF-8 or an md5sum of `*` for damage, and allocates whatever length a chunk announces. So the
+//! index at the end and the headers of chunks are read here; what nothing needs is skipped by its length.
 
+use std::fmt;
 use std::io;
 
 use crate::bounded_file::BoundedFile;
 use crate::chunked::{nanos, ChunkRef, Chunked, Index, RawMessage};
-use crate::compression::{damaged, unpack};
+use crate::compression::{check_len, damaged};
 use crate::connection::{md5sum, Connection};
 use crate::BagError;
+use rosbag::{ChunkRecord, MessageRecord, RosBag};
 
 /// What such a file begins with.
 pub(crate) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
@@ -23,16 +28,21 @@ const NO_ENCRYPTOR: &[u8] = b"rosbag/NoEncryptor";
 
 /// Kinds of records, their field `op`.
 mod op {
-    pub(super) const MESSAGE: &[u8] = &[2];
     pub(super) const CHUNK: &[u8] = &[5];
     pub(super) const CHUNK_INFO: &[u8] = &[6];
     pub(super) const CONNECTION: &[u8] = &[7];
 }
 
 /// A bag of version 2.0.
-#[derive(Debug)]
 pub(crate) struct RosbagFile {
     file: BoundedFile,
+    bag: RosBag,
+}
+
+impl fmt::Debug for RosbagFile {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("RosbagFile").field("file", &self.file).finish_non_exhaustive()
+    }
 }
 
 /// A record in the file.
@@ -51,9 +61,8 @@ impl Record {
 
 impl RosbagFile {
     pub(crate) fn open(file: BoundedFile) -> Result<(Self, Index), BagError> {
-        let bag = Self { file };
-        let path = || bag.file.path.clone();
-        let header = bag.record(MAGIC.len() as u64).map_err(|_| BagError::NotABag { path: path() })?;
+        let path = || file.path.clone();
+        let header = record(&file, MAGIC.len() as u64).map_err(|_| BagError::NotABag { path: path() })?;
         match field(&header.fields, b"encryptor") {
             None | Some(b"" | NO_ENCRYPTOR) => {}
             Some(encryptor) => {
@@ -63,17 +72,20 @@ impl RosbagFile {
         }
         let index_at = field(&header.fields, b"index_pos").and_then(|value| value.try_into().ok());
         let index_at = u64::from_le_bytes(index_at.ok_or_else(|| BagError::NotABag { path: path() })?);
-        if index_at < header.end() || index_at > bag.file.len {
+        if index_at < header.end() || index_at > file.len {
             return Err(BagError::NoIndex { path: path(), remedy: "rosbag reindex" });
         }
-        let index = bag.read_index(index_at).map_err(|error| bag.file.damaged(index_at, &error))?;
-        Ok((bag, index))
+        // It was checked that the header points into the file.
+        let bag = RosBag::new(&file.path).map_err(|source| BagError::File { path: path(), source })?;
+        let opened = Self { file, bag };
+        let index = opened.read_index(index_at).map_err(|error| opened.file.damaged(index_at, &error))?;
+        Ok((opened, index))
     }
 
     fn read_index(&self, mut at: u64) -> io::Result<Index> {
         let mut index = Index::default();
         while at < self.file.len {
-            let record = self.record(at)?;
+            let record = record(&self.file, at)?;
             at = record.end();
             let data = || {
                 if record.data_len > MAX_INDEX_RECORD_LEN {
@@ -98,53 +110,90 @@ impl RosbagFile {
         Ok(index)
     }
 
-    fn record(&self, at: u64) -> io::Result<Record> {
-        let length = |at: u64| {
-            let bytes = self.file.read(at, 4)?;
-            Ok::<_, io::Error>(bytes.try_into().map_or(0, u32::from_le_bytes))
+    fn visit_messages(
+        &self,
+        at: u64,
+        wanted: &dyn Fn(u32) -> bool,
+        visit: &mut dyn FnMut(RawMessage<'_>),
+    ) -> io::Result<()> {
+        self.check_chunk(at)?;
+        let mut records = self.bag.chunk_records();
+        records.seek(at).map_err(|_| damaged("chunk in the index"))?;
+        let Some(Ok(ChunkRecord::Chunk(chunk))) = records.next() else {
+            return Err(damaged("the chunk cannot be unpacked"));
         };
-        let header_len = length(at)?;
-        if header_len > MAX_HEADER_LEN {
-            return Err(damaged("record header too long"));
+        // Behind a chunk is where the messages of each of its connections are.
+        let mut offsets = Vec::new();
+        for record in records {
+            let Ok(ChunkRecord::IndexData(of_connection)) = record else { break };
+            if wanted(of_connection.conn_id) {
+                offsets.extend(of_connection.entries().map(|entry| entry.offset));
+            }
         }
-        let fields = self.file.read(at + 4, header_len.into())?;
-        let header_end = at + 4 + u64::from(header_len);
-        let record = Record { fields, data_at: header_end + 4, data_len: length(header_end)? };
-        if record.end() > self.file.len {
-            return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "record reaches past the end of the file"));
+        if offsets.is_empty() {
+            return Err(damaged("no message where the index says that there are some"));
         }
-        Ok(record)
+        offsets.sort_unstable();
+        let mut messages = chunk.messages();
+        for offset in offsets {
+            let message = messages.seek(offset).ok().and_then(|()| messages.next());
+            let Some(Ok(MessageRecord::MessageData(message))) = message else {
+                return Err(damaged("a message that cannot be read"));
+            };
+            visit(RawMessage { connection: message.conn_id, nanos: nanos(message.time), bytes: message.data });
+        }
+        Ok(())
     }
 
-    fn visit_messages(&self, at: u64, visit: &mut dyn FnMut(RawMessage<'_>)) -> io::Result<()> {
-        let chunk = self.record(at)?;
+    /// Whether the chunk at `at` announces a length that it can have, and holds no chunk, which would be unpacked, too.
+    /// What a packed chunk holds cannot be seen before it is unpacked.
+    fn check_chunk(&self, at: u64) -> io::Result<()> {
+        let chunk = record(&self.file, at)?;
         if field(&chunk.fields, b"op") != Some(op::CHUNK) {
             return Err(damaged("no chunk where the index says that there is one"));
         }
         let size = number(&chunk.fields, b"size").ok_or_else(|| damaged("chunk without size"))?;
-        let compression = field(&chunk.fields, b"compression").ok_or_else(|| damaged("chunk without compression"))?;
-        let packed = self.file.read(chunk.data_at, chunk.data_len.into())?;
-        let records = unpack(compression, &packed, size.into())?;
-        let mut rest = &*records;
-        while !rest.is_empty() {
-            // After a damaged record the next would be read from the wrong place.
-            let past_end = || damaged("a message reaches past the end of its chunk");
-            let (fields, bytes, after) = split_record(rest).ok_or_else(past_end)?;
-            rest = after;
-            if field(fields, b"op") == Some(op::MESSAGE) {
-                let time = field(fields, b"time").and_then(time);
-                let message = number(fields, b"conn").zip(time);
-                let (connection, nanos) = message.ok_or_else(|| damaged("message without connection or time"))?;
-                visit(RawMessage { connection, nanos, bytes });
+        check_len(size.into(), chunk.data_len.into())?;
+        let mut inner = chunk.data_at;
+        while field(&chunk.fields, b"compression") == Some(b"none") && inner < chunk.end() {
+            // A record that is cut off is found when it is read.
+            let Ok(within) = record(&self.file, inner) else { break };
+            if field(&within.fields, b"op") == Some(op::CHUNK) {
+                return Err(damaged("a chunk in a chunk"));
             }
+            inner = within.end();
         }
         Ok(())
     }
 }
 
+/// The record at an offset of the file.
+fn record(file: &BoundedFile, at: u64) -> io::Result<Record> {
+    let length = |at: u64| {
+        let bytes = file.read(at, 4)?;
+        Ok::<_, io::Error>(bytes.try_into().map_or(0, u32::from_le_bytes))
+    };
+    let header_len = length(at)?;
+    if header_len > MAX_HEADER_LEN {
+        return Err(damaged("record header too long"));
+    }
+    let fields = file.read(at + 4, header_len.into())?;
+    let header_end = at + 4 + u64::from(header_len);
+    let record = Record { fields, data_at: header_end + 4, data_len: length(header_end)? };
+    if record.end() > file.len {
+        return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "record reaches past the end of the file"));
+    }
+    Ok(record)
+}
+
 impl Chunked for RosbagFile {
-    fn unpack(&self, at: u64, visit: &mut dyn FnMut(RawMessage<'_>)) -> Result<(), BagError> {
-        self.visit_messages(at, visit).map_err(|error| self.file.damaged(at, &error))
+    fn unpack(
+        &self,
+        at: u64,
+        wanted: &dyn Fn(u32) -> bool,
+        visit: &mut dyn FnMut(RawMessage<'_>),
+    ) -> Result<(), BagError> {
+        self.visit_messages(at, wanted, visit).map_err(|error| self.file.damaged(at, &error))
     }
 }
 
@@ -170,13 +219,6 @@ fn chunk_info(header: &[u8], data: &[u8]) -> Option<ChunkRef> {
     let times = [time(field(header, b"start_time")?)?, time(field(header, b"end_time")?)?];
     let ids = data.chunks_exact(8).filter_map(|entry| Some(u32::from_le_bytes(*entry.first_chunk()?)));
     Some(ChunkRef::new(at, times, ids.collect()))
-}
-
-/// The header's fields, the data, and what follows the record.
-fn split_record(bytes: &[u8]) -> Option<(&[u8], &[u8], &[u8])> {
-    let (fields, rest) = split_counted(bytes)?;
-    let (data, rest) = split_counted(rest)?;
-    Some((fields, data, rest))
 }
 
 /// Bytes behind their length, and what follows them.
