@@ -395,8 +395,8 @@ impl RosNode {
         self.private_param(name).map(|value| text_or_error(name, value)).transpose()
     }
 
-    /// A private parameter (`~name`) as [`Self::text_param`] has it, one text for each element of a list; none if it was
-    /// not set.
+    /// A private parameter (`~name`) as [`Self::text_param`] has it, one text for each element of a list; none if it
+    /// was not set.
     ///
     /// # Errors
     /// [`NodeError::Parameter`] for a value of another type.
@@ -406,8 +406,8 @@ impl RosNode {
         values.iter().map(|value| text_or_error(name, value)).collect()
     }
 
-    /// Another node's parameter as text, as [`Self::text_param`] has it. Waits for the master, for some seconds at most;
-    /// `None` if it does not answer.
+    /// Another node's parameter as text, as [`Self::text_param`] has it. Waits for the master, for some seconds at
+    /// most; `None` if it does not answer.
     ///
     /// # Errors
     /// [`NodeError::Name`], and [`NodeError::Parameter`] for a value of another type.

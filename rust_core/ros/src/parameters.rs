@@ -1,8 +1,8 @@
 //! Parameters that the scene needs, a robot's description most of all, fetched in the background.
 //!
 //! A name is looked up as `ros::NodeHandle::getParam` and, failing that, `searchParam` do: in the node's namespace
-//! first and then in the namespaces around it; a name that is remapped to an absolute one there alone. A parameter that is not set yet is polled once a second, as rviz does. A
-//! parameter that is not a string counts as an empty one, as in rviz.
+//! first and then in the namespaces around it; a name that is remapped to an absolute one there alone. A parameter that
+//! is not set yet is polled once a second, as rviz does. One that is not a string counts as an empty one, as in rviz.
 
 use crate::graph::Master;
 use crate::node::{text_of, Shared};

@@ -1,8 +1,8 @@
 //! rviz's Time panel, which may synchronize frames with the messages of a display.
 //!
 //! With a `SyncMode` other than 0, rviz looks frames up at another time than their latest: at the stamp of the source's
-//! last message (exact), as long ago as these messages come late (approximate), or now (frame). That is not followed, and
-//! so reported.
+//! last message (exact), as long ago as these messages come late (approximate), or now (frame). That is not followed,
+//! and so reported.
 
 use crate::finding::FindingKind;
 use crate::node::{Content, Node};
