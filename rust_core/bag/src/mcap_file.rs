@@ -1,4 +1,5 @@
-//! MCAP files with messages of ROS 1 (<https://mcap.dev/spec>), as `mcap convert` and the writers of Foxglove make them.
+//! MCAP files with messages of ROS 1 (<https://mcap.dev/spec>), as `mcap convert` and the writers of Foxglove make
+//! them.
 //!
 //! A record is `kind, length, content`. The summary at the end has the channels (topics), their schemas (types), and an
 //! index of the chunks. The crate `mcap` knows the content of records; lengths are checked here before.

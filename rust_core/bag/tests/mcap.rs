@@ -1,5 +1,5 @@
-//! MCAP files: those of Foxglove's Python writer in `data` (six texts, every other on `/a` and `/b`, a second apart from
-//! 10 s on, in chunks of one; written by `mcap_ros1.writer.Writer`), and some written here, whole and damaged.
+//! MCAP files: those of Foxglove's Python writer in `data` (six texts, every other on `/a` and `/b`, a second apart
+//! from 10 s on, in chunks of one; written by `mcap_ros1.writer.Writer`), and some written here, whole and damaged.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -18,8 +18,8 @@ pub struct LensProblem {
 /// The lens that K and D of a CameraInfo describe: that of the raw picture. K counts up to scale.
 ///
 /// # Errors
-/// [`LensProblem`]: focal lengths of zero, skews that leave no picture, a last row of K that is not (0, 0, s) with s > 0,
-/// a distortion that no lens model has.
+/// [`LensProblem`]: focal lengths of zero, skews that leave no picture, a last row of K that is not (0, 0, s) with s >
+/// 0, a distortion that no lens model has.
 pub fn lens_of(info: &CameraInfoFields<'_>) -> Result<Lens, LensProblem> {
     let wrong = |key, reason| Err(LensProblem { key, reason });
     if info.k.iter().any(|value| !value.is_finite()) {

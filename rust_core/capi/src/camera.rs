@@ -130,8 +130,8 @@ pub unsafe extern "C" fn rcs_camera_clear_info(camera: *mut RcsCamera) {
 
 /// Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy,
 /// P[7] ≠ 0, skews, a mirror and a third row of P where rviz's projection is drawn, D ≠ 0 where the lens is not allowed
-/// for, each with its size in pixels; why a lens could not be allowed for; and that binning and a region of interest are
-/// not applied. Empty where nothing does, and without a CameraInfo. Buffer and returned length are as those of
+/// for, each with its size in pixels; why a lens could not be allowed for; and that binning and a region of interest
+/// are not applied. Empty where nothing does, and without a CameraInfo. Buffer and returned length are as those of
 /// `rcs_last_error`.
 ///
 /// # Safety

@@ -33,8 +33,8 @@ pub struct RcsCameraInfo {
     pub r: [f64; 9],
     /// P, 3×4 row by row, pixels.
     pub p: [f64; 12],
-    /// `binning_x`. Binning and region of interest are not applied, and `rcs_camera_warning` says so: the picture is the
-    /// whole one, and so must be the CameraInfo that is published with it (these fields 0).
+    /// `binning_x`. Binning and region of interest are not applied, and `rcs_camera_warning` says so: the picture is
+    /// the whole one, and so must be the CameraInfo that is published with it (these fields 0).
     pub binning_x: u32,
     /// `binning_y`.
     pub binning_y: u32,

@@ -1,7 +1,8 @@
-//! Colours of a Bayer mosaic: each pixel of the sensor has one of the three, the others are the means of its neighbours.
+//! Colours of a Bayer mosaic: each pixel of the sensor has one of the three, the others are the means of its
+//! neighbours.
 //!
-//! Bilinear, rounded half up, with the outermost rows and columns copied from their neighbours: what OpenCV's `cvtColor`
-//! does, through which `image_view` and `image_proc` show such images.
+//! Bilinear, rounded half up, with the outermost rows and columns copied from their neighbours: what OpenCV's
+//! `cvtColor` does, through which `image_view` and `image_proc` show such images.
 
 use crate::Image;
 

@@ -2,7 +2,8 @@
 //!
 //! rviz compiles them with C++'s `std::regex`: ECMAScript's grammar, and the expression is searched for anywhere in the
 //! name. `regress` speaks that grammar as browsers do, so the few places where `libstdc++` reads an expression
-//! otherwise are settled here: names of character classes such as `[[:digit:]]` become ranges, and what it refuses (`(?<=…)`,
+//! otherwise are settled here: names of character classes such as `[[:digit:]]` become ranges, and what it refuses
+//! (`(?<=…)`,
 //! `(?i)`, a `{` that begins no count) is refused.
 
 use regress::Regex;

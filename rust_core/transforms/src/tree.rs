@@ -2,8 +2,8 @@
 //!
 //! Frame names are interned, so that a lookup hashes its two names once and then walks from frame to
 //! parent by index. A name is known from the first stored transform that mentions it, as child or as parent,
-//! and is kept, also through [`TransformTree::clear`], unless there are very many (see the module `crowd`). Lookups are in
-//! the module `lookup`.
+//! and is kept, also through [`TransformTree::clear`], unless there are very many (see the module `crowd`). Lookups are
+//! in the module `lookup`.
 
 use std::collections::HashMap;
 use std::time::Duration;

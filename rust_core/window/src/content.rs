@@ -1,5 +1,5 @@
-//! What the window shows: the newest picture, or black because pictures stopped coming, or what a key asked for as far as
-//! that may be lit.
+//! What the window shows: the newest picture, or black because pictures stopped coming, or what a key asked for as far
+//! as that may be lit.
 //!
 //! It knows no window system and no clock, so that it can be tested without either.
 

@@ -16,7 +16,8 @@ pub(crate) const PIXEL_BYTES: u32 = 4;
 /// How many pictures fit in.
 const SLOTS: usize = 2;
 
-/// A picture's place in one memory. The server's word that it has read it can come when that memory is replaced already.
+/// A picture's place in one memory. The server's word that it has read it can come when that memory is replaced
+/// already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SharedSlot {
     memory: u64,

@@ -197,8 +197,8 @@ pub struct WindowArgs {
 pub enum Command {
     /// Renders pictures from a bag, without ROS
     ///
-    /// FROM:=TO, anywhere, renames a topic of the bag as with rosbag play: /robot1/points:=/points. Times are those of the
-    /// bag's /clock if it has one, else those of recording (also with /clock:=/unused).
+    /// FROM:=TO, anywhere, renames a topic of the bag as with rosbag play: /robot1/points:=/points. Times are those of
+    /// the bag's /clock if it has one, else those of recording (also with /clock:=/unused).
     Render(RenderArgs),
     /// Prints which parts of a config are understood and drawn; with --live the status of each display in a running ROS
     ///
@@ -246,8 +246,8 @@ pub struct RenderArgs {
     /// The fixed frame, overriding the config's
     #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
     pub fixed_frame: Option<String>,
-    /// The bag with /tf, CameraInfo and the displays' messages, or several, such as the parts of a split recording: .bag
-    /// or .mcap of ROS 1
+    /// The bag with /tf, CameraInfo and the displays' messages, or several, such as the parts of a split recording:
+    /// .bag or .mcap of ROS 1
     #[arg(long, value_name = "FILE.bag", required = true, num_args = 1..)]
     pub bag: Vec<PathBuf>,
     /// Write one picture; its ending, .png, .jpg or .jpeg, is the format

@@ -1,9 +1,9 @@
 //! Images of encodings that are not colours, as `image_view` shows them.
 //!
 //! `image_view` of Noetic (cv_bridge's `cvtColorForDisplay`) is what is reproduced: 16UC1 is grey from 0 to 10 m in
-//! millimetres, 32FC1 from the image's least to its greatest number, Bayer mosaics and YUV 4:2:2 become colours. It refuses
-//! 8UC1, 8UC3 and 8UC4, which are shown here as OpenCV takes them: grey, BGR, BGRA; infinite numbers do not count for the
-//! range, as in later versions.
+//! millimetres, 32FC1 from the image's least to its greatest number, Bayer mosaics and YUV 4:2:2 become colours. It
+//! refuses 8UC1, 8UC3 and 8UC4, which are shown here as OpenCV takes them: grey, BGR, BGRA; infinite numbers do not
+//! count for the range, as in later versions.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -60,7 +60,8 @@ fn range(values: impl Iterator<Item = f32>) -> (f32, f32) {
     finite.reduce(|(least, greatest), (value, _)| (least.min(value), greatest.max(value))).unwrap_or((0.0, 0.0))
 }
 
-/// A number as grey between black at `least` and white at `greatest`; NaN is black. Where both are the same, all is grey.
+/// A number as grey between black at `least` and white at `greatest`; NaN is black. Where both are the same, all is
+/// grey.
 fn grey(value: f32, least: f32, greatest: f32) -> u8 {
     if least == greatest {
         return 128;

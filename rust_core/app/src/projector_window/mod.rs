@@ -25,8 +25,9 @@ const DEFAULT_TOPIC: &str = "/proj_view/image";
 /// Shows an image topic full screen on a monitor or projector, pixel for pixel, without scaling.
 ///
 /// Picture pixel (u, v) is screen pixel (u, v). A warning is printed if picture and monitor differ in size; the picture
-/// is then at the top left, on black. Encodings: what image_view shows (colours, mono, Bayer, YUV, depth); compressed: JPEG, PNG.
-/// Keys: Escape or q ends; space or p pauses, b is black, t shows the next test picture, each until pressed again.
+/// is then at the top left, on black. Encodings: what image_view shows (colours, mono, Bayer, YUV, depth); compressed:
+/// JPEG, PNG. Keys: Escape or q ends; space or p pauses, b is black, t shows the next test picture, each until pressed
+/// again.
 #[derive(Parser)]
 #[command(
     name = "projector_window",

@@ -3,8 +3,8 @@
 //! The reading rules are those of Assimp 5.2, as far as they reach the picture: the scene's nodes are walked, a node's
 //! own mesh before its children's; the base colour is the diffuse one; primitives without a material are white;
 //! animations, skins, morph targets, cameras and lights are not used, and neither are colours of vertices, which rviz
-//! does not read. A texture is laid on once for each of the slots that Assimp lists it in (the base colour's in two), so
-//! that rviz shows it darker. Of a file whose scene has one root node, rviz drops that node's rotation. Nothing is
+//! does not read. A texture is laid on once for each of the slots that Assimp lists it in (the base colour's in two),
+//! so that rviz shows it darker. Of a file whose scene has one root node, rviz drops that node's rotation. Nothing is
 //! turned to an up axis, so that a glTF file, whose y is up, lies on its side.
 //!
 //! Beyond that, what rviz 1.14 cannot load is loaded here: its streams count bytes where Assimp counts items, so that
