@@ -6,7 +6,7 @@
 //! | scan3d-capture of Moreno and Taubin (YAML) | `proj_K`, `proj_kc` | |
 //! | the same, as a MATLAB script | `fc_right`, `cc_right`, `kc_right` | |
 //! | SLStudio (XML, YAML) | `Kp`, `kp` | `screenResX`, `screenResY` |
-//! | mapamok, ProCamToolkit, ofxCv (YAML, XML) | `cameraMatrix`, `distCoeffs` | `imageSize`, or with `_width`, `_height` |
+//! | mapamok, ofxCv (YAML, XML) | `cameraMatrix`, `distCoeffs` | `imageSize`, or with `_width`, `_height` |
 //! | OpenCV up to 2.4 (YAML, XML) | `Camera_Matrix`, `Distortion_Coefficients` | `image_Width`, `image_Height` |
 //! | Bouguet's toolbox (`Calib_Results.m`) | `fc`, `cc`, `alpha_c`, `kc` | `nx`, `ny` |
 //!
