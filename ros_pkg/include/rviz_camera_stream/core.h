@@ -168,8 +168,8 @@ typedef struct RcsCameraInfo {
    */
   double p[12];
   /**
-   * `binning_x`. Binning and region of interest are not applied, and `rcs_camera_warning` says so: the picture is the
-   * whole one, and so must be the CameraInfo that is published with it (these fields 0).
+   * `binning_x`. Binning and region of interest are not applied, and `rcs_camera_warning` says so: the picture is
+   * the whole one, and so must be the CameraInfo that is published with it (these fields 0).
    */
   uint32_t binning_x;
   /**
@@ -363,8 +363,8 @@ void rcs_camera_clear_info(struct RcsCamera *camera);
 /**
  * Writes what makes a projection of the picture miss its objects, as the node's status Camera Info warns: fx ≠ fy,
  * P[7] ≠ 0, skews, a mirror and a third row of P where rviz's projection is drawn, D ≠ 0 where the lens is not allowed
- * for, each with its size in pixels; why a lens could not be allowed for; and that binning and a region of interest are
- * not applied. Empty where nothing does, and without a CameraInfo. Buffer and returned length are as those of
+ * for, each with its size in pixels; why a lens could not be allowed for; and that binning and a region of interest
+ * are not applied. Empty where nothing does, and without a CameraInfo. Buffer and returned length are as those of
  * `rcs_last_error`.
  */
 size_t rcs_camera_warning(const struct RcsCamera *camera,
