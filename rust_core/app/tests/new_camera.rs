@@ -70,10 +70,10 @@ fn a_camera_is_added_to_a_config_and_all_else_is_kept() {
 fn what_is_no_config_is_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("other.yaml"), "just: this\n").unwrap();
-    for (file, word) in [("other.yaml", "Visualization Manager"), ("missing.rviz", "No such file")] {
+    for (file, word, status) in [("other.yaml", "Visualization Manager", 1), ("missing.rviz", "no config", 2)] {
         let output = camera_stream(folder.path(), &["new-camera", "-d", file]);
         let error = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert_eq!(output.status.code(), Some(status), "{error}");
         assert!(error.lines().count() == 1 && error.contains(file) && error.contains(word), "{error}");
     }
     assert_eq!(camera_stream(folder.path(), &["new-camera", "--name", ""]).status.code(), Some(2));

@@ -59,7 +59,8 @@ impl PixelFormat {
             let shift = mask.trailing_zeros();
             let greatest = u64::from(mask >> shift);
             // At most the greatest level, which fits the mask.
-            pixel | ((u64::from(level) * greatest + 127) / 255) as u32 * (1 << shift)
+            let scaled = (u64::from(level) * greatest + 127) / 255;
+            pixel | (scaled as u32) << shift
         })
     }
 }
