@@ -108,8 +108,8 @@ impl KnownCapture {
         let count = self.greys.len();
         let shifted = |from: usize, pictures: usize, by: isize| {
             let mut order = self.in_order();
-            for at in from..from + pictures {
-                order[at] = at.checked_add_signed(by).filter(|other| *other < count)?;
+            for place in order.iter_mut().skip(from).take(pictures) {
+                *place = place.checked_add_signed(by).filter(|other| *other < count)?;
             }
             Some((format!("{pictures} from {from} by {by}"), from, order))
         };

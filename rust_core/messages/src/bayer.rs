@@ -122,8 +122,10 @@ mod tests {
     use crate::std_msgs::Header;
     use std::sync::Arc;
 
-    /// A mosaic of 6 x 4 pixels, and blue, green and red of its inner pixels as OpenCV 4.6 computes them.
-    const CASES: [(&str, [u8; 24], [[u8; 3]; 8]); 4] = [
+    /// An encoding, a mosaic of 6 x 4 pixels, and blue, green and red of its inner pixels as OpenCV 4.6 computes them.
+    type Case = (&'static str, [u8; 24], [[u8; 3]; 8]);
+
+    const CASES: [Case; 4] = [
         (
             "bayer_rggb8",
             [

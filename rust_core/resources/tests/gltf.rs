@@ -26,7 +26,10 @@ fn read(text: &str) -> LoadedMesh {
     LoadedMesh::clone(&load_bytes("a.gltf", text.as_bytes()).unwrap())
 }
 
-fn all(mesh: &LoadedMesh) -> Vec<(Vec<[f32; 3]>, Vec<[f32; 3]>, Rgba)> {
+/// Positions, normals and colour of a part.
+type Part = (Vec<[f32; 3]>, Vec<[f32; 3]>, Rgba);
+
+fn all(mesh: &LoadedMesh) -> Vec<Part> {
     mesh.parts.iter().map(|part| (positions(part), normals(part), part.material.diffuse)).collect()
 }
 

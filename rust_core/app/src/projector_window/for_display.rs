@@ -79,7 +79,7 @@ fn narrowed<const CHANNELS: usize>(image: &Image) -> Result<Cow<'_, Image>, Stri
 
 /// Two pixels of four bytes each time, which share their colour.
 fn yuv422(image: &Image, split: impl Fn([u8; 4]) -> ([u8; 2], u8, u8)) -> Result<Cow<'_, Image>, String> {
-    if image.width % 2 != 0 {
+    if !image.width.is_multiple_of(2) {
         return Err(format!("a {} image has an even width, not {}", image.encoding, image.width));
     }
     let pairs = image.rows(2)?.flat_map(|row| row.as_chunks().0).map(|pair| split(*pair));
