@@ -1,4 +1,4 @@
-//! What is noticed of captures whose pictures are in order, and of those where one is another's.
+//! Prints the problems found in captures whose pictures are in order, and in those where one is another's.
 //! `cargo run --release -p rcs_tests --example picture_order still|lapses|moved FOLDER|SEED|FIRST..END...`
 
 use std::path::Path;

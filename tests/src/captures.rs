@@ -23,9 +23,9 @@ pub struct KnownCapture {
     pub size_px: [u32; 2],
     /// Width and height of the projector's picture, pixels.
     pub projector_px: [u32; 2],
-    /// What was shown.
+    /// The pattern that each picture shows.
     pub patterns: Vec<Pattern>,
-    /// What the camera saw: grey levels, row by row.
+    /// Grey levels of the camera's pictures, row by row.
     pub greys: Vec<Vec<u8>>,
     /// The projector's column and row that light each pixel, where that is known.
     pub truth: Vec<Option<[f64; 2]>>,

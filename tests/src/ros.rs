@@ -12,9 +12,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// What has not come by then never will: ten times what a large array through Python needs on a slow machine.
+/// Timeout of the longest waits: ten times what a large array through Python needs on a slow machine.
 pub const PATIENCE: Duration = Duration::from_secs(300);
-/// What waits for longer than this hangs: the end of a program, the next picture. Ten times what a slow machine needs.
+/// Timeout of short waits: the end of a program, the next picture. Ten times what a slow machine needs.
 pub const PROMPT: Duration = Duration::from_secs(20);
 /// How long an ended program's last lines may take to be read.
 const LAST_LINES: Duration = Duration::from_secs(60);

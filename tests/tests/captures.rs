@@ -98,6 +98,16 @@ fn a_real_captures_wrong_picture_is_named() {
 }
 
 #[test]
+fn a_coarse_pair_that_shows_fine_stripes_is_refused() {
+    // The coarsest pair of y shows the finest of x.
+    let capture = read("kamino");
+    let mut order = capture.in_order();
+    order.copy_within(20..22, 22);
+    let refusals = refusals(&capture, &order);
+    assert!(matches!(refusals[..], [ScanProblem::Misplaced(_), ..]), "{refusals:?}");
+}
+
+#[test]
 fn what_is_coarsest_twice_is_refused() {
     // Both coarsest pairs of x come one too early.
     let capture = read("kamino");

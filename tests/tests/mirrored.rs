@@ -35,7 +35,7 @@ fn straight() -> CameraInfo {
     info
 }
 
-/// The same with rows of K and P negated, about pixels' centres: u' = W - 1 - u.
+/// Like `straight`, with rows of K and P negated, about pixels' centres: u' = W - 1 - u.
 fn mirrored([is_left_right, is_up_down]: [bool; 2]) -> CameraInfo {
     let mut info = straight();
     if is_left_right {

@@ -1,4 +1,4 @@
-//! What the formats have in common: messages in chunks that are unpacked one by one, and an index of both.
+//! Common part of the bag formats: messages in chunks that are unpacked one by one, and an index of both.
 
 use std::collections::BTreeMap;
 use std::fmt;

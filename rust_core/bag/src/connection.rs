@@ -37,7 +37,7 @@ impl Connection {
         of_name.or_else(|| MessageKind::ALL.iter().copied().find(|kind| self.holds(*kind)))
     }
 
-    /// What it holds, for a message about a type that it does not hold.
+    /// Formats its type, for a message about a type that it does not hold.
     pub fn held(&self) -> Held<'_> {
         Held(self)
     }

@@ -51,7 +51,7 @@ pub enum BagError {
         path: PathBuf,
         /// Offset in the file.
         at: u64,
-        /// What is wrong there.
+        /// The problem at that offset.
         reason: String,
     },
 }

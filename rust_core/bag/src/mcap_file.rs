@@ -34,7 +34,7 @@ pub(crate) struct McapFile {
     chunk_lens: HashMap<u64, u64>,
 }
 
-/// What is read of a summary.
+/// The parts of a summary that are read.
 #[derive(Default)]
 struct Summary {
     schema_names: BTreeMap<u16, String>,

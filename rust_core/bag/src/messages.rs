@@ -36,7 +36,7 @@ pub(crate) struct FileChunk {
 pub struct Messages {
     files: Arc<[Box<dyn Chunked>]>,
     connections: Connections,
-    /// What was recorded before is left out.
+    /// The earliest recording time; messages before it are left out.
     from_nanos: i64,
     /// Those not unpacked yet, the earliest last.
     chunks: Vec<FileChunk>,

@@ -148,7 +148,7 @@ mod tests {
         assert!(!lens.contains(Point2::new(-0.6, 0.0)) && !lens.contains(Point2::new(1279.6, 0.0)));
     }
 
-    /// The same with skews, mirrored, or both.
+    /// Lenses: plain, with skews, mirrored, or both.
     fn lenses() -> impl Strategy<Value = Lens> {
         (prop_oneof![Just([0.0; 2]), Just([-4.0, 0.0]), Just([60.0, -9.0])], any::<bool>()).prop_map(
             |(skew, mirrors)| {

@@ -76,7 +76,7 @@ fn skews(intrinsics: &Intrinsics) -> impl Iterator<Item = String> {
     })
 }
 
-/// What the CameraInfo says of other pixels than the ones that are drawn.
+/// The CameraInfo's binning and region of interest, which are not applied.
 fn left_out(info: &CameraInfoFields<'_>) -> Option<String> {
     let CameraInfoFields { width_px, height_px, binning: [x, y], region_px: [left, top, width, height], .. } = *info;
     let binning = info.is_binned().then(|| format!("binning {x}x{y}"));

@@ -20,7 +20,7 @@ pub struct DrawnThroughLens {
     pub intrinsics: Intrinsics,
     /// From what was drawn to the picture.
     pub map: Arc<PixelMap>,
-    /// What is done to that picture, where K has negative focal lengths.
+    /// Flip of the picture after the map, where K has negative focal lengths.
     pub flip: Flip,
 }
 

@@ -43,7 +43,7 @@ fn camera(undistort: bool) -> (*mut RcsCamera, RcsView) {
     camera_of(&info(), RcsProjection::Rviz, undistort)
 }
 
-/// The same with another CameraInfo.
+/// Like `camera`, with another CameraInfo.
 fn camera_of(info: &RcsCameraInfo, projection: RcsProjection, undistort: bool) -> (*mut RcsCamera, RcsView) {
     let (camera, mut view) = (rcs_camera_new(), NO_VIEW);
     let (projection, undistort) = (ProjectionNumber(projection as u32), Flag(u8::from(undistort)));

@@ -58,7 +58,7 @@ pub enum RcsProjection {
     Exact,
 }
 
-/// What is to be drawn for a CameraInfo. Where that describes a mirrored picture (negative focal lengths), the texture
+/// The view to be drawn for a CameraInfo. Where that describes a mirrored picture (negative focal lengths), the texture
 /// has none of it: `rcs_camera_encode` and `rcs_camera_encode_depth` flip what was drawn.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! What is common to files of text.
+//! Helpers for text files.
 
 /// A file's bytes without the byte order mark that Windows tools put before UTF-8.
 pub(crate) fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {

@@ -97,7 +97,7 @@ use rustix::event::Timespec;
 /// [`rcs_scene::IDLE_PERIOD`], for `poll`.
 const IDLE_TIMEOUT: Timespec = Timespec { tv_sec: rcs_scene::IDLE_PERIOD.as_secs() as i64, tv_nsec: 0 };
 
-/// What has not come by then in a test never will: ten times what a slow machine needs.
+/// Timeout of waits in tests: ten times what a slow machine needs.
 #[cfg(test)]
 const TEST_PATIENCE: std::time::Duration = std::time::Duration::from_secs(60);
 

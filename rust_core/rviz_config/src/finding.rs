@@ -29,7 +29,7 @@ pub enum FindingKind {
     },
     /// The links of a robot in another Link Tree Style than the one that rviz reads.
     UnreadTree {
-        /// What is not as without the tree: the keys' paths below it.
+        /// The settings of the tree that differ from the defaults and have no effect, a phrase each.
         changed: Vec<String>,
     },
     /// Synchronization that the Time panel asks for.

@@ -41,7 +41,7 @@ pub struct FrameFilter {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{reason}")]
 pub struct FilterError {
-    /// What is wrong with it.
+    /// Why it cannot be used.
     pub reason: String,
 }
 

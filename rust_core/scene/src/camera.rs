@@ -181,8 +181,8 @@ impl Intrinsics {
         [(du - s * y) / self.fx_px, y]
     }
 
-    /// The same picture with pixels counted from the first one's edge, as a renderer does, and not from its centre, as
-    /// ROS and OpenCV do. rviz leaves that half pixel out.
+    /// The intrinsics of the same picture with pixels counted from the first one's edge, as a renderer does, and not
+    /// from its centre, as ROS and OpenCV do. rviz leaves that half pixel out.
     pub fn as_p_means(&self) -> Self {
         Self { cx_px: self.cx_px + 0.5, cy_px: self.cy_px + 0.5, ..*self }
     }
@@ -262,7 +262,7 @@ pub struct Camera {
     intrinsics: Intrinsics,
     /// Between what is drawn and the picture.
     lens: Option<Arc<PixelMap>>,
-    /// What is done to the picture when it is finished.
+    /// How the picture is flipped when it is finished.
     flip: Flip,
     near_m: f64,
     fixed_from_view: Isometry3<f64>,
@@ -307,7 +307,7 @@ impl Camera {
         Self { lens: Some(lens), ..self }
     }
 
-    /// The same camera with a picture that is flipped when it is finished, after the lens.
+    /// Flips the picture when it is finished, after the lens.
     #[must_use]
     pub fn with_flip(self, flip: Flip) -> Self {
         Self { flip, ..self }

@@ -33,7 +33,7 @@ pub(crate) enum History {
     Moving(VecDeque<Sample>),
 }
 
-/// What a history that moves does with a sample of a stamp.
+/// How a moving history treats a sample of a stamp.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Admission {
     /// It has none of that stamp, and takes one.

@@ -1,4 +1,4 @@
-//! What the window shows: the newest picture, or black because pictures stopped coming, or what a key asked for as far
+//! The window's content: the newest picture, or black because pictures stopped coming, or what a key asked for as far
 //! as that may be lit.
 //!
 //! It knows no window system and no clock, so that it can be tested without either.
@@ -53,7 +53,7 @@ pub(crate) struct Image {
 pub(crate) struct Content {
     /// The newest; none while it is held.
     newest: Option<Image>,
-    /// What is paused.
+    /// The paused picture.
     held: Option<Image>,
     /// What may be lit in place of the newest picture; none before the first.
     permit: Option<WindowPermit>,
@@ -241,7 +241,7 @@ mod tests {
         Content::new(timeout_secs.map(Duration::from_secs), Light::All)
     }
 
-    /// What is on a screen of one pixel: its level, or the test picture's name and whether it is masked.
+    /// The content of a screen of one pixel: its level, or the test picture's name and whether it is masked.
     fn shown(content: &Content) -> String {
         match content.face() {
             Face::Black => "black".to_owned(),

@@ -1,5 +1,5 @@
-//! What a window may light in place of the newest picture. The program that hands pictures over decides that; the
-//! window obeys.
+//! The light that a window may show in place of the newest picture. The program that hands pictures over decides that;
+//! the window obeys.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ pub enum Light {
     /// All of it.
     #[default]
     All,
-    /// What the mask leaves.
+    /// Only the light that the mask leaves.
     Masked(Arc<dyn Mask>),
     /// Nothing.
     Nothing,

@@ -14,6 +14,7 @@
 mod bleeding;
 mod blur;
 pub(crate) mod channels;
+mod exposure;
 mod margins;
 mod neighbours;
 mod order;
@@ -186,11 +187,15 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
     }
     let channels = Channels::new(pictures.patterns)?;
     channels.check_size(projector_px)?;
+    let steadied = exposure::steadied(pictures, &channels);
+    let steady_pictures = steadied.as_ref().map(|steadied| steadied.pictures(pictures));
+    let pictures = steady_pictures.as_ref().unwrap_or(pictures);
     let response = Response::find(pictures, &channels);
     let lights = Lights { pictures, channels: &channels, response: &response };
     let noise = lights.noise();
     let order = Order { pictures, channels: &channels, response: &response, noise: &noise };
     let mut quality = Quality::measure(&order);
+    quality.exposure_change = quality.exposure_change.max(steadied.as_ref().map_or(0.0, |steadied| steadied.change));
     quality.beyond = [0, 1].map(|axis| lights.share_beyond(&channels.axes[axis], projector_px[axis], &noise));
     let lit = noise.iter().filter(|noise| noise.is_finite()).count();
     let amplitudes = lights.amplitudes();

@@ -1,10 +1,12 @@
 //! Whether each picture shows the stripes that it is said to show. A camera that lags, or a picture that is taken
 //! twice, puts another pattern's picture in its place, and each bit that is read wrongly mirrors a part of the code.
 //!
-//! Three things convict a picture:
+//! Four things convict a picture:
 //! - It and its inverse are dark, or lit, in the same places ([`unpaired`]).
 //! - Its stripes have their edges where another bit's have them ([`repeated`]). Of a Gray code's bits, only one changes
 //!   along a line; several change only where one surface ends before another.
+//! - It is lit and dark where another bit is, nearly everywhere, and one of both is so fine that stripes of another
+//!   width cannot be ([`alike`]).
 //! - Coordinates turn back along the lines of its edges ([`turned`]). Seen from in front, no surface does that: a
 //!   projector's picture has the same orientation everywhere on it.
 
@@ -32,9 +34,17 @@ const CERTAIN: f32 = 0.35;
 const EDGE_REACH: usize = 3;
 /// Stripes with an edge between more of these pixels are too fine to tell where surfaces end.
 const MANY_EDGES: f64 = 0.35;
-/// So many edges that two bits share, and so many times more than each has alone, convict.
+/// Edges that two bits share, and how many times more these are than each bit's own, from which on they convict.
 const LEAST_SHARED: u32 = 100;
 const SHARED_TO_ALONE: u32 = 2;
+/// Bits from this one on have so many stripes that another bit agrees with them at half of the pixels.
+const FIRST_FINE_BIT: usize = 4;
+/// Two bits are the same picture if they agree at this share of the pixels where both are certain, which have to be
+/// this share of the pixels that are looked at.
+const AGREEING: f64 = 0.9;
+const COMPARABLE: f64 = 0.05;
+/// Pixels at which bits are compared.
+const COMPARED: usize = 20_000;
 /// Edges are a bit's if finer bits say so at this share of them, of which they have to be seen at this share.
 const MOST_OF: f64 = 0.75;
 const KNOWN: f64 = 0.3;
@@ -51,13 +61,13 @@ const LEAST_WIDTH_PX: f64 = 16.0;
 /// A picture that does not show what it is said to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Misplaced {
-    /// What it is said to show.
+    /// The stripes that it is said to show.
     pub stripes: Stripes,
-    /// What is wrong.
+    /// The fault.
     pub fault: PictureFault,
 }
 
-/// What is wrong with a picture. All numbers are indices of pictures.
+/// A picture's fault. All numbers are indices of pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PictureFault {
     /// The first one shows what the second one shows.
@@ -73,7 +83,7 @@ pub enum PictureFault {
 }
 
 impl Misplaced {
-    /// What is wrong, with the pictures' names.
+    /// Describes the fault with the pictures' names.
     pub fn describe(&self, name: impl Fn(usize) -> String) -> String {
         let said = bit_of(&self.stripes);
         let fault = match &self.fault {
@@ -124,7 +134,7 @@ pub(super) struct Order<'a> {
 impl Order<'_> {
     /// The first picture that others convict.
     pub(super) fn misplaced(&self) -> Option<Misplaced> {
-        self.unpaired().or_else(|| self.repeated())
+        self.unpaired().or_else(|| self.repeated()).or_else(|| self.alike())
     }
 
     /// Indices of pixels that see clearly, at most [`LOOKED_AT`] of them.
@@ -182,10 +192,40 @@ impl Order<'_> {
         (nearest.0 < SAME).then_some(nearest.1)
     }
 
+    /// The bits of both axes, each axis from the coarsest on.
+    fn bits(&self) -> Vec<&Channel> {
+        self.channels.axes.iter().flat_map(|axis| &axis.all[..axis.code_bits]).take(u64::BITS as usize).collect()
+    }
+
+    /// Two bits that are lit and dark in the same places, at least one of them a fine one.
+    fn alike(&self) -> Option<Misplaced> {
+        let bits = self.bits();
+        let fine = self.channels.axes.iter().flat_map(|axis| (0..axis.code_bits).map(|bit| bit >= FIRST_FINE_BIT));
+        let fine: Vec<bool> = fine.collect();
+        let sample = self.sample();
+        let signs: Vec<[u64; 2]> = (sample.iter().step_by(sample.len().div_ceil(COMPARED).max(1)))
+            .map(|pixel| self.signs(&bits, *pixel))
+            .collect();
+        let pairs = (0..bits.len()).flat_map(|one| (one + 1..bits.len()).map(move |other| [one, other]));
+        let agreeing = pairs.filter(|pair| pair.iter().any(|bit| fine[*bit])).filter_map(|[one, other]| {
+            let both = 1 << one | 1 << other;
+            let has = |signs: u64| signs & both == both;
+            let (mut certain, mut same) = (0_u32, 0_u32);
+            for [lit, dark] in &signs {
+                certain += u32::from(has(lit | dark));
+                same += u32::from(has(*lit) || has(*dark));
+            }
+            let is_comparable = f64::from(certain) > COMPARABLE * signs.len() as f64;
+            (is_comparable && f64::from(same) > AGREEING * f64::from(certain)).then_some((same, one, other))
+        });
+        let (_, one, other) = agreeing.max()?;
+        let pictures = [bits[one].lit, bits[other].lit];
+        Some(Misplaced { stripes: bits[one].stripes, fault: PictureFault::Alike(pictures, bits[other].stripes) })
+    }
+
     /// Bits whose stripes have the same edges.
     fn repeated(&self) -> Option<Misplaced> {
-        let bits: Vec<&Channel> =
-            self.channels.axes.iter().flat_map(|axis| &axis.all[..axis.code_bits]).take(u64::BITS as usize).collect();
+        let bits = self.bits();
         let steps = self.steps(&bits);
         let is_wide = |bit: &usize| {
             let [edges, seen] = steps.iter().fold([0_u32; 2], |[edges, seen], step| {

@@ -1,4 +1,4 @@
-//! What the age of a display is measured by: the newest message that it shows, and the frames that it follows.
+//! Basis of a display's age: the newest message that it shows, and the frames that it follows.
 //!
 //! No clock is read here: who draws decides how old is too old.
 

@@ -50,7 +50,7 @@ impl<'a> World<'a> {
         Self { transforms, fixed_frame, now, prediction: None, step: None, meshes, lookups: None }
     }
 
-    /// The same for one display, whose lookups are recorded.
+    /// A copy of this world for one display, whose lookups are recorded.
     pub(crate) fn recording<'b>(&self, lookups: &'b Lookups) -> World<'b>
     where
         'a: 'b,

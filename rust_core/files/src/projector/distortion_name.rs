@@ -1,4 +1,4 @@
-//! What a file calls its distortion model, which differs between tools and their versions.
+//! Names of distortion models in files, which differ between tools and their versions.
 
 use rcs_calibration::DistortionModel;
 

@@ -185,9 +185,8 @@ impl ProjectorFile {
         Ok(Self { camera_info: raw.camera_info().map_err(key_error)?, camera_info_topic, frames, ignored_keys })
     }
 
-    /// What is not wrong enough for an error: keys without a meaning, a distortion that no lens model can have, and a P
-    /// that only rviz's projection draws.
-    /// Each is a phrase without the file's name.
+    /// Problems that are not errors: keys without a meaning, a distortion that no lens model can have, and a P that
+    /// only rviz's projection draws. Each is a phrase without the file's name.
     pub fn warnings(&self) -> Vec<String> {
         let ignored =
             self.ignored_keys.iter().map(|key| format!("key '{}' is not known and is ignored", one_line(key)));

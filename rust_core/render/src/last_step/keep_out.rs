@@ -41,7 +41,7 @@ pub struct KeepOut {
 struct Directions {
     /// The change of x and y by a pixel to the right, and by one down.
     by_px: [[f64; 2]; 2],
-    /// That of the corner.
+    /// The x and y of the corner's direction.
     first: [f64; 2],
 }
 

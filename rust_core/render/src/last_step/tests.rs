@@ -133,7 +133,7 @@ proptest! {
 
 const SIZE: [u32; 2] = [96, 64];
 
-/// What a camera may be beside a pinhole.
+/// How a camera differs from a pinhole.
 #[derive(Clone, Copy, Debug, Default)]
 struct Kind {
     is_bent: bool,

@@ -46,7 +46,7 @@ pub(crate) fn uvs(part: &MeshPart) -> Vec<[f32; 2]> {
     part.mesh.triangles().flatten().map(|vertex| vertex.uv).collect()
 }
 
-/// What is wrong with a mesh that was not loaded.
+/// The fault in a mesh that was not loaded.
 pub(crate) fn fault(result: Result<Arc<LoadedMesh>, ResourceError>) -> MeshFault {
     match result {
         Err(ResourceError::BadMesh { fault, .. }) => fault,

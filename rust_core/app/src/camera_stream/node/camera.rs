@@ -63,7 +63,7 @@ pub(super) struct CameraOutput {
     waiting_change: Option<(Content, Arc<LastStep>)>,
     /// When pictures for a window are begun.
     pacing: Pacing,
-    /// What is left out because it is too old, and the size of pictures.
+    /// The displays left out because they are stale, and the size of pictures.
     kind: (Vec<DisplayId>, [u32; 2]),
     /// Counts the kinds of pictures that a window may not hold in each other's place.
     scene: u64,

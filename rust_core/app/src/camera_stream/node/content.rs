@@ -55,7 +55,7 @@ impl Content {
 }
 
 impl Drawn {
-    /// What a window may show in its place.
+    /// The permit for a window to show something else in its place.
     pub(super) fn permit(&self) -> Permit {
         let dark = match &self.content {
             Content::Scene { .. } => None,

@@ -1,4 +1,4 @@
-//! What is dark or left out, as statuses.
+//! Statuses of what is dark or left out.
 
 use rcs_displays::Level;
 

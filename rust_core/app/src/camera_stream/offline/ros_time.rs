@@ -18,7 +18,7 @@ pub(super) fn is_clock(connection: &Connection) -> bool {
 /// ROS time while a bag is played.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum RosTime {
-    /// That of recording.
+    /// The time of recording.
     Recorded,
     /// What `/clock` has said last; before its first message, what that will say.
     Clock(Time),
@@ -79,7 +79,7 @@ pub(super) fn clock_jumps_back<T>(from: Time, to: Time) -> Result<T> {
     )
 }
 
-/// What a message says if it is the clock's.
+/// The time in a message of the clock; none for other messages.
 pub(super) fn clock_of(message: &BagMessage) -> Option<Time> {
     match is_clock(&message.connection).then(|| MessageKind::Clock.decode(&message.bytes))? {
         Ok(AnyMessage::Clock(clock)) => Some(time_from_stamp(clock.clock)),

@@ -39,7 +39,7 @@ pub struct Frame {
     pub depth: Option<Arc<DepthImage>>,
     /// When the picture is handed on, in ROS time.
     pub stamp: Time,
-    /// What a window may show in its place.
+    /// The permit for a window to show something else in its place.
     pub permit: Permit,
     /// The picture before post-processing, for a window that may hold it below newer masks.
     pub drawn: Option<Arc<Picture>>,

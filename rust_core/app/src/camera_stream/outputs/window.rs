@@ -156,7 +156,7 @@ impl Output for WindowOutput {
     }
 }
 
-/// What a window may show in place of an image whose pictures have this size before they are turned; without one, of
+/// Converts an image's permit for a window. `drawn_px` is the size of its pictures before they are turned; without one,
 /// the monitor's.
 pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermit {
     WindowPermit {

@@ -79,7 +79,7 @@ impl Cause {
 pub struct Dark {
     /// The row of the table.
     pub cause: Cause,
-    /// What is missing or too old.
+    /// The reason, such as missing or stale data.
     pub why: String,
 }
 

@@ -41,7 +41,7 @@ pub(super) struct Eyes {
     ages: Option<Freshness>,
 }
 
-/// What is dark of a camera's images, as far as that is known.
+/// Blackout of a camera's images, as far as it is known.
 #[derive(Debug, Default)]
 pub(super) struct Forbidden {
     /// Why nothing may be lit.

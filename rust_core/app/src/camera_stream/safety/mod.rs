@@ -41,7 +41,7 @@ pub(in crate::camera_stream) const STALE: &str = "Stale";
 /// A window becomes black after this at the earliest when nothing is drawn or confirmed: it is told less often.
 const LEAST_WINDOW_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// What an image of a camera may show at a moment, and what is done to it when it is drawn.
+/// Policy for an image of a camera at a moment: what it may show, and its post-processing.
 #[derive(Clone, Debug, Default)]
 pub struct FramePolicy {
     /// Why nothing may be lit.
@@ -61,7 +61,7 @@ pub struct FramePolicy {
 }
 
 impl FramePolicy {
-    /// That of images which are drawn from files: nothing ages, and no eyes are near.
+    /// The policy of images that are drawn from files: nothing ages, and no eyes are near.
     pub fn offline(post: LastStep) -> Self {
         Self { post: Arc::new(post), ..Self::default() }
     }
@@ -101,12 +101,12 @@ pub struct LitView<'a> {
     pub unknown_lens: Option<NoLens>,
 }
 
-/// What a window needs to know before the first image, and when images stop.
+/// A window's timeout, and its permit before the first image and after images stop.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SilentWindow {
     /// It is black when nothing was drawn or confirmed for this long.
     pub timeout: Option<Duration>,
-    /// What it may show without an image.
+    /// The permit without an image.
     pub permit: Permit,
 }
 
@@ -119,7 +119,7 @@ pub struct Safety {
     /// `None` where nothing is ever too old.
     ages: Option<Freshness>,
     eyes: Eyes,
-    /// What was too old when that was last asked.
+    /// The states of all displays at the last [`assess`](Self::assess).
     assessment: Option<Assessment>,
     has_note: bool,
 }
@@ -179,7 +179,7 @@ impl Safety {
         self.eyes.has_keep_out() || of_camera(&self.rules.mask_topics, camera).is_some()
     }
 
-    /// What is too old, as of the last [`assess`](Self::assess); none where nothing ever is.
+    /// The states of all displays at the last [`assess`](Self::assess); none where nothing is ever too old.
     pub fn assessment(&self) -> Option<&Assessment> {
         self.assessment.as_ref()
     }
@@ -230,7 +230,7 @@ impl Safety {
         }
     }
 
-    /// What the window of a camera needs to know.
+    /// The timeout of a camera's window, and its permit without an image.
     pub fn silent_window(&self, camera: &str) -> SilentWindow {
         let protects_eyes = self.protects_eyes(camera);
         let limit = self.rules.limits.for_all_topics().or(protects_eyes.then_some(EYE_SAFETY_LIMIT));

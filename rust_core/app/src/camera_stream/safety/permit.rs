@@ -1,4 +1,4 @@
-//! What a window may show in place of the newest image: what its user has paused, or a test picture.
+//! The permit for a window to show a paused image or a test picture in place of the newest image.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ pub enum Allowance {
     /// All of it.
     #[default]
     All,
-    /// What the masks and keep-out frames leave.
+    /// Only the light that the masks and keep-out frames leave.
     Masked,
     /// Nothing.
     Nothing,
@@ -32,7 +32,7 @@ pub struct Permit {
 }
 
 impl Permit {
-    /// That of an image which is dark for a reason, or lit.
+    /// The permit of an image that is dark for a reason, or lit.
     pub fn new(dark: Option<&Dark>, protects_eyes: bool, scene: u64, post: &Arc<LastStep>) -> Self {
         let post = Arc::clone(post);
         let masked = if protects_eyes { Allowance::Masked } else { Allowance::All };
@@ -45,7 +45,7 @@ impl Permit {
         Self { paused: if dark.is_some() { Allowance::Nothing } else { masked }, test, scene, post }
     }
 
-    /// That of an image on a topic of which nothing is known but its pixels.
+    /// The permit of an image on a topic of which nothing is known but its pixels.
     pub fn of_topic(is_black: bool) -> Self {
         let dark = is_black.then(|| Dark::new(Cause::BlackImage, "the image is black"));
         Self::new(dark.as_ref(), false, 0, &Arc::default())

@@ -1,4 +1,4 @@
-//! What a user has set for the light of cameras.
+//! A user's rules for the light of cameras.
 
 use std::str::FromStr;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! What a display that panicked is given again.
+//! Tests of the data that a display is given again after a panic.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -1,4 +1,4 @@
-//! What a primitive's vertices make, by its mode, as in Assimp: faces with a vertex that does not exist are dropped.
+//! Faces of a primitive, by its mode, as in Assimp: faces with a vertex that does not exist are dropped.
 
 /// The corners of all faces, and how many each has.
 pub(super) type FaceCorners = (Vec<u32>, Vec<u32>);

@@ -32,7 +32,7 @@ const MAX_DEPTH: usize = 200;
 /// The most nodes of a scene.
 const MAX_NODES: usize = 200_000;
 
-/// What a GLB begins with.
+/// Magic bytes of a GLB file.
 const GLB_MAGIC: &[u8] = b"glTF";
 const JSON_CHUNK: &[u8; 4] = b"JSON";
 const BINARY_CHUNK: &[u8; 4] = b"BIN\0";

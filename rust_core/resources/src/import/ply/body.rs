@@ -4,11 +4,11 @@ use super::super::lenient_float::leading_f32;
 use super::header::{Encoding, Kind};
 use crate::MeshFault;
 
-/// What is left of the rows.
+/// The rows that are not read yet.
 pub(super) enum Body<'a> {
     /// A row is a line of words.
     Text {
-        /// What is left of the row at hand.
+        /// The rest of the current row.
         line: &'a [u8],
         /// Its number, counted from 1.
         number: usize,
@@ -17,7 +17,7 @@ pub(super) enum Body<'a> {
     },
     /// Rows follow each other without gaps.
     Binary {
-        /// What is left.
+        /// The bytes that are not read yet.
         rest: &'a [u8],
         is_big_endian: bool,
     },

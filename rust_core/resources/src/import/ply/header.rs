@@ -57,7 +57,7 @@ impl Kind {
     }
 }
 
-/// What a number of a vertex is.
+/// The role of a number of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ScalarRole {
     X,
@@ -89,7 +89,7 @@ impl ScalarRole {
     }
 }
 
-/// What a list of a face is.
+/// The role of a list of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ListRole {
     /// The numbers of its vertices.
@@ -105,7 +105,7 @@ pub(super) enum Property {
     List { count: Kind, kind: Kind, role: Option<ListRole> },
 }
 
-/// What the rows of an element are.
+/// The kind of an element's rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ElementKind {
     Vertex,
@@ -204,7 +204,7 @@ impl Element {
 }
 
 impl Property {
-    /// That of the words after `property`.
+    /// The property that the words after `property` describe.
     fn of(words: &[&str]) -> Option<Self> {
         match *words {
             ["list", count, kind, name] => {

@@ -24,7 +24,7 @@ use rcs_transforms::Time;
 use self::limits::{Limit, Limits};
 use super::causes::{Cause, Dark};
 
-/// What is asked of a scene.
+/// The ages of a scene's displays, cameras and frames.
 pub trait SceneAges {
     /// How old what each display shows is.
     fn ages(&self) -> Vec<DisplayAge<'_>>;

@@ -259,7 +259,7 @@ fn every_class_that_is_drawn_is_in_the_table() {
     assert_eq!(in_table, scene.map(|class| class.name.trim_start_matches("rviz/")).collect::<Vec<_>>());
 }
 
-/// What is published once and held by its publisher, as the launch files have it of a path and markers.
+/// Messages published once and held by their publisher, as the launch files have it of a path and markers.
 #[test]
 fn what_follows_a_frame_goes_dark_with_it_and_what_is_placed_once_stays_while_its_message_is_held() {
     for (class, settings, placing) in CLASSES {
