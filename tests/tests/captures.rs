@@ -122,7 +122,8 @@ fn rooms_whose_pictures_are_in_order_are_not_suspected() {
     for seed in seeds(3000, 3, 120) {
         let capture = KnownCapture::simulated(seed);
         let quality = capture.decode(&capture.in_order()).unwrap().quality;
-        assert_eq!(quality.problems(), [], "seed {seed}");
+        let problems = quality.problems();
+        assert!(!problems.iter().any(|problem| problem.is_fatal()), "seed {seed}: {problems:?}");
     }
 }
 

@@ -5,7 +5,6 @@
 //! are found from the same pictures, so that both are found twice.
 
 use super::channels::{Channel, Channels};
-use super::quality::UNSTEADY_EXPOSURE;
 use super::response::Response;
 use super::Pictures;
 
@@ -18,6 +17,8 @@ const CLEAR: f64 = 0.25;
 /// Pixels that are looked at, and the fewest that tell a factor.
 const LOOKED_AT: usize = 20_000;
 const LEAST_COMPARED: usize = 200;
+/// Smaller changes do no harm, and are within what blur and a response that is not quite known make.
+const LEAST_CHANGE: f64 = 0.1;
 /// Rounds of finding factors and the camera's response.
 const ROUNDS: usize = 2;
 
@@ -38,7 +39,7 @@ impl Steadied {
     }
 }
 
-/// Takes changes of the exposure back; none where it was steady.
+/// Takes changes of the exposure back; none where there is no large one.
 pub(super) fn steadied(taken: &Pictures<'_>, channels: &Channels) -> Option<Steadied> {
     let mut steadied: Option<Steadied> = None;
     let mut factors = vec![1.0; taken.levels.len()];
@@ -55,7 +56,7 @@ pub(super) fn steadied(taken: &Pictures<'_>, channels: &Channels) -> Option<Stea
             }
         }
         let change = factors.iter().map(|factor| (factor - 1.0_f64).abs()).fold(0.0, f64::max);
-        if change <= UNSTEADY_EXPOSURE {
+        if change < LEAST_CHANGE {
             return None;
         }
         let scaled = |(levels, factor): (&&[u8], &f64)| {

@@ -20,7 +20,7 @@ const CLIPPED_FROM: u8 = 254;
 /// A camera that has moved farther was not at rest, camera pixels.
 const MOST_MOVED_PX: f64 = 0.5;
 /// From this change on the exposure was not steady; from the other one on, nothing can be compared any more.
-pub(super) const UNSTEADY_EXPOSURE: f64 = 0.05;
+const UNSTEADY_EXPOSURE: f64 = 0.05;
 const LOST_EXPOSURE: f64 = 0.3;
 /// From this share of clipped pixels on the exposure was too long.
 const MUCH_CLIPPED: f64 = 0.02;
