@@ -31,7 +31,7 @@ pub fn read_limited(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
 /// The text of a file of so many bytes at most.
 ///
 /// # Errors
-/// Those of [`read_limited`], and [`io::ErrorKind::InvalidData`] where it is not UTF-8.
+/// As [`read_limited`], and [`io::ErrorKind::InvalidData`] where it is not UTF-8.
 pub fn read_limited_text(path: &Path, most_bytes: u64) -> io::Result<String> {
     let not_text = |_| io::Error::new(io::ErrorKind::InvalidData, "not UTF-8 text");
     String::from_utf8(read_limited(path, most_bytes)?).map_err(not_text)

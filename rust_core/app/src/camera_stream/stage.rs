@@ -51,7 +51,7 @@ use crate::camera_stream::safety::ages::SceneAges;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::frames::raw_transforms;
 
-/// Refused transforms of so many frames and reasons are logged.
+/// Frames and reasons for which refused transforms are logged.
 const MOST_WARNINGS: usize = 1000;
 
 /// The frame in which the scene is built.

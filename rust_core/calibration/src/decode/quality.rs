@@ -68,7 +68,7 @@ pub enum ScanProblem {
     Exposure(f64),
     /// This share of the lit pixels is clipped.
     Clipped(f64),
-    /// So many are clipped that the stripes of many pixels fit no place.
+    /// Clipping of so large a share that the stripes of many pixels fit no place.
     Overexposed {
         /// The share of the lit pixels that is clipped.
         clipped: f64,

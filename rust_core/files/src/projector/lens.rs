@@ -51,7 +51,7 @@ impl ProjectorFile {
     /// of a mirror on the way.
     ///
     /// # Errors
-    /// Those of [`lens_of`], and focal lengths that are not positive.
+    /// As [`lens_of`], and focal lengths that are not positive.
     pub fn camera_lens(&self) -> Result<Lens, LensProblem> {
         let lens = self.lens()?;
         let [fx, fy] = lens.focal_px.into();

@@ -16,7 +16,7 @@ const DEEPEST: usize = 8;
 /// The values of a file by their names.
 ///
 /// # Errors
-/// What is wrong with it, or what other kind of XML it is.
+/// The fault of the file, or the other kind of XML that it is.
 pub(super) fn values(text: &str) -> Result<Mapping, String> {
     let document = Document::parse(text)
         .map_err(|error| format!("it is not XML as OpenCV writes it: {}", one_line(&error.to_string())))?;

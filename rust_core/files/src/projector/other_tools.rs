@@ -56,7 +56,7 @@ const TOOLS: [Tool; 5] = [
 /// The values of a file that is no YAML of this project, by this project's keys; `None` for one that is.
 ///
 /// # Errors
-/// What is missing, or what the file seems to be.
+/// The missing key, or the tool that seems to have written the file.
 pub(super) fn values(text: &str) -> Result<Option<Value>, Wrong> {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let of_file = |reason| ("the file", reason);

@@ -79,7 +79,7 @@ impl Limits {
     /// Sets a limit. `whole_name` gives a topic's.
     ///
     /// # Errors
-    /// That of `whole_name`.
+    /// Fails as `whole_name` does.
     pub fn set<E>(&mut self, timeout: StaleTimeout, whole_name: impl Fn(&str) -> Result<String, E>) -> Result<(), E> {
         match timeout.topic {
             None => self.general = timeout.limit,
