@@ -13,14 +13,14 @@ pub type Main = fn() -> ExitCode;
 /// Every program, with its name.
 pub const PROGRAMS: [(&str, Main); 9] = [
     ("camera_stream", crate::camera_stream::main),
-    ("line_of_sight", crate::line_of_sight::main),
-    ("nav_path_markers", crate::nav_path_markers::main),
+    ("line_of_sight", rcs_samples::line_of_sight::main),
+    ("nav_path_markers", rcs_samples::nav_path_markers::main),
     ("projector", crate::projector::main),
     ("projector_blend", crate::projector_blend::main),
-    ("projector_calibrate", crate::projector_calibrate::main),
+    ("projector_calibrate", rcs_calibrate::main),
     ("projector_window", crate::projector_window::main),
-    ("publish_cloud", crate::publish_cloud::main),
-    ("turret_aim", crate::turret_aim::main),
+    ("publish_cloud", rcs_samples::publish_cloud::main),
+    ("turret_aim", rcs_samples::turret_aim::main),
 ];
 
 /// The exit status where no program has the name.

@@ -1,5 +1,5 @@
-//! `line_of_sight`: the light between lens and target as an obstacle. See [`rcs_app::line_of_sight`].
+//! `line_of_sight`: the light between lens and target as an obstacle. See [`rcs_samples::line_of_sight`].
 
 fn main() -> std::process::ExitCode {
-    rcs_app::line_of_sight::main()
+    rcs_samples::line_of_sight::main()
 }

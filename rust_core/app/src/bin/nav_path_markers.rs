@@ -1,5 +1,5 @@
-//! `nav_path_markers`: a planned path as arrows on the floor. See [`rcs_app::nav_path_markers`].
+//! `nav_path_markers`: a planned path as arrows on the floor. See [`rcs_samples::nav_path_markers`].
 
 fn main() -> std::process::ExitCode {
-    rcs_app::nav_path_markers::main()
+    rcs_samples::nav_path_markers::main()
 }

@@ -1,5 +1,5 @@
-//! `projector_calibrate`: a projector's intrinsics and pose. See [`rcs_app::projector_calibrate`].
+//! `projector_calibrate`: a projector's intrinsics and pose. See [`rcs_calibrate`].
 
 fn main() -> std::process::ExitCode {
-    rcs_app::projector_calibrate::main()
+    rcs_calibrate::main()
 }

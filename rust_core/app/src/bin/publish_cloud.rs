@@ -1,5 +1,5 @@
-//! `publish_cloud`: a PCD file as a latched PointCloud2. See [`rcs_app::publish_cloud`].
+//! `publish_cloud`: a PCD file as a latched PointCloud2. See [`rcs_samples::publish_cloud`].
 
 fn main() -> std::process::ExitCode {
-    rcs_app::publish_cloud::main()
+    rcs_samples::publish_cloud::main()
 }

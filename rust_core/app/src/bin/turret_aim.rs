@@ -1,5 +1,5 @@
-//! `turret_aim`: points a pan-tilt unit at a target. See [`rcs_app::turret_aim`].
+//! `turret_aim`: points a pan-tilt unit at a target. See [`rcs_samples::turret_aim`].
 
 fn main() -> std::process::ExitCode {
-    rcs_app::turret_aim::main()
+    rcs_samples::turret_aim::main()
 }

@@ -41,8 +41,7 @@ use crate::camera_stream::config_file::find_config;
 use crate::camera_stream::offline::{Job, Section, Target};
 use crate::camera_stream::safety::names::ForCamera;
 use crate::camera_stream::stage::Stage;
-use crate::logging;
-use crate::small_node::{self, own_arguments};
+use rcs_node_support::lifecycle::{self, own_arguments};
 
 /// The node's name where the command line gives none.
 const NODE_NAME: &str = "camera_stream";
@@ -60,9 +59,9 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { INVALID } else { 0 });
         }
     };
-    let flush = cli.command.is_none().then(|| logging::start_node(cli.is_debug()));
+    let flush = cli.command.is_none().then(|| rcs_logging::start_node(cli.is_debug()));
     if flush.is_none() {
-        logging::start(cli.is_debug());
+        rcs_logging::start(cli.is_debug());
     }
     if cli.may_use_gpu() {
         quiet_graphics_libraries();
@@ -102,7 +101,7 @@ pub fn main() -> ExitCode {
                 .map_err(|error| anyhow!("standard output: {error}"))
         }
         Some(Command::Render(args)) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
-        None => return small_node::finish(&node::run(&cli, &config)),
+        None => return lifecycle::finish(&node::run(&cli, &config)),
         Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
     };
     finished(result)
@@ -118,7 +117,7 @@ fn camera_names(config: &Config) -> Vec<String> {
 /// The exit status of a result. An error is printed.
 fn finished(result: Result<ExitCode>) -> ExitCode {
     result.unwrap_or_else(|error| {
-        print_error(&logging::one_line(&error), false);
+        print_error(&rcs_logging::one_line(&error), false);
         ExitCode::FAILURE
     })
 }
@@ -146,9 +145,9 @@ fn log_findings(config: &Config, known: &[Finding]) {
 /// Prints the error that ends the program in one line; a node logs it.
 fn print_error(text: &str, is_node: bool) {
     if is_node {
-        logging::log_last(&logging::flat(text));
+        rcs_logging::log_last(&rcs_logging::flat(text));
     } else {
-        logging::print_error(&format!("camera_stream: {}", logging::flat(text)));
+        rcs_logging::print_error(&format!("camera_stream: {}", rcs_logging::flat(text)));
     }
 }
 
@@ -189,7 +188,7 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     };
     let job = Job {
         bags: &args.bag,
-        remappings: &offline::bag_names(&small_node::remappings())?,
+        remappings: &offline::bag_names(&lifecycle::remappings())?,
         camera: args.camera.as_deref(),
         projector: args.projector.as_deref(),
         section: Section { at_secs: args.at, start_secs: args.start, end_secs: args.end },

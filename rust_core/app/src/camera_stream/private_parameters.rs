@@ -14,7 +14,7 @@ use crate::camera_stream::cli::{mesh_mb, ModelArgs, ResourceArgs};
 use crate::camera_stream::depth_image::DepthEncoding;
 use crate::camera_stream::light_arguments::Gamma;
 use crate::camera_stream::window_arguments::ScreenArgs;
-use crate::node_options::yes_or_no;
+use rcs_node_support::node_options::yes_or_no;
 
 /// What draws: `--renderer`, else `~renderer`.
 ///

@@ -49,7 +49,7 @@ use rcs_transforms::{Prediction, Time, TransformTree, UNCROWDED};
 use crate::camera_stream::camera_pose::{self, CameraProblem};
 use crate::camera_stream::safety::ages::SceneAges;
 use crate::camera_stream::status_tree::{self, StatusEntry};
-use crate::frames::raw_transforms;
+use rcs_node_support::frames::raw_transforms;
 
 /// Frames and reasons for which refused transforms are logged.
 const MOST_WARNINGS: usize = 1000;

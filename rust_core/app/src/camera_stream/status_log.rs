@@ -12,7 +12,7 @@ use rcs_transforms::Time;
 
 use crate::camera_stream::status_tree::{EntryKind, StatusEntry, FIXED_FRAME, PUBLISHER};
 use crate::camera_stream::visibility::VISIBILITY;
-use crate::logging::log_status;
+use rcs_logging::log_status;
 
 /// How long a frame may be missing before that is logged.
 const FRAME_PATIENCE_SECS: f64 = 2.0;

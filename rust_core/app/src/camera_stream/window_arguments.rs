@@ -3,7 +3,7 @@
 use clap::Args;
 use rcs_window::MonitorChoice;
 
-use crate::key_value::split_at_known;
+use rcs_node_support::key_value::split_at_known;
 
 /// Which cameras are shown on monitors by the node itself.
 #[derive(Args, Clone, Debug, Default)]

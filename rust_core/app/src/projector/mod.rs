@@ -12,7 +12,7 @@ use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::Time;
 use rcs_ros::{LatchedPublisher, RosNode};
 
-use crate::small_node::{self, EndRequest};
+use rcs_node_support::lifecycle::{self, EndRequest};
 
 const DEFAULT_TOPIC: &str = "/proj_view/camera_info";
 
@@ -50,7 +50,7 @@ struct Arguments {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    small_node::run_main(|arguments: Arguments| run(&arguments))
+    lifecycle::run_main(|arguments: Arguments| run(&arguments))
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -58,7 +58,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let given = arguments.positional.as_deref().or(arguments.file.as_deref());
     let given = given.map(|path| read(path, arguments)).transpose()?;
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    let Some(node) = small_node::connect("projector", &end)? else {
+    let Some(node) = lifecycle::connect("projector", &end)? else {
         return Ok(());
     };
     let file = match given {

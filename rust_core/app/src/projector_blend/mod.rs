@@ -17,7 +17,7 @@ use rcs_files::picture_file;
 use rcs_files::projector::ProjectorFile;
 use rcs_scene::{Encoding, Picture};
 
-use crate::small_node;
+use rcs_node_support::lifecycle;
 use surface::Surface;
 
 /// The most of its full light that a projector leaks where its picture is black.
@@ -76,7 +76,7 @@ fn black_level(text: &str) -> Result<f64, String> {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    small_node::run_main(|arguments: Arguments| run(&arguments))
+    lifecycle::run_main(|arguments: Arguments| run(&arguments))
 }
 
 fn run(arguments: &Arguments) -> Result<()> {

@@ -12,8 +12,8 @@ use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
 use super::points::points;
-use crate::publish_cloud;
-use crate::small_node::EndRequest;
+use rcs_node_support::lifecycle::EndRequest;
+use rcs_samples::publish_cloud;
 
 /// How long a cloud and its frames are waited for.
 const PATIENCE: Duration = Duration::from_secs(10);

@@ -16,9 +16,9 @@ use rcs_window::{self as window, PictureSink, ReceivedPicture, ScreenPicture};
 
 use crate::camera_stream::outputs::window_permit;
 use crate::camera_stream::safety::permit::Permit;
-use crate::monitor_arguments::MonitorArguments;
-use crate::small_node::{self, EndRequest};
-use crate::window_watch::WindowWatch;
+use rcs_node_support::lifecycle::{self, EndRequest};
+use rcs_node_support::monitor_arguments::MonitorArguments;
+use rcs_node_support::window_watch::WindowWatch;
 
 const DEFAULT_TOPIC: &str = "/proj_view/image";
 
@@ -62,7 +62,7 @@ fn stale_secs(text: &str) -> Result<Duration, String> {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    small_node::run_main(run)
+    lifecycle::run_main(run)
 }
 
 fn run(arguments: Arguments) -> anyhow::Result<()> {
@@ -106,7 +106,7 @@ fn run(arguments: Arguments) -> anyhow::Result<()> {
 
 /// Hands the topic's pictures to the window until the shutdown is requested.
 fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &PictureSink) -> anyhow::Result<()> {
-    let Some(node) = small_node::connect("projector_window", end)? else {
+    let Some(node) = lifecycle::connect("projector_window", end)? else {
         return Ok(());
     };
     if !has_timeout {

@@ -18,7 +18,7 @@ use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
 use crate::camera_stream::subscriptions::Subscriptions;
 use crate::camera_stream::visibility::{self, PlacedCamera, VISIBILITY};
-use crate::small_node::EndRequest;
+use rcs_node_support::lifecycle::EndRequest;
 
 /// How long it sleeps at most while nothing is received.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);

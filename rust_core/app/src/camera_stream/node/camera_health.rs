@@ -14,7 +14,7 @@ use crate::camera_stream::projection_warning::ProjectionWarning;
 use crate::camera_stream::safety::causes::Dark;
 use crate::camera_stream::stage::Stage;
 use crate::camera_stream::status_tree::{self, StatusEntry};
-use crate::logging::one_line;
+use rcs_logging::one_line;
 
 /// How long a CameraInfo or a frame may be missing before that is logged: at the start it is usually just on its way.
 const PATIENCE: Duration = Duration::from_secs(2);

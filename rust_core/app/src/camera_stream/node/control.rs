@@ -23,8 +23,8 @@ use crate::camera_stream::cli::Cli;
 use crate::camera_stream::log_findings;
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::watchdog::Task;
-use crate::logging::{self, one_line};
-use crate::small_node::EndRequest;
+use rcs_logging::{self, one_line};
+use rcs_node_support::lifecycle::EndRequest;
 
 /// How long the thread sleeps at most: signals set a flag only.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
@@ -93,7 +93,7 @@ impl Control {
             let busy = shared.activity.busy_for(STAND_IN_AFTER);
             self.stand_in(busy.as_ref());
             self.answer_late_reload();
-            logging::report_left_out();
+            rcs_logging::report_left_out();
             let sleep = if busy.is_some() { STAND_IN_SLEEP } else { LONGEST_SLEEP };
             self.task.rest();
             let calls = shared.ros.calls().wait(sleep);

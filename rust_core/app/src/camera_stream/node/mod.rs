@@ -43,12 +43,12 @@ use rcs_rviz_config::Config;
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::watchdog::Watchdog;
 use crate::camera_stream::{log_findings, NODE_NAME};
-use crate::small_node::{self, EndRequest};
 use control::Control;
+use rcs_node_support::lifecycle::{self, EndRequest};
 use scene_loop::SceneLoop;
 use shared::Shared;
 
-/// Runs the node until it is asked to end. Where it fails, [`small_node::finish`] is to end it.
+/// Runs the node until it is asked to end. Where it fails, [`lifecycle::finish`] is to end it.
 ///
 /// # Errors
 /// One line that names what failed: the master's address, a topic, the renderer.
@@ -56,7 +56,7 @@ pub fn run(cli: &Cli, config: &Config) -> Result<()> {
     log_findings(config, &[]);
     let end = EndRequest::watch_signals().context("cannot handle signals")?;
     rcs_scene::name_threads();
-    let Some(ros) = small_node::connect(NODE_NAME, &end)? else { return Ok(()) };
+    let Some(ros) = lifecycle::connect(NODE_NAME, &end)? else { return Ok(()) };
     let shared = Arc::new(Shared::new(ros));
     run_threads(cli, config, &shared, &end)?;
     shared.ros.shutdown();

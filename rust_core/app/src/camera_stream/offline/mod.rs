@@ -29,7 +29,7 @@ use crate::camera_stream::projection_warning::ProjectionWarning;
 use crate::camera_stream::safety::names::{of_camera, ForCamera};
 use crate::camera_stream::safety::FramePolicy;
 use crate::camera_stream::stage::{renderer_view, Stage};
-use crate::key_value;
+use rcs_node_support::key_value;
 
 pub use moments::Section;
 use moments::{BagTimes, Moments};

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use rcs_render::Orientation;
 
-use crate::key_value::split_at_known;
+use rcs_node_support::key_value::split_at_known;
 
 /// A value for one camera, or for all.
 #[derive(Clone, Debug, PartialEq, Eq)]

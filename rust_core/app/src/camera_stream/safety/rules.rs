@@ -7,7 +7,7 @@ use rcs_render::{Blend, LightMask, Orientation};
 
 use super::ages::limits::Limits;
 use super::names::{cameras_text, unmatched, ForCamera};
-use crate::key_value;
+use rcs_node_support::key_value;
 
 /// The rules of all cameras.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::str::FromStr;
 use std::time::Duration;
 
-use crate::key_value;
+use rcs_node_support::key_value;
 
 /// The topic by whose name the age of transforms is limited.
 const TRANSFORMS: &str = "/tf";

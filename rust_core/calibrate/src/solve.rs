@@ -1,0 +1,166 @@
+//! `projector_calibrate solve`: from correspondences to the projector's file.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use rcs_calibration::{
+    solve, DistortionTerms, FocalLengths, Parameter, Report, Sample, ScanPose, Solution, SolveOptions, Verdict,
+};
+use rcs_files::calibration_report;
+use rcs_files::projector::ProjectorFile;
+
+use super::arguments::{size, Size};
+use super::placing::PlacingArguments;
+use super::{input, Failure};
+use rcs_node_support::key_value;
+
+/// Solves for the projector's lens and pose, and writes the file that the program projector publishes
+///
+/// Takes files of points (u_px, v_px, x_m, y_m, z_m and optionally scan, which numbers the camera's poses), and capture
+/// folders. Each further file or folder is another pose of the camera; the projector must not have moved in between.
+/// The pose that is written belongs to the first of them.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Exit codes: 0 written; 1 refused, nothing written but the report of a verdict \"again\"; 2 invalid arguments or
+unreadable files
+
+Example: projector_calibrate solve points.csv --size 1280x800 -o projector.yaml --report report")]
+pub(super) struct SolveArguments {
+    /// Files of points, or capture folders
+    #[arg(value_name = "FILE", required = true)]
+    points: Vec<PathBuf>,
+    /// Width and height of the projector's picture, pixels
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Size,
+    /// The projector's file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// A folder for report.yaml and report.html
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Distortion to solve for. auto: each term only if it predicts left-out points better
+    #[arg(long, value_enum, default_value_t = Distortion::Auto)]
+    distortion: Distortion,
+    /// Focal lengths to solve for: one for both axes, or two
+    #[arg(long, value_enum, default_value_t = Focal::Two)]
+    focal: Focal,
+    /// A parameter that is known: fx, fy, cx, cy, k1, k2, p1, p2, k3. Can be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = fixed_parameter)]
+    fix: Vec<(Parameter, f64)>,
+    /// A projector's file to start from
+    #[arg(long, value_name = "FILE")]
+    initial: Option<PathBuf>,
+    #[command(flatten)]
+    placing: PlacingArguments,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Distortion {
+    Auto,
+    None,
+    K1,
+    #[value(name = "k1k2")]
+    K1K2,
+    #[value(name = "plumb_bob")]
+    PlumbBob,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Focal {
+    One,
+    Two,
+}
+
+/// The name of a parameter and its value.
+fn fixed_parameter(text: &str) -> Result<(Parameter, f64), String> {
+    let (name, value) = key_value::split(text).ok_or("not NAME=VALUE")?;
+    let parameter = match name.trim() {
+        "fx" => Parameter::Fx,
+        "fy" => Parameter::Fy,
+        "cx" => Parameter::Cx,
+        "cy" => Parameter::Cy,
+        "k1" => Parameter::K1,
+        "k2" => Parameter::K2,
+        "p1" => Parameter::P1,
+        "p2" => Parameter::P2,
+        "k3" => Parameter::K3,
+        other => return Err(format!("there is no parameter '{other}': fx, fy, cx, cy, k1, k2, p1, p2, k3")),
+    };
+    match value.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok((parameter, value)),
+        _ => Err(format!("'{value}' is not a finite number")),
+    }
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &SolveArguments) -> Result<(), Failure> {
+    let input = input::read(&arguments.points)?;
+    let initial = arguments.initial.as_deref().map(super::read_lens).transpose()?;
+    let options = SolveOptions {
+        distortion: match arguments.distortion {
+            Distortion::Auto => DistortionTerms::Auto,
+            Distortion::None => DistortionTerms::None,
+            Distortion::K1 => DistortionTerms::K1,
+            Distortion::K1K2 => DistortionTerms::K1K2,
+            Distortion::PlumbBob => DistortionTerms::PlumbBob,
+        },
+        focal: match arguments.focal {
+            Focal::One => FocalLengths::One,
+            Focal::Two => FocalLengths::Two,
+        },
+        fixed: arguments.fix.clone(),
+        initial,
+        ..SolveOptions::new(arguments.size.0)
+    };
+    let solution = solve(&input.samples, &options).map_err(Failure::refused)?;
+    let pose = first_pose(&solution)?;
+    let report = judge(&input.samples, solution, arguments.report.as_deref())?;
+    let placed = arguments.placing.place(&pose.projector_from_camera, input.camera_frame.as_deref(), None)?;
+    ProjectorFile::calibrated(&report.solution.lens, &placed.parent, &placed.parent_from_projector)
+        .write(&arguments.output)
+        .map_err(Failure::refused)?;
+    summarise(&report);
+    eprintln!("written: {}", arguments.output.display());
+    Ok(())
+}
+
+/// The pose that is written: that of the first scan.
+pub(super) fn first_pose(solution: &Solution) -> Result<ScanPose, Failure> {
+    solution.poses.first().copied().ok_or_else(|| Failure::Refused(anyhow::anyhow!("no pose was found")))
+}
+
+/// Judges a solution and writes its report; refuses what is not to be used.
+pub(super) fn judge(
+    samples: &[Sample],
+    solution: Solution,
+    folder: Option<&std::path::Path>,
+) -> Result<Report, Failure> {
+    let report = Report::new(samples, solution);
+    if let Some(folder) = folder {
+        calibration_report::write(folder, &report, samples).map_err(Failure::refused)?;
+    }
+    if report.verdict == Verdict::Again {
+        let reasons = report.reasons.join("; ");
+        return Err(Failure::Refused(anyhow::anyhow!("not to be used, scan again: {reasons}")));
+    }
+    Ok(report)
+}
+
+/// Prints the figures that matter.
+pub(super) fn summarise(report: &Report) {
+    let solution = &report.solution;
+    let verdict = match report.verdict {
+        Verdict::Good => "good",
+        Verdict::Usable => "usable",
+        Verdict::Again => "again",
+    };
+    eprintln!(
+        "verdict: {verdict}. {:.2} px RMS, {:.2} px for points that were left out, {:.2} mm; {} of {} points",
+        solution.rms_px,
+        solution.held_out_rms_px,
+        1000.0 * report.rms_m,
+        solution.inliers,
+        report.points,
+    );
+    report.reasons.iter().for_each(|reason| eprintln!("  {reason}"));
+}

@@ -1,0 +1,12 @@
+//! What the nodes share: signals and shutdown, options that are also private parameters, a status on `/diagnostics`,
+//! transforms from `/tf`, and the arguments of programs with a window.
+#![forbid(unsafe_code)]
+
+pub mod frames;
+pub mod key_value;
+pub mod lifecycle;
+pub mod monitor_arguments;
+pub mod node_options;
+pub mod node_status;
+pub mod poses;
+pub mod window_watch;

@@ -1,0 +1,8 @@
+//! The programs of the paper's samples: aim a turret, keep the line of sight free, draw a path as arrows, publish a cloud.
+#![forbid(unsafe_code)]
+
+pub mod line_of_sight;
+pub mod nav_path_markers;
+pub mod publish_cloud;
+mod target;
+pub mod turret_aim;

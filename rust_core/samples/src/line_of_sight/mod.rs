@@ -1,0 +1,214 @@
+//! `line_of_sight`: the light between lens and target as an obstacle, so that an arm plans around it.
+
+mod announcement;
+mod cylinder;
+
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use clap::Parser;
+use nalgebra::Point3;
+use rcs_ros::{NodeEvent, RosNode};
+use rcs_transforms::{Time, TransformTree};
+
+use crate::target::{Target, TargetArguments};
+use announcement::{Announcement, MoveitMsgs, Naming};
+use cylinder::{Cylinder, Shape};
+use rcs_node_support::frames;
+use rcs_node_support::lifecycle::{self, EndRequest};
+use rcs_node_support::node_options::{color, number_within, rgba, with_parameters};
+use rcs_node_support::node_status::{Level, NodeStatus};
+
+/// How long the last messages may take to reach their subscribers.
+const LAST_MESSAGE: Duration = Duration::from_millis(200);
+
+/// Publishes the cylinder between a projector's lens and its target as a collision object of MoveIt's planning scene,
+/// and as a marker.
+///
+/// An arm then plans around the light. The cylinder is removed when the target is gone and when the node ends. Every
+/// option may be given as a private parameter, too: --target-frame is ~target_frame. ROS's remappings and special
+/// arguments work.
+#[derive(Parser)]
+#[command(
+    name = "line_of_sight",
+    display_name = "rviz_camera_stream",
+    version,
+    after_help = "\
+Topics subscribed to: the target, /tf, /tf_static
+Topics published: the collision object (moveit_msgs/CollisionObject, latched), the marker (visualization_msgs/Marker, \
+latched), /diagnostics
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the node failed; 2 invalid arguments
+
+Example: line_of_sight --target-cloud /widget/desired_object --lens-frame proj_view --radius 0.08"
+)]
+struct Arguments {
+    #[command(flatten)]
+    target: TargetArguments,
+    /// The lens's frame
+    #[arg(long, value_name = "FRAME", default_value = "proj_view")]
+    lens_frame: String,
+    /// Radius of the cylinder, metres
+    #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = radius)]
+    radius: f64,
+    /// Left free before the lens, for the projector's own shape, metres
+    #[arg(long, value_name = "M", default_value_t = 0.15, value_parser = gap)]
+    lens_gap: f64,
+    /// Left free before the target, which the arm may grasp, metres
+    #[arg(long, value_name = "M", default_value_t = 0.1, value_parser = gap)]
+    target_gap: f64,
+    /// The cylinder is published again when an end has moved by more than this, metres
+    #[arg(long, value_name = "M", default_value_t = 0.01, value_parser = gap)]
+    tolerance: f64,
+    /// The collision object's name, and the marker's namespace
+    #[arg(long, value_name = "NAME", default_value = "line_of_sight")]
+    id: String,
+    /// The topic of the collision object
+    #[arg(long, value_name = "TOPIC", default_value = "/collision_object")]
+    object_topic: String,
+    /// The topic of the marker
+    #[arg(long, value_name = "TOPIC", default_value = "/line_of_sight_marker")]
+    marker_topic: String,
+    /// The planner's definition of moveit_msgs/CollisionObject
+    #[arg(long, value_enum, default_value_t = MoveitMsgs::Noetic)]
+    moveit_msgs: MoveitMsgs,
+    /// Colour of the marker: 'r; g; b' with each from 0 to 255, '#rrggbb' or a name
+    #[arg(long, default_value = "#ffcc00", value_parser = color)]
+    color: [u8; 3],
+    /// Opacity of the marker, from 0 to 1
+    #[arg(long, default_value_t = 0.3, value_parser = share)]
+    alpha: f64,
+    /// How often the line is looked at, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = rate)]
+    rate: f64,
+}
+
+fn radius(text: &str) -> Result<f64, String> {
+    number_within(text, 0.001, 10.0)
+}
+
+fn gap(text: &str) -> Result<f64, String> {
+    number_within(text, 0.0, 100.0)
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    number_within(text, 0.0, 1.0)
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    number_within(text, 0.1, 100.0)
+}
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    lifecycle::run_main(|_: Arguments| run())
+}
+
+fn run() -> anyhow::Result<()> {
+    let end = EndRequest::watch_signals().context("cannot handle signals")?;
+    let Some(node) = lifecycle::connect("line_of_sight", &end)? else {
+        return Ok(());
+    };
+    let arguments: Arguments = with_parameters(&node)?;
+    follow(&node, &end, &arguments)
+}
+
+/// Follows the target until the shutdown is requested.
+fn follow(node: &RosNode, end: &EndRequest, arguments: &Arguments) -> anyhow::Result<()> {
+    let given = &arguments.target;
+    let mut target = Target::start(node, given.source()?, &given.fixed_frame, given.timeout())?;
+    let mut line = Line::start(node, arguments)?;
+    let mut tree = TransformTree::new();
+    node.subscribe_transforms()?;
+    let period = Duration::from_secs_f64(1.0 / arguments.rate);
+    let mut looked = Instant::now();
+    while !end.is_requested() {
+        let left = period.saturating_sub(looked.elapsed());
+        frames::take_events(node, left, &mut tree, |event| {
+            if let NodeEvent::Message { topic, message, received, .. } = event {
+                target.take(&topic, &message, received);
+            }
+        });
+        if looked.elapsed() >= period {
+            looked = Instant::now();
+            line.update(node, &mut target, &tree)?;
+        }
+    }
+    line.remove(node)
+}
+
+/// The line as it was published last.
+struct Line<'a> {
+    arguments: &'a Arguments,
+    timeout: Option<Duration>,
+    announcement: Announcement,
+    status: NodeStatus,
+    shown: Option<Cylinder>,
+}
+
+impl<'a> Line<'a> {
+    fn start(node: &RosNode, arguments: &'a Arguments) -> anyhow::Result<Self> {
+        let naming = Naming {
+            id: arguments.id.clone(),
+            frame_id: arguments.target.fixed_frame.clone(),
+            color: rgba(arguments.color, arguments.alpha),
+        };
+        let topics = [arguments.object_topic.as_str(), &arguments.marker_topic];
+        let announcement = Announcement::start(node, naming, arguments.moveit_msgs, topics)?;
+        // What a node that was killed has left is taken away.
+        announcement.send(None, node.now())?;
+        let status = NodeStatus::start(node, "line of sight")?;
+        Ok(Self { arguments, timeout: arguments.target.timeout(), announcement, status, shown: None })
+    }
+
+    fn update(&mut self, node: &RosNode, target: &mut Target, tree: &TransformTree) -> anyhow::Result<()> {
+        match self.cylinder(target, tree, frames::now(node)) {
+            Ok(cylinder) => {
+                let is_moved = |shown: &Cylinder| cylinder.moved_from(shown) > self.arguments.tolerance;
+                if self.shown.as_ref().is_none_or(is_moved) {
+                    self.announcement.send(Some(&cylinder), node.now())?;
+                    self.shown = Some(cylinder);
+                }
+                self.status.set(Level::Ok, "the line of sight is in the planning scene", "");
+                self.status.value("length, metres", &format!("{:.3}", cylinder.length_m));
+            }
+            Err(reason) => {
+                if self.shown.take().is_some() {
+                    self.announcement.send(None, node.now())?;
+                }
+                self.status.set(Level::Warn, &format!("there is no line of sight: {reason}"), "");
+                self.status.value("length, metres", &0);
+            }
+        }
+        Ok(self.status.publish_if_due(node)?)
+    }
+
+    /// # Errors
+    /// Why there is none.
+    fn cylinder(&self, target: &mut Target, tree: &TransformTree, now: Time) -> Result<Cylinder, String> {
+        let place = target.position(tree, now).map_err(|error| error.to_string())?;
+        let lens_frame = &self.arguments.lens_frame;
+        let found = tree.lookup_stamped(target.fixed_frame(), lens_frame, Time::ZERO);
+        let (fixed_from_lens, stamp) = found.map_err(|error| error.to_string())?;
+        let is_current = |timeout: Duration| now.secs_since(stamp) <= timeout.as_secs_f64();
+        if stamp != Time::ZERO && !self.timeout.is_none_or(is_current) {
+            return Err(format!("the lens's frame {lens_frame} is not published any more"));
+        }
+        let shape = Shape {
+            radius_m: self.arguments.radius,
+            lens_gap_m: self.arguments.lens_gap,
+            target_gap_m: self.arguments.target_gap,
+        };
+        let lens = Point3::from(fixed_from_lens.translation.vector);
+        Cylinder::between(lens, place, &shape).ok_or_else(|| "the target is too near to the lens".to_owned())
+    }
+
+    /// Takes the cylinder away, and gives the messages a moment to arrive.
+    fn remove(&mut self, node: &RosNode) -> anyhow::Result<()> {
+        if self.shown.take().is_some() {
+            self.announcement.send(None, node.now())?;
+            std::thread::sleep(LAST_MESSAGE);
+        }
+        Ok(())
+    }
+}

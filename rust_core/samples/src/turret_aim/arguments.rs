@@ -1,0 +1,85 @@
+//! The options of `turret_aim`.
+
+use clap::Parser;
+
+use super::beam::AimPixel;
+use super::command::CommandKind;
+use crate::target::TargetArguments;
+use rcs_node_support::node_options::number_within;
+
+/// Turns a pan-tilt unit so that the light of a pixel meets a target.
+///
+/// The unit is any two turning joints between the robot's base and the projector's lens, as the robot's description has
+/// them, with their offsets, tilted axes and limits. What cannot be reached is approached as far as the limits allow,
+/// and reported in the log and on /diagnostics. Every option may be given as a private parameter, too: --target-frame
+/// is ~target_frame. ROS's remappings and special arguments work.
+#[derive(Parser, Clone, Debug)]
+#[command(
+    name = "turret_aim",
+    display_name = "rviz_camera_stream",
+    version,
+    after_help = "\
+Topics subscribed to: the target, the projector's CameraInfo, the joint states, /tf, /tf_static
+Topics published: the commands (std_msgs/Float64 for each joint, or trajectory_msgs/JointTrajectory), /diagnostics
+Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the node failed; 2 invalid arguments
+
+Example: turret_aim --target-cloud /widget/desired_object --pan-joint pan --tilt-joint tilt"
+)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    pub(super) target: TargetArguments,
+    /// The pixel whose light is to meet the target: 'center' of the picture, or U,V
+    #[arg(long, default_value = "center", value_name = "PIXEL", allow_hyphen_values = true)]
+    pub(super) pixel: AimPixel,
+    /// The topic of the projector's CameraInfo
+    #[arg(long, value_name = "TOPIC", default_value = "/proj_view/camera_info")]
+    pub(super) camera_info_topic: String,
+    /// The lens's optical frame [default: the CameraInfo's]
+    #[arg(long, value_name = "FRAME")]
+    pub(super) lens_frame: Option<String>,
+    /// The joint nearer to the base [default: the first of two that turn above the lens in the description]
+    #[arg(long, value_name = "JOINT", requires = "tilt_joint")]
+    pub(super) pan_joint: Option<String>,
+    /// The joint nearer to the lens [default: the second of them]
+    #[arg(long, value_name = "JOINT", requires = "pan_joint")]
+    pub(super) tilt_joint: Option<String>,
+    /// The parameter with the robot's description
+    #[arg(long, value_name = "PARAM", default_value = "robot_description")]
+    pub(super) robot_description: String,
+    /// The topic of the joints' positions
+    #[arg(long, value_name = "TOPIC", default_value = "/joint_states")]
+    pub(super) joint_states_topic: String,
+    /// What the joints' controllers take
+    #[arg(long, value_enum, default_value_t = CommandKind::Float64)]
+    pub(super) command: CommandKind,
+    /// The topic for the first joint's position, with --command float64
+    #[arg(long, value_name = "TOPIC", default_value = "/pan_controller/command")]
+    pub(super) pan_topic: String,
+    /// The topic for the second joint's position, with --command float64
+    #[arg(long, value_name = "TOPIC", default_value = "/tilt_controller/command")]
+    pub(super) tilt_topic: String,
+    /// The topic for both joints, with --command trajectory
+    #[arg(long, value_name = "TOPIC", default_value = "/turret_controller/command")]
+    pub(super) trajectory_topic: String,
+    /// Turns that are smaller than this in both joints are not commanded, radians
+    #[arg(long, value_name = "RAD", default_value_t = 0.002, value_parser = dead_band)]
+    pub(super) dead_band: f64,
+    /// The greatest speed of each joint, radians a second; that of the description if it is less
+    #[arg(long, value_name = "RAD_PER_SEC", default_value_t = 1.0, value_parser = speed)]
+    pub(super) speed: f64,
+    /// How often the joints are commanded, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 20.0, value_parser = rate)]
+    pub(super) rate: f64,
+}
+
+fn dead_band(text: &str) -> Result<f64, String> {
+    number_within(text, 0.0, 0.5)
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    number_within(text, 0.01, 50.0)
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    number_within(text, 1.0, 200.0)
+}

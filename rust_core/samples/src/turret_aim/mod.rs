@@ -1,0 +1,87 @@
+//! `turret_aim`: points a pan-tilt unit so that a pixel of the picture lights a target.
+//!
+//! ```text
+//!  target, frames ──► place in the unit's base ─┐
+//!  CameraInfo, pixel ──► beam of the lens ──────┼─► two positions ─► dead band, speed ─► commands
+//!  description, frames ──► joints and lens ─────┤
+//!  joint states ──► present posture ────────────┘
+//! ```
+
+mod arguments;
+mod beam;
+mod command;
+mod controller;
+mod knowledge;
+mod setpoint;
+mod unit;
+
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use rcs_messages::MessageKind;
+use rcs_ros::{NodeEvent, RosNode};
+use rcs_transforms::TransformTree;
+
+use crate::target::Target;
+use arguments::Arguments;
+use controller::Controller;
+use knowledge::Knowledge;
+use rcs_node_support::frames;
+use rcs_node_support::lifecycle::{self, EndRequest};
+use rcs_node_support::node_options::with_parameters;
+use rcs_node_support::node_status::NodeStatus;
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    lifecycle::run_main(|_: Arguments| run())
+}
+
+fn run() -> anyhow::Result<()> {
+    let end = EndRequest::watch_signals().context("cannot handle signals")?;
+    let Some(node) = lifecycle::connect("turret_aim", &end)? else {
+        return Ok(());
+    };
+    let arguments: Arguments = with_parameters(&node)?;
+    aim(&node, &end, &arguments)
+}
+
+/// Commands the unit until the shutdown is requested.
+fn aim(node: &RosNode, end: &EndRequest, arguments: &Arguments) -> anyhow::Result<()> {
+    let given = &arguments.target;
+    let mut target = Target::start(node, given.source()?, &given.fixed_frame, given.timeout())?;
+    let mut controller = Controller::start(node, arguments)?;
+    let mut knowledge = Knowledge::new(arguments);
+    let mut status = NodeStatus::start(node, "turret")?;
+    let mut tree = TransformTree::new();
+    node.subscribe_transforms()?;
+    let info = node.subscribe(&arguments.camera_info_topic, MessageKind::CameraInfo, 1)?;
+    let states = node.subscribe(&arguments.joint_states_topic, MessageKind::JointState, 20)?;
+    node.follow_parameters(vec![arguments.robot_description.clone()]);
+    knowledge.name_topics(info.topic(), states.topic());
+    log::info!("commands on {}", controller.topics());
+
+    let period = Duration::from_secs_f64(1.0 / arguments.rate);
+    let mut cycled = Instant::now();
+    while !end.is_requested() {
+        let left = period.saturating_sub(cycled.elapsed());
+        frames::take_events(node, left, &mut tree, |event| match event {
+            NodeEvent::Message { topic, message, received, .. } => {
+                target.take(&topic, &message, received);
+                knowledge.take(&topic, &message, received);
+            }
+            NodeEvent::Parameter { text, .. } => knowledge.take_description(text.as_deref()),
+            _ => {}
+        });
+        let elapsed = cycled.elapsed();
+        if elapsed < period {
+            continue;
+        }
+        cycled = Instant::now();
+        let now = frames::now(node);
+        let posture = knowledge.posture(&tree, &mut target, now);
+        controller.cycle(&posture, elapsed.min(2 * period), &mut status)?;
+        status.publish_if_due(node)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,72 @@
+//! Reading the Gray code of a pixel bit by bit, the most significant one first: after each, the place is known to half
+//! as many pixels.
+
+use rcs_calibration::patterns::Stripes;
+
+/// A bit is clear where lit and dark differ by more than this share of white and black.
+const CLEAR: f64 = 0.3;
+
+/// What was read of a pixel's code along an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct CoarseCode {
+    /// The code's most significant bits.
+    code: u32,
+    /// How many were read.
+    bits: u32,
+}
+
+impl CoarseCode {
+    /// Whether the stripes of a pair differ clearly at a pixel: it is lit in the first (true) or in its inverse
+    /// (false); none if neither. `contrast` is that of white and black there.
+    pub(crate) fn bit(stripes: u8, inverse: u8, contrast: f64) -> Option<bool> {
+        let difference = f64::from(stripes) - f64::from(inverse);
+        (difference.abs() >= CLEAR * contrast).then_some(difference > 0.0)
+    }
+
+    /// Takes the next bit.
+    pub(crate) fn push(&mut self, is_lit: bool) {
+        // The Gray code's bit is that of the code before and after, compared.
+        self.code = 2 * self.code + ((self.code & 1) ^ u32::from(is_lit));
+        self.bits += 1;
+    }
+
+    /// How many bits were read.
+    pub(crate) fn bits(&self) -> u32 {
+        self.bits
+    }
+
+    /// The columns or rows that have this code: the middle of them and half of their number, pixels. `stripes` are some
+    /// of the code's, without an offset.
+    pub(crate) fn place_px(&self, stripes: &Stripes) -> (f64, f64) {
+        let width = f64::from(stripes.step) * 2.0_f64.powi(stripes.bits.saturating_sub(self.bits) as i32);
+        ((f64::from(self.code) + 0.5) * width - f64::from(stripes.offset), 0.5 * width)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rcs_calibration::patterns::Axis;
+
+    #[test]
+    fn the_place_narrows_down_to_the_pixel() {
+        let stripes = |bit| Stripes { axis: Axis::X, bits: 11, bit, step: 1, offset: 0, inverted: false };
+        for at in [0, 1, 700, 1279] {
+            let mut code = CoarseCode::default();
+            for bit in 0..11 {
+                code.push(stripes(bit).is_lit(at));
+                let (middle, half) = code.place_px(&stripes(0));
+                assert!((middle - half..middle + half).contains(&f64::from(at)), "{at} {bit}: {middle} {half}");
+            }
+            assert_eq!((code.bits(), code.place_px(&stripes(0)).1), (11, 0.5));
+        }
+    }
+
+    #[test]
+    fn a_bit_that_is_not_clear_is_none() {
+        assert_eq!(
+            [(200, 50), (50, 200), (130, 120)].map(|(a, b)| CoarseCode::bit(a, b, 160.0)),
+            [Some(true), Some(false), None]
+        );
+    }
+}

@@ -1,0 +1,66 @@
+//! Verifications in a simulated room, of true files and others, and what goes wrong in them.
+
+use std::time::Duration;
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use rcs_calibration::{Figures, VerificationProblem};
+
+use super::is_refused;
+use super::world::{Faults, SimulatedCamera, SimulatedScreen, World, PROJECTOR_PX};
+use crate::failure::ScanFailure;
+use crate::session::{ScanEvent, ScanOptions, Session};
+use crate::verification::Verification;
+
+/// Verifies a file whose pose is off by this much, and says how many pictures were shown.
+fn verify(faults: Faults, off: Isometry3<f64>) -> (Result<Verification, ScanFailure>, usize) {
+    let world = World::new(faults);
+    let (mut screen, mut camera) = (SimulatedScreen(world.clone()), SimulatedCamera(world.clone()));
+    let (lens, pose) = (world.borrow().rig().projector, off * world.borrow().rig().projector_from_camera());
+    let options = ScanOptions { projector_px: PROJECTOR_PX, step: 1, frames: 2, is_cancelled: &|| false };
+    let mut observe = |_: ScanEvent<'_>| ();
+    let result = Session::new(&mut screen, &mut camera, &options, &mut observe).verify(&lens, &pose);
+    let shown = world.borrow().shown();
+    (result, shown)
+}
+
+/// Half a degree about the vertical.
+fn turned() -> Isometry3<f64> {
+    let rotation = UnitQuaternion::from_euler_angles(0.0, 0.5_f64.to_radians(), 0.0);
+    Isometry3::from_parts(Translation3::identity(), rotation)
+}
+
+#[test]
+fn a_true_file_is_verified_and_spots_stay_shown() {
+    let (verification, shown) = verify(Faults::default(), Isometry3::identity());
+    let Verification { verified, white, camera_px } = verification.unwrap();
+    let spots = Figures::of(&verified.spots);
+    assert!(spots.count * 10 > 9 * verified.spots_shown && spots.count >= 10, "{spots:?} of {}", verified.spots_shown);
+    assert!(spots.median[0] < 0.3 && verified.all().rms[0] < 0.5, "{spots:?} {:?}", verified.all());
+    assert_eq!((white.len(), camera_px), (160 * 120, [160, 120]));
+    // Six to look at the light, white and black, spots twice in a square table, outlines, white again, and all at once.
+    let side = (1..).find(|side| side * side >= verified.spots_shown).unwrap();
+    assert_eq!(shown, 6 + 2 + 2 * side + 1 + 1 + 1);
+}
+
+#[test]
+fn a_turned_projector_is_off_by_its_angle() {
+    let (verification, _) = verify(Faults::default(), turned());
+    let spots = Figures::of(&verification.unwrap().verified.spots);
+    // 340 pixels times the angle, and a little more beside the middle.
+    assert!((2.8..3.8).contains(&spots.median[0]), "{spots:?}");
+}
+
+#[test]
+fn what_would_refuse_a_scan_refuses_a_verification() {
+    let moves = Faults { moves_after: Some(Duration::from_secs(9)), ..Faults::default() };
+    let dark = Faults { is_dark: true, ..Faults::default() };
+    let no_depth = Faults { depth_every: None, ..Faults::default() };
+    let away = Isometry3::from_parts(Translation3::identity(), UnitQuaternion::from_euler_angles(0.0, 1.5, 0.0));
+    let failure = |faults, off| verify(faults, off).0.err().unwrap();
+    let moved = failure(moves, Isometry3::identity());
+    assert!(matches!(moved, ScanFailure::Moved { .. }) && is_refused(&moved));
+    assert!(matches!(failure(dark, Isometry3::identity()), ScanFailure::NoLight { .. }));
+    assert!(matches!(failure(no_depth, Isometry3::identity()), ScanFailure::NoDepth));
+    let few = failure(Faults::default(), away);
+    assert!(matches!(few, ScanFailure::Verification(VerificationProblem::FewPlaces { .. })) && is_refused(&few));
+}
