@@ -85,7 +85,9 @@ fn a_real_captures_wrong_picture_is_named() {
             order[at] = at.checked_add_signed(by).unwrap();
         }
         let refusals = refusals(&capture, &order);
-        let [ScanProblem::Misplaced(misplaced), ..] = refusals[..] else { panic!("{pictures:?} {by}: {refusals:?}") };
+        let [ScanProblem::WrongPicture(misplaced), ..] = refusals[..] else {
+            panic!("{pictures:?} {by}: {refusals:?}")
+        };
         let pictures_named = match misplaced.fault {
             PictureFault::Copy([picture, _]) => vec![picture],
             PictureFault::NoInverse(both) | PictureFault::Shows(both, _) | PictureFault::NoEdges(both) => both.to_vec(),
@@ -104,7 +106,7 @@ fn a_coarse_pair_that_shows_fine_stripes_is_refused() {
     let mut order = capture.in_order();
     order.copy_within(20..22, 22);
     let refusals = refusals(&capture, &order);
-    assert!(matches!(refusals[..], [ScanProblem::Misplaced(_), ..]), "{refusals:?}");
+    assert!(matches!(refusals[..], [ScanProblem::WrongPicture(_), ..]), "{refusals:?}");
 }
 
 #[test]
@@ -114,7 +116,7 @@ fn what_is_coarsest_twice_is_refused() {
     let mut order = capture.in_order();
     order.copy_within(4..8, 2);
     let refusals = refusals(&capture, &order);
-    assert!(matches!(refusals[..], [ScanProblem::Misplaced(_), ..]), "{refusals:?}");
+    assert!(matches!(refusals[..], [ScanProblem::WrongPicture(_), ..]), "{refusals:?}");
 }
 
 #[test]

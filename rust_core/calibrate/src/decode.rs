@@ -90,7 +90,7 @@ pub(super) fn decode_capture(folder: &Path, capture: &Capture) -> Result<Decoded
 
 /// A problem with the names of the pictures' files.
 fn in_words(folder: &Path, problem: &ScanProblem) -> String {
-    let ScanProblem::Misplaced(misplaced) = problem else { return problem.to_string() };
+    let ScanProblem::WrongPicture(misplaced) = problem else { return problem.to_string() };
     let files = read_patterns(&folder.join(CAPTURE_FILE)).map(|list| list.patterns).unwrap_or_default();
     misplaced.describe(|index| match files.get(index) {
         Some((file, _)) => file.strip_prefix(folder).unwrap_or(file).display().to_string(),

@@ -25,7 +25,7 @@ pub struct Lens {
 
 /// Where a point lands, and how that follows the point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Landing {
+pub struct ProjectedPoint {
     /// The pixel.
     pub pixel: Point2<f64>,
     /// Derivatives of the pixel by the point in the optical frame, pixels per metre.
@@ -61,7 +61,7 @@ impl Lens {
     }
 
     /// [`Self::project`] with its derivatives.
-    pub fn project_with_jacobian(&self, point: &Point3<f64>) -> Option<Landing> {
+    pub fn project_with_jacobian(&self, point: &Point3<f64>) -> Option<ProjectedPoint> {
         if point.z.is_nan() || point.z <= 0.0 {
             return None;
         }
@@ -70,7 +70,7 @@ impl Lens {
         let distorted = self.distortion.distort_with_jacobian(plane)?;
         let plane_by_point = Matrix2x3::new(near, 0.0, -plane.x * near, 0.0, near, -plane.y * near);
         let by_point = self.scales() * (distorted.jacobian * plane_by_point);
-        Some(Landing { pixel: self.from_distorted(distorted.place), by_point })
+        Some(ProjectedPoint { pixel: self.from_distorted(distorted.place), by_point })
     }
 
     /// The pixel of a place on the plane z = 1 of the optical frame.

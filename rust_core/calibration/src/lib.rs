@@ -12,29 +12,34 @@ mod curvature;
 mod decode;
 mod distortion;
 mod keystone;
-mod landed;
 mod lens;
 pub mod manual;
 pub mod patterns;
 mod plane;
 mod points;
 mod report;
+mod reprojection;
 mod sample;
 mod solve;
 mod verification;
 
 pub use blend::{blend_weights, BlendProblem, BlendWeights, PlacedProjector};
 use crossings::crossings;
-pub use decode::{decode, DecodeError, Decoded, DecodedPixel, Misplaced, PictureFault, Pictures, Quality, ScanProblem};
+pub use decode::{
+    decode, DecodeError, Decoded, DecodedPixel, PictureFault, Pictures, Quality, ScanProblem, WrongPicture,
+};
 pub use distortion::{Distorted, Distortion, DistortionModel, DistortionProblem};
 pub use keystone::Keystone;
-pub use landed::Landed;
-pub use lens::{Landing, Lens};
-pub use points::{points, PointsError};
+pub use lens::{Lens, ProjectedPoint};
+pub use points::{points, DepthImageError};
 pub use report::{Coverage, Report, Verdict};
+pub use reprojection::ReprojectionError;
 pub use sample::Sample;
 pub use solve::{
     solve, DistortionTerms, Estimate, FocalLengths, Parameter, Refusal, Residual, ScanPose, Skew, Solution,
     SolveOptions, SuspectedMotion,
 };
-pub use verification::{Figures, LightMap, Miss, Scene, VerificationPlan, VerificationProblem, Verified};
+pub use verification::{
+    ErrorStatistics, LightMap, VerificationPlan, VerificationProblem, VerificationResult, VerificationScene,
+    VerifiedPoint,
+};

@@ -31,7 +31,7 @@ const ALIKE: f32 = 4.0;
 
 /// Why decoded pixels cannot be given depths.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum PointsError {
+pub enum DepthImageError {
     /// The depth image is of another size than the pictures.
     #[error("the depth image has {count} pixels, the pictures have {expected}")]
     Size {
@@ -56,13 +56,13 @@ pub enum PointsError {
 /// not finite or not positive is no depth. The samples are of scan 0, in the order of the pixels.
 ///
 /// # Errors
-/// [`PointsError`]: sizes that do not fit one another.
-pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<Sample>, PointsError> {
+/// [`DepthImageError`]: sizes that do not fit one another.
+pub fn points(decoded: &Decoded, depth_m: &[f32], camera: &Lens) -> Result<Vec<Sample>, DepthImageError> {
     if depth_m.len() != decoded.pixels.len() {
-        return Err(PointsError::Size { count: depth_m.len(), expected: decoded.pixels.len() });
+        return Err(DepthImageError::Size { count: depth_m.len(), expected: decoded.pixels.len() });
     }
     if camera.size_px != decoded.size_px {
-        return Err(PointsError::Camera { camera: camera.size_px, pictures: decoded.size_px });
+        return Err(DepthImageError::Camera { camera: camera.size_px, pictures: decoded.size_px });
     }
     let width = decoded.size_px[0] as usize;
     let inverse = inverse_depths(depth_m);
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn other_sizes_are_refused() {
         let error = points(&decoded(), &[1.0; 7], &camera()).unwrap_err();
-        assert_eq!(error, PointsError::Size { count: 7, expected: 1200 });
+        assert_eq!(error, DepthImageError::Size { count: 7, expected: 1200 });
         let camera = Lens { size_px: [80, 60], ..camera() };
         assert!(points(&decoded(), &slanted(), &camera).unwrap_err().to_string().contains("80x60"));
     }

@@ -89,7 +89,7 @@ impl Report {
     pub fn new(samples: &[Sample], solution: Solution) -> Self {
         let inliers = || solution.residuals.iter().filter(|residual| residual.is_inlier);
         let count = inliers().count().max(1) as f64;
-        let rms_m = (inliers().map(|residual| residual.miss_m.norm_squared()).sum::<f64>() / count).sqrt();
+        let rms_m = (inliers().map(|residual| residual.error_m.norm_squared()).sum::<f64>() / count).sqrt();
         let mut report = Self {
             points: samples.len(),
             coverage: coverage(samples, &solution),
@@ -287,7 +287,7 @@ fn smooth_depth_error_m(samples: &[Sample], solution: &Solution) -> f64 {
             let ray = sample.point.coords / sample.point.z;
             let landing = solution.lens.project_with_jacobian(&(pose * sample.point))?;
             let by_depth = landing.by_point * (pose.rotation * ray);
-            Some((scan, ray.xy(), by_depth.dot(&residual.miss_px), by_depth.norm_squared()))
+            Some((scan, ray.xy(), by_depth.dot(&residual.error_px), by_depth.norm_squared()))
         })
         .collect();
     let (mut least, mut most) = (Vector2::repeat(f64::INFINITY), Vector2::repeat(f64::NEG_INFINITY));

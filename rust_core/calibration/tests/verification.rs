@@ -3,7 +3,10 @@
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rcs_calibration::patterns::Pattern;
-use rcs_calibration::{Figures, LightMap, Miss, Scene, VerificationPlan, VerificationProblem, Verified};
+use rcs_calibration::{
+    ErrorStatistics, LightMap, VerificationPlan, VerificationProblem, VerificationResult, VerificationScene,
+    VerifiedPoint,
+};
 use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Room, Scan, View};
 
 /// A room with a camera and a projector, and what is seen of black and white.
@@ -22,11 +25,11 @@ impl World {
     }
 
     /// Shows what a file's pose plans, and measures.
-    fn verify(&self, projector_from_camera: &Isometry3<f64>) -> Result<Verified, VerificationProblem> {
+    fn verify(&self, projector_from_camera: &Isometry3<f64>) -> Result<VerificationResult, VerificationProblem> {
         let scan = Scan::new(&self.view, self.conditions.clone());
         let rig = self.view.rig();
         let (white, black) = (scan.capture(&Pattern::White, 0), scan.capture(&Pattern::Black, 1));
-        let scene = Scene {
+        let scene = VerificationScene {
             camera: &rig.camera,
             projector: &rig.projector,
             projector_from_camera,
@@ -41,7 +44,7 @@ impl World {
     }
 
     /// How far light lands from a place of the camera's picture by a file's pose, pixels.
-    fn true_miss_px(&self, miss: &Miss, projector_from_camera: &Isometry3<f64>) -> Option<f64> {
+    fn true_miss_px(&self, miss: &VerifiedPoint, projector_from_camera: &Isometry3<f64>) -> Option<f64> {
         let [u, v] = [miss.expected.x, miss.expected.y].map(|at| at.round() as u32);
         let sight = self.view.sight(u, v)?;
         let pixel = self.view.rig().projector.project(&(projector_from_camera * sight.point))?;
@@ -60,7 +63,7 @@ fn check_room(seed: u64) {
     let world = World::new(seed, &Room::cluttered(seed));
     let file = world.view.rig().projector_from_camera();
     let verified = world.verify(&file).unwrap();
-    let (spots, edges) = (Figures::of(&verified.spots), Figures::of(&verified.edges));
+    let (spots, edges) = (ErrorStatistics::of(&verified.spots), ErrorStatistics::of(&verified.edges));
     assert!(spots.count * 10 >= 9 * verified.spots_shown && spots.count >= 30, "seed {seed}: {spots:?}");
     assert!(spots.median[0] < 0.15 && spots.rms[0] < 0.3, "seed {seed}: {spots:?}");
     assert!(edges.count >= 20 && edges.median[0] < 0.4 && edges.rms[0] < 0.6, "seed {seed}: {edges:?}");
@@ -71,7 +74,7 @@ fn check_room(seed: u64) {
     let misses: Vec<[f64; 2]> =
         verified.spots.iter().filter_map(|miss| Some([miss.px, world.true_miss_px(miss, &file)?])).collect();
     let near = misses.iter().filter(|[px, truth]| (px - truth).abs() < 0.8).count();
-    let (spots, edges) = (Figures::of(&verified.spots), Figures::of(&verified.edges));
+    let (spots, edges) = (ErrorStatistics::of(&verified.spots), ErrorStatistics::of(&verified.edges));
     assert!(misses.len() > 40 && near * 10 > 8 * misses.len(), "seed {seed}: {near} of {misses:?}");
     assert!((10.0..30.0).contains(&spots.median[0]) && spots.median[1] > 0.008, "seed {seed}: {spots:?}");
     assert!(edges.count > 10 && edges.median[0] > 5.0 && edges.worst[0] < 40.0, "seed {seed}: {edges:?}");
@@ -93,7 +96,7 @@ fn where_nothing_is_seen_nothing_is_said() {
     let pose = rig.projector_from_camera();
     let count = 640 * 480;
     let (depth_m, dark) = (vec![1.2_f32; count], LightMap::new(&vec![40; count], &vec![38; count], 640, 1.0));
-    let scene = |light| Scene {
+    let scene = |light| VerificationScene {
         camera: &rig.camera,
         projector: &rig.projector,
         projector_from_camera: &pose,
@@ -108,6 +111,6 @@ fn where_nothing_is_seen_nothing_is_said() {
     assert!(spots > 30 && edges == 0, "a wall has no edges: {spots} {edges}");
     let black = vec![vec![20; count]; plan.pictures().len()];
     assert_eq!(plan.measure(&black), Err(VerificationProblem::FewSeen { seen: 0, shown: spots }));
-    let problem = VerificationPlan::new(&Scene { depth_m: &vec![0.0; count], ..scene(&lit) }).unwrap_err();
+    let problem = VerificationPlan::new(&VerificationScene { depth_m: &vec![0.0; count], ..scene(&lit) }).unwrap_err();
     assert!(problem.to_string().lines().count() == 1);
 }

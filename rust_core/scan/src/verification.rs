@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use nalgebra::Isometry3;
 use rcs_calibration::patterns::Pattern;
-use rcs_calibration::{Lens, LightMap, Scene, VerificationPlan, Verified};
+use rcs_calibration::{Lens, LightMap, VerificationPlan, VerificationResult, VerificationScene};
 
 use crate::failure::ScanFailure;
 use crate::session::{ScanEvent, Session};
@@ -19,7 +19,7 @@ const DEPTHS_WITHIN: Duration = Duration::from_secs(5);
 #[derive(Debug)]
 pub struct Verification {
     /// How far light landed from where it should.
-    pub verified: Verified,
+    pub verified: VerificationResult,
     /// The camera's picture of the white projector: grey levels, row by row.
     pub white: Vec<u8>,
     /// Width and height of that, pixels.
@@ -44,7 +44,7 @@ impl Session<'_> {
         let black = self.capture(&Pattern::Black, &light, Some(&white))?;
         let depth_m = self.steady_depth()?;
         let camera = self.camera_lens();
-        let plan = VerificationPlan::new(&Scene {
+        let plan = VerificationPlan::new(&VerificationScene {
             camera: &camera,
             projector,
             projector_from_camera,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rcs_calibration::Figures;
+use rcs_calibration::ErrorStatistics;
 use rcs_files::picture_file::{self, PictureFormat};
 use rcs_files::verification;
 
@@ -49,7 +49,7 @@ impl Output {
         for (name, misses, shown) in
             [("spots", &verified.spots, verified.spots_shown), ("edges", &verified.edges, verified.edges_shown)]
         {
-            let figures = Figures::of(misses);
+            let figures = ErrorStatistics::of(misses);
             if figures.count > 0 {
                 println!("  {}; {} of {shown} seen", line(name, &figures), figures.count);
             } else {
@@ -69,8 +69,8 @@ impl Output {
 }
 
 /// Distances in a line.
-fn line(name: &str, figures: &Figures) -> String {
+fn line(name: &str, figures: &ErrorStatistics) -> String {
     let both = |[px, m]: [f64; 2]| format!("{px:.2} px ({:.2} mm)", 1000.0 * m);
-    let Figures { median, rms, worst, .. } = figures;
+    let ErrorStatistics { median, rms, worst, .. } = figures;
     format!("{name}: {} RMS from where it should land, median {}, worst {}", both(*rms), both(*median), both(*worst))
 }

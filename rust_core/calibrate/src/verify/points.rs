@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use rcs_calibration::Landed;
+use rcs_calibration::ReprojectionError;
 use rcs_files::projector::ProjectorFile;
 
 use super::judge;
@@ -22,7 +22,7 @@ pub(super) fn run(points: &[PathBuf], projector: &Path, limit: f64) -> Result<()
             file.camera_info.header.frame_id
         ))
     })?;
-    let landed = Landed::measure(&input.samples, &lens, &pose);
+    let landed = ReprojectionError::measure(&input.samples, &lens, &pose);
     println!(
         "light lands {:.2} px ({:.2} mm) RMS from where it should, {:.2} px for the middle one, {:.1} px at most for 99 % of {} points",
         landed.rms_px,

@@ -24,7 +24,7 @@ pub(crate) mod response;
 mod search;
 mod stripes;
 
-pub use order::{Misplaced, PictureFault};
+pub use order::{PictureFault, WrongPicture};
 pub use quality::{Quality, ScanProblem};
 
 use rayon::prelude::*;
@@ -224,7 +224,7 @@ pub fn decode(pictures: &Pictures<'_>, projector_px: [u32; 2]) -> Result<Decoded
             }
         })
         .collect();
-    quality.misplaced = quality.misplaced.or_else(|| order::turned(&pixels, width, &channels));
+    quality.wrong_picture = quality.wrong_picture.or_else(|| order::turned(&pixels, width, &channels));
     quality.contradicted = contradicted_share(&single, &noise);
     let pixels = without_margins(&pixels, width);
     let pixels = without_bleeding(&pixels, &amplitudes, width);

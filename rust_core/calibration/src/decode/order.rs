@@ -60,7 +60,7 @@ const LEAST_WIDTH_PX: f64 = 16.0;
 
 /// A picture that does not show what it is said to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Misplaced {
+pub struct WrongPicture {
     /// The stripes that it is said to show.
     pub stripes: Stripes,
     /// The fault.
@@ -82,7 +82,7 @@ pub enum PictureFault {
     NoEdges([usize; 2]),
 }
 
-impl Misplaced {
+impl WrongPicture {
     /// Describes the fault with the pictures' names.
     pub fn describe(&self, name: impl Fn(usize) -> String) -> String {
         let said = bit_of(&self.stripes);
@@ -133,7 +133,7 @@ pub(super) struct Order<'a> {
 
 impl Order<'_> {
     /// The first picture that others convict.
-    pub(super) fn misplaced(&self) -> Option<Misplaced> {
+    pub(super) fn wrong_picture(&self) -> Option<WrongPicture> {
         self.unpaired().or_else(|| self.repeated()).or_else(|| self.alike())
     }
 
@@ -155,7 +155,7 @@ impl Order<'_> {
     }
 
     /// Stripes that are no pair with their inverse.
-    fn unpaired(&self) -> Option<Misplaced> {
+    fn unpaired(&self) -> Option<WrongPicture> {
         let sample = self.sample();
         let is_same = |channel: &Channel, pixel: usize| {
             let shares = pair(channel).map(|picture| self.share(picture, pixel));
@@ -175,7 +175,7 @@ impl Order<'_> {
                 [Some(copy), None] | [None, Some(copy)] => PictureFault::Copy(copy),
                 _ => PictureFault::NoInverse(pair(channel)),
             };
-            Misplaced { stripes: channel.stripes, fault }
+            WrongPicture { stripes: channel.stripes, fault }
         })
     }
 
@@ -198,7 +198,7 @@ impl Order<'_> {
     }
 
     /// Two bits that are lit and dark in the same places, at least one of them a fine one.
-    fn alike(&self) -> Option<Misplaced> {
+    fn alike(&self) -> Option<WrongPicture> {
         let bits = self.bits();
         let fine = self.channels.axes.iter().flat_map(|axis| (0..axis.code_bits).map(|bit| bit >= FIRST_FINE_BIT));
         let fine: Vec<bool> = fine.collect();
@@ -220,11 +220,11 @@ impl Order<'_> {
         });
         let (_, one, other) = agreeing.max()?;
         let pictures = [bits[one].lit, bits[other].lit];
-        Some(Misplaced { stripes: bits[one].stripes, fault: PictureFault::Alike(pictures, bits[other].stripes) })
+        Some(WrongPicture { stripes: bits[one].stripes, fault: PictureFault::Alike(pictures, bits[other].stripes) })
     }
 
     /// Bits whose stripes have the same edges.
-    fn repeated(&self) -> Option<Misplaced> {
+    fn repeated(&self) -> Option<WrongPicture> {
         let bits = self.bits();
         let steps = self.steps(&bits);
         let is_wide = |bit: &usize| {
@@ -259,7 +259,7 @@ impl Order<'_> {
             [Some(false) | None, Some(true)] | [Some(false), None] => shows(bits[one], bits[other]),
             _ => {
                 let alike = [bits[one].lit, bits[other].lit];
-                Misplaced { stripes: bits[one].stripes, fault: PictureFault::Alike(alike, bits[other].stripes) }
+                WrongPicture { stripes: bits[one].stripes, fault: PictureFault::Alike(alike, bits[other].stripes) }
             }
         })
     }
@@ -320,8 +320,8 @@ fn edges_fit(bits: &[&Channel], events: &[&Step], bit: usize, without: u64) -> O
     tells.then(|| f64::from(fit) > MOST_OF * f64::from(seen))
 }
 
-fn shows(said: &Channel, shown: &Channel) -> Misplaced {
-    Misplaced { stripes: said.stripes, fault: PictureFault::Shows(pair(said), shown.stripes) }
+fn shows(said: &Channel, shown: &Channel) -> WrongPicture {
+    WrongPicture { stripes: said.stripes, fault: PictureFault::Shows(pair(said), shown.stripes) }
 }
 
 /// Two pixels that are near each other.
@@ -333,7 +333,7 @@ struct Step {
 }
 
 /// A bit along whose edges coordinates turn back.
-pub(super) fn turned(pixels: &[DecodedPixel], width: usize, channels: &Channels) -> Option<Misplaced> {
+pub(super) fn turned(pixels: &[DecodedPixel], width: usize, channels: &Channels) -> Option<WrongPicture> {
     let margin = (SIDE + HALF_SLOPE) * (width + 1);
     let mut counts = channels.axes.each_ref().map(|axis| vec![Turns::default(); axis.code_bits]);
     for index in margin..pixels.len().saturating_sub(margin) {
@@ -351,7 +351,7 @@ pub(super) fn turned(pixels: &[DecodedPixel], width: usize, channels: &Channels)
     let bits = channels.axes.iter().zip(&counts).flat_map(|(axis, counts)| axis.all.iter().zip(counts));
     let is_turned = |turns: &Turns| turns.back >= LEAST_TURNS && turns.back > TURNS_TO_PASSES * turns.on;
     let (channel, _) = bits.filter(|(_, turns)| is_turned(turns)).max_by_key(|(_, turns)| turns.back)?;
-    Some(Misplaced { stripes: channel.stripes, fault: PictureFault::NoEdges(pair(channel)) })
+    Some(WrongPicture { stripes: channel.stripes, fault: PictureFault::NoEdges(pair(channel)) })
 }
 
 /// How often coordinates turn back at the edges of a bit's stripes, and how often they go on.

@@ -9,7 +9,7 @@ use std::fmt;
 use nalgebra::{Matrix4, Vector2, Vector4};
 
 use super::channels::{Channel, Channels};
-use super::order::{Misplaced, Order, PictureFault};
+use super::order::{Order, PictureFault, WrongPicture};
 use super::response::Response;
 use super::Pictures;
 
@@ -52,7 +52,7 @@ pub struct Quality {
     /// The shares of the lit pixels whose stripes lead beyond the projector's last column and row.
     pub beyond: [f64; 2],
     /// A picture that does not show what it is said to.
-    pub misplaced: Option<Misplaced>,
+    pub wrong_picture: Option<WrongPicture>,
     /// The share of the lit pixels whose stripes fit no place.
     pub contradicted: f64,
     /// The exponent of the camera's response that was found: light = level ^ gamma.
@@ -76,7 +76,7 @@ pub enum ScanProblem {
         contradicted: f64,
     },
     /// A picture does not show what it is said to.
-    Misplaced(Misplaced),
+    WrongPicture(WrongPicture),
     /// The stripes of this share of the lit pixels lead beyond the projector's last column, or row.
     Beyond {
         /// `column` or `row`.
@@ -90,7 +90,7 @@ impl ScanProblem {
     /// Whether a scan with this problem is to be refused, because what it tells is wrong.
     pub fn is_fatal(self) -> bool {
         match self {
-            Self::Moved(_) | Self::Misplaced(_) | Self::Overexposed { .. } | Self::Beyond { .. } => true,
+            Self::Moved(_) | Self::WrongPicture(_) | Self::Overexposed { .. } | Self::Beyond { .. } => true,
             Self::Exposure(change) => change > LOST_EXPOSURE,
             Self::Clipped(_) => false,
         }
@@ -121,8 +121,8 @@ impl fmt::Display for ScanProblem {
                 100.0 * clipped,
                 100.0 * contradicted
             ),
-            Self::Misplaced(misplaced) => {
-                write!(f, "{}", misplaced.describe(|index| format!("picture {}", index + 1)))
+            Self::WrongPicture(wrong_picture) => {
+                write!(f, "{}", wrong_picture.describe(|index| format!("picture {}", index + 1)))
             }
             Self::Beyond { last, share } => write!(
                 f,
@@ -145,9 +145,11 @@ impl Quality {
         let clipped = (self.clipped > MUCH_CLIPPED).then(|| self.overexposed());
         // A motion between stripes and their inverse makes them no pair, too.
         let is_by_motion = moved.is_some()
-            && self.misplaced.is_some_and(|misplaced| matches!(misplaced.fault, PictureFault::NoInverse(_)));
-        let misplaced = self.misplaced.filter(|_| !is_by_motion).map(ScanProblem::Misplaced);
-        [misplaced, beyond, moved, exposure, clipped].into_iter().flatten().collect()
+            && self
+                .wrong_picture
+                .is_some_and(|wrong_picture| matches!(wrong_picture.fault, PictureFault::NoInverse(_)));
+        let wrong_picture = self.wrong_picture.filter(|_| !is_by_motion).map(ScanProblem::WrongPicture);
+        [wrong_picture, beyond, moved, exposure, clipped].into_iter().flatten().collect()
     }
 
     fn overexposed(&self) -> ScanProblem {
@@ -159,17 +161,17 @@ impl Quality {
         }
     }
 
-    /// Measures it by pictures that `misplaced` leaves.
+    /// Measures it by pictures that `wrong_picture` leaves.
     pub(super) fn measure(order: &Order<'_>) -> Self {
         let Order { pictures, channels, response, noise } = *order;
-        let misplaced = order.misplaced();
+        let wrong_picture = order.wrong_picture();
         let lit: Vec<usize> = (0..noise.len()).filter(|pixel| noise[*pixel].is_finite()).collect();
         let white = pictures.levels[channels.white];
         let clipped = lit.iter().filter(|pixel| white[**pixel] == CLIPPED).count();
         let mut quality = Self {
             clipped: clipped as f64 / lit.len().max(1) as f64,
             gamma: response.gamma,
-            misplaced,
+            wrong_picture,
             ..Self::default()
         };
         let every = (lit.len() / LOOKED_AT).max(1);
@@ -178,7 +180,8 @@ impl Quality {
         if sample.len() < LEAST_COMPARED {
             return quality;
         }
-        let is_as_said = |channel: &&Channel| misplaced.is_none_or(|misplaced| misplaced.stripes != channel.stripes);
+        let is_as_said =
+            |channel: &&Channel| wrong_picture.is_none_or(|wrong_picture| wrong_picture.stripes != channel.stripes);
         for channel in channels.axes.iter().flat_map(|axis| &axis.all).filter(is_as_said) {
             let comparison = compare(pictures, response, channel, &sample);
             quality.moved_px = quality.moved_px.max(comparison.moved_px);

@@ -222,9 +222,9 @@ pub struct Residual {
     /// The index of the sample.
     pub sample: usize,
     /// The pixel that was seen less the pixel that the solution predicts, pixels.
-    pub miss_px: Vector2<f64>,
+    pub error_px: Vector2<f64>,
     /// The same as a distance at the point's depth, metres.
-    pub miss_m: Vector2<f64>,
+    pub error_m: Vector2<f64>,
     /// Depth of the point in the projector's optical frame, metres.
     pub depth_m: f64,
     /// Whether the sample took part in the solution.

@@ -455,18 +455,18 @@ impl<'a> Solver<'a> {
         let mut residuals: Vec<Residual> = (observations.all.par_iter().zip(&adjusted.weights))
             .filter_map(|(observation, weight)| {
                 let q = adjusted.state.poses[observation.scan] * observation.point;
-                let miss_px = observation.pixel - lens.project(&q)?;
+                let error_px = observation.pixel - lens.project(&q)?;
                 Some(Residual {
                     sample: observation.sample,
-                    miss_px,
-                    miss_m: miss_px.component_div(&lens.focal_px) * q.z,
+                    error_px,
+                    error_m: error_px.component_div(&lens.focal_px) * q.z,
                     depth_m: q.z,
                     is_inlier: weight.is_used(),
                 })
             })
             .collect();
         residuals.sort_unstable_by_key(|residual| residual.sample);
-        let used = || residuals.iter().filter(|residual| residual.is_inlier).map(|residual| residual.miss_px.norm());
+        let used = || residuals.iter().filter(|residual| residual.is_inlier).map(|residual| residual.error_px.norm());
         let inliers = used().count();
         let rms_px = (used().map(|miss| miss * miss).sum::<f64>() / inliers as f64).sqrt();
         let max_px = used().fold(0.0, f64::max);

@@ -39,7 +39,7 @@ const NEAR_SPOTS: usize = 5;
 
 /// What is to be verified, and what the camera sees before.
 #[derive(Debug, Clone, Copy)]
-pub struct Scene<'a> {
+pub struct VerificationScene<'a> {
     /// The camera's lens.
     pub camera: &'a Lens,
     /// The projector's lens by its file.
@@ -91,7 +91,7 @@ pub struct VerificationPlan {
 
 /// Where light has landed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Miss {
+pub struct VerifiedPoint {
     /// Where the camera should see the light, pixels.
     pub expected: Point2<f64>,
     /// Where it sees it, pixels. Of an outline only how far beside it that is has been measured.
@@ -105,20 +105,20 @@ pub struct Miss {
 
 /// What was measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Verified {
+pub struct VerificationResult {
     /// The spots that were seen.
-    pub spots: Vec<Miss>,
+    pub spots: Vec<VerifiedPoint>,
     /// How many were shown.
     pub spots_shown: usize,
     /// The places of outlines that were seen.
-    pub edges: Vec<Miss>,
+    pub edges: Vec<VerifiedPoint>,
     /// How many were shown.
     pub edges_shown: usize,
 }
 
 /// Distances in short, each in projector pixels and in metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Figures {
+pub struct ErrorStatistics {
     /// How many distances.
     pub count: usize,
     /// The middle one.
@@ -134,7 +134,7 @@ impl VerificationPlan {
     ///
     /// # Errors
     /// [`VerificationProblem::FewPlaces`].
-    pub fn new(scene: &Scene<'_>) -> Result<Self, VerificationProblem> {
+    pub fn new(scene: &VerificationScene<'_>) -> Result<Self, VerificationProblem> {
         let surface = Surface::new(scene.camera, scene.depth_m);
         let projector = Projector { lens: *scene.projector, from_camera: *scene.projector_from_camera };
         let shadow = Shadow::new(&surface, &projector);
@@ -172,10 +172,10 @@ impl VerificationPlan {
     ///
     /// # Errors
     /// [`VerificationProblem::FewSeen`].
-    pub fn measure(&self, seen: &[Vec<u8>]) -> Result<Verified, VerificationProblem> {
+    pub fn measure(&self, seen: &[Vec<u8>]) -> Result<VerificationResult, VerificationProblem> {
         let shares: Vec<_> = seen.iter().map(|grey| self.light.shares(grey)).collect();
         let found = spots::find(&self.spots, &shares).into_iter().zip(&self.spots);
-        let spots: Vec<Miss> =
+        let spots: Vec<VerifiedPoint> =
             found.filter_map(|(found, spot)| self.miss(&spot.patch, spot.expected, found?)).collect();
         let shown = self.spots.len();
         if spots.len() < LEAST_SPOTS || (spots.len() as f64) < LEAST_SEEN * shown as f64 {
@@ -185,12 +185,12 @@ impl VerificationPlan {
             let landed = place.find(shares.last()?, shift_near(place.expected, &spots))?;
             self.miss(&place.patch, place.expected, landed)
         };
-        let edges: Vec<Miss> = self.rims.places.iter().filter_map(edge).collect();
-        Ok(Verified { spots, spots_shown: shown, edges, edges_shown: self.rims.places.len() })
+        let edges: Vec<VerifiedPoint> = self.rims.places.iter().filter_map(edge).collect();
+        Ok(VerificationResult { spots, spots_shown: shown, edges, edges_shown: self.rims.places.len() })
     }
 
     /// How far apart two places are; none where the surface is not known.
-    fn miss(&self, patch: &Patch, expected: Point2<f64>, landed: Point2<f64>) -> Option<Miss> {
+    fn miss(&self, patch: &Patch, expected: Point2<f64>, landed: Point2<f64>) -> Option<VerifiedPoint> {
         let camera = &self.surface.camera;
         let is_near = (landed - expected).norm() <= SAME_PIECE_PX;
         let there = if is_near { *patch } else { self.surface.patch_near(landed)? };
@@ -199,14 +199,14 @@ impl VerificationPlan {
         // Light that just misses a thing lands far behind it: what counts is by how much it has missed.
         let depth_m = (self.projector.from_camera * aim).z;
         let m = miss.component_div(&self.projector.lens.focal_px).norm() * depth_m;
-        Some(Miss { expected, landed, px: miss.norm(), m })
+        Some(VerifiedPoint { expected, landed, px: miss.norm(), m })
     }
 }
 
 /// By how much the spots around a place have missed theirs in the camera's picture, pixels: an outline's light is
 /// looked for there.
-fn shift_near(place: Point2<f64>, spots: &[Miss]) -> Vector2<f64> {
-    let mut nearest: Vec<&Miss> = spots.iter().collect();
+fn shift_near(place: Point2<f64>, spots: &[VerifiedPoint]) -> Vector2<f64> {
+    let mut nearest: Vec<&VerifiedPoint> = spots.iter().collect();
     nearest.sort_by(|a, b| (a.expected - place).norm().total_cmp(&(b.expected - place).norm()));
     nearest.truncate(NEAR_SPOTS);
     let median = |axis: usize| {
@@ -217,16 +217,16 @@ fn shift_near(place: Point2<f64>, spots: &[Miss]) -> Vector2<f64> {
     Vector2::new(median(0), median(1))
 }
 
-impl Verified {
+impl VerificationResult {
     /// The distances of spots and outlines together.
-    pub fn all(&self) -> Figures {
-        Figures::of(self.spots.iter().chain(&self.edges))
+    pub fn all(&self) -> ErrorStatistics {
+        ErrorStatistics::of(self.spots.iter().chain(&self.edges))
     }
 }
 
-impl Figures {
+impl ErrorStatistics {
     /// Of distances; all zero if there are none.
-    pub fn of<'a>(misses: impl IntoIterator<Item = &'a Miss>) -> Self {
+    pub fn of<'a>(misses: impl IntoIterator<Item = &'a VerifiedPoint>) -> Self {
         let misses: Vec<[f64; 2]> = misses.into_iter().map(|miss| [miss.px, miss.m]).collect();
         let count = misses.len();
         let of_unit = |unit: usize, figure: fn(&mut Vec<f64>) -> f64| {

@@ -44,15 +44,15 @@ fn report(points_per_scan: usize, scans: u32) -> (Report, Vec<Sample>) {
             let point = Point3::from(lens.ray(pixel).unwrap() * depth);
             let off = (pixel - Point2::new(640.0, 400.0)) / 640.0;
             let noise = Vector2::new(chance.normal(), chance.normal()) * (0.12 + 0.08 * off.norm_squared());
-            let miss_px = noise + off * off.norm_squared() * 0.12;
+            let error_px = noise + off * off.norm_squared() * 0.12;
             residuals.push(Residual {
                 sample: samples.len(),
-                miss_px,
-                miss_m: miss_px * depth / 1900.0,
+                error_px,
+                error_m: error_px * depth / 1900.0,
                 depth_m: depth,
                 is_inlier: true,
             });
-            samples.push(Sample { scan, ..Sample::new(pixel + miss_px, camera.inverse() * point) });
+            samples.push(Sample { scan, ..Sample::new(pixel + error_px, camera.inverse() * point) });
         }
         poses.push(ScanPose {
             scan,
@@ -62,9 +62,9 @@ fn report(points_per_scan: usize, scans: u32) -> (Report, Vec<Sample>) {
             inliers: points_per_scan,
         });
     }
-    let squared = residuals.iter().map(|residual| residual.miss_px.norm_squared()).sum::<f64>();
+    let squared = residuals.iter().map(|residual| residual.error_px.norm_squared()).sum::<f64>();
     let rms_px = (squared / residuals.len().max(1) as f64).sqrt();
-    let max_px = residuals.iter().map(|residual| residual.miss_px.norm()).fold(0.0, f64::max);
+    let max_px = residuals.iter().map(|residual| residual.error_px.norm()).fold(0.0, f64::max);
     let estimate = |(parameter, value, sigma)| Estimate { parameter, value, sigma };
     let estimates = [
         (Parameter::Fx, 1900.0, 0.42),
@@ -203,7 +203,7 @@ fn a_calibration_with_nothing_to_show_has_a_page_too() {
     let _ = page::page(&report, &samples);
     // Residuals without a sample, and numbers that are none.
     let miss = Vector2::new(f64::NAN, 1.0);
-    let strange = |sample| Residual { sample, miss_px: miss, miss_m: miss, depth_m: f64::NAN, is_inlier: true };
+    let strange = |sample| Residual { sample, error_px: miss, error_m: miss, depth_m: f64::NAN, is_inlier: true };
     report.solution.residuals = vec![strange(0), strange(1_000_000)];
     samples.push(Sample::new(Point2::new(1e9, f64::NAN), Point3::new(f64::INFINITY, 0.0, 1.0)));
     let _ = page::page(&report, &samples);
@@ -224,7 +224,7 @@ proptest! {
         (report.solution.rms_px, report.solution.held_out_rms_px) = (rms, held_out);
         report.coverage.depth_m = [near, far];
         report.solution.residuals[0].depth_m = depth;
-        report.solution.residuals[1].miss_px.x = miss;
+        report.solution.residuals[1].error_px.x = miss;
         report.solution.lens.size_px = size_px;
         samples[2].pixel = pixel.into();
         report.reasons = reasons;

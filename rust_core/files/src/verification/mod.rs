@@ -21,7 +21,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-use rcs_calibration::{Figures, Miss, Verified};
+use rcs_calibration::{ErrorStatistics, VerificationResult, VerifiedPoint};
 
 use crate::atomic_file::write_atomically;
 use crate::calibration_report::ReportError;
@@ -32,14 +32,14 @@ use crate::yaml_text::{figure, figures, quoted};
 ///
 /// # Errors
 /// [`ReportError`] with the file.
-pub fn write(path: &Path, projector: &str, limit_px: f64, verified: &Verified) -> Result<(), ReportError> {
+pub fn write(path: &Path, projector: &str, limit_px: f64, verified: &VerificationResult) -> Result<(), ReportError> {
     let text = yaml(projector, limit_px, verified);
     let io_error = |source| ReportError { path: path.to_owned(), source };
     write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(io_error), io_error)
 }
 
-fn yaml(projector: &str, limit_px: f64, verified: &Verified) -> String {
-    let Verified { spots, spots_shown, edges, edges_shown } = verified;
+fn yaml(projector: &str, limit_px: f64, verified: &VerificationResult) -> String {
+    let VerificationResult { spots, spots_shown, edges, edges_shown } = verified;
     let all = verified.all();
     let mut yaml =
         "# A verification. Pixels are the projector's, those of expected_px and landed_px the camera's.\n".to_owned();
@@ -47,11 +47,11 @@ fn yaml(projector: &str, limit_px: f64, verified: &Verified) -> String {
     yaml += &format!("is_within_limit: {}\nlimit_px: {}\n", all.rms[0] <= limit_px, figure(limit_px));
     yaml += &format!("all: {{{}}}\n", summary(&all));
     for (kind, misses, shown) in [("spots", spots, spots_shown), ("edges", edges, edges_shown)] {
-        yaml += &format!("{kind}: {{shown: {shown}, {}}}\n", summary(&Figures::of(misses)));
+        yaml += &format!("{kind}: {{shown: {shown}, {}}}\n", summary(&ErrorStatistics::of(misses)));
     }
     yaml += if spots.is_empty() && edges.is_empty() { "misses: []\n" } else { "misses:\n" };
     for (kind, misses) in [("spot", spots), ("edge", edges)] {
-        for Miss { expected, landed, px, m } in misses {
+        for VerifiedPoint { expected, landed, px, m } in misses {
             // Writing to a String cannot fail.
             let _ = writeln!(
                 yaml,
@@ -67,8 +67,8 @@ fn yaml(projector: &str, limit_px: f64, verified: &Verified) -> String {
 }
 
 /// The distances of one kind.
-fn summary(figures: &Figures) -> String {
-    let Figures { count, median, rms, worst } = figures;
+fn summary(figures: &ErrorStatistics) -> String {
+    let ErrorStatistics { count, median, rms, worst } = figures;
     let mut text = format!("count: {count}");
     for (name, [px, m]) in [("rms", rms), ("median", median), ("worst", worst)] {
         text += &format!(", {name}_px: {}, {name}_mm: {}", figure(*px), figure(1000.0 * m));
@@ -109,10 +109,14 @@ mod tests {
 
     #[test]
     fn a_program_reads_what_was_measured() {
-        let miss =
-            |px: f64| Miss { expected: Point2::new(10.0, 20.0), landed: Point2::new(11.0, 20.5), px, m: 0.001 * px };
+        let miss = |px: f64| VerifiedPoint {
+            expected: Point2::new(10.0, 20.0),
+            landed: Point2::new(11.0, 20.5),
+            px,
+            m: 0.001 * px,
+        };
         let verified =
-            Verified { spots: vec![miss(3.0), miss(4.0)], spots_shown: 3, edges: Vec::new(), edges_shown: 0 };
+            VerificationResult { spots: vec![miss(3.0), miss(4.0)], spots_shown: 3, edges: Vec::new(), edges_shown: 0 };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("verification.yaml");
         for (limit, is_within_limit) in [(3.0, false), (4.0, true)] {

@@ -1,7 +1,7 @@
 //! What the camera saw, with where light should have landed and where it has.
 
 use nalgebra::{Point2, Vector2};
-use rcs_calibration::{Miss, Verified};
+use rcs_calibration::{VerificationResult, VerifiedPoint};
 use rcs_scene::Picture;
 
 use crate::canvas::Canvas;
@@ -22,7 +22,7 @@ const HEAD_PX: f64 = 3.0;
 /// Green crosses where light should land; from them arrows, orange for spots and blue for outlines, that point to where
 /// it has landed. They are ten times as long as the distance, or shorter if all of them are short enough only then; the
 /// factor is returned. `grey` are levels of the camera's picture of this size, row by row.
-pub fn picture(grey: &[u8], size_px: [u32; 2], verified: &Verified) -> (Picture, f64) {
+pub fn picture(grey: &[u8], size_px: [u32; 2], verified: &VerificationResult) -> (Picture, f64) {
     let mut canvas = Canvas::from_grey(size_px, grey.iter().map(|level| level / 2 + 10));
     let all = || verified.spots.iter().chain(&verified.edges);
     let longest = all().map(|miss| (miss.landed - miss.expected).norm()).fold(0.0, f64::max);
@@ -34,7 +34,7 @@ pub fn picture(grey: &[u8], size_px: [u32; 2], verified: &Verified) -> (Picture,
     (canvas.into_picture(), factor)
 }
 
-fn arrow(canvas: &mut Canvas, miss: &Miss, factor: f64, color: [u8; 3]) {
+fn arrow(canvas: &mut Canvas, miss: &VerifiedPoint, factor: f64, color: [u8; 3]) {
     let off = (miss.landed - miss.expected) * factor;
     let tip: Point2<f64> = miss.expected + off;
     canvas.line(miss.expected, tip, color);
@@ -51,13 +51,14 @@ mod tests {
 
     #[test]
     fn arrows_are_enlarged_as_far_as_they_fit() {
-        let miss = |off: f64| Miss {
+        let miss = |off: f64| VerifiedPoint {
             expected: Point2::new(100.0, 50.0),
             landed: Point2::new(100.0 + off, 50.0),
             px: off,
             m: 0.0,
         };
-        let verified = |off| Verified { spots: vec![miss(off)], spots_shown: 1, edges: Vec::new(), edges_shown: 0 };
+        let verified =
+            |off| VerificationResult { spots: vec![miss(off)], spots_shown: 1, edges: Vec::new(), edges_shown: 0 };
         for (off, expected, tip) in [(2.0, 10.0, 120), (12.0, 5.0, 160), (90.0, 1.0, 190)] {
             let (picture, factor) = picture(&[0; 200 * 100], [200, 100], &verified(off));
             assert_eq!(factor, expected);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
-use rcs_calibration::{Figures, VerificationProblem};
+use rcs_calibration::{ErrorStatistics, VerificationProblem};
 
 use super::is_refused;
 use super::world::{Faults, SimulatedCamera, SimulatedScreen, World, PROJECTOR_PX};
@@ -33,7 +33,7 @@ fn turned() -> Isometry3<f64> {
 fn a_true_file_is_verified_and_spots_stay_shown() {
     let (verification, shown) = verify(Faults::default(), Isometry3::identity());
     let Verification { verified, white, camera_px } = verification.unwrap();
-    let spots = Figures::of(&verified.spots);
+    let spots = ErrorStatistics::of(&verified.spots);
     assert!(spots.count * 10 > 9 * verified.spots_shown && spots.count >= 10, "{spots:?} of {}", verified.spots_shown);
     assert!(spots.median[0] < 0.3 && verified.all().rms[0] < 0.5, "{spots:?} {:?}", verified.all());
     assert_eq!((white.len(), camera_px), (160 * 120, [160, 120]));
@@ -45,7 +45,7 @@ fn a_true_file_is_verified_and_spots_stay_shown() {
 #[test]
 fn a_turned_projector_is_off_by_its_angle() {
     let (verification, _) = verify(Faults::default(), turned());
-    let spots = Figures::of(&verification.unwrap().verified.spots);
+    let spots = ErrorStatistics::of(&verification.unwrap().verified.spots);
     // 340 pixels times the angle, and a little more beside the middle.
     assert!((2.8..3.8).contains(&spots.median[0]), "{spots:?}");
 }

@@ -18,8 +18,8 @@ fn lenses_are_found_among_gross_errors_and_auto_takes_the_terms_that_there_are()
             let samples = simulation.samples();
             let solution = solve(&samples, &options()).unwrap();
             assert_eq!(solution.distortion, terms, "{seed}");
-            let miss_px = landing_px(&simulation, &solution);
-            assert!(miss_px < 0.15, "{terms:?} {seed}: {miss_px} px");
+            let error_px = landing_px(&simulation, &solution);
+            assert!(error_px < 0.15, "{terms:?} {seed}: {error_px} px");
             let focal = solution.lens.focal_px.component_div(&simulation.lens.focal_px);
             assert!((focal.x - 1.0).abs() < 1e-3 && (focal.y - 1.0).abs() < 1e-3, "{focal}");
             let share = solution.inliers as f64 / samples.len() as f64;
@@ -45,8 +45,8 @@ fn a_flat_wall_suffices_for_the_pose_of_a_known_lens() {
         let solution = solve(&simulation.samples(), &options).unwrap();
         assert_eq!(solution.lens, simulation.lens);
         assert!(solution.estimates.iter().all(|estimate| estimate.sigma == 0.0));
-        let miss_px = landing_px(&simulation, &solution);
-        assert!(miss_px < 0.3, "{seed}: {miss_px} px");
+        let error_px = landing_px(&simulation, &solution);
+        assert!(error_px < 0.3, "{seed}: {error_px} px");
     }
 }
 

@@ -13,7 +13,7 @@ const BINS: usize = 36;
 pub(in crate::calibration_report) fn histogram(solution: &Solution) -> String {
     let [left, top, right, bottom] = [62.0, 34.0, 450.0, 262.0];
     let misses =
-        solution.residuals.iter().filter(|residual| residual.is_inlier).map(|residual| residual.miss_px.norm());
+        solution.residuals.iter().filter(|residual| residual.is_inlier).map(|residual| residual.error_px.norm());
     let mut misses: Vec<f64> = misses.filter(|miss| miss.is_finite()).collect();
     misses.sort_by(f64::total_cmp);
     // The last half percent would make all others narrow.

@@ -59,7 +59,7 @@ impl Grid {
         let mut cells = vec![Cell::default(); columns * rows];
         for residual in solution.residuals.iter().filter(|residual| residual.is_inlier) {
             let Some(sample) = samples.get(residual.sample) else { continue };
-            let miss = residual.miss_px;
+            let miss = residual.error_px;
             if !solution.lens.contains(sample.pixel) || !miss.norm_squared().is_finite() {
                 continue;
             }

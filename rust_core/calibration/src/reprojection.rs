@@ -6,7 +6,7 @@ use crate::{Lens, Sample};
 
 /// Distances between the pixels that light points and the pixels that should.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Landed {
+pub struct ReprojectionError {
     /// How many points were compared; points behind the projector are not.
     pub count: usize,
     /// Root mean square, without the farthest 1 % of the points, pixels.
@@ -19,7 +19,7 @@ pub struct Landed {
     pub most_px: f64,
 }
 
-impl Landed {
+impl ReprojectionError {
     /// Compares samples with a lens and a pose.
     pub fn measure(samples: &[Sample], lens: &Lens, projector_from_camera: &Isometry3<f64>) -> Self {
         let mut misses: Vec<[f64; 2]> = samples
@@ -59,16 +59,16 @@ mod tests {
             Sample::new(lens.project(&(pose * point)).unwrap() + shift, point)
         };
         let shifted: Vec<Sample> = (0..200).map(|index| sample(index, Vector2::new(3.0, 4.0))).collect();
-        let landed = Landed::measure(&shifted, &lens, &pose);
+        let landed = ReprojectionError::measure(&shifted, &lens, &pose);
         assert_eq!(landed.count, 200);
         assert!((landed.rms_px - 5.0).abs() < 1e-9 && (landed.median_px - 5.0).abs() < 1e-9);
         assert!((landed.rms_m - 0.01).abs() < 1e-9, "5 px of f 1000 at 2 m");
         // A few gross errors of decoding do not count.
         let mut with_errors = shifted.clone();
         with_errors[7].pixel = Point2::new(1e4, 0.0);
-        assert!((Landed::measure(&with_errors, &lens, &pose).rms_px - 5.0).abs() < 1e-9);
+        assert!((ReprojectionError::measure(&with_errors, &lens, &pose).rms_px - 5.0).abs() < 1e-9);
         let behind = Isometry3::from(Vector3::new(0.0, 0.0, -5.0));
-        assert_eq!(Landed::measure(&shifted, &lens, &behind).count, 0);
-        assert_eq!(Landed::measure(&[], &lens, &pose).count, 0);
+        assert_eq!(ReprojectionError::measure(&shifted, &lens, &behind).count, 0);
+        assert_eq!(ReprojectionError::measure(&[], &lens, &pose).count, 0);
     }
 }
