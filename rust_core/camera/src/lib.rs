@@ -4,6 +4,7 @@
 //!   CameraInfo ──► optics: what to draw, and the lens behind it     deviations: where a projection will miss
 //!   clock ───────► schedule (of changes), call_pacing (of calls): when a picture is due
 //!   drawn ───────► lens, readback, depth_buffer: the picture that is published
+//!   orientation ─► oriented_info: the CameraInfo of an image that is mirrored and turned
 //!   times ───────► step_times, rolling_window: how long the last hundred pictures took
 //! ```
 //!
@@ -18,6 +19,7 @@ mod info;
 mod lens;
 mod lens_of;
 mod optics;
+mod oriented_info;
 mod picture_rate;
 mod rate_limit;
 mod readback;
@@ -34,6 +36,7 @@ pub use info::CameraInfoFields;
 pub use lens::{see_depth_through, see_through, write_depth_through, write_through};
 pub use lens_of::{lens_of, LensProblem};
 pub use optics::{optics, CameraModel, Optics, Projection};
+pub use oriented_info::{OrientedInfo, QuarterTurns};
 pub use picture_rate::PictureRate;
 pub use rate_limit::RateLimit;
 pub use readback::{Readback, ReadbackProblem};
