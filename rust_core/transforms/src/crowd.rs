@@ -1,9 +1,9 @@
 //! A bound on the number of frames.
 //!
 //! tf2 keeps every name for ever. A publisher that makes up names, such as one that counts them up with each detection,
-//! would fill memory and slow down everybody who goes over all frames. So a tree with more than [`UNCROWDED`] frames
+//! would fill memory and slow down everybody who goes over all frames. So a tree with more than [`FRAMES_ALWAYS_KEPT`] frames
 //! forgets those of the later ones that were silent for [`SILENCE`], and one with [`MOST_FRAMES`] those that were
-//! silent for longest, static ones last. The first [`UNCROWDED`] frames that were mentioned are kept, and so is every
+//! silent for longest, static ones last. The first [`FRAMES_ALWAYS_KEPT`] frames that were mentioned are kept, and so is every
 //! frame on the way from one that stays to its root, unless that would be too many.
 
 use std::collections::HashMap;
@@ -14,7 +14,7 @@ use crate::tree::{FrameId, TransformTree};
 use crate::Time;
 
 /// A tree of no more frames forgets none.
-pub const UNCROWDED: usize = 1000;
+pub const FRAMES_ALWAYS_KEPT: usize = 1000;
 /// A tree has no more frames.
 pub const MOST_FRAMES: usize = 5000;
 /// Frames of a crowded tree whose newest transform is that much older than the newest of all are forgotten.
@@ -44,7 +44,7 @@ impl TransformTree {
     /// Forgets frames if there are too many. `stamp` is that of the transform that was inserted.
     pub(crate) fn limit_frames(&mut self, stamp: Time) {
         self.crowd.newest = self.crowd.newest.max(stamp);
-        if self.frames.len() <= UNCROWDED {
+        if self.frames.len() <= FRAMES_ALWAYS_KEPT {
             return;
         }
         let (newest, checked_at) = (self.crowd.newest, self.crowd.checked_at);
@@ -64,9 +64,9 @@ impl TransformTree {
         (self.crowd.newest, self.crowd.checked_at) = (Time::ZERO, Time::ZERO);
     }
 
-    /// The frames after the first [`UNCROWDED`]: whether they are static, and their newest stamp.
+    /// The frames after the first [`FRAMES_ALWAYS_KEPT`]: whether they are static, and their newest stamp.
     fn later_frames(&self) -> impl Iterator<Item = (FrameId, bool, Time)> + '_ {
-        self.frames.iter().enumerate().skip(UNCROWDED).map(|(index, frame)| {
+        self.frames.iter().enumerate().skip(FRAMES_ALWAYS_KEPT).map(|(index, frame)| {
             let is_static = matches!(frame.history, Some(History::Static(_)));
             let newest = frame.history.as_ref().and_then(History::newest);
             (FrameId(index as u32), is_static, newest.map_or(Time::ZERO, |newest| newest.stamp))
@@ -192,7 +192,7 @@ mod tests {
         assert_eq!(tree.frames().count(), 4003);
         insert(&mut tree, "map", "base", 170.0, false);
         // The first thousand, what is static, and its parent.
-        assert_eq!(tree.frames().count(), UNCROWDED + 2);
+        assert_eq!(tree.frames().count(), FRAMES_ALWAYS_KEPT + 2);
         assert!(is_placed(&tree, "box_10") && is_placed(&tree, "hand"));
         assert_eq!(tree.forgotten_frames(), 3001);
         insert(&mut tree, "base", "box_3000", 171.0, false);

@@ -44,7 +44,7 @@ use rcs_render::View;
 use rcs_resources::MeshStore;
 use rcs_rviz_config::Config;
 use rcs_scene::{DisplayId, Scene};
-use rcs_transforms::{Prediction, Time, TransformTree, UNCROWDED};
+use rcs_transforms::{Prediction, Time, TransformTree, FRAMES_ALWAYS_KEPT};
 
 use crate::camera_stream::camera_pose::{self, CameraProblem};
 use crate::camera_stream::safety::ages::SceneAges;
@@ -173,7 +173,7 @@ impl Stage {
         if self.around.transforms.forgotten_frames() > 0 && !self.has_warned_of_frames {
             self.has_warned_of_frames = true;
             log::warn!(
-                "more than {UNCROWDED} frames: those without new transforms for longest are forgotten; the last were \
+                "more than {FRAMES_ALWAYS_KEPT} frames: those without new transforms for longest are forgotten; the last were \
                  sent by {publisher}"
             );
         }

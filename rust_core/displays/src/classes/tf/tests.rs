@@ -191,7 +191,7 @@ fn made_up_frames_are_bounded_and_cost_nothing_once_they_are_old() {
         bench.update(secs);
     }
     assert_eq!(bench.shown(), (2, 1));
-    assert!(bench.display.frames.len() <= rcs_transforms::UNCROWDED + 1, "{}", bench.display.frames.len());
+    assert!(bench.display.frames.len() <= rcs_transforms::FRAMES_ALWAYS_KEPT + 1, "{}", bench.display.frames.len());
     assert_eq!(bench.display.statuses.iter().count(), bench.display.frames.len());
     // A frame that was gone is back with its next transform.
     bench.publish("base", "box_5", 115.0, 1.0, false);
