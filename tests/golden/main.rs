@@ -22,7 +22,7 @@ mod score;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use rcs_app::camera_stream::offline::{self, Job, Section, Target};
@@ -30,6 +30,7 @@ use rcs_app::camera_stream::stage::Stage;
 use rcs_camera::Projection;
 use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
+use rcs_scene::lock;
 
 use cases::Case;
 use score::Rgb;
@@ -76,7 +77,7 @@ fn main() -> anyhow::Result<()> {
     let conclusion = libtest_mimic::run(&arguments, trials);
     let mut failed = conclusion.has_failed();
     for (name, scores) in all_scores {
-        failed |= !report(name, &scores.lock().unwrap_or_else(PoisonError::into_inner), cases.len());
+        failed |= !report(name, &lock(&scores), cases.len());
     }
     std::process::exit(i32::from(failed));
 }
@@ -150,7 +151,7 @@ fn test(case: &Case, renderer_name: &str, renderer: &SharedRenderer, scores: &Sc
         )
         .into());
     };
-    scores.lock().unwrap_or_else(PoisonError::into_inner).push((case.name.clone(), score.strict, score.close));
+    lock(scores).push((case.name.clone(), score.strict, score.close));
     if score.close < case.min_close {
         let comparison = output.join(format!("{}_difference.png", case.name));
         save(&comparison, &score::comparison(&expected, &actual, &score))?;
@@ -176,7 +177,7 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let mut stage = Stage::new(&config, None, meshes);
     offline::set_parameters(&mut stage, &parameters);
     let target = Target::Picture { file: file.to_owned() };
-    let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut renderer = lock(renderer);
     let bag = case.folder.join("scene.bag");
     let (camera, section, model) = (case.camera.as_deref(), Section::default(), Projection::Rviz.into());
     let (bags, remappings, orientations) = ([bag], HashMap::new(), Vec::new());

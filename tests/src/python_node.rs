@@ -7,8 +7,10 @@ use crate::ros::{wait_until, RosMaster};
 use std::fmt::Display;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::Duration;
+
+use rcs_scene::lock;
 
 const SCRIPT: &str = include_str!("python_node.py");
 
@@ -55,7 +57,7 @@ impl PythonNode {
     /// With the traceback of an exception.
     pub fn run(&self, python: impl Display) -> io::Result<String> {
         let python = python.to_string();
-        let mut pipes = self.pipes.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut pipes = lock(&self.pipes);
         let (stdin, stdout) = &mut *pipes;
         write!(stdin, "{}\n{python}", python.len())?;
         stdin.flush()?;

@@ -8,9 +8,11 @@ use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+
+use rcs_scene::lock;
 
 /// Timeout of the longest waits: ten times what a large array through Python needs on a slow machine.
 pub const PATIENCE: Duration = Duration::from_secs(300);
@@ -301,8 +303,4 @@ fn collect(stream: impl Read + Send + 'static, lines: &Lines) -> JoinHandle<()> 
             lock(&lines).push(line);
         }
     })
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

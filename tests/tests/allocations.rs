@@ -16,7 +16,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::alloc::System;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use rcs_app::camera_stream::stage::Stage;
 use rcs_camera::Projection;
@@ -28,7 +28,7 @@ use rcs_messages::visualization_msgs::{Marker, MarkerArray};
 use rcs_messages::{AnyMessage, Image, MessageKind, PointCloud2, RosMsg, Serialized};
 use rcs_render::CpuRenderer;
 use rcs_resources::{MeshStore, PackageIndex};
-use rcs_scene::{Drawable, Picture};
+use rcs_scene::{lock, Drawable, Picture};
 use rcs_tests::big_robot;
 use rcs_tests::scenes::clouds::{drawable, in_rows, message, STYLES};
 use rcs_tests::scenes::display_pipeline::DisplayPipeline;
@@ -115,7 +115,7 @@ fn cloud_frames(count: usize) -> Vec<Vec<u8>> {
 
 #[test]
 fn an_unchanged_cloud_in_any_style_allocates_nothing_per_point() {
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let _guard = lock(&ONE_AT_A_TIME);
     for (name, style) in STYLES {
         for is_moving in [false, true] {
             let of = |count| bytes_of_drawing(vec![drawable(in_rows(count), style)], is_moving);
@@ -126,7 +126,7 @@ fn an_unchanged_cloud_in_any_style_allocates_nothing_per_point() {
 
 #[test]
 fn a_moving_camera_allocates_nothing_per_triangle_line_or_label() {
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let _guard = lock(&ONE_AT_A_TIME);
     let one = |geometry| bytes_of_drawing(vec![solids::drawable(geometry)], true);
     assert_steady("triangles", |count| one(solids::triangles(count, 4.0, FOCAL_PX, VIEW)), [SMALL, LARGE]);
     assert_steady("lines", |count| one(solids::lines(count, 10.0, FOCAL_PX, VIEW)), [SMALL, LARGE]);
@@ -137,7 +137,7 @@ fn a_moving_camera_allocates_nothing_per_triangle_line_or_label() {
 
 #[test]
 fn a_new_cloud_in_each_frame_allocates_nothing_per_point() {
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let _guard = lock(&ONE_AT_A_TIME);
     for settings in [
         "Style: Flat Squares, Color Transformer: RGB8",
         "Style: Points, Color Transformer: MONO8",
@@ -167,7 +167,7 @@ fn a_new_cloud_in_each_frame_allocates_nothing_per_point() {
 
 #[test]
 fn a_new_translucent_cloud_allocates_only_a_list_of_its_pieces() {
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let _guard = lock(&ONE_AT_A_TIME);
     let frames = cloud_frames(LARGE);
     let mut pipeline = DisplayPipeline::new(&cloud_display("Style: Boxes, Color Transformer: RGB8, Alpha: 0.5"));
     let mut rendering = rendering(Vec::new());
@@ -183,7 +183,7 @@ fn a_new_translucent_cloud_allocates_only_a_list_of_its_pieces() {
 
 #[test]
 fn unchanged_markers_allocate_nothing_per_marker() {
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let _guard = lock(&ONE_AT_A_TIME);
     let display = "  - {Class: rviz/MarkerArray, Name: m, Enabled: true, Marker Topic: /m}\n";
     let of = |count: usize| {
         let marker = |id: usize| {
@@ -219,7 +219,7 @@ Visualization Manager:
   - {Class: rviz/RobotModel, Name: robot, Enabled: true, Robot Description: robot_description}
   - {Class: rviz_camera_stream/CameraPub, Name: eye, Enabled: true, Image Topic: /image, Camera Info Topic: /info}
 ";
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let _guard = lock(&ONE_AT_A_TIME);
     let folder = tempfile::tempdir().unwrap();
     let joints = big_robot::write(folder.path()).unwrap();
     let description = std::fs::read_to_string(folder.path().join("big_robot/robot.urdf")).unwrap();
@@ -259,7 +259,7 @@ Visualization Manager:
 
 #[test]
 fn an_encoded_picture_is_copied_only_once() {
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let _guard = lock(&ONE_AT_A_TIME);
     let mut rendering = rendering(vec![drawable(in_rows(SMALL), STYLES[0].1)]);
     rendering.draw().unwrap();
     let Picture { width_px, height_px, encoding, .. } = rendering.picture;

@@ -5,10 +5,11 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::alloc::System;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use rcs_messages::visualization_msgs::Marker;
 use rcs_render::CpuRenderer;
+use rcs_scene::lock;
 use rcs_tests::scenes::display_pipeline::DisplayPipeline;
 use rcs_tests::scenes::many_solids::{many_solids_camera, Content, ManySolids};
 use rcs_tests::scenes::rendering::Rendering;
@@ -60,7 +61,7 @@ fn measure(name: &str, solids: &ManySolids, threads: usize) -> [usize; 2] {
 
 /// `most_bytes`: for each marker, pose or character, everything from the message to the renderer included.
 fn check(name: &str, content: Content, count: usize, most_bytes: usize) {
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let _guard = lock(&ONE_AT_A_TIME);
     let solids = ManySolids { content, count };
     let [bytes, _] = measure(name, &solids, 2);
     // A thread makes its buffers (0.6 MB here) when it draws first. Of several, one may draw nothing until after the

@@ -3,10 +3,10 @@
 use std::{
     panic::{catch_unwind, AssertUnwindSafe},
     path::Path,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex},
 };
 
-use rcs_scene::Texture;
+use rcs_scene::{lock, Texture};
 
 use crate::{
     assemble,
@@ -95,7 +95,7 @@ impl Loader {
             return None;
         }
         let is_large = stamp.is_some_and(|stamp| stamp.size() >= LARGE_FILE_BYTES);
-        let _one_at_a_time = is_large.then(|| self.large_file.lock().unwrap_or_else(PoisonError::into_inner));
+        let _one_at_a_time = is_large.then(|| lock(&self.large_file));
         let load = || match key.kind {
             Kind::Mesh => self.mesh(&key.url, &path).map(|mesh| Resource::Mesh(Arc::new(mesh))),
             Kind::Texture => texture::load(&self.options, &path).map(Resource::Texture),

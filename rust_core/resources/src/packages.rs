@@ -16,11 +16,12 @@ use std::{
     collections::{HashMap, HashSet},
     env, fs,
     path::{Component, Path, PathBuf},
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::Mutex,
     time::{Duration, Instant},
 };
 
 use percent_encoding::percent_decode_str;
+use rcs_scene::lock;
 
 use crate::{files::read_small_text, ResourceError};
 
@@ -92,13 +93,13 @@ impl PackageIndex {
 
     /// When a package that was not found is searched for again.
     pub(crate) fn next_search(&self) -> Option<Instant> {
-        self.roots.iter().filter_map(|root| root.known().next_crawl).min()
+        self.roots.iter().filter_map(|root| lock(&root.known).next_crawl).min()
     }
 
     /// Searches for packages that were not found again as soon as one is asked for.
     pub(crate) fn search_again(&self) {
         for root in &self.roots {
-            let mut known = root.known();
+            let mut known = lock(&root.known);
             known.next_crawl = known.next_crawl.map(|_| Instant::now());
         }
     }
@@ -156,12 +157,8 @@ impl PackageIndex {
 }
 
 impl Root {
-    fn known(&self) -> MutexGuard<'_, Known> {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     fn find(&self, name: &str) -> Option<PathBuf> {
-        let mut known = self.known();
+        let mut known = lock(&self.known);
         if let Some(found) = known.packages.get(name) {
             return Some(found.clone());
         }

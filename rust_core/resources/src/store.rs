@@ -23,7 +23,7 @@ use std::{
 };
 
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
-use rcs_scene::Texture;
+use rcs_scene::{lock, wait_timeout, Texture};
 
 use crate::{
     files::FileStamp,
@@ -214,7 +214,7 @@ impl MeshStore {
 
     /// Looks at all files and packages again that could not be used.
     pub fn retry_failures(&self) {
-        let mut state = self.shared.lock();
+        let mut state = lock(&self.shared.state);
         state.search_packages = true;
         let failed = |slot: &Slot| matches!(slot.outcome, Some(Err(_)));
         let keys: Vec<Key> = state.slots.iter().filter(|(_, slot)| failed(slot)).map(|(key, _)| key.clone()).collect();
@@ -232,7 +232,7 @@ impl MeshStore {
 
     fn get(&self, kind: Kind, url: &str, retry: Retry) -> Poll<Outcome> {
         let key = Key { kind, url: url.to_owned() };
-        let mut state = self.shared.lock();
+        let mut state = lock(&self.shared.state);
         if !state.slots.contains_key(&key) && !state.make_room() {
             return Poll::Ready(Err(ResourceError::TooMany { url: url.to_owned(), limit: MAX_RESOURCES }));
         }
@@ -299,10 +299,6 @@ impl State {
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Has a slot loaded in the background, unless it is to be already.
     fn enqueue(shared: &Arc<Self>, state: &mut State, key: Key) {
         let now = Instant::now();
@@ -324,14 +320,14 @@ impl Shared {
     /// Loads what is to be loaded, until there was nothing for a while.
     fn run(&self) {
         yield_to_others();
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         while !state.has_ended {
             let now = Instant::now();
             match state.next(now) {
                 Ok(key) => {
                     drop(state);
                     self.load_queued(&key);
-                    state = self.lock();
+                    state = lock(&self.state);
                 }
                 Err(due) => {
                     let timeout = due.map_or(IDLE_TIME, |due| due.saturating_duration_since(now));
@@ -352,7 +348,7 @@ impl Shared {
                     if ends {
                         return;
                     }
-                    state = self.lock();
+                    state = lock(&self.state);
                 }
             }
         }
@@ -362,7 +358,7 @@ impl Shared {
     /// Loads a slot of the queue, and wakes whoever asked for it.
     fn load_queued(&self, key: &Key) {
         let (failed, search_packages) = {
-            let mut state = self.lock();
+            let mut state = lock(&self.state);
             let failed = state.slots.get(key).and_then(|slot| slot.failed);
             (failed, std::mem::take(&mut state.search_packages))
         };
@@ -390,10 +386,10 @@ impl Shared {
                 }
                 let loaded = self.loader.load(key, failed);
                 self.keep(key, loaded);
-                return self.lock();
+                return lock(&self.state);
             }
             // The other thread ends with its file.
-            state = self.done.wait_timeout(state, IDLE_TIME).unwrap_or_else(PoisonError::into_inner).0;
+            state = wait_timeout(&self.done, state, IDLE_TIME);
             if state.slots.get(key).is_none_or(|slot| !slot.is_busy && slot.outcome.is_some()) {
                 return state;
             }
@@ -408,7 +404,7 @@ impl Shared {
             Some((Err(ResourceError::NoSuchPackage { .. }), _)) => self.loader.packages.next_search(),
             _ => None,
         };
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         let Some(slot) = state.slots.get_mut(key) else { return false };
         slot.is_busy = false;
         slot.next_check = Some(next_search.unwrap_or(now + CHECK_INTERVAL));
@@ -438,7 +434,7 @@ pub fn yield_to_others() {
 impl Drop for MeshStore {
     /// Its threads end with the files that they are reading; nobody waits for them.
     fn drop(&mut self) {
-        self.shared.lock().has_ended = true;
+        lock(&self.shared.state).has_ended = true;
         self.shared.work.notify_all();
     }
 }
@@ -448,7 +444,7 @@ impl fmt::Debug for MeshStore {
         f.debug_struct("MeshStore")
             .field("loader", &self.shared.loader)
             .field("is_background", &self.is_background)
-            .field("resources", &self.shared.lock().slots.len())
+            .field("resources", &lock(&self.shared.state).slots.len())
             .finish_non_exhaustive()
     }
 }

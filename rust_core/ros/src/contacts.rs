@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-use crate::lock;
+use rcs_scene::lock;
 
 /// A publisher's node that the master names and that does not answer.
 #[derive(Clone, Debug, PartialEq, Eq)]

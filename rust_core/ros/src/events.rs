@@ -4,10 +4,11 @@
 use rcs_messages::dynamic_reconfigure::Config;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, Time};
+use rcs_scene::lock;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{sync_channel, Receiver, SyncSender};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Something that happened on the network.
@@ -146,7 +147,7 @@ impl<E> EventSender<E> {
     /// Adds an event and wakes the queue's reader. If `queue_size` events of this sender are queued already, the oldest
     /// of them is dropped. Never waits.
     pub fn push(&self, event: E) {
-        let mut state = self.queue.lock();
+        let mut state = lock(&self.queue.state);
         let queue_size = self.queue_size.load(Ordering::Relaxed);
         // Counting is only worth it once the queue could be full of them.
         if state.queued.len() >= queue_size {
@@ -168,7 +169,7 @@ impl<E> EventSender<E> {
 
     /// Drops those of its events that are queued.
     pub(crate) fn drop_queued(&self) {
-        self.queue.lock().queued.retain(|(id, _)| *id != self.id);
+        lock(&self.queue.state).queued.retain(|(id, _)| *id != self.id);
     }
 }
 
@@ -191,7 +192,7 @@ impl<E> EventQueue<E> {
     /// Waits until there are events, [`wake`](Self::wake) is called or `timeout` is over; takes all queued events.
     pub fn wait(&self, timeout: Duration) -> Vec<E> {
         let idle = |state: &mut State<E>| state.queued.is_empty() && !state.woken;
-        let waited = self.changed.wait_timeout_while(self.lock(), timeout, idle);
+        let waited = self.changed.wait_timeout_while(lock(&self.state), timeout, idle);
         let mut state = waited.unwrap_or_else(PoisonError::into_inner).0;
         state.woken = false;
         state.queued.drain(..).map(|(_, event)| event).collect()
@@ -199,17 +200,13 @@ impl<E> EventQueue<E> {
 
     /// Takes all queued events.
     pub fn drain(&self) -> Vec<E> {
-        self.lock().queued.drain(..).map(|(_, event)| event).collect()
+        lock(&self.state).queued.drain(..).map(|(_, event)| event).collect()
     }
 
     /// Makes the present or the next [`wait`](Self::wait) return at once.
     pub fn wake(&self) {
-        self.lock().woken = true;
+        lock(&self.state).woken = true;
         self.changed.notify_all();
-    }
-
-    fn lock(&self) -> MutexGuard<'_, State<E>> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -90,8 +90,6 @@ pub use tcpros::Change;
 pub use topic::{Publishing, TopicSubscription};
 pub use topic_publisher::TopicPublisher;
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use rustix::event::Timespec;
 
 /// [`rcs_scene::IDLE_PERIOD`], for `poll`.
@@ -100,8 +98,3 @@ const IDLE_TIMEOUT: Timespec = Timespec { tv_sec: rcs_scene::IDLE_PERIOD.as_secs
 /// Timeout of waits in tests: ten times what a slow machine needs.
 #[cfg(test)]
 const TEST_PATIENCE: std::time::Duration = std::time::Duration::from_secs(60);
-
-/// Locks, also after a panic of another thread: what these locks protect is whole at any time.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}

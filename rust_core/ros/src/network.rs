@@ -6,8 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use rcs_scene::lock;
+
 use crate::graph::Master;
-use crate::lock;
 use crate::node_api::{self, NodeState};
 use crate::publisher;
 use crate::registrar::{Entry, Registrar};

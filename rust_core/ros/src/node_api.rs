@@ -5,8 +5,9 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use rcs_scene::lock;
+
 use crate::graph::{strings, Master};
-use crate::lock;
 use crate::registrar::Registrar;
 use crate::tcpros::Listener;
 use crate::xmlrpc::{parse_call, Answer, Server, Value};

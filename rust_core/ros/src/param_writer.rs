@@ -3,12 +3,13 @@
 //! Of each parameter only the newest value waits, so that a master that hangs costs no memory and is not told later
 //! what has long been replaced.
 
-use crate::lock;
 use crate::network::Network;
 use crate::xmlrpc::Value;
 use std::collections::VecDeque;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::{Arc, Mutex};
+
+use rcs_scene::lock;
 
 /// A whole name and a value.
 type Param = (String, Value);

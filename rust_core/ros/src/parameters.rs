@@ -7,7 +7,8 @@
 use crate::graph::Master;
 use crate::node::{text_of, Shared};
 use crate::xmlrpc::CallError;
-use crate::{lock, NodeEvent, RosNode};
+use crate::{NodeEvent, RosNode};
+use rcs_scene::lock;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 

@@ -17,15 +17,15 @@ pub(crate) use entry::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Condvar, Mutex, Weak};
 use std::time::{Duration, Instant};
 
 use self::comparison::Compared;
 use crate::contacts::{list_of, Contacts, Unreachable};
 use crate::graph::{strings, Master, Publications, SystemState};
-use crate::lock;
 use crate::tcpros::{Link, Subscription};
 use crate::xmlrpc::CallError;
+use rcs_scene::{lock, wait_timeout};
 
 /// How often the master is asked whether it still knows the node, and how often one that is silent is tried.
 const CHECK_PERIOD: Duration = Duration::from_secs(1);
@@ -295,7 +295,7 @@ impl Registrar {
                 log::warn!("could not unregister from the ROS master in time");
                 return;
             }
-            state = self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
+            state = wait_timeout(&self.changed, state, left);
         }
     }
 
@@ -356,7 +356,7 @@ impl Registrar {
             if left.is_zero() || (!is_silent && state.next_step().is_some()) {
                 return false;
             }
-            state = self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
+            state = wait_timeout(&self.changed, state, left);
         }
     }
 

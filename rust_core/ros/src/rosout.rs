@@ -4,7 +4,7 @@
 //! publishes. Lines from before the node has started are published when it has.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
 use rcs_messages::roscpp::{GetLoggers, GetLoggersRes, Logger, SetLoggerLevel};
@@ -12,9 +12,10 @@ use rcs_messages::rosgraph_msgs::Log;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::std_srvs::EmptyRes;
 use rcs_messages::Time;
+use rcs_scene::{lock, wait_timeout};
 
 use crate::publisher::Publisher;
-use crate::{lock, NodeError, RosNode};
+use crate::{NodeError, RosNode};
 
 const TOPIC: &str = "/rosout";
 /// Lines that wait for the thread; the oldest give way.
@@ -171,6 +172,6 @@ fn next_line(is_alive: impl Fn() -> bool) -> Option<LogLine> {
             queue.is_ended = true;
             return None;
         }
-        queue = CHANGED.wait_timeout(queue, PATIENCE).unwrap_or_else(PoisonError::into_inner).0;
+        queue = wait_timeout(&CHANGED, queue, PATIENCE);
     }
 }

@@ -13,7 +13,8 @@ use std::net::TcpListener;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use crate::lock;
+use rcs_scene::lock;
+
 use crate::registrar::Registrar;
 use crate::xmlrpc::{client, parse_call, Answer, Server, Value};
 

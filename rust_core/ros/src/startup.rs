@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, OnceLock};
 
-use crate::lock;
+use rcs_scene::lock;
 
 const MASTER_VARIABLE: &str = "ROS_MASTER_URI";
 const HOST_VARIABLE: &str = "ROS_HOSTNAME";

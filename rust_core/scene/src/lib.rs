@@ -53,5 +53,5 @@ pub use ribbons::{RibbonElement, Ribbons};
 pub use scene::{DirectionalLight, DisplayId, DisplayMask, Drawable, Geometry, RenderGroup, Scene};
 pub use solids::{Solid, Solids};
 pub use text::{Glyph, HorizontalAlignment, Text, VerticalAlignment};
-pub use waits::{join_within, wait_while, IDLE_PERIOD};
+pub use waits::{join_within, lock, wait_timeout, wait_while, IDLE_PERIOD};
 pub use workers::name_threads;

@@ -1,9 +1,9 @@
-//! Waits that have an end, of threads that have nothing to do and for threads that were asked to end.
+//! Locks and bounded waits, of threads that have nothing to do and for threads that were asked to end.
 //!
 //! Whoever has something for a thread wakes it. Should that ever be missed, the thread finds it after [`IDLE_PERIOD`]
 //! all the same: a minute late, and not never.
 
-use std::sync::{Condvar, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -12,6 +12,16 @@ pub const IDLE_PERIOD: Duration = Duration::from_secs(60);
 
 /// How often the end of a thread is looked for.
 const END_PERIOD: Duration = Duration::from_millis(2);
+
+/// Locks a mutex whose value is valid even after another thread panicked.
+pub fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Waits until `changed` is notified, at most for `timeout`; also after another thread panicked.
+pub fn wait_timeout<'a, T>(changed: &Condvar, guard: MutexGuard<'a, T>, timeout: Duration) -> MutexGuard<'a, T> {
+    changed.wait_timeout(guard, timeout).unwrap_or_else(PoisonError::into_inner).0
+}
 
 /// Waits while what the lock guards is idle; it is woken through `changed`, and looks by itself after [`IDLE_PERIOD`].
 pub fn wait_while<'a, T>(
@@ -29,7 +39,7 @@ fn look_every<'a, T>(
     mut is_idle: impl FnMut(&mut T) -> bool,
 ) -> MutexGuard<'a, T> {
     while is_idle(&mut guard) {
-        guard = changed.wait_timeout(guard, period).unwrap_or_else(PoisonError::into_inner).0;
+        guard = wait_timeout(changed, guard, period);
     }
     guard
 }

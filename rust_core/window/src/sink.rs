@@ -3,9 +3,10 @@
 
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use rcs_scene::lock;
 use rustix::event::{eventfd, EventfdFlags};
 use rustix::io::{read, write};
 
@@ -157,8 +158,4 @@ impl PictureSink {
         // An error means that it was not readable.
         let _ = read(&self.0.wake, &mut count);
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

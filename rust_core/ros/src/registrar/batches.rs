@@ -6,8 +6,9 @@
 
 use std::time::Instant;
 
+use rcs_scene::lock;
+
 use super::{Entry, Registrar};
-use crate::lock;
 use crate::xmlrpc::CallError;
 
 /// So many registrations at a time.

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
+use rcs_scene::lock;
+
 use super::{Entry, Registrar, State, MOST_PUBLISHERS};
 use crate::graph::Publications;
-use crate::lock;
 use crate::tcpros::Subscription;
 
 /// How often the master is asked again for the publishers of a topic while some of them cannot be connected with.

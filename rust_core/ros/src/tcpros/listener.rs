@@ -6,11 +6,12 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use rcs_scene::lock;
+
 use super::header::Header;
 use super::publication::Publication;
 use super::service::Service;
 use crate::acceptor::{Acceptor, Limits};
-use crate::lock;
 
 /// How long a subscriber may take to say what it wants.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);

@@ -16,10 +16,11 @@ use rustix::event::{eventfd, poll, EventfdFlags, PollFd, PollFlags};
 use rustix::net::sockopt;
 
 use rcs_messages::SharedBytes;
+use rcs_scene::lock;
 
 use super::header::Header;
 use super::keep_alive;
-use crate::{lock, IDLE_TIMEOUT};
+use crate::IDLE_TIMEOUT;
 
 /// What waits in the kernel for a subscriber that does not read is old when it goes on, so it is kept small.
 const SEND_BUFFER_BYTES: usize = 512 * 1024;

@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use rcs_scene::lock;
+
 use super::header::{read_exact, Header};
 use super::keep_alive;
-use crate::lock;
 use crate::registrar::Entry;
 
 /// How long a caller may take to send its request, and to read the answer.

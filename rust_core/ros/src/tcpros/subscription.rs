@@ -12,11 +12,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use rcs_scene::IDLE_PERIOD;
+use rcs_scene::{lock, IDLE_PERIOD};
 
 use super::header::Header;
 use super::keep_alive;
-use crate::lock;
 use crate::xmlrpc::client::{connect, in_order};
 use crate::xmlrpc::{call, CallError, Value};
 
