@@ -26,7 +26,7 @@ use std::sync::{Arc, Mutex};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use rcs_app::camera_stream::offline::{self, Job, Section, Target};
-use rcs_app::camera_stream::stage::Stage;
+use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::Projection;
 use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
@@ -174,7 +174,7 @@ fn render(case: &Case, file: &Path, renderer: &SharedRenderer) -> anyhow::Result
     let config = rcs_rviz_config::load(&case.folder.join("scene.rviz"))?;
     let meshes = MeshStore::new(PackageIndex::new([cases::conformance()]));
     let parameters = offline::read_parameters(&case.params, meshes.packages())?;
-    let mut stage = Stage::new(&config, None, meshes);
+    let mut stage = SceneState::new(&config, None, meshes);
     offline::set_parameters(&mut stage, &parameters);
     let target = Target::Picture { file: file.to_owned() };
     let mut renderer = lock(renderer);

@@ -18,7 +18,7 @@
 use std::alloc::System;
 use std::sync::{Arc, Mutex};
 
-use rcs_app::camera_stream::stage::Stage;
+use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::Projection;
 use rcs_messages::geometry_msgs::{Quaternion, Transform, TransformStamped, Vector3};
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -224,7 +224,7 @@ Visualization Manager:
     let joints = big_robot::write(folder.path()).unwrap();
     let description = std::fs::read_to_string(folder.path().join("big_robot/robot.urdf")).unwrap();
     let config = rcs_rviz_config::parse(CONFIG, "robot").unwrap();
-    let mut stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([folder.path().to_owned()])));
+    let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([folder.path().to_owned()])));
     stage.take_parameter("robot_description", Some(&description.as_str().into()), Time::ZERO);
     let mut info = CameraInfo { width: SIZE_PX[0], height: SIZE_PX[1], ..CameraInfo::default() };
     info.header.frame_id = "eye".to_owned();

@@ -264,7 +264,7 @@ fn the_pool_of_threads_is_named_by_all_that_use_it() {
     let expected = [
         "camera_stream/check/live.rs",
         "camera_stream/mod.rs",
-        "camera_stream/node/mod.rs",
+        "camera_stream/runtime/mod.rs",
         "projector_blend/mod.rs",
     ];
     let mut expected: BTreeSet<String> = expected.iter().map(|file| format!("{app}/{file}")).collect();
@@ -292,9 +292,9 @@ fn programs_are_started_in_two_places_and_no_shell_is() {
 #[test]
 fn what_works_for_the_pictures_is_watched() {
     let registering = [
-        ("node/mod.rs", "let_watchdog=Watchdog::start()"),
-        ("node/shared.rs", "watchdog::watch(&activity);"),
-        ("node/control.rs", "Task::watched(\"answeringcalls\")"),
+        ("runtime/mod.rs", "let_watchdog=Watchdog::start()"),
+        ("runtime/shared.rs", "watchdog::watch(&activity);"),
+        ("runtime/control_thread.rs", "Task::watched(\"answeringcalls\")"),
         ("outputs/compressed.rs", "Task::watched(format!(\"compressingapictureof{}\""),
         ("outputs/window.rs", "watchdog::watch(&showing);"),
     ];

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use rcs_app::camera_stream::stage::Stage;
+use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::Projection;
 use rcs_messages::geometry_msgs::{Quaternion, Transform, TransformStamped, Vector3};
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -29,7 +29,7 @@ Visualization Manager:
 const FRAMES: u32 = 60;
 
 struct Bench {
-    stage: Stage,
+    stage: SceneState,
     renderer: CpuRenderer,
     picture: Picture,
     joints: Vec<BigJoint>,
@@ -53,7 +53,7 @@ impl Bench {
         let description = std::fs::read_to_string(folder.join("big_robot/robot.urdf")).unwrap();
         let config = rcs_rviz_config::parse(CONFIG, "big.rviz").unwrap();
         let begin = Instant::now();
-        let stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([folder.to_owned()])));
+        let stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([folder.to_owned()])));
         let mut bench = Self { stage, renderer: CpuRenderer::with_threads(2), picture: Picture::default(), joints };
         let mut info = CameraInfo { width: 1280, height: 800, ..CameraInfo::default() };
         info.header.frame_id = "eye".to_owned();

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Translation3, UnitQuaternion, Vector3};
-use rcs_app::camera_stream::stage::Stage;
+use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::{CameraModel, Projection};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::AnyMessage;
@@ -58,7 +58,7 @@ Visualization Manager:
      Camera Info Topic: /camera_info}
 ";
     let config = rcs_rviz_config::parse(CONFIG, "scene.rviz").unwrap();
-    let mut stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([])));
+    let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
     stage.take("/camera_info", &AnyMessage::CameraInfo(Arc::new(info.clone())), Time::ZERO);
     stage.camera(&stage.cameras()[0], model).unwrap()
 }

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector2, Vector3};
-use rcs_app::camera_stream::stage::Stage;
+use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::{CameraModel, Projection};
 use rcs_files::projector::lens_of;
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -84,7 +84,7 @@ Visualization Manager:
      Camera Info Topic: /camera_info}
 ";
     let config = rcs_rviz_config::parse(CONFIG, "scene.rviz").unwrap();
-    let mut stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([])));
+    let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
     stage.take("/camera_info", &AnyMessage::CameraInfo(Arc::new(info.clone())), Time::ZERO);
     stage.camera(&stage.cameras()[0], model).unwrap()
 }

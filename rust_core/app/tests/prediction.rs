@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use rcs_app::camera_stream::stage::Stage;
+use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::Projection;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
@@ -84,7 +84,7 @@ impl Noise {
 }
 
 struct Simulation {
-    stage: Stage,
+    stage: SceneState,
     progress: Progress,
     /// Of each coordinate, metres and radians.
     noise_m: f64,
@@ -94,7 +94,7 @@ struct Simulation {
 impl Simulation {
     fn new(progress: impl Fn(f64) -> f64 + 'static, noise_m: f64) -> Self {
         let config = rcs_rviz_config::parse(CONFIG, "simulation").unwrap();
-        let mut stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([])));
+        let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
         let mut info = CameraInfo { width: 1280, height: 800, ..CameraInfo::default() };
         info.P = [1900.0, 0.0, 640.0, 0.0, 0.0, 1900.0, 400.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         info.header.frame_id = "lens".to_owned();

@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use rcs_app::camera_stream::stage::Stage;
+use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::Projection;
 use rcs_messages::sensor_msgs::{CameraInfo, CompressedImage};
 use rcs_messages::tf2_msgs::TFMessage;
@@ -159,14 +159,14 @@ thread_local! {
 
 /// A stage and the time on it.
 pub(crate) struct Shown {
-    stage: Stage,
+    stage: SceneState,
     now_nanos: i64,
 }
 
 impl Shown {
     pub(crate) fn new(config: &Config) -> Self {
         let meshes = MeshStore::new(PackageIndex::new([]));
-        Self { stage: Stage::new(config, None, meshes), now_nanos: 100_000_000_000 }
+        Self { stage: SceneState::new(config, None, meshes), now_nanos: 100_000_000_000 }
     }
 
     fn now(&self) -> Time {

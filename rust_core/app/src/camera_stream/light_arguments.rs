@@ -7,7 +7,7 @@ use clap::Args;
 use rcs_render::Orientation;
 
 use crate::camera_stream::cli::NodeArgs;
-use crate::camera_stream::depth_image::DepthEncoding;
+use crate::camera_stream::outputs::depth_image::DepthEncoding;
 use crate::camera_stream::safety::ages::limits::StaleTimeout;
 use crate::camera_stream::safety::names::{CameraValue, ForCamera};
 use crate::camera_stream::safety::rules::KeepOutFrame;

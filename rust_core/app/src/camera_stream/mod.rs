@@ -1,29 +1,19 @@
 //! `camera_stream`: the virtual cameras of a `.rviz` config, as a ROS node or over a bag.
 
-mod black_picture;
-pub mod camera_pose;
+mod camera;
 pub mod check;
 pub mod cli;
 mod config_file;
-pub mod depth_image;
-mod lazy_streams;
 pub mod light_arguments;
 mod new_camera;
-pub mod node;
 pub mod offline;
-mod oriented_info;
 pub mod outputs;
-mod parameter_description;
 pub mod prediction;
 mod private_parameters;
 mod projection_warning;
+pub mod runtime;
 pub mod safety;
-pub mod stage;
-mod status_log;
-mod status_tree;
-mod subscriptions;
-mod visibility;
-pub mod watchdog;
+pub mod scene;
 mod window_arguments;
 
 use std::path::{Path, PathBuf};
@@ -40,7 +30,7 @@ use crate::camera_stream::cli::{CheckArgs, Cli, Command, RenderArgs};
 use crate::camera_stream::config_file::find_config;
 use crate::camera_stream::offline::{Job, Section, Target};
 use crate::camera_stream::safety::names::ForCamera;
-use crate::camera_stream::stage::Stage;
+use crate::camera_stream::scene::SceneState;
 use rcs_node_support::lifecycle::{self, own_arguments};
 
 /// The node's name where the command line gives none.
@@ -101,7 +91,7 @@ pub fn main() -> ExitCode {
                 .map_err(|error| anyhow!("standard output: {error}"))
         }
         Some(Command::Render(args)) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
-        None => return lifecycle::finish(&node::run(&cli, &config)),
+        None => return lifecycle::finish(&runtime::run(&cli, &config)),
         Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
     };
     finished(result)
@@ -175,7 +165,7 @@ fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
     // What a picture shows does not depend on how fast files are read: each is loaded when it is asked for.
     let meshes = MeshStore::with_options(packages, options);
     let parameters = offline::read_parameters(&args.param, meshes.packages())?;
-    let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
+    let mut stage = SceneState::new(config, args.fixed_frame.as_deref(), meshes);
     offline::set_parameters(&mut stage, &parameters);
     let (rate_hz, overwrite) = (args.rate, args.overwrite);
     let target = match (&args.output, &args.frames, &args.video) {

@@ -11,8 +11,8 @@ use rcs_resources::ResourceOptions;
 use rcs_ros::RosNode;
 
 use crate::camera_stream::cli::{mesh_mb, ModelArgs, ResourceArgs};
-use crate::camera_stream::depth_image::DepthEncoding;
 use crate::camera_stream::light_arguments::Gamma;
+use crate::camera_stream::outputs::depth_image::DepthEncoding;
 use crate::camera_stream::window_arguments::ScreenArgs;
 use rcs_node_support::node_options::yes_or_no;
 

@@ -5,8 +5,8 @@ use rcs_displays::CameraView;
 use rcs_files::projector::fields_of;
 use rcs_messages::sensor_msgs::CameraInfo;
 
-use crate::camera_stream::stage::Stage;
-use crate::camera_stream::status_tree::deviations_of;
+use crate::camera_stream::scene::status_tree::deviations_of;
+use crate::camera_stream::scene::SceneState;
 
 /// Logs the [deviations](deviations_of) of a camera's CameraInfo, again when they are others.
 #[derive(Debug, Default)]
@@ -17,7 +17,7 @@ pub(crate) struct ProjectionWarning {
 
 impl ProjectionWarning {
     /// Checks the camera's last CameraInfo, which costs next to nothing where it is the one of before.
-    pub(crate) fn check(&mut self, stage: &Stage, view: &CameraView, model: CameraModel) {
+    pub(crate) fn check(&mut self, stage: &SceneState, view: &CameraView, model: CameraModel) {
         let Some(info) = stage.camera_info(view) else { return };
         if self.checked.as_ref().is_some_and(|checked| fields_of(checked) == fields_of(info)) {
             return;

@@ -14,10 +14,10 @@ use crate::camera_stream::check::node_name::NodeName;
 use crate::camera_stream::check::table;
 use crate::camera_stream::cli::{ModelArgs, ResourceArgs};
 use crate::camera_stream::private_parameters;
-use crate::camera_stream::stage::Stage;
-use crate::camera_stream::status_tree::{self, StatusEntry};
-use crate::camera_stream::subscriptions::Subscriptions;
-use crate::camera_stream::visibility::{self, PlacedCamera, VISIBILITY};
+use crate::camera_stream::scene::status_tree::{self, StatusEntry};
+use crate::camera_stream::scene::subscriptions::Subscriptions;
+use crate::camera_stream::scene::visibility::{self, PlacedCamera, VISIBILITY};
+use crate::camera_stream::scene::SceneState;
 use rcs_node_support::lifecycle::EndRequest;
 
 /// How long it sleeps at most while nothing is received.
@@ -86,7 +86,7 @@ fn check(
         private_parameters::resources(ros, &args.resources).map_err(|error| LiveError::Parameter(error.to_string()))?;
     let events = ros.events().clone();
     let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
-    let mut stage = Stage::new(config, args.fixed_frame.as_deref(), meshes);
+    let mut stage = SceneState::new(config, args.fixed_frame.as_deref(), meshes);
     // Kept for what is known of their publishers.
     let _subscriptions = receive(&mut stage, args.listen, ros, end)?;
     ros.query_publications();
@@ -108,7 +108,12 @@ fn ros_time(ros: &RosNode) -> Time {
 }
 
 /// Applies what is received to the stage. Returns the subscriptions.
-fn receive(stage: &mut Stage, listen: Duration, ros: &RosNode, end: &EndRequest) -> Result<Subscriptions, LiveError> {
+fn receive(
+    stage: &mut SceneState,
+    listen: Duration,
+    ros: &RosNode,
+    end: &EndRequest,
+) -> Result<Subscriptions, LiveError> {
     ros.subscribe_transforms()?;
     let mut subscriptions = Subscriptions::default();
     subscriptions.update(ros, stage.topics());
@@ -176,7 +181,7 @@ mod tests {
     use rcs_displays::Statuses;
 
     use super::*;
-    use crate::camera_stream::status_tree::EntryKind;
+    use crate::camera_stream::scene::status_tree::EntryKind;
 
     #[test]
     fn many_statuses_are_a_line_with_their_number() {

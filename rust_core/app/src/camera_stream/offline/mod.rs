@@ -22,13 +22,13 @@ use rcs_scene::Picture;
 use rcs_transforms::Time;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-use crate::camera_stream::camera_pose::CameraProblem;
 use crate::camera_stream::cli;
 use crate::camera_stream::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
 use crate::camera_stream::projection_warning::ProjectionWarning;
 use crate::camera_stream::safety::names::{of_camera, ForCamera};
 use crate::camera_stream::safety::FramePolicy;
-use crate::camera_stream::stage::{renderer_view, Stage};
+use crate::camera_stream::scene::camera_pose::CameraProblem;
+use crate::camera_stream::scene::{renderer_view, SceneState};
 use rcs_node_support::key_value;
 
 pub use moments::Section;
@@ -89,7 +89,7 @@ pub struct Job<'a> {
 ///
 /// # Errors
 /// One line that names the bag, the camera, the topic, the frame or the file that is the reason.
-pub fn render(stage: &mut Stage, job: &Job<'_>, renderer: &mut dyn Renderer) -> Result<()> {
+pub fn render(stage: &mut SceneState, job: &Job<'_>, renderer: &mut dyn Renderer) -> Result<()> {
     let view = choose_camera(stage.cameras(), job.camera)?.clone();
     let orientation = of_camera(&job.orientations, &view.name).copied().unwrap_or_default();
     let policy = FramePolicy::offline(LastStep { orientation, ..LastStep::default() });
@@ -149,7 +149,13 @@ impl Job<'_> {
     }
 
     /// The moments to be rendered. Plays the bag up to the first of a sequence.
-    fn moments(&self, player: &mut Player, stage: &mut Stage, view: &CameraView, times: BagTimes) -> Result<Moments> {
+    fn moments(
+        &self,
+        player: &mut Player,
+        stage: &mut SceneState,
+        view: &CameraView,
+        times: BagTimes,
+    ) -> Result<Moments> {
         let rate_hz = match self.target {
             Target::Picture { .. } => return self.section.single(times),
             Target::Sequence { rate_hz, .. } | Target::Video { rate_hz, .. } => *rate_hz,
@@ -179,7 +185,7 @@ impl Job<'_> {
         moment: Time,
         problem: CameraProblem,
         player: &mut Player,
-        stage: &mut Stage,
+        stage: &mut SceneState,
         view: &CameraView,
         times: BagTimes,
     ) -> Error {
@@ -267,7 +273,7 @@ pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<Hash
 }
 
 /// Sets the parameters that the stage reads; those that are not among `parameters` are not set.
-pub fn set_parameters(stage: &mut Stage, parameters: &HashMap<String, Arc<str>>) {
+pub fn set_parameters(stage: &mut SceneState, parameters: &HashMap<String, Arc<str>>) {
     for name in stage.parameters() {
         let text = parameters.get(name.trim_start_matches('/'));
         stage.take_parameter(&name, text, Time::ZERO);

@@ -14,8 +14,8 @@ use rcs_transforms::Time;
 use super::moments::BagTimes;
 use super::projector::Projector;
 use super::ros_time::{clock_jumps_back, clock_of, is_clock, RosTime};
-use crate::camera_stream::stage::Stage;
-use crate::camera_stream::status_log::StatusLog;
+use crate::camera_stream::scene::status_log::StatusLog;
+use crate::camera_stream::scene::SceneState;
 
 /// Plays a bag's messages to a stage.
 pub(super) struct Player {
@@ -45,7 +45,7 @@ fn is_transforms(connection: &Connection) -> bool {
 }
 
 impl Player {
-    pub(super) fn new(stage: &Stage, bag: &Bag, times: BagTimes, projector: Option<Projector>) -> Self {
+    pub(super) fn new(stage: &SceneState, bag: &Bag, times: BagTimes, projector: Option<Projector>) -> Self {
         let requests = stage.topics();
         let wanted: Vec<(String, String, MessageKind)> =
             requests.into_iter().map(|request| (full_name(&request.topic), request.topic, request.kind)).collect();
@@ -64,7 +64,7 @@ impl Player {
     ///
     /// # Errors
     /// The bag's clock jumps back.
-    pub(super) fn play_until(&mut self, stage: &mut Stage, moment: Time) -> Result<()> {
+    pub(super) fn play_until(&mut self, stage: &mut SceneState, moment: Time) -> Result<()> {
         while self.play_next(stage, moment).is_some() {}
         self.update_with_transforms(stage);
         if let Some((from, to)) = self.jump {
@@ -83,7 +83,7 @@ impl Player {
     /// those, or that time if the camera is there already; `None` if there is no camera by the other time.
     pub(super) fn play_until_camera(
         &mut self,
-        stage: &mut Stage,
+        stage: &mut SceneState,
         view: &CameraView,
         model: CameraModel,
         [moment, last]: [Time; 2],
@@ -98,7 +98,7 @@ impl Player {
     }
 
     /// Plays one message, unless it is after a time. Returns its time.
-    fn play_next(&mut self, stage: &mut Stage, last: Time) -> Option<Time> {
+    fn play_next(&mut self, stage: &mut SceneState, last: Time) -> Option<Time> {
         let ros_time = self.ros_time;
         if self.messages.peek()?.as_ref().is_ok_and(|message| ros_time.of(message) > last) {
             return None;
@@ -126,13 +126,13 @@ impl Player {
     }
 
     /// Updates the displays with the transforms since their last update, at the time of the last of those.
-    fn update_with_transforms(&mut self, stage: &mut Stage) {
+    fn update_with_transforms(&mut self, stage: &mut SceneState) {
         if let Some((_, last)) = self.unseen_transforms.take() {
             stage.update(last);
         }
     }
 
-    fn play(&mut self, stage: &mut Stage, message: &BagMessage, now: Time) {
+    fn play(&mut self, stage: &mut SceneState, message: &BagMessage, now: Time) {
         let connection = &message.connection;
         let name = full_name(&connection.topic);
         let damaged = |error: &dyn std::fmt::Display| log::warn!("topic {name}: cannot decode a message: {error}");

@@ -9,7 +9,7 @@ use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::AnyMessage;
 use rcs_transforms::Time;
 
-use crate::camera_stream::stage::Stage;
+use crate::camera_stream::scene::SceneState;
 
 /// What the file says, for one camera.
 #[derive(Debug)]
@@ -43,7 +43,7 @@ impl Projector {
     }
 
     /// Hands CameraInfo and frames to the stage.
-    pub(super) fn place(&self, stage: &mut Stage, now: Time) {
+    pub(super) fn place(&self, stage: &mut SceneState, now: Time) {
         let transforms = self.file.frames.iter().map(|frame| frame.to_message(rcs_messages::Time::default()));
         stage.take_transforms(&TFMessage { transforms: transforms.collect() }, true, &self.name);
         let info = AnyMessage::CameraInfo(self.file.camera_info.clone().into());

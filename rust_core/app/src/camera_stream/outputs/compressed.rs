@@ -17,7 +17,7 @@ use rcs_ros::{ReconfigureServer, RosNode};
 use rcs_scene::{wait_while, Picture};
 
 use super::compressed_settings::{CompressionSettings, NAMES};
-use crate::camera_stream::watchdog::Task;
+use crate::camera_stream::runtime::watchdog::Task;
 
 /// The compressed pictures of a camera.
 pub(super) struct CompressedOutput {

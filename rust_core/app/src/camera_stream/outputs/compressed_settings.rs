@@ -10,7 +10,7 @@ use rcs_messages::dynamic_reconfigure::{
 };
 use rcs_scene::Encoding;
 
-use crate::camera_stream::parameter_description::{choice_of, parameter};
+use crate::camera_stream::outputs::parameter_description::{choice_of, parameter};
 
 const FORMAT: &str = "format";
 const QUALITY: &str = "jpeg_quality";

@@ -6,6 +6,8 @@
 
 mod compressed;
 mod compressed_settings;
+pub mod depth_image;
+pub(crate) mod parameter_description;
 mod picture_files;
 mod topic;
 mod video;
@@ -20,7 +22,7 @@ use rcs_ros::image_topic::SendError;
 use rcs_scene::Picture;
 use rcs_window::Refresh;
 
-use crate::camera_stream::depth_image::DepthImage;
+use crate::camera_stream::outputs::depth_image::DepthImage;
 use crate::camera_stream::safety::permit::Permit;
 
 pub use picture_files::{PictureFile, PictureSequence, SequenceError};

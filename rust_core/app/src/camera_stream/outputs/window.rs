@@ -14,8 +14,8 @@ use rcs_scene::{Encoding, Picture};
 use rcs_window::{run_with, Light, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit};
 
 use super::{Frame, Output, OutputError};
+use crate::camera_stream::runtime::watchdog::{self, Task, Worker};
 use crate::camera_stream::safety::permit::{Allowance, Permit};
-use crate::camera_stream::watchdog::{self, Task, Worker};
 
 /// How long a window that could not be opened is left alone.
 const RETRY_AFTER: Duration = Duration::from_secs(2);

@@ -9,12 +9,15 @@
 //! makes an image dark, and it is lit again as soon as it is known.
 
 pub mod ages;
+pub(crate) mod black_image;
 pub mod causes;
 mod eyes;
 mod mask_image;
 pub mod names;
 pub mod permit;
+pub(crate) mod read_rules;
 pub mod rules;
+pub(crate) mod status;
 #[cfg(test)]
 mod tests;
 
@@ -36,7 +39,7 @@ use self::permit::Permit;
 use self::rules::Rules;
 
 /// The name of the status of what is too old.
-pub(in crate::camera_stream) const STALE: &str = "Stale";
+pub(crate) const STALE: &str = "Stale";
 
 /// A window becomes black after this at the earliest when nothing is drawn or confirmed: it is told less often.
 const LEAST_WINDOW_TIMEOUT: Duration = Duration::from_secs(1);

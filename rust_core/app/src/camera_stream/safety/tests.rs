@@ -9,7 +9,7 @@ use super::names::ForCamera;
 use super::permit::Allowance;
 use super::rules::KeepOutFrame;
 use super::*;
-use crate::camera_stream::stage::Stage;
+use crate::camera_stream::scene::SceneState;
 
 const CONFIG: &str = "
 Visualization Manager:
@@ -35,9 +35,9 @@ fn mask_of_cam() -> Vec<ForCamera<String>> {
     vec![ForCamera { camera: Some("cam".to_owned()), value: "/mask".to_owned() }]
 }
 
-fn stage() -> Stage {
+fn stage() -> SceneState {
     let config = rcs_rviz_config::parse(CONFIG, "test").unwrap();
-    Stage::new(&config, None, MeshStore::new(PackageIndex::new([])))
+    SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])))
 }
 
 fn cameras(names: &[&str]) -> Vec<String> {

@@ -91,7 +91,7 @@ impl Limits {
     }
 
     /// That of topics that have none of their own.
-    pub(in super::super) fn for_all_topics(&self) -> Option<Duration> {
+    pub(crate) fn for_all_topics(&self) -> Option<Duration> {
         match self.general {
             Limit::After(limit) => Some(limit),
             Limit::Held | Limit::Never => None,
@@ -124,7 +124,7 @@ impl Limits {
     }
 
     /// The same, with this limit for all topics that have none.
-    pub(in super::super) fn or_after(self, limit: Duration) -> Self {
+    pub(crate) fn or_after(self, limit: Duration) -> Self {
         let general = if self.general == Limit::Never { Limit::After(limit) } else { self.general };
         Self { general, ..self }
     }

@@ -336,7 +336,7 @@ impl Assessment {
     }
 
     /// When the first thing that is current now will not be.
-    pub(in crate::camera_stream) fn next_change(&self) -> Option<Instant> {
+    pub(crate) fn next_change(&self) -> Option<Instant> {
         let states = self.displays.iter().map(|display| &display.state).chain(self.cameras.values());
         let until = |state: &State| match state {
             State::Current(until) => *until,
@@ -346,7 +346,7 @@ impl Assessment {
     }
 
     /// Why a display is not drawn, by its number and its path: what is too old.
-    pub(in crate::camera_stream) fn why_hidden(&self, id: DisplayId, path: &str) -> Option<&str> {
+    pub(crate) fn why_hidden(&self, id: DisplayId, path: &str) -> Option<&str> {
         let display = self.displays.iter().find(|display| display.id == id && display.path == path)?;
         match &display.state {
             State::Stale(why) => Some(why),

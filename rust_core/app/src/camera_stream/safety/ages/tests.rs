@@ -11,7 +11,7 @@ use rcs_resources::{MeshStore, PackageIndex};
 use rcs_ros::Publishing;
 
 use super::*;
-use crate::camera_stream::stage::Stage;
+use crate::camera_stream::scene::SceneState;
 
 mod every_class;
 
@@ -29,7 +29,7 @@ Visualization Manager:
 
 /// A stage, a clock and who is connected.
 struct Bench {
-    stage: Stage,
+    stage: SceneState,
     freshness: Freshness,
     start: Instant,
     secs: f64,
@@ -49,7 +49,7 @@ impl Bench {
 
     fn of(config: &str, limits: Limits) -> Self {
         let config = rcs_rviz_config::parse(config, "test").unwrap();
-        let mut stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([])));
+        let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
         let info = CameraInfo { width: 64, height: 48, ..CameraInfo::default() };
         let mut bench = Self {
             freshness: Freshness::new(limits).unwrap(),

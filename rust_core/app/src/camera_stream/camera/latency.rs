@@ -17,7 +17,7 @@ use rcs_displays::ShownMessage;
 use rcs_scene::{DisplayId, DisplayMask};
 use rcs_transforms::Time;
 
-use crate::camera_stream::status_tree::age_ms;
+use crate::camera_stream::scene::status_tree::age_ms;
 
 /// When something that the next picture shows was received, and when it was part of the scene.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ struct Arrival {
 
 /// The figures of a camera's last new pictures.
 #[derive(Debug)]
-pub(super) struct Latency {
+pub(crate) struct Latency {
     /// The messages that are new since the last picture, one for each display, with their stamps.
     messages: Vec<(DisplayId, Arrival, Time)>,
     /// The last transforms since the last picture.
@@ -50,28 +50,28 @@ impl Default for Latency {
 
 /// What an update of the scene brought.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Update<'a> {
+pub(crate) struct Update<'a> {
     /// The displays that show another message.
-    pub(super) shown: &'a [(DisplayId, ShownMessage)],
+    pub(crate) shown: &'a [(DisplayId, ShownMessage)],
     /// When the last transforms were received, if any were.
-    pub(super) transforms_received: Option<Instant>,
+    pub(crate) transforms_received: Option<Instant>,
     /// When the scene was up to date.
-    pub(super) decoded: Instant,
+    pub(crate) decoded: Instant,
 }
 
 impl Latency {
     /// Records how long it took from looking up frames to publishing the picture that shows them.
-    pub(super) fn record_way(&mut self, way: Duration) {
+    pub(crate) fn record_way(&mut self, way: Duration) {
         self.way_ms.push(way.as_secs_f64() * 1e3);
     }
 
     /// The median of what [`record_way`](Self::record_way) recorded.
-    pub(super) fn way(&self) -> Option<Duration> {
+    pub(crate) fn way(&self) -> Option<Duration> {
         self.way_ms.percentiles().map(|way| Duration::from_secs_f64(way.median / 1e3))
     }
 
     /// Records what the next picture will show.
-    pub(super) fn record_update(&mut self, update: &Update<'_>, visible: &DisplayMask) {
+    pub(crate) fn record_update(&mut self, update: &Update<'_>, visible: &DisplayMask) {
         let Update { shown, transforms_received, decoded } = *update;
         for (display, message) in shown.iter().filter(|(display, _)| visible.shows(*display)) {
             let Some(received) = message.received else { continue };
@@ -86,13 +86,13 @@ impl Latency {
     }
 
     /// Forgets what the next picture would have shown: there is none.
-    pub(super) fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.messages.clear();
         self.transforms = None;
     }
 
     /// Adds the figures of a new picture. `stamp` is the picture's own, the ROS time of publishing.
-    pub(super) fn measure(&mut self, drawn: Instant, published: Instant, stamp: Time) {
+    pub(crate) fn measure(&mut self, drawn: Instant, published: Instant, stamp: Time) {
         let arrivals = self.messages.iter().map(|(_, arrival, _)| *arrival);
         let first = arrivals.min_by_key(|arrival| arrival.received).or(self.transforms);
         let oldest = self.messages.iter().filter_map(|(.., data)| age_ms(*data, stamp)).max_by(f64::total_cmp);
@@ -107,7 +107,7 @@ impl Latency {
     }
 
     /// The figures with their names.
-    pub(super) fn values(&self) -> [(&'static str, String); 6] {
+    pub(crate) fn values(&self) -> [(&'static str, String); 6] {
         let text = |window: &RollingWindow<PICTURES>| figure(window.percentiles());
         let [to_decoded, to_drawn, to_published] = self.stages.steps_ms();
         [

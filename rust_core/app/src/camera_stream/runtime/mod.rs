@@ -14,26 +14,15 @@
 //! for a picture.
 
 mod activity;
-mod camera;
-mod camera_health;
-mod camera_plan;
 mod config_reader;
-mod content;
-mod control;
+mod control_thread;
 mod costs;
 mod diagnostics;
 mod file_watch;
-mod latency;
-mod oriented_frames;
-mod pacing;
-mod progress;
-mod reconfigurable;
-mod rules;
-mod runtime_settings;
-mod safety_status;
-mod scene_loop;
+mod scene_thread;
 mod shared;
-mod windows;
+pub(crate) mod watchdog;
+pub(crate) mod windows;
 
 use std::sync::Arc;
 
@@ -41,11 +30,11 @@ use anyhow::{Context, Result};
 use rcs_rviz_config::Config;
 
 use crate::camera_stream::cli::Cli;
-use crate::camera_stream::watchdog::Watchdog;
+use crate::camera_stream::runtime::watchdog::Watchdog;
 use crate::camera_stream::{log_findings, NODE_NAME};
-use control::Control;
 use rcs_node_support::lifecycle::{self, EndRequest};
-use scene_loop::SceneLoop;
+use control_thread::Control;
+use scene_thread::SceneLoop;
 use shared::Shared;
 
 /// Runs the node until it is asked to end. Where it fails, [`lifecycle::finish`] is to end it.

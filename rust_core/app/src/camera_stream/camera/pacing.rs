@@ -16,7 +16,7 @@ const MARGIN: Duration = Duration::from_millis(3);
 
 /// How long a camera's pictures take.
 #[derive(Debug)]
-pub(super) struct Pacing {
+pub(crate) struct Pacing {
     took_secs: RollingWindow<PICTURES>,
     begun: Option<Instant>,
 }
@@ -29,7 +29,7 @@ impl Default for Pacing {
 
 impl Pacing {
     /// How long to wait before a picture is begun; `None` if it is to be begun now.
-    pub(super) fn wait(&self, refresh: Option<Refresh>, now: Instant) -> Option<Duration> {
+    pub(crate) fn wait(&self, refresh: Option<Refresh>, now: Instant) -> Option<Duration> {
         let (refresh, took) = (refresh?, self.took_secs.percentiles()?);
         let secs = |secs: f64| Duration::try_from_secs_f64(secs).ok();
         let (usual, needed) = (secs(took.median)? + MARGIN / 2, secs(took.p95)? + MARGIN);
@@ -41,12 +41,12 @@ impl Pacing {
     }
 
     /// A picture is begun.
-    pub(super) fn begin(&mut self, now: Instant) {
+    pub(crate) fn begin(&mut self, now: Instant) {
         self.begun = Some(now);
     }
 
     /// It is finished and handed on.
-    pub(super) fn finish(&mut self, now: Instant) {
+    pub(crate) fn finish(&mut self, now: Instant) {
         if let Some(begun) = self.begun.take() {
             self.took_secs.push(now.saturating_duration_since(begun).as_secs_f64());
         }

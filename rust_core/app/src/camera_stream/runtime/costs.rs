@@ -7,7 +7,7 @@ use rcs_displays::DisplaySet;
 use rcs_render::Renderer;
 use rcs_scene::DisplayId;
 
-use crate::camera_stream::status_tree::path_text;
+use crate::camera_stream::scene::status_tree::path_text;
 
 /// A picture that took longer is reported.
 const SLOW_AFTER: Duration = Duration::from_secs(1);
@@ -16,7 +16,7 @@ const NAMED_SHARE: f64 = 0.1;
 
 /// The times of one picture, from the messages that it shows to the finished pixels.
 #[derive(Debug)]
-pub(super) struct Costs {
+pub(crate) struct Costs {
     begun: Instant,
     /// Of each display's messages and updates.
     displays: HashMap<DisplayId, Duration>,
@@ -30,20 +30,20 @@ impl Default for Costs {
 
 impl Costs {
     /// Begins with the next picture.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.begun = Instant::now();
         self.displays.clear();
     }
 
     /// Adds what the displays' messages and updates took.
-    pub(super) fn add(&mut self, costs: impl IntoIterator<Item = (DisplayId, Duration)>) {
+    pub(crate) fn add(&mut self, costs: impl IntoIterator<Item = (DisplayId, Duration)>) {
         for (display, cost) in costs {
             *self.displays.entry(display).or_default() += cost;
         }
     }
 
     /// What took so long, if the picture that is finished now was slow.
-    pub(super) fn slow_picture(&self, renderer: &dyn Renderer, displays: &DisplaySet) -> Option<String> {
+    pub(crate) fn slow_picture(&self, renderer: &dyn Renderer, displays: &DisplaySet) -> Option<String> {
         let took = self.begun.elapsed();
         (took >= SLOW_AFTER).then(|| self.describe(took, renderer.costs(), |id| displays.path(id).map(path_text)))
     }

@@ -59,7 +59,7 @@ impl ChangeDetector {
 }
 
 /// Watches a file until it is dropped.
-pub(super) struct FileWatch {
+pub(crate) struct FileWatch {
     changed: Arc<AtomicBool>,
     ended: Arc<AtomicBool>,
 }
@@ -70,7 +70,7 @@ impl FileWatch {
     ///
     /// # Errors
     /// When the thread cannot be started.
-    pub(super) fn start(file: PathBuf, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+    pub(crate) fn start(file: PathBuf, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let (changed, ended) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         let (change, end) = (Arc::clone(&changed), Arc::clone(&ended));
         let watching = move || {
@@ -88,7 +88,7 @@ impl FileWatch {
     }
 
     /// Whether the file changed since the last call.
-    pub(super) fn take_change(&self) -> bool {
+    pub(crate) fn take_change(&self) -> bool {
         self.changed.swap(false, Ordering::AcqRel)
     }
 }

@@ -6,14 +6,14 @@ use anyhow::Result;
 use rcs_camera::CameraModel;
 use rcs_displays::{CameraView, Level};
 
-use super::camera::CameraConnections;
-use super::latency::Latency;
-use super::progress::Progress;
-use crate::camera_stream::camera_pose::CameraProblem;
+use crate::camera_stream::camera::latency::Latency;
+use crate::camera_stream::camera::output::CameraConnections;
+use crate::camera_stream::camera::progress::Progress;
 use crate::camera_stream::projection_warning::ProjectionWarning;
 use crate::camera_stream::safety::causes::Dark;
-use crate::camera_stream::stage::Stage;
-use crate::camera_stream::status_tree::{self, StatusEntry};
+use crate::camera_stream::scene::camera_pose::CameraProblem;
+use crate::camera_stream::scene::status_tree::{self, StatusEntry};
+use crate::camera_stream::scene::SceneState;
 use rcs_logging::one_line;
 
 /// How long a CameraInfo or a frame may be missing before that is logged: at the start it is usually just on its way.
@@ -26,7 +26,7 @@ const SLOW_SILENCE: Duration = Duration::from_secs(60);
 
 /// What is known of a camera's pictures.
 #[derive(Debug, Default)]
-pub(super) struct CameraHealth {
+pub(crate) struct CameraHealth {
     /// Why there is no camera at present, since when, and whether that was logged.
     problem: Option<CameraProblem>,
     problem_since: Option<Instant>,
@@ -38,27 +38,27 @@ pub(super) struct CameraHealth {
     /// Why a picture failed, unless one was published since.
     last_error: Option<String>,
     /// What makes a projection miss.
-    pub(super) projection: ProjectionWarning,
+    pub(crate) projection: ProjectionWarning,
     /// When a picture last took long, and what it took so long for.
     slow_picture: Option<(Instant, String)>,
     slow_picture_logged: Option<Instant>,
     /// Pictures drawn.
-    pub(super) drawn: u64,
+    pub(crate) drawn: u64,
     /// Pictures whose depths were drawn, too.
-    pub(super) depths_drawn: u64,
+    pub(crate) depths_drawn: u64,
     /// Pictures published, unchanged ones included.
-    pub(super) published: u64,
-    pub(super) latency: Latency,
+    pub(crate) published: u64,
+    pub(crate) latency: Latency,
 }
 
 impl CameraHealth {
     /// Whether there is no camera at present.
-    pub(super) fn has_problem(&self) -> bool {
+    pub(crate) fn has_problem(&self) -> bool {
         self.problem.is_some()
     }
 
     /// Records the result of rendering and publishing. An error is logged once, and stays until an image is published.
-    pub(super) fn record_result(&mut self, camera: &str, result: Result<Progress>) {
+    pub(crate) fn record_result(&mut self, camera: &str, result: Result<Progress>) {
         match result {
             Ok(Progress::NotDue | Progress::Begun(())) => {}
             Ok(Progress::Published) => self.last_error = None,
@@ -73,7 +73,7 @@ impl CameraHealth {
     }
 
     /// Records a picture that took long, and logs it unless another was logged in the last minute.
-    pub(super) fn record_slow_picture(&mut self, camera: &str, text: String) {
+    pub(crate) fn record_slow_picture(&mut self, camera: &str, text: String) {
         let now = Instant::now();
         let is_quiet = |logged: Instant| now.saturating_duration_since(logged) < SLOW_SILENCE;
         if !self.slow_picture_logged.is_some_and(is_quiet) {
@@ -85,7 +85,7 @@ impl CameraHealth {
 
     /// Records why there is no camera, and logs it once: an invalid CameraInfo at once, what may still arrive when it
     /// has been missing for a while.
-    pub(super) fn record_problem(&mut self, camera: &str, problem: CameraProblem, now: Instant) {
+    pub(crate) fn record_problem(&mut self, camera: &str, problem: CameraProblem, now: Instant) {
         let same_kind = |known: &CameraProblem| std::mem::discriminant(known) == std::mem::discriminant(&problem);
         let is_new = match (&self.problem, &problem) {
             // Its text has times in it.
@@ -110,14 +110,14 @@ impl CameraHealth {
     }
 
     /// Records that there is a camera, and logs it if it was logged that there is none.
-    pub(super) fn clear_problem(&mut self, camera: &str) {
+    pub(crate) fn clear_problem(&mut self, camera: &str) {
         if self.problem.take().is_some() && std::mem::take(&mut self.has_logged_problem) {
             log::info!("camera {camera}: ok");
         }
     }
 
     /// Records why the picture is black though there is a camera, and logs when that begins and ends.
-    pub(super) fn record_dark(&mut self, camera: &str, dark: Option<&Dark>) {
+    pub(crate) fn record_dark(&mut self, camera: &str, dark: Option<&Dark>) {
         if self.dark.as_ref() == dark {
             return;
         }
@@ -129,9 +129,9 @@ impl CameraHealth {
     }
 
     /// The camera's statuses and figures.
-    pub(super) fn status_entry(
+    pub(crate) fn status_entry(
         &self,
-        stage: &Stage,
+        stage: &SceneState,
         view: &CameraView,
         model: CameraModel,
         connections: &CameraConnections,

@@ -6,7 +6,7 @@
 use rcs_displays::{CameraView, DisplaySet, InView, Level};
 use rcs_scene::{Camera, DisplayId};
 
-use crate::camera_stream::status_tree::StatusEntry;
+use crate::camera_stream::scene::status_tree::StatusEntry;
 
 /// The name of the status.
 pub(crate) const VISIBILITY: &str = "Visibility";

@@ -9,9 +9,9 @@ use rcs_messages::MessageKind;
 use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
 use rcs_transforms::Time;
 
-use crate::camera_stream::lazy_streams::{Key, LazyStreams};
 use crate::camera_stream::safety::ages::Source;
-use crate::camera_stream::stage::Stage;
+use crate::camera_stream::scene::lazy_streams::{Key, LazyStreams};
+use crate::camera_stream::scene::SceneState;
 
 /// What is subscribed to, and the names that the config has for it.
 #[derive(Default)]
@@ -60,7 +60,7 @@ impl Subscriptions {
 
     /// Stops receiving streams that nobody watches, and receives them again as soon as somebody does; see
     /// [`LazyStreams`]. Returns whether the scene changed: what a stream sent before it was paused is old.
-    pub(crate) fn attend(&mut self, is_watched: bool, stage: &mut Stage) -> bool {
+    pub(crate) fn attend(&mut self, is_watched: bool, stage: &mut SceneState) -> bool {
         let Self { subscribed, names, lazy } = self;
         let may_pause = |key: &Key| {
             let is_replaced = |name: &String| stage.is_replaced_by_newest(name, key.1);
@@ -112,7 +112,7 @@ impl Subscriptions {
 
     /// Applies an event to the stage, if it is one that changes the scene: a message, transforms, a parameter, a
     /// publisher that left, time that jumped back. `now` is ROS time.
-    pub(crate) fn apply(&mut self, event: NodeEvent, stage: &mut Stage, now: Time) {
+    pub(crate) fn apply(&mut self, event: NodeEvent, stage: &mut SceneState, now: Time) {
         match event {
             NodeEvent::Message { topic, message, received, .. } => {
                 self.lazy.note_message(&(Arc::clone(&topic), message.kind()), received);

@@ -6,7 +6,7 @@ use anyhow::{anyhow, bail, Context, Error, Result};
 use rcs_ros::RosNode;
 use rcs_window::WindowOptions;
 
-use super::camera_plan::CameraPlan;
+use crate::camera_stream::camera::plan::CameraPlan;
 use crate::camera_stream::outputs::{test_light, WindowOutput, WindowThread};
 use crate::camera_stream::private_parameters;
 use crate::camera_stream::safety::Safety;
@@ -14,7 +14,7 @@ use crate::camera_stream::window_arguments::{CameraWindow, ScreenArgs};
 
 /// The windows, as long as the node runs. Dropped, it closes them.
 #[derive(Default)]
-pub(super) struct Windows(Vec<Window>);
+pub(crate) struct Windows(Vec<Window>);
 
 struct Window {
     camera: String,
@@ -27,7 +27,7 @@ impl Windows {
     ///
     /// # Errors
     /// One line that names what is wrong: no such camera, or a window for none of several.
-    pub(super) fn open(ros: &RosNode, given: &ScreenArgs, safety: &Safety, plans: &[CameraPlan]) -> Result<Self> {
+    pub(crate) fn open(ros: &RosNode, given: &ScreenArgs, safety: &Safety, plans: &[CameraPlan]) -> Result<Self> {
         let names: Vec<_> = plans.iter().map(CameraPlan::name).collect();
         let args = private_parameters::windows(ros, given)?;
         let mut windows = Self::default();
@@ -50,12 +50,12 @@ impl Windows {
     }
 
     /// The window of a camera.
-    pub(super) fn of(&self, camera: &str) -> Option<WindowOutput> {
+    pub(crate) fn of(&self, camera: &str) -> Option<WindowOutput> {
         self.0.iter().find(|window| window.camera == camera).map(|window| window.output.clone())
     }
 
     /// Makes the windows black whose cameras another config does not have.
-    pub(super) fn clear_those_without(&self, plans: &[CameraPlan]) {
+    pub(crate) fn clear_those_without(&self, plans: &[CameraPlan]) {
         for window in self.0.iter().filter(|window| !plans.iter().any(|plan| plan.name() == window.camera)) {
             log::warn!("camera {} is not in the config any more: its window is black", window.camera);
             window.output.clear();

@@ -10,8 +10,8 @@ use std::collections::HashMap;
 use rcs_displays::{Level, StatusCause, Statuses};
 use rcs_transforms::Time;
 
-use crate::camera_stream::status_tree::{EntryKind, StatusEntry, FIXED_FRAME, PUBLISHER};
-use crate::camera_stream::visibility::VISIBILITY;
+use crate::camera_stream::scene::status_tree::{EntryKind, StatusEntry, FIXED_FRAME, PUBLISHER};
+use crate::camera_stream::scene::visibility::VISIBILITY;
 use rcs_logging::log_status;
 
 /// How long a frame may be missing before that is logged.

@@ -13,7 +13,7 @@ use crate::camera_stream::safety::permit::Permit;
 
 /// What a picture shows.
 #[derive(Clone, PartialEq)]
-pub(super) enum Content {
+pub(crate) enum Content {
     /// The scene in this state, without the displays that are too old.
     Scene { version: u64, camera: Box<Camera>, hidden: Vec<DisplayId> },
     /// Nothing. The size is that before the picture is turned.
@@ -22,30 +22,30 @@ pub(super) enum Content {
 
 /// Whether a black picture says why it is black.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Note {
+pub(crate) enum Note {
     Shown,
     NotShown,
 }
 
 /// A picture's content, what is done to it, and its CameraInfo.
 #[derive(Clone)]
-pub(super) struct Drawn {
-    pub(super) content: Content,
-    pub(super) step: Arc<LastStep>,
+pub(crate) struct Drawn {
+    pub(crate) content: Content,
+    pub(crate) step: Arc<LastStep>,
     /// Whether the camera has masks on a topic, or keep-out frames.
-    pub(super) protects_eyes: bool,
+    pub(crate) protects_eyes: bool,
     /// Another number where other data are left out, or of another config.
-    pub(super) scene: u64,
-    pub(super) info: Arc<CameraInfo>,
+    pub(crate) scene: u64,
+    pub(crate) info: Arc<CameraInfo>,
     /// Until when it is true if nothing new arrives.
-    pub(super) until: Option<Instant>,
+    pub(crate) until: Option<Instant>,
     /// When its frames were looked up, in ROS time, if they were predicted.
-    pub(super) looked_up: Option<Time>,
+    pub(crate) looked_up: Option<Time>,
 }
 
 impl Content {
     /// Whether one of the two shows something that the other must not.
-    pub(super) fn differs_in_age(&self, other: &Self) -> bool {
+    pub(crate) fn differs_in_age(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Scene { hidden: own, .. }, Self::Scene { hidden, .. }) => own != hidden,
             (Self::Black { .. }, Self::Black { .. }) => false,
@@ -56,7 +56,7 @@ impl Content {
 
 impl Drawn {
     /// The permit for a window to show something else in its place.
-    pub(super) fn permit(&self) -> Permit {
+    pub(crate) fn permit(&self) -> Permit {
         let dark = match &self.content {
             Content::Scene { .. } => None,
             Content::Black { dark, .. } => Some(dark),
@@ -65,17 +65,17 @@ impl Drawn {
     }
 
     /// Whether a picture of the other one looks the same.
-    pub(super) fn shows_the_same(&self, other: &Self) -> bool {
+    pub(crate) fn shows_the_same(&self, other: &Self) -> bool {
         self.content == other.content && self.step == other.step
     }
 
     /// Whether it has expired.
-    pub(super) fn is_over(&self, now: Instant) -> bool {
+    pub(crate) fn is_over(&self, now: Instant) -> bool {
         self.until.is_some_and(|until| until < now)
     }
 }
 
 /// The size of a camera's pictures.
-pub(super) fn size_px(camera: &Camera) -> [u32; 2] {
+pub(crate) fn size_px(camera: &Camera) -> [u32; 2] {
     camera.lens().map_or([camera.width_px(), camera.height_px()], |lens| lens.size_px())
 }

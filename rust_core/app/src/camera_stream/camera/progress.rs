@@ -2,7 +2,7 @@
 
 /// How far a camera's image got, where nothing failed. `T` is what is needed to go on with one that is begun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Progress<T = ()> {
+pub(crate) enum Progress<T = ()> {
     /// None is due, so whatever failed last is still all that is known.
     NotDue,
     /// One is to be drawn, or being drawn.

@@ -10,17 +10,17 @@ use rcs_ros::RosNode;
 use rcs_rviz_config::{CameraPubSettings, Config, DisplaySettings};
 use rcs_scene::DisplayMask;
 
-use super::camera::{CameraConnections, CameraOutput};
-use super::reconfigurable::{ros_name, switches, unique, Switch};
-use super::windows::Windows;
+use crate::camera_stream::camera::output::{CameraConnections, CameraOutput};
+use crate::camera_stream::camera::reconfigurable::{ros_name, switches, unique, Switch};
 use crate::camera_stream::outputs::{self, Outputs, TopicNames, TopicOutput};
+use crate::camera_stream::runtime::windows::Windows;
 
 /// A camera as a config asks for it, with all its names resolved.
-pub(super) struct CameraPlan {
+pub(crate) struct CameraPlan {
     /// Its display's name as a valid ROS name, unique in the config.
-    pub(super) id: String,
+    pub(crate) id: String,
     /// Its properties.
-    pub(super) settings: CameraPubSettings,
+    pub(crate) settings: CameraPubSettings,
     name: String,
     /// The names of the groups around it and its own.
     path: Vec<String>,
@@ -44,7 +44,7 @@ fn in_namespace(namespace: &str, name: &str) -> String {
 ///
 /// # Errors
 /// The first name that is not valid in ROS.
-pub(super) fn plans(ros: &RosNode, config: &Config) -> Result<Vec<CameraPlan>> {
+pub(crate) fn plans(ros: &RosNode, config: &Config) -> Result<Vec<CameraPlan>> {
     let mut ids = HashSet::new();
     let mut plans = Vec::new();
     for placed in config.placed_displays().iter().filter(|placed| placed.enabled) {
@@ -70,12 +70,12 @@ pub(super) fn plans(ros: &RosNode, config: &Config) -> Result<Vec<CameraPlan>> {
 
 impl CameraPlan {
     /// Its display's name.
-    pub(super) fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
     /// The camera before its tick boxes are applied.
-    pub(super) fn view(&self) -> CameraView {
+    pub(crate) fn view(&self) -> CameraView {
         let (name, path, settings) = (self.name.clone(), self.path.clone(), self.settings.clone());
         CameraView { name, path, settings, visible: DisplayMask::all() }
     }
@@ -87,7 +87,7 @@ impl CameraPlan {
 }
 
 /// Turns the existing cameras into those of a config. Topics, services and parameters that are kept are not touched.
-pub(super) fn rearrange(
+pub(crate) fn rearrange(
     ros: &RosNode,
     plans: Vec<CameraPlan>,
     mut old: Vec<CameraOutput>,

@@ -20,11 +20,11 @@ use crate::camera_stream::safety::painted_mask;
 use crate::camera_stream::safety::rules::Rules;
 
 /// The subscriptions to masks.
-pub(super) struct MaskTopics(Vec<TopicSubscription>);
+pub(crate) struct MaskTopics(Vec<TopicSubscription>);
 
 impl MaskTopics {
     /// Who publishes a mask, by its topic's whole name.
-    pub(super) fn source(&self, topic: &str) -> Option<Source> {
+    pub(crate) fn source(&self, topic: &str) -> Option<Source> {
         let found = self.0.iter().find(|subscription| &**subscription.topic() == topic)?;
         Some(Source { topic: topic.to_owned(), publishing: found.publishing() })
     }
@@ -35,7 +35,7 @@ impl MaskTopics {
 /// # Errors
 /// A parameter without a valid value, a camera that the config does not have, a file that cannot be read, a topic that
 /// cannot be subscribed to.
-pub(super) fn read(ros: &RosNode, args: &NodeArgs, cameras: &[String]) -> Result<(Rules, MaskTopics)> {
+pub(crate) fn read(ros: &RosNode, args: &NodeArgs, cameras: &[String]) -> Result<(Rules, MaskTopics)> {
     let mut mask_topics = for_cameras::<String>(ros, &args.eye_safety.mask_topic, "mask_topic", cameras)?;
     let mut subscriptions = Vec::new();
     for ForCamera { value: topic, .. } in &mut mask_topics {

@@ -7,11 +7,11 @@ use rcs_messages::tf2_msgs::TFMessage;
 use rcs_render::Orientation;
 use rcs_ros::{LatchedPublisher, RosNode};
 
-use crate::camera_stream::oriented_info::turned_frame;
+use crate::camera_stream::camera::oriented_info::turned_frame;
 
 /// Publishes the frames; the topic is advertised with the first one.
 #[derive(Default)]
-pub(super) struct OrientedFrames {
+pub(crate) struct OrientedFrames {
     /// By their names.
     known: BTreeMap<String, TransformStamped>,
     publisher: Option<LatchedPublisher<TFMessage>>,
@@ -19,7 +19,7 @@ pub(super) struct OrientedFrames {
 
 impl OrientedFrames {
     /// Publishes the frame of pictures that are turned like this, if there is one and it is new.
-    pub(super) fn add(&mut self, ros: &RosNode, camera_frame: &str, orientation: Orientation) {
+    pub(crate) fn add(&mut self, ros: &RosNode, camera_frame: &str, orientation: Orientation) {
         let Some(mut placed) = turned_frame(camera_frame, orientation) else { return };
         if self.known.contains_key(&placed.child_frame_id) {
             return;

@@ -12,8 +12,8 @@ use rcs_ros::{Publications, RosNode};
 use rcs_scene::DisplayId;
 use rcs_transforms::{Time, TransformTree};
 
-use crate::camera_stream::camera_pose::CameraProblem;
-use crate::camera_stream::stage::Stage;
+use crate::camera_stream::scene::camera_pose::CameraProblem;
+use crate::camera_stream::scene::SceneState;
 
 /// The name of the status about a topic's publishers. rviz has none: it does not report a topic of another type.
 pub(crate) const PUBLISHER: &str = "Publisher";
@@ -129,14 +129,14 @@ fn global(transforms: &TransformTree, fixed_frame: &str) -> StatusEntry<'static>
 const ADVICE: Advice = Advice { exact: "--projection exact follows P", undistort: "--undistort allows for it" };
 
 /// What makes a projection of a camera's picture miss, or is left out of its CameraInfo: a phrase for each.
-pub(crate) fn deviations_of(stage: &Stage, view: &CameraView, model: CameraModel) -> Vec<String> {
+pub(crate) fn deviations_of(stage: &SceneState, view: &CameraView, model: CameraModel) -> Vec<String> {
     let info = stage.camera_info(view);
     let no_lens = stage.no_lens(view).filter(|_| model.undistort);
     info.map(|info| deviations(&fields_of(info), model, no_lens, ADVICE)).unwrap_or_default()
 }
 
 /// A camera, with the statuses that rviz's CameraPub has.
-pub(crate) fn camera(stage: &Stage, view: &CameraView, model: CameraModel) -> StatusEntry<'static> {
+pub(crate) fn camera(stage: &SceneState, view: &CameraView, model: CameraModel) -> StatusEntry<'static> {
     let settings = &view.settings;
     let mut statuses = Statuses::default();
     if settings.image_topic.is_empty() {

@@ -1,14 +1,14 @@
-//! What the scene's thread is doing, for those who wait for it and for the [watchdog](crate::camera_stream::watchdog).
+//! What the scene's thread is doing, for those who wait for it and for the [watchdog](crate::camera_stream::runtime::watchdog).
 
 use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::camera_stream::watchdog::Worker;
+use crate::camera_stream::runtime::watchdog::Worker;
 
 /// A step of the scene's thread.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Step {
+pub(crate) enum Step {
     /// Takes a message of a topic, by its whole name.
     Message(std::sync::Arc<str>),
     /// Takes transforms, parameters and what else arrives.
@@ -38,18 +38,18 @@ impl fmt::Display for Step {
 
 /// Since when the thread has been busy, and with what.
 #[derive(Clone, Debug)]
-pub(super) struct Busy {
+pub(crate) struct Busy {
     /// Since when it has not waited for events.
-    pub(super) since: Instant,
+    pub(crate) since: Instant,
     /// What it is doing.
-    pub(super) step: Step,
+    pub(crate) step: Step,
     /// Since when it has been doing that.
     step_since: Instant,
 }
 
 /// What the scene's thread is doing. It notes that itself; others read it.
 #[derive(Debug, Default)]
-pub(super) struct Activity {
+pub(crate) struct Activity {
     busy: Mutex<Option<Busy>>,
 }
 
@@ -59,7 +59,7 @@ impl Activity {
     }
 
     /// The thread begins a step.
-    pub(super) fn begin(&self, step: Step) {
+    pub(crate) fn begin(&self, step: Step) {
         let now = Instant::now();
         let mut busy = self.lock();
         let since = busy.as_ref().map_or(now, |busy| busy.since);
@@ -67,12 +67,12 @@ impl Activity {
     }
 
     /// The thread is about to wait for events.
-    pub(super) fn rest(&self) {
+    pub(crate) fn rest(&self) {
         *self.lock() = None;
     }
 
     /// What the thread is doing, if it has been busy for at least this long.
-    pub(super) fn busy_for(&self, duration: Duration) -> Option<Busy> {
+    pub(crate) fn busy_for(&self, duration: Duration) -> Option<Busy> {
         self.lock().clone().filter(|busy| busy.since.elapsed() >= duration)
     }
 }

@@ -6,7 +6,7 @@
 //! A picture that has become false, because what it shows is too old, is followed by a black one at once, whatever the
 //! frame rate; see [`crate::camera_stream::safety`].
 //!
-//! A camera belongs to both of the node's threads, see [`super::shared`]: the scene's thread draws its pictures, and
+//! A camera belongs to both of the node's threads, see [`crate::camera_stream::runtime::shared`]: the scene's thread draws its pictures, and
 //! the control thread answers calls and repeats the last picture while another is drawn for long. None of its methods
 //! takes long; the drawing itself is done between [`CameraOutput::begin_if_due`] and [`CameraOutput::finish`].
 
@@ -23,25 +23,25 @@ use rcs_ros::{RosNode, TriggerReply};
 use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, MAX_SIDE_PX};
 use rcs_transforms::Time;
 
-use super::camera_health::CameraHealth;
-use super::camera_plan::CameraPlan;
-use super::content::{size_px, Content, Drawn, Note};
-use super::latency::Update;
-use super::pacing::Pacing;
-use super::progress::Progress;
-use super::reconfigurable::Switch;
-use super::runtime_settings::RuntimeSettings;
-use crate::camera_stream::black_picture::black_picture;
-use crate::camera_stream::depth_image::{DepthEncoding, DepthImage};
-use crate::camera_stream::oriented_info::TurnedInfo;
+use crate::camera_stream::camera::frame::{size_px, Content, Drawn, Note};
+use crate::camera_stream::camera::health::CameraHealth;
+use crate::camera_stream::camera::latency::Update;
+use crate::camera_stream::camera::oriented_info::TurnedInfo;
+use crate::camera_stream::camera::pacing::Pacing;
+use crate::camera_stream::camera::plan::CameraPlan;
+use crate::camera_stream::camera::progress::Progress;
+use crate::camera_stream::camera::reconfigurable::Switch;
+use crate::camera_stream::camera::runtime_settings::RuntimeSettings;
+use crate::camera_stream::outputs::depth_image::{DepthEncoding, DepthImage};
 use crate::camera_stream::outputs::{Frame, Output, Outputs, TopicOutput};
+use crate::camera_stream::safety::black_image::black_picture;
 use crate::camera_stream::safety::causes::Dark;
 use crate::camera_stream::safety::{self, FramePolicy};
-use crate::camera_stream::stage::Stage;
-use crate::camera_stream::status_tree::StatusEntry;
+use crate::camera_stream::scene::status_tree::StatusEntry;
+use crate::camera_stream::scene::SceneState;
 
 /// A camera with its outputs and its trigger service.
-pub(super) struct CameraOutput {
+pub(crate) struct CameraOutput {
     /// Identifies it when the config is read again; its parameters are below this name.
     id: String,
     /// With the settings of the last picture.
@@ -73,10 +73,10 @@ pub(super) struct CameraOutput {
 
 /// What connects a camera to the world outside.
 #[derive(Default)]
-pub(super) struct CameraConnections {
-    pub(super) outputs: Outputs,
+pub(crate) struct CameraConnections {
+    pub(crate) outputs: Outputs,
     /// The whole name of its trigger service; `None` where another camera has that name.
-    pub(super) trigger_service: Option<Arc<str>>,
+    pub(crate) trigger_service: Option<Arc<str>>,
 }
 
 /// The picture that was finished last.
@@ -90,18 +90,18 @@ struct LastPicture {
 }
 
 /// A picture that is due and to be drawn.
-pub(super) struct DuePicture {
+pub(crate) struct DuePicture {
     /// The camera's settings.
-    pub(super) view: Arc<CameraView>,
+    pub(crate) view: Arc<CameraView>,
     /// The displays that are drawn.
-    pub(super) visible: DisplayMask,
+    pub(crate) visible: DisplayMask,
     /// Where it is.
-    pub(super) camera: Camera,
+    pub(crate) camera: Camera,
     drawn: Drawn,
 }
 
 /// The cameras' names, for the log.
-pub(super) fn names(cameras: &[CameraOutput]) -> String {
+pub(crate) fn names(cameras: &[CameraOutput]) -> String {
     match cameras {
         [] => "no camera".to_owned(),
         cameras => cameras.iter().map(CameraOutput::name).collect::<Vec<_>>().join(", "),
@@ -110,7 +110,7 @@ pub(super) fn names(cameras: &[CameraOutput]) -> String {
 
 impl CameraOutput {
     /// A camera without connections; [`Self::apply`] gives it those.
-    pub(super) fn new(ros: &RosNode, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
+    pub(crate) fn new(ros: &RosNode, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
         Self {
             id: plan.id.clone(),
             view: Arc::new(plan.view()),
@@ -134,12 +134,12 @@ impl CameraOutput {
     }
 
     /// Writes depths like this from now on.
-    pub(super) fn set_depth_encoding(&mut self, encoding: DepthEncoding) {
+    pub(crate) fn set_depth_encoding(&mut self, encoding: DepthEncoding) {
         self.depth_encoding = encoding;
     }
 
     /// Takes over the settings and connections that a config gives it.
-    pub(super) fn apply(
+    pub(crate) fn apply(
         &mut self,
         plan: &CameraPlan,
         connections: CameraConnections,
@@ -159,12 +159,12 @@ impl CameraOutput {
     }
 
     /// Gives its connections away, for the cameras of another config.
-    pub(super) fn release(&mut self) -> CameraConnections {
+    pub(crate) fn release(&mut self) -> CameraConnections {
         std::mem::take(&mut self.connections)
     }
 
     /// Applies what a user has changed from the next picture on.
-    pub(super) fn apply_new_settings(&mut self, displays: &DisplaySet) {
+    pub(crate) fn apply_new_settings(&mut self, displays: &DisplaySet) {
         if !std::mem::take(&mut self.has_new_settings) {
             return;
         }
@@ -176,58 +176,58 @@ impl CameraOutput {
     }
 
     /// Identifies it when the config is read again.
-    pub(super) fn id(&self) -> &str {
+    pub(crate) fn id(&self) -> &str {
         &self.id
     }
 
     /// The display's name.
-    pub(super) fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.view.name
     }
 
     /// The camera with its current settings.
-    pub(super) fn view(&self) -> &Arc<CameraView> {
+    pub(crate) fn view(&self) -> &Arc<CameraView> {
         &self.view
     }
 
     /// Whether somebody watches its pictures.
-    pub(super) fn is_watched(&self) -> bool {
+    pub(crate) fn is_watched(&self) -> bool {
         self.connections.outputs.is_watched()
     }
 
     /// Forgets the last picture: what it shows is old.
-    pub(super) fn discard_last(&mut self) {
+    pub(crate) fn discard_last(&mut self) {
         self.last = None;
     }
 
     /// Its statuses.
-    pub(super) fn status_entry(&self, stage: &Stage, model: CameraModel) -> StatusEntry<'static> {
+    pub(crate) fn status_entry(&self, stage: &SceneState, model: CameraModel) -> StatusEntry<'static> {
         self.health.status_entry(stage, &self.view, model, &self.connections)
     }
 
     /// Records an update of the scene, for the latency figures.
-    pub(super) fn record_update(&mut self, update: &Update<'_>) {
+    pub(crate) fn record_update(&mut self, update: &Update<'_>) {
         self.health.latency.record_update(update, &self.view.visible);
     }
 
     /// Forgets the messages that the next picture would have been measured by: the time jumped back.
-    pub(super) fn forget_messages(&mut self) {
+    pub(crate) fn forget_messages(&mut self) {
         self.health.latency.forget();
         self.scene += 1;
     }
 
     /// The usual time from looking up frames to publishing the picture, if it is watched and that was measured.
-    pub(super) fn way(&self) -> Option<Duration> {
+    pub(crate) fn way(&self) -> Option<Duration> {
         self.connections.outputs.is_watched().then(|| self.health.latency.way()).flatten()
     }
 
     /// Records the result of rendering and publishing. An error is logged once, and stays until an image is published.
-    pub(super) fn record_result(&mut self, result: Result<Progress>) {
+    pub(crate) fn record_result(&mut self, result: Result<Progress>) {
         self.health.record_result(&self.view.name, result);
     }
 
     /// Whether its parameters are served under this name.
-    pub(super) fn has_parameters(&self, server: &str) -> bool {
+    pub(crate) fn has_parameters(&self, server: &str) -> bool {
         self.settings.serves(server) || self.topic_of(server).is_some()
     }
 
@@ -237,7 +237,7 @@ impl CameraOutput {
     }
 
     /// Takes a user's values of a server for the next picture. Returns the values that apply from then on.
-    pub(super) fn reconfigure(&mut self, server: &str, request: &Values, ros: &RosNode) -> Values {
+    pub(crate) fn reconfigure(&mut self, server: &str, request: &Values, ros: &RosNode) -> Values {
         if let Some(topic) = self.connections.outputs.topic.as_mut().filter(|topic| topic.has_parameters(server)) {
             return topic.reconfigure(ros, request);
         }
@@ -246,12 +246,12 @@ impl CameraOutput {
     }
 
     /// Whether this is the camera of a trigger service.
-    pub(super) fn serves(&self, service: &str) -> bool {
+    pub(crate) fn serves(&self, service: &str) -> bool {
         self.connections.trigger_service.as_deref() == Some(service)
     }
 
     /// Answers a call of the trigger service; the picture follows.
-    pub(super) fn trigger(&mut self, reply: TriggerReply) {
+    pub(crate) fn trigger(&mut self, reply: TriggerReply) {
         let outputs = &self.connections.outputs;
         if outputs.is_empty() {
             reply.send(false, "Image publisher not configured");
@@ -263,7 +263,7 @@ impl CameraOutput {
     }
 
     /// How long until a picture is due by itself; `None` when that is never.
-    pub(super) fn until_due(&self, now: Instant) -> Option<Duration> {
+    pub(crate) fn until_due(&self, now: Instant) -> Option<Duration> {
         // A camera that cannot draw is retried when a message arrives.
         let can_draw = (!self.health.has_problem() || self.last.is_some()) && self.connections.outputs.is_watched();
         // What waits for the screen's refresh is not due before.
@@ -276,9 +276,9 @@ impl CameraOutput {
     ///
     /// # Errors
     /// Those of the outputs.
-    pub(super) fn begin_if_due(
+    pub(crate) fn begin_if_due(
         &mut self,
-        stage: &Stage,
+        stage: &SceneState,
         model: CameraModel,
         policy: &FramePolicy,
         ros: &RosNode,
@@ -324,7 +324,7 @@ impl CameraOutput {
         &mut self,
         camera: &Camera,
         info: Arc<CameraInfo>,
-        stage: &Stage,
+        stage: &SceneState,
         policy: &FramePolicy,
     ) -> (DisplayMask, Drawn) {
         self.health.record_dark(&self.view.name, policy.dark.as_ref());
@@ -454,7 +454,7 @@ impl CameraOutput {
     ///
     /// # Errors
     /// Those of the outputs.
-    pub(super) fn repeat_if_due(&mut self, ros: &RosNode) -> Result<Progress> {
+    pub(crate) fn repeat_if_due(&mut self, ros: &RosNode) -> Result<Progress> {
         if self.last.is_none() || !self.connections.outputs.is_watched() {
             return Ok(Progress::NotDue);
         }
@@ -471,7 +471,7 @@ impl CameraOutput {
     }
 
     /// Records that the renderer was given a picture.
-    pub(super) fn record_begun(&mut self, picture: DuePicture, depth: Option<&DepthPicture>) {
+    pub(crate) fn record_begun(&mut self, picture: DuePicture, depth: Option<&DepthPicture>) {
         let orientation = picture.drawn.step.orientation;
         self.health.depths_drawn += u64::from(depth.is_some());
         self.depth_in_flight = depth.map(|depth| Arc::new(DepthImage::new(depth, self.depth_encoding, orientation)));
@@ -480,23 +480,23 @@ impl CameraOutput {
     }
 
     /// Whether the depths of the next picture are wanted.
-    pub(super) fn wants_depth(&self) -> bool {
+    pub(crate) fn wants_depth(&self) -> bool {
         self.connections.outputs.wants_depth()
     }
 
     /// Memory for the picture that the renderer is about to finish.
-    pub(super) fn take_spare(&mut self) -> Picture {
+    pub(crate) fn take_spare(&mut self) -> Picture {
         self.spare.take().and_then(|spare| Arc::try_unwrap(spare).ok()).unwrap_or_default()
     }
 
     /// Whether the picture that was begun is wanted without its post-processing, too: a window may hold it below newer
     /// masks.
-    pub(super) fn keeps_drawn(&self) -> bool {
+    pub(crate) fn keeps_drawn(&self) -> bool {
         self.connections.outputs.window.is_some() && self.in_flight.as_ref().is_some_and(|drawn| drawn.protects_eyes)
     }
 
     /// What is to be done to the picture that was begun, when it is drawn.
-    pub(super) fn last_step(&self) -> Arc<LastStep> {
+    pub(crate) fn last_step(&self) -> Arc<LastStep> {
         self.in_flight.as_ref().map(|drawn| Arc::clone(&drawn.step)).unwrap_or_default()
     }
 
@@ -504,7 +504,7 @@ impl CameraOutput {
     ///
     /// # Errors
     /// Those of the outputs.
-    pub(super) fn finish(&mut self, picture: Picture, drawn: Option<Arc<Picture>>, ros: &RosNode) -> Result<()> {
+    pub(crate) fn finish(&mut self, picture: Picture, drawn: Option<Arc<Picture>>, ros: &RosNode) -> Result<()> {
         let Some(of) = self.in_flight.take() else { return Ok(()) };
         self.health.drawn += 1;
         let is_similar = |spare: &Arc<Picture>| spare.data.len() <= 4 * picture.data.len();
@@ -521,12 +521,12 @@ impl CameraOutput {
     }
 
     /// Records a picture that took long.
-    pub(super) fn record_slow_picture(&mut self, text: String) {
+    pub(crate) fn record_slow_picture(&mut self, text: String) {
         self.health.record_slow_picture(&self.view.name, text);
     }
 
     /// Forgets the picture that was begun: the renderer lost those of all cameras. The next call begins it again.
-    pub(super) fn discard_in_flight(&mut self) {
+    pub(crate) fn discard_in_flight(&mut self) {
         self.in_flight = None;
     }
 

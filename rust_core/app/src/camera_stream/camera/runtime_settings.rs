@@ -10,10 +10,10 @@ use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_ros::{ReconfigureServer, RosNode};
 use rcs_rviz_config::CameraPubSettings;
 
-use super::reconfigurable::{Parameters, Switch, ENCODING};
+use crate::camera_stream::camera::reconfigurable::{Parameters, Switch, ENCODING};
 
 /// The settings of one camera that can be changed while it runs.
-pub(super) struct RuntimeSettings {
+pub(crate) struct RuntimeSettings {
     in_file: Parameters,
     current: Parameters,
     switches: Arc<[Switch]>,
@@ -23,7 +23,7 @@ pub(super) struct RuntimeSettings {
 
 impl RuntimeSettings {
     /// The config's settings of a camera, offered as `~name`.
-    pub(super) fn start(ros: &RosNode, name: &str, settings: &CameraPubSettings, switches: &Arc<[Switch]>) -> Self {
+    pub(crate) fn start(ros: &RosNode, name: &str, settings: &CameraPubSettings, switches: &Arc<[Switch]>) -> Self {
         let current = Parameters::of(settings);
         let server =
             ros.serve_reconfigure(&format!("~{name}"), current.description(switches), current.values(switches));
@@ -32,12 +32,12 @@ impl RuntimeSettings {
     }
 
     /// Whether dynamic_reconfigure's server of this name is this one.
-    pub(super) fn serves(&self, server: &str) -> bool {
+    pub(crate) fn serves(&self, server: &str) -> bool {
         self.server.as_ref().is_some_and(|own| &**own.name() == server)
     }
 
     /// Applies a user's values. Returns the values that apply now.
-    pub(super) fn set(&mut self, ros: &RosNode, request: &Values) -> Values {
+    pub(crate) fn set(&mut self, ros: &RosNode, request: &Values) -> Values {
         let unknown = self.current.set(request, &self.switches, &self.in_file.description(&self.switches));
         if let Some(encoding) = unknown {
             let server = self.server.as_ref().map(|server| &**server.name()).unwrap_or_default();
@@ -51,7 +51,7 @@ impl RuntimeSettings {
     }
 
     /// Takes over the values that changed in the config.
-    pub(super) fn update_from(&mut self, ros: &RosNode, settings: &CameraPubSettings, switches: &Arc<[Switch]>) {
+    pub(crate) fn update_from(&mut self, ros: &RosNode, settings: &CameraPubSettings, switches: &Arc<[Switch]>) {
         let in_file = Parameters::of(settings);
         let mut current = self.current.with_changes(&self.in_file, &in_file);
         let is_gone = |known: &&Switch| !switches.iter().any(|switch| switch.is_of_same_display(known));
@@ -67,7 +67,7 @@ impl RuntimeSettings {
     }
 
     /// Writes the values that apply now to the camera's settings.
-    pub(super) fn write_to(&self, settings: &mut CameraPubSettings) {
+    pub(crate) fn write_to(&self, settings: &mut CameraPubSettings) {
         self.current.write_to(settings);
     }
 }

@@ -4,7 +4,7 @@
 //!
 //! ```
 //! use rcs_camera::Projection;
-//! use rcs_app::camera_stream::stage::Stage;
+//! use rcs_app::camera_stream::scene::SceneState;
 //! use rcs_resources::{MeshStore, PackageIndex};
 //! use rcs_transforms::Time;
 //!
@@ -17,7 +17,7 @@
 //!      Camera Info Topic: /camera_info}
 //! ";
 //! let config = rcs_rviz_config::parse(config, "scene.rviz")?;
-//! let mut stage = Stage::new(&config, None, MeshStore::new(PackageIndex::new([])));
+//! let mut stage = SceneState::new(&config, None, MeshStore::new(PackageIndex::new([])));
 //! assert_eq!(stage.topics()[0].topic, "/camera_info");
 //! // Messages go in with `take` and `take_transforms`; then the scene is brought up to date.
 //! assert!(stage.update(Time::ZERO), "the grid is new in the scene");
@@ -46,9 +46,9 @@ use rcs_rviz_config::Config;
 use rcs_scene::{DisplayId, Scene};
 use rcs_transforms::{Prediction, Time, TransformTree, FRAMES_ALWAYS_KEPT};
 
-use crate::camera_stream::camera_pose::{self, CameraProblem};
 use crate::camera_stream::safety::ages::SceneAges;
-use crate::camera_stream::status_tree::{self, StatusEntry};
+use crate::camera_stream::scene::camera_pose::{self, CameraProblem};
+use crate::camera_stream::scene::status_tree::{self, StatusEntry};
 use rcs_node_support::frames::raw_transforms;
 
 /// Frames and reasons for which refused transforms are logged.
@@ -81,7 +81,7 @@ impl Surroundings {
 
 /// A config's displays and cameras with the state that the messages so far gave them.
 #[derive(Debug)]
-pub struct Stage {
+pub struct SceneState {
     displays: DisplaySet,
     around: Surroundings,
     /// That of the meshes at the last update.
@@ -94,7 +94,7 @@ pub struct Stage {
     has_warned_of_frames: bool,
 }
 
-impl Stage {
+impl SceneState {
     /// An empty stage; `fixed_frame` overrides the config's.
     pub fn new(config: &Config, fixed_frame: Option<&str>, meshes: MeshStore) -> Self {
         Self {
@@ -305,7 +305,7 @@ impl Stage {
     }
 }
 
-impl SceneAges for Stage {
+impl SceneAges for SceneState {
     fn ages(&self) -> Vec<DisplayAge<'_>> {
         self.displays.ages().collect()
     }

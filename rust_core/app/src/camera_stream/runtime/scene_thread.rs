@@ -16,28 +16,28 @@ use rcs_rviz_config::Config;
 use rcs_scene::{DepthPicture, Picture, Scene};
 use rcs_transforms::Time;
 
-use super::activity::Step;
-use super::camera::{self, CameraOutput};
-use super::camera_plan;
-use super::costs::Costs;
-use super::latency::Update;
-use super::oriented_frames::OrientedFrames;
-use super::progress::Progress;
-use super::rules::{self, MaskTopics};
-use super::safety_status;
-use super::shared::{Reload, Shared};
-use super::windows::Windows;
+use crate::camera_stream::camera::latency::Update;
+use crate::camera_stream::camera::oriented_frames::OrientedFrames;
+use crate::camera_stream::camera::output::{self, CameraOutput};
+use crate::camera_stream::camera::plan;
+use crate::camera_stream::camera::progress::Progress;
 use crate::camera_stream::camera_names;
 use crate::camera_stream::cli::Cli;
-use crate::camera_stream::depth_image::DepthEncoding;
+use crate::camera_stream::outputs::depth_image::DepthEncoding;
 use crate::camera_stream::prediction::PredictionSettings;
 use crate::camera_stream::private_parameters;
+use crate::camera_stream::runtime::activity::Step;
+use crate::camera_stream::runtime::costs::Costs;
+use crate::camera_stream::runtime::shared::{Reload, Shared};
+use crate::camera_stream::runtime::windows::Windows;
 use crate::camera_stream::safety::ages::{Assessment, Now};
+use crate::camera_stream::safety::read_rules::{self, MaskTopics};
+use crate::camera_stream::safety::status;
 use crate::camera_stream::safety::{FramePolicy, LitView, Safety};
-use crate::camera_stream::stage::{renderer_view, Stage};
-use crate::camera_stream::status_tree::EntryKind;
-use crate::camera_stream::subscriptions::Subscriptions;
-use crate::camera_stream::visibility::{self, PlacedCamera};
+use crate::camera_stream::scene::status_tree::EntryKind;
+use crate::camera_stream::scene::subscriptions::Subscriptions;
+use crate::camera_stream::scene::visibility::{self, PlacedCamera};
+use crate::camera_stream::scene::{renderer_view, SceneState};
 
 /// How long the thread sleeps at most when nothing happens.
 const LONGEST_SLEEP: Duration = Duration::from_millis(500);
@@ -46,9 +46,9 @@ const LONGEST_SLEEP: Duration = Duration::from_millis(500);
 const MARKERS_IN_STEP: usize = 20_000;
 
 /// The scene and what draws it.
-pub(super) struct SceneLoop {
+pub(crate) struct SceneLoop {
     shared: Arc<Shared>,
-    stage: Stage,
+    stage: SceneState,
     renderer: Box<dyn Renderer>,
     renderer_choice: RendererChoice,
     model: CameraModel,
@@ -83,32 +83,32 @@ impl SceneLoop {
     ///
     /// # Errors
     /// One line that names what failed: a topic, the renderer.
-    pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
+    pub(crate) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
         let ros = &shared.ros;
         let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
         let model = private_parameters::camera_model(ros, &cli.model, None)?;
         let is_lazy = private_parameters::switch(ros, cli.node.no_lazy.then_some(false), "~lazy")?;
         let depth_encoding = private_parameters::depth_encoding(ros, cli.node.depth.depth_encoding)?;
         let prediction = PredictionSettings::read(ros, &cli.node.prediction)?;
-        let (rules, masks) = rules::read(ros, &cli.node, &camera_names(config))?;
+        let (rules, masks) = read_rules::read(ros, &cli.node, &camera_names(config))?;
         let safety = Safety::new(rules);
         let renderer = rcs_render::create(renderer_choice)?;
         let resources = private_parameters::resources(ros, &cli.resources)?;
         let events = Arc::clone(ros.events());
         let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
-        let mut stage = Stage::new(config, cli.node.fixed_frame.as_deref(), meshes);
+        let mut stage = SceneState::new(config, cli.node.fixed_frame.as_deref(), meshes);
         stage.place_in_steps(MARKERS_IN_STEP);
         if stage.cameras().is_empty() {
             log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
         }
-        let plans = camera_plan::plans(ros, config)?;
+        let plans = plan::plans(ros, config)?;
         let windows = Windows::open(ros, &cli.node.screens, &safety, &plans)?;
-        let cameras = camera_plan::rearrange(ros, plans, Vec::new(), config, stage.displays(), &windows);
+        let cameras = plan::rearrange(ros, plans, Vec::new(), config, stage.displays(), &windows);
         ros.subscribe_transforms()?;
         let mut subscriptions = Subscriptions::default();
         subscriptions.update(ros, stage.topics());
         ros.follow_parameters(stage.parameters());
-        log::info!("drawing {} of {} with {}", camera::names(&cameras), config.source, renderer.describe());
+        log::info!("drawing {} of {} with {}", output::names(&cameras), config.source, renderer.describe());
         *shared.cameras() = cameras;
         stage.update(time_from_stamp(ros.now()));
         Ok(Self {
@@ -141,7 +141,7 @@ impl SceneLoop {
     }
 
     /// Runs until the end is requested.
-    pub(super) fn run(mut self) {
+    pub(crate) fn run(mut self) {
         let shared = Arc::clone(&self.shared);
         while !shared.is_ending() {
             shared.activity.rest();
@@ -208,7 +208,7 @@ impl SceneLoop {
         let shared = Arc::clone(&self.shared);
         shared.activity.begin(Step::Config);
         let ros = &shared.ros;
-        let plans = match camera_plan::plans(ros, &config) {
+        let plans = match plan::plans(ros, &config) {
             Ok(plans) => plans,
             // It was possible when the config was read.
             Err(error) => return log::error!("{}: {error}", config.source),
@@ -222,7 +222,7 @@ impl SceneLoop {
             let mut cameras = shared.cameras();
             let known = std::mem::take(&mut *cameras);
             self.windows.clear_those_without(&plans);
-            *cameras = camera_plan::rearrange(ros, plans, known, &config, self.stage.displays(), &self.windows);
+            *cameras = plan::rearrange(ros, plans, known, &config, self.stage.displays(), &self.windows);
         }
         let Reconfigured { kept, added, removed } = changed;
         let changed = format!("{}: {kept} displays kept, {added} added, {removed} removed", config.source);
@@ -274,7 +274,7 @@ impl SceneLoop {
         for entry in entries.iter_mut().filter(|entry| self.subscriptions.is_paused(&entry.topic)) {
             entry.values.push(("received", "not while nobody watches".to_owned()));
         }
-        safety_status::add(&mut entries, &self.safety);
+        status::add(&mut entries, &self.safety);
         let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
         if is_published {
             // This may take long, so the cameras are not locked meanwhile.
@@ -285,7 +285,7 @@ impl SceneLoop {
         }
         entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(stage, model)));
         let cameras = entries.iter_mut().filter(|entry| entry.kind == EntryKind::Camera);
-        cameras.zip(&self.policies).for_each(|(entry, policy)| safety_status::add_dark(entry, policy));
+        cameras.zip(&self.policies).for_each(|(entry, policy)| status::add_dark(entry, policy));
         shared.diagnostics().report(&shared.ros, entries);
     }
 

@@ -3,11 +3,11 @@
 use rcs_displays::Level;
 
 use crate::camera_stream::safety::{FramePolicy, Safety, STALE};
-use crate::camera_stream::status_tree::{EntryKind, StatusEntry};
+use crate::camera_stream::scene::status_tree::{EntryKind, StatusEntry};
 
 /// Adds a warning to whatever is not drawn because it is too old, and an error to the scene if rules name cameras that
 /// do not exist.
-pub(super) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety) {
+pub(crate) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety) {
     for entry in entries {
         if let (EntryKind::Global, Some(why)) = (entry.kind, safety.unmatched()) {
             entry.statuses.to_mut().set(Level::Error, "Cameras", format!("all cameras are dark: {why}"));
@@ -20,7 +20,7 @@ pub(super) fn add(entries: &mut [StatusEntry<'_>], safety: &Safety) {
 }
 
 /// Adds to a camera why it is dark.
-pub(super) fn add_dark(entry: &mut StatusEntry<'_>, policy: &FramePolicy) {
+pub(crate) fn add_dark(entry: &mut StatusEntry<'_>, policy: &FramePolicy) {
     if let Some(dark) = &policy.dark {
         let level = if dark.cause.is_error() { Level::Error } else { Level::Warn };
         entry.statuses.to_mut().set(level, dark.cause.status(), format!("the picture is black: {dark}"));

@@ -15,7 +15,7 @@ const SLOW_AFTER: Duration = Duration::from_secs(5);
 type ReadResult = Result<Config, ConfigError>;
 
 /// Reads a file at a time, and again if that was asked for meanwhile.
-pub(super) struct ConfigReader {
+pub(crate) struct ConfigReader {
     read: Arc<dyn Fn() -> ReadResult + Send + Sync>,
     wake: Arc<dyn Fn() + Send + Sync>,
     reading: Option<Reading>,
@@ -31,7 +31,7 @@ struct Reading {
 }
 
 /// The config in a regular file. At the node's start a pipe may do; later it would be waited for.
-pub(super) fn load(file: &Path) -> ReadResult {
+pub(crate) fn load(file: &Path) -> ReadResult {
     let source = file.display().to_string();
     match read_regular_file(file, MAX_FILE_BYTES) {
         Ok(bytes) => parse_bytes(&bytes, &source),
@@ -41,7 +41,7 @@ pub(super) fn load(file: &Path) -> ReadResult {
 
 impl ConfigReader {
     /// `read` and `wake`, which says that there is a result, are called on other threads.
-    pub(super) fn new(
+    pub(crate) fn new(
         read: impl Fn() -> ReadResult + Send + Sync + 'static,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
@@ -49,7 +49,7 @@ impl ConfigReader {
     }
 
     /// Has the config read as it is now.
-    pub(super) fn request(&mut self) {
+    pub(crate) fn request(&mut self) {
         if self.reading.is_some() {
             self.is_asked_again = true;
             return;
@@ -68,7 +68,7 @@ impl ConfigReader {
     }
 
     /// What was read since it was last asked for. Never waits.
-    pub(super) fn take(&mut self) -> Option<ReadResult> {
+    pub(crate) fn take(&mut self) -> Option<ReadResult> {
         let result = match self.reading.as_ref()?.result.try_recv() {
             Ok(result) => Some(result),
             Err(TryRecvError::Empty) => return None,
@@ -84,7 +84,7 @@ impl ConfigReader {
     }
 
     /// For how long it has been reading, when that is to be logged.
-    pub(super) fn take_slow(&mut self) -> Option<Duration> {
+    pub(crate) fn take_slow(&mut self) -> Option<Duration> {
         let reading = self.reading.as_mut()?;
         let lasts = reading.begun.elapsed();
         let is_due = lasts >= reading.next_report;

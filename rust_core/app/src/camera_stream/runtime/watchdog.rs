@@ -16,7 +16,7 @@ const HANG_AFTER: Duration = Duration::from_secs(5);
 const PERIOD: Duration = Duration::from_secs(1);
 
 /// Something that may hang.
-pub trait Worker: Send + Sync {
+pub(crate) trait Worker: Send + Sync {
     /// What it is doing, and since when; `None` while it waits for work. Must not wait itself.
     fn step(&self) -> Option<(String, Instant)>;
 
@@ -28,26 +28,26 @@ pub trait Worker: Send + Sync {
 
 /// A worker of one step.
 #[derive(Debug)]
-pub struct Task {
+pub(crate) struct Task {
     name: String,
     since: Mutex<Option<Instant>>,
 }
 
 impl Task {
     /// A task of this name, as in `NAME has taken 5 s so far`, that is watched for as long as it lives.
-    pub fn watched(name: impl Into<String>) -> Arc<Self> {
+    pub(crate) fn watched(name: impl Into<String>) -> Arc<Self> {
         let task = Arc::new(Self { name: name.into(), since: Mutex::default() });
         watch(&task);
         task
     }
 
     /// Work begins.
-    pub fn begin(&self) {
+    pub(crate) fn begin(&self) {
         *lock(&self.since) = Some(Instant::now());
     }
 
     /// The task waits for work.
-    pub fn rest(&self) {
+    pub(crate) fn rest(&self) {
         *lock(&self.since) = None;
     }
 }
@@ -67,14 +67,14 @@ struct Watched {
 static WORKERS: Mutex<Vec<Watched>> = Mutex::new(Vec::new());
 
 /// Has a worker watched for as long as it lives.
-pub fn watch<W: Worker + 'static>(worker: &Arc<W>) {
+pub(crate) fn watch<W: Worker + 'static>(worker: &Arc<W>) {
     let worker: Weak<W> = Arc::downgrade(worker);
     lock(&WORKERS).push(Watched { worker, next: HANG_AFTER });
 }
 
 /// Watches all workers until it is dropped.
 #[derive(Debug)]
-pub struct Watchdog {
+pub(crate) struct Watchdog {
     _end: SyncSender<()>,
 }
 
@@ -83,7 +83,7 @@ impl Watchdog {
     ///
     /// # Errors
     /// The system's, where there is no thread left.
-    pub fn start() -> io::Result<Self> {
+    pub(crate) fn start() -> io::Result<Self> {
         let (end, is_ended) = sync_channel(0);
         let watching = move || {
             while is_ended.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {

@@ -11,9 +11,9 @@ use rcs_ros::diagnostics_topic::DiagnosticsPublisher;
 use rcs_ros::RosNode;
 use rcs_transforms::Time;
 
-use crate::camera_stream::status_log::StatusLog;
-use crate::camera_stream::status_tree::{self, EntryKind, StatusEntry};
-use crate::camera_stream::visibility::VISIBILITY;
+use crate::camera_stream::scene::status_log::StatusLog;
+use crate::camera_stream::scene::status_tree::{self, EntryKind, StatusEntry};
+use crate::camera_stream::scene::visibility::VISIBILITY;
 
 /// How often `/diagnostics` is published.
 const PERIOD: Duration = Duration::from_secs(1);
@@ -23,7 +23,7 @@ const MOST_VALUES: usize = 100;
 const HARDWARE_ID: &str = "rviz_camera_stream";
 
 /// Reports statuses to the log and on `/diagnostics`.
-pub(super) struct Diagnostics {
+pub(crate) struct Diagnostics {
     log: StatusLog,
     publisher: Option<DiagnosticsPublisher>,
     started: Instant,
@@ -35,19 +35,19 @@ pub(super) struct Diagnostics {
 
 impl Diagnostics {
     /// Opens the topic.
-    pub(super) fn start(ros: &RosNode) -> Self {
+    pub(crate) fn start(ros: &RosNode) -> Self {
         let publisher = ros.diagnostics_publisher().map_err(|error| log::error!("{error}")).ok();
         let (log, started, last_status) = (StatusLog::default(), Instant::now(), Vec::new());
         Self { log, publisher, started, published: None, last_error: None, last_status }
     }
 
     /// How long until they are published again.
-    pub(super) fn until_due(&self, now: Instant) -> Duration {
+    pub(crate) fn until_due(&self, now: Instant) -> Duration {
         self.published.map_or(Duration::ZERO, |last| PERIOD.saturating_sub(now.saturating_duration_since(last)))
     }
 
     /// Whether they are to be reported, in the log or on the topic.
-    pub(super) fn is_due(&self) -> bool {
+    pub(crate) fn is_due(&self) -> bool {
         self.log.is_due(self.log_time()) || self.until_due(Instant::now()).is_zero()
     }
 
@@ -56,7 +56,7 @@ impl Diagnostics {
     }
 
     /// Reports statuses as far as that is due. What belongs to the ROS graph is added.
-    pub(super) fn report(&mut self, ros: &RosNode, mut entries: Vec<StatusEntry<'_>>) {
+    pub(crate) fn report(&mut self, ros: &RosNode, mut entries: Vec<StatusEntry<'_>>) {
         status_tree::add_ros_graph(&mut entries, ros);
         let log_time = self.log_time();
         if self.log.is_due(log_time) {
@@ -71,7 +71,7 @@ impl Diagnostics {
 
     /// Publishes the last statuses again if that is due, with a warning of what keeps the scene's thread from
     /// collecting new ones.
-    pub(super) fn report_busy(&mut self, ros: &RosNode, text: &str) {
+    pub(crate) fn report_busy(&mut self, ros: &RosNode, text: &str) {
         if !self.begin_publishing() {
             return;
         }

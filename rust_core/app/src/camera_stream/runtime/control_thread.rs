@@ -3,7 +3,7 @@
 //! It handles signals and the calls of services, has the config read again, and watches the scene's thread. While that
 //! has been busy for [`STAND_IN_AFTER`], the last pictures are repeated from here as their frame rates ask for it;
 //! after [`REPORT_AFTER`] `/diagnostics` says what takes so long, and later, in the log, the
-//! [watchdog](crate::camera_stream::watchdog).
+//! [watchdog](crate::camera_stream::runtime::watchdog).
 
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -14,16 +14,16 @@ use rcs_ros::{RosNode, ServiceCall, TriggerReply};
 use rcs_rviz_config::Config;
 use rcs_scene::join_within;
 
-use super::activity::Busy;
-use super::camera_plan;
-use super::config_reader::{self, ConfigReader};
-use super::file_watch::FileWatch;
-use super::shared::{Reload, Shared};
+use crate::camera_stream::camera::plan;
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::log_findings;
 use crate::camera_stream::private_parameters;
-use crate::camera_stream::watchdog::Task;
-use rcs_logging::{self, one_line};
+use crate::camera_stream::runtime::activity::Busy;
+use crate::camera_stream::runtime::config_reader::{self, ConfigReader};
+use crate::camera_stream::runtime::file_watch::FileWatch;
+use crate::camera_stream::runtime::shared::{Reload, Shared};
+use crate::camera_stream::runtime::watchdog::Task;
+use rcs_logging::one_line;
 use rcs_node_support::lifecycle::EndRequest;
 
 /// How long the thread sleeps at most: signals set a flag only.
@@ -44,7 +44,7 @@ const READ_PATIENCE: Duration = Duration::from_secs(1);
 const END_PATIENCE: Duration = Duration::from_millis(500);
 
 /// The control thread's part of the node.
-pub(super) struct Control {
+pub(crate) struct Control {
     shared: Arc<Shared>,
     /// As it was last read.
     config: Config,
@@ -66,7 +66,7 @@ impl Control {
     ///
     /// # Errors
     /// One line that names what failed.
-    pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
+    pub(crate) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
         let file = cli.node.display_config.clone().unwrap_or_default();
         let calls = Arc::clone(shared.ros.calls());
         Ok(Self {
@@ -86,7 +86,7 @@ impl Control {
     ///
     /// # Errors
     /// The scene's thread has panicked.
-    pub(super) fn run(mut self, scene: JoinHandle<()>, end: &EndRequest) -> Result<()> {
+    pub(crate) fn run(mut self, scene: JoinHandle<()>, end: &EndRequest) -> Result<()> {
         let shared = Arc::clone(&self.shared);
         while !end.is_requested() && !scene.is_finished() {
             self.task.begin();
@@ -195,7 +195,7 @@ impl Control {
     fn check(&mut self, config: Config) -> Result<Option<Config>> {
         self.shared.retry_resources();
         self.shared.ros.events().wake();
-        camera_plan::plans(&self.shared.ros, &config).with_context(|| config.source.clone())?;
+        plan::plans(&self.shared.ros, &config).with_context(|| config.source.clone())?;
         if config == self.config {
             return Ok(None);
         }
