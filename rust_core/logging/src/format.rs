@@ -1,4 +1,4 @@
-//! The text of a log line, as roscpp's console makes it from the environment variable `ROSCONSOLE_FORMAT`.
+//! Text of a log line by the environment variable `ROSCONSOLE_FORMAT`, like roscpp's.
 //!
 //! Source: the ROS wiki's page *rosconsole*, section *Console Output Formatting*.
 
@@ -7,10 +7,10 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use log::Level;
 
-/// What roscpp prints where the variable is not set.
+/// roscpp's default format.
 pub(crate) const DEFAULT: &str = "[${severity}] [${time}]: ${message}";
 
-/// A piece of a format.
+/// A `${name}` of a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Token {
     Severity,
@@ -41,21 +41,21 @@ const TOKENS: [(&str, Token); 11] = [
 ];
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Piece {
+enum FormatPiece {
     Text(String),
     Token(Token),
 }
 
-/// A format whose names are looked up.
+/// A parsed format.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Format(Vec<Piece>);
+pub(crate) struct Format(Vec<FormatPiece>);
 
-/// What a line is made of.
-pub(crate) struct Line<'a> {
+/// Fields of a log line.
+pub(crate) struct LogFields<'a> {
     pub(crate) level: Level,
     pub(crate) text: &'a str,
     pub(crate) wall: SystemTime,
-    /// The time of a simulation, where the node has one.
+    /// Simulated time, if the node uses it.
     pub(crate) simulated: Option<Duration>,
     pub(crate) logger: &'a str,
     pub(crate) file: &'a str,
@@ -65,7 +65,7 @@ pub(crate) struct Line<'a> {
 }
 
 impl Format {
-    /// Reads a format. A name that is not known stays as it is, like in roscpp.
+    /// Parses a format. Unknown names stay as they are, like in roscpp.
     pub(crate) fn parse(mut text: &str) -> Self {
         let mut pieces = Vec::new();
         while let Some(start) = text.find("${") {
@@ -76,33 +76,32 @@ impl Format {
             let end = start + len + 1;
             match known {
                 Some((_, token)) => {
-                    pieces.push(Piece::Text(text[..start].to_owned()));
-                    pieces.push(Piece::Token(*token));
+                    pieces.push(FormatPiece::Text(text[..start].to_owned()));
+                    pieces.push(FormatPiece::Token(*token));
                 }
-                None => pieces.push(Piece::Text(text[..end].to_owned())),
+                None => pieces.push(FormatPiece::Text(text[..end].to_owned())),
             }
             text = &text[end..];
         }
-        pieces.push(Piece::Text(text.to_owned()));
+        pieces.push(FormatPiece::Text(text.to_owned()));
         Self(pieces)
     }
 
-    /// The text of a line, without a line break at its end.
-    pub(crate) fn apply(&self, line: &Line<'_>) -> String {
+    /// Text of a line, without a line break at its end.
+    pub(crate) fn apply(&self, line: &LogFields<'_>) -> String {
         let mut out = String::new();
         for piece in &self.0 {
             // Writing to a string does not fail.
             let _ = match piece {
-                Piece::Text(text) => write!(out, "{text}"),
-                Piece::Token(token) => put(&mut out, *token, line),
+                FormatPiece::Text(text) => write!(out, "{text}"),
+                FormatPiece::Token(token) => put(&mut out, *token, line),
             };
         }
         out
     }
 }
 
-/// A text without control characters: names that come from messages may have any, and would forge lines or break a
-/// terminal.
+/// Escapes control characters, with which names in messages could forge lines or break a terminal.
 pub(crate) fn printable(text: String) -> String {
     if !text.contains(char::is_control) {
         return text;
@@ -118,7 +117,7 @@ pub(crate) fn printable(text: String) -> String {
     out
 }
 
-fn put(out: &mut String, token: Token, line: &Line<'_>) -> std::fmt::Result {
+fn put(out: &mut String, token: Token, line: &LogFields<'_>) -> std::fmt::Result {
     match token {
         Token::Severity => write!(out, "{:>5}", line.level.as_str()),
         Token::Message => write!(out, "{}", line.text),
@@ -153,8 +152,8 @@ fn put_time(out: &mut String, time: Duration) -> std::fmt::Result {
 mod tests {
     use super::*;
 
-    fn line(simulated: Option<Duration>) -> Line<'static> {
-        Line {
+    fn line(simulated: Option<Duration>) -> LogFields<'static> {
+        LogFields {
             level: Level::Warn,
             text: "no frame",
             wall: UNIX_EPOCH + Duration::new(12, 34),

@@ -1,19 +1,14 @@
-//! The log: lines on standard error, in a node as roscpp prints them and on `/rosout`, too.
+//! The log of programs and nodes: standard error, a file and `/rosout`, in roscpp's format.
 //!
-//! A node's lines have severity and time, `[ WARN] [1795339227.153895123]: text`; `ROSCONSOLE_FORMAT` gives them
-//! another form. `__log:=FILE`, which roslaunch gives, names a file that gets all of them. Where standard output is a
-//! file, as with roslaunch's `output="log"`, information goes there, as roscpp's does. The programs that are no nodes
-//! leave out the time.
+//! A node's line is `[ WARN] [1795339227.153895123]: text`, or what `ROSCONSOLE_FORMAT` says; other programs leave out the
+//! time. `__log:=FILE` names a file that gets all lines. Where standard output is a file, as with roslaunch's
+//! `output="log"`, information goes there, like roscpp's.
 //!
-//! A node's threads never wait for whoever reads its log: [`lines`] has a bounded queue and a thread for each stream.
-//! The other programs write their lines themselves, among their own output.
+//! A node's threads never wait for its log: each stream has a bounded queue and a writer thread ([`lines`]). Each cause
+//! is logged once a second at most ([`throttle`]), panics included.
 //!
-//! A node logs each cause once a second at most, see [`throttle`], so that a stream of bad messages fills no disk.
-//! Panics are among them: those of a decoder of images are caught, and each damaged image may cause one.
-//!
-//! This project's crates log information and worse, all other crates only errors. The environment variable `RUST_LOG`
-//! overrides that, in env_logger's syntax: `RUST_LOG=rcs_ros=debug`; the node's service `~set_logger_level` overrides
-//! both.
+//! This project's crates log information and worse, all others only errors. `RUST_LOG` overrides that in env_logger's
+//! syntax (`RUST_LOG=rcs_ros=debug`), and the node's service `~set_logger_level` overrides both.
 #![forbid(unsafe_code)]
 
 mod format;
@@ -26,43 +21,44 @@ use std::io::{self, IsTerminal as _, Write};
 use std::os::fd::AsFd;
 use std::panic::Location;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant, SystemTime};
 
 use log::{Level, LevelFilter, Log, Metadata, Record};
 use rcs_ros::{log_line, node_time, LogLine, Loggers};
+use rcs_scene::lock;
 
-use format::{Format, Line};
+use format::{Format, LogFields};
 use lines::LineQueue;
 use panics::while_logging;
-use throttle::{cause_of, LeftOut, Throttle};
+use throttle::{cause_of, Suppressed, Throttle};
 
-/// What the names of this project's crates begin with.
+/// Prefix of this project's crates.
 const OWN_CRATES: &str = "rcs_";
 /// The loggers, as rqt_logger_level shows them: everything, and this package.
 const ROOT_LOGGER: &str = "ros";
 const OWN_LOGGER: &str = "ros.rviz_camera_stream";
 const LOG_ARGUMENT: &str = "__log:=";
 const PLAIN_FORMAT: &str = "[${severity}] ${message}";
-/// How long a node's last lines may take at its end.
-const FLUSH_PATIENCE: Duration = Duration::from_millis(500);
+/// Time that a node's last lines may take at its end.
+const FLUSH_TIMEOUT: Duration = Duration::from_millis(500);
 const LEVELS: [(&str, LevelFilter); 5] = [
     ("debug", LevelFilter::Debug),
     ("info", LevelFilter::Info),
     ("warn", LevelFilter::Warn),
     ("error", LevelFilter::Error),
-    // Nothing here is fatal and goes on.
+    // A fatal error ends the program.
     ("fatal", LevelFilter::Off),
 ];
 
-/// The target of the lines of [`log_status`].
-const STATUS_TARGET: &str = "rcs_app::status";
+/// Target of [`log_status`].
+const STATUS_TARGET: &str = "rcs_camera_stream::status";
 
-/// A level that may have been chosen while the program runs.
+/// Level set by the service `~set_logger_level`, if any.
 #[derive(Debug)]
-struct Chosen(AtomicUsize);
+struct LevelOverride(AtomicUsize);
 
-impl Chosen {
+impl LevelOverride {
     const NONE: usize = usize::MAX;
 
     const fn new() -> Self {
@@ -70,8 +66,8 @@ impl Chosen {
     }
 
     fn get(&self) -> Option<LevelFilter> {
-        let chosen = self.0.load(Ordering::Relaxed);
-        LevelFilter::iter().find(|level| *level as usize == chosen)
+        let set = self.0.load(Ordering::Relaxed);
+        LevelFilter::iter().find(|level| *level as usize == set)
     }
 
     fn set(&self, level: LevelFilter) {
@@ -79,26 +75,26 @@ impl Chosen {
     }
 }
 
-/// Where lines go and which.
+/// Filters, formats and streams of the log.
 struct Console {
-    /// What counts while no level was chosen.
+    /// Filter of targets without an override.
     filter: env_logger::Logger,
-    own_level: Chosen,
-    root_level: Chosen,
+    own_level: LevelOverride,
+    root_level: LevelOverride,
     format: Format,
     is_node: bool,
     is_coloured: bool,
-    /// A node's standard error.
+    /// A node's standard error; other programs write to it directly.
     errors: Option<LineQueue>,
-    /// Its standard output, if information goes there.
+    /// A node's standard output, if it is a file.
     output: Option<LineQueue>,
     file: Option<LineQueue>,
-    /// For a node.
-    throttle: Mutex<Throttle<Kept>>,
+    /// Limits a node's warnings and errors.
+    throttle: Mutex<Throttle<LogLineRecord>>,
 }
 
-/// What is kept of a line that is left out.
-struct Kept {
+/// A log record that owns its text.
+struct LogLineRecord {
     level: Level,
     target: String,
     text: String,
@@ -112,8 +108,7 @@ pub fn start(debug: bool) {
     install(Console::new(debug, Format::parse(PLAIN_FORMAT), false));
 }
 
-/// Starts logging for a node; with `debug` also this project's debug messages. The program's last lines are written
-/// when what is returned is dropped.
+/// Starts logging for a node; with `debug` also this project's debug messages. Dropping the result writes the last lines.
 pub fn start_node(debug: bool) -> Flush {
     let format = std::env::var("ROSCONSOLE_FORMAT").unwrap_or_else(|_| format::DEFAULT.to_owned());
     let mut console = Console::new(debug, Format::parse(&format), true);
@@ -135,7 +130,7 @@ pub fn start_node(debug: bool) -> Flush {
     Flush(())
 }
 
-/// Has a node's last lines written when it is dropped, at the end of the program.
+/// Writes a node's last lines when it is dropped, at the end of the program.
 #[must_use = "the last lines are written when it is dropped"]
 #[derive(Debug)]
 pub struct Flush(());
@@ -146,7 +141,7 @@ impl Drop for Flush {
     }
 }
 
-/// Prints why the program fails, behind what was logged.
+/// Prints why the program fails, after what was logged.
 pub fn print_error(text: &str) {
     match CONSOLE.get() {
         Some(console) => while_logging(|| console.print_to_errors(text.to_owned())),
@@ -164,7 +159,7 @@ fn install(console: Console) {
     }
 }
 
-/// The loggers whose levels a node's services change.
+/// The loggers of a node's logger services.
 pub fn loggers() -> Arc<dyn Loggers> {
     Arc::new(NodeLoggers)
 }
@@ -203,8 +198,8 @@ impl Console {
         builder.filter_level(LevelFilter::Error).filter_module(OWN_CRATES, own_level).parse_default_env();
         let mut console = Self {
             filter: builder.build(),
-            own_level: Chosen::new(),
-            root_level: Chosen::new(),
+            own_level: LevelOverride::new(),
+            root_level: LevelOverride::new(),
             format,
             is_node,
             is_coloured: is_node && io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none(),
@@ -214,22 +209,22 @@ impl Console {
             throttle: Mutex::new(Throttle::new()),
         };
         if is_node {
-            // The streams' own descriptors: those of the standard library have a lock that is held while they block.
-            console.errors = own(&io::stderr()).map(|stream| console.queue("log-stderr", stream));
-            let output = own(&io::stdout()).filter(is_file);
+            // Duplicates, because the standard library's streams hold a lock while they block.
+            console.errors = duplicate(&io::stderr()).map(|stream| console.queue("log-stderr", stream));
+            let output = duplicate(&io::stdout()).filter(is_file);
             console.output = output.map(|stream| console.queue("log-stdout", stream));
         }
         console
     }
 
-    /// The queue of a stream.
+    /// A queue for a stream.
     fn queue(&self, name: &'static str, stream: File) -> LineQueue {
         let format = self.format.clone();
         LineQueue::new(name, stream, move |count| {
             let name = node_time().map(|now| now.name).unwrap_or_default();
-            format.apply(&Line {
+            format.apply(&LogFields {
                 level: Level::Warn,
-                text: &format!("{count} log lines were dropped here, because nobody read them in time"),
+                text: &format!("dropped {count} log lines: this stream was not read in time"),
                 wall: SystemTime::now(),
                 simulated: None,
                 logger: OWN_LOGGER,
@@ -241,15 +236,15 @@ impl Console {
         })
     }
 
-    /// The level that was chosen for a target: a logger has the level of the one above it until it is given one.
-    fn chosen(&self, target: &str) -> Option<LevelFilter> {
+    /// Level set for a target; the root logger's applies where the own logger has none.
+    fn override_of(&self, target: &str) -> Option<LevelFilter> {
         let own = target.starts_with(OWN_CRATES).then(|| self.own_level.get()).flatten();
         own.or_else(|| self.root_level.get())
     }
 
-    /// What a target logs.
+    /// Most verbose level that a target logs.
     fn level_of(&self, target: &str) -> LevelFilter {
-        self.chosen(target).unwrap_or_else(|| {
+        self.override_of(target).unwrap_or_else(|| {
             let is_logged =
                 |level: &Level| self.filter.enabled(&Metadata::builder().level(*level).target(target).build());
             Level::iter().filter(is_logged).last().map_or(LevelFilter::Off, |level| level.to_level_filter())
@@ -257,29 +252,29 @@ impl Console {
     }
 
     /// Prints a line, and sends it to `/rosout`.
-    fn print(&self, kept: &Kept) {
+    fn print(&self, owned: &LogLineRecord) {
         let now = if self.is_node { node_time() } else { None };
         let simulated = now.as_ref().filter(|now| now.is_simulated);
-        let line = Line {
-            level: kept.level,
-            text: &kept.text,
+        let line = LogFields {
+            level: owned.level,
+            text: &owned.text,
             wall: SystemTime::now(),
             simulated: simulated.map(|now| Duration::new(now.stamp.sec.into(), now.stamp.nsec)),
-            logger: if kept.target.starts_with(OWN_CRATES) { OWN_LOGGER } else { ROOT_LOGGER },
-            file: &kept.file,
-            line: kept.line,
-            function: &kept.module,
+            logger: if owned.target.starts_with(OWN_CRATES) { OWN_LOGGER } else { ROOT_LOGGER },
+            file: &owned.file,
+            line: owned.line,
+            function: &owned.module,
             node: now.as_ref().map(|now| now.name.as_str()).unwrap_or_default(),
         };
-        self.write(kept.level, &self.format.apply(&line));
+        self.write(owned.level, &self.format.apply(&line));
         if self.is_node {
             log_line(LogLine {
-                level: kept.level,
-                module: kept.module.clone(),
-                file: kept.file.clone(),
-                line: kept.line,
+                level: owned.level,
+                module: owned.module.clone(),
+                file: owned.file.clone(),
+                line: owned.line,
                 stamp: now.as_ref().map(|now| now.stamp).unwrap_or_default(),
-                text: kept.text.clone(),
+                text: owned.text.clone(),
             });
         }
     }
@@ -307,43 +302,39 @@ impl Console {
     fn print_to_errors(&self, text: String) {
         match &self.errors {
             Some(errors) => errors.push(text),
-            // A stream that is closed is nobody's to read.
+            // Ignored: nobody reads a closed stream.
             None => drop(writeln!(io::stderr(), "{text}")),
         }
     }
 }
 
-/// A stream with a descriptor of its own.
-fn own(stream: &impl AsFd) -> Option<File> {
+/// Duplicates a stream's descriptor.
+fn duplicate(stream: &impl AsFd) -> Option<File> {
     stream.as_fd().try_clone_to_owned().ok().map(File::from)
 }
 
-/// Whether a stream is a file on a disk.
+/// `true` for a regular file.
 fn is_file(stream: &File) -> bool {
     stream.metadata().is_ok_and(|metadata| metadata.is_file())
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Logs how many lines were left out because there were others like them. To be called now and then.
-pub fn report_left_out() {
+/// Logs the number of suppressed lines of each cause. To be called regularly.
+pub fn report_suppressed() {
     let Some(console) = CONSOLE.get() else { return };
-    // Printed without the lock: whoever prints may log.
+    // Without the lock, because printing may log.
     while_logging(|| {
-        let left_out = lock(&console.throttle).take_left_out(Instant::now());
-        for LeftOut { last, count } in left_out {
+        let suppressed = lock(&console.throttle).take_suppressed(Instant::now());
+        for Suppressed { last, count } in suppressed {
             let text = match count {
                 1 => last.text,
                 _ => format!("{} ({} more like this before)", last.text, count - 1),
             };
-            console.print(&Kept { text, ..last });
+            console.print(&LogLineRecord { text, ..last });
         }
     });
 }
 
-/// Logs a status. Lines with the same `cause` are limited together, whatever their texts, which have names in them.
+/// Logs a status. Lines of the same `cause` share one rate limit, although their texts have different names in them.
 #[track_caller]
 pub fn log_status(level: Level, cause: &str, text: &str) {
     let caller = Location::caller();
@@ -363,7 +354,7 @@ pub fn log_status(level: Level, cause: &str, text: &str) {
 
 impl Log for Console {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        match self.chosen(metadata.target()) {
+        match self.override_of(metadata.target()) {
             Some(level) => metadata.level() <= level,
             None => self.filter.enabled(metadata),
         }
@@ -373,9 +364,9 @@ impl Log for Console {
         while_logging(|| self.log_record(record, None));
     }
 
-    /// Waits for the last lines, for a limited time.
+    /// Waits a limited time for the last lines.
     fn flush(&self) {
-        let until = Instant::now() + FLUSH_PATIENCE;
+        let until = Instant::now() + FLUSH_TIMEOUT;
         for queue in [&self.file, &self.output, &self.errors].into_iter().flatten() {
             queue.flush(until);
         }
@@ -383,14 +374,14 @@ impl Log for Console {
 }
 
 impl Console {
-    /// Logs a record unless it is one too many of its cause, which is by default its text without numbers.
+    /// Logs a record unless the rate limit of its cause suppresses it. The default cause is its text without digits.
     fn log_record(&self, record: &Record<'_>, cause: Option<&str>) {
-        let is_chosen = self.chosen(record.target()).is_some();
-        if !self.enabled(record.metadata()) || (!is_chosen && !self.filter.matches(record)) {
+        let is_overridden = self.override_of(record.target()).is_some();
+        if !self.enabled(record.metadata()) || (!is_overridden && !self.filter.matches(record)) {
             return;
         }
         let text = format::printable(record.args().to_string());
-        let kept = || Kept {
+        let owned = || LogLineRecord {
             level: record.level(),
             target: record.target().to_owned(),
             text: text.clone(),
@@ -399,26 +390,28 @@ impl Console {
             line: record.line().unwrap_or_default(),
         };
         if !self.is_node || record.level() > Level::Info {
-            return self.print(&kept());
+            return self.print(&owned());
         }
         let place = (record.file().unwrap_or_default(), record.line().unwrap_or_default());
         let cause = cause.map_or_else(|| cause_of(&text), str::to_owned);
-        let admitted = lock(&self.throttle).admit(place, &cause, Instant::now(), kept);
+        let admitted = lock(&self.throttle).admit(place, &cause, Instant::now(), owned);
         match admitted {
-            Some(0) => self.print(&kept()),
-            Some(count) => self.print(&Kept { text: format!("{text} ({count} more like this before)"), ..kept() }),
+            Some(0) => self.print(&owned()),
+            Some(count) => {
+                self.print(&LogLineRecord { text: format!("{text} ({count} more like this before)"), ..owned() });
+            }
             None => {}
         }
     }
 }
 
-/// Logs the error that ends the program, whatever the level and however often it was logged before.
+/// Logs the error that ends the program, whatever the level and the rate limit.
 #[track_caller]
 pub fn log_last(text: &str) {
     let Some(console) = CONSOLE.get() else { return };
     let place = std::panic::Location::caller();
     while_logging(|| {
-        console.print(&Kept {
+        console.print(&LogLineRecord {
             level: Level::Error,
             target: module_path!().to_owned(),
             text: format::printable(text.to_owned()),
@@ -429,13 +422,13 @@ pub fn log_last(text: &str) {
     });
 }
 
-/// A text that comes from outside as one line without control characters.
+/// Joins a text's lines and escapes its control characters.
 pub fn flat(text: &str) -> String {
     let lines: Vec<&str> = text.split(['\n', '\r']).map(str::trim).filter(|line| !line.is_empty()).collect();
     format::printable(lines.join(" "))
 }
 
-/// An error with its causes in one line; a cause that is part of the text before it is left out.
+/// An error with its causes in one line, without causes that the text before already contains.
 pub fn one_line(error: &anyhow::Error) -> String {
     let mut line = String::new();
     for cause in error.chain() {

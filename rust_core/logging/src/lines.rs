@@ -1,13 +1,12 @@
-//! Lines on their way to standard error, standard output or a file, any of which may stand still: a terminal that was
-//! stopped with Ctrl-S, a pipe that nobody reads, a disk that hangs.
+//! Bounded queue and writer thread of a log stream, which may block: a terminal stopped with Ctrl-S, a full pipe, a disk
+//! that hangs.
 //!
 //! ```text
 //!   any thread ──► queue, bounded ──► writer thread ──► stream
 //!                     │ full: the oldest line is dropped and counted
 //! ```
 //!
-//! So whoever logs never waits. Once the stream goes on, a line says how many were dropped. At the end of the program
-//! [`LineQueue::flush`] waits for the last lines, for a limited time.
+//! Whoever logs never waits. When the stream takes lines again, one says how many were dropped.
 
 use std::collections::VecDeque;
 use std::fs::File;
@@ -16,40 +15,40 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How many lines wait at most.
+/// Most lines in the queue.
 const MOST_LINES: usize = 1000;
-/// How long they are together at most, but for a single line.
+/// Most bytes in the queue, except for a single longer line.
 const MOST_BYTES: usize = 1 << 20;
-/// How long a stream that does not block, and takes nothing now, is left alone.
+/// Time between two attempts at a full non-blocking stream.
 const RETRY_PERIOD: Duration = Duration::from_millis(20);
 
-/// The line that stands for so many dropped ones.
-type Notice = Box<dyn Fn(u64) -> String + Send + Sync>;
+/// Makes the line that reports a number of dropped ones.
+type DropNotice = Box<dyn Fn(u64) -> String + Send + Sync>;
 
-/// A stream's lines that are not written yet.
+/// A log stream's queue; its thread starts with the first line.
 pub(crate) struct LineQueue {
-    shared: Arc<Shared>,
+    shared: Arc<LineQueueShared>,
     /// The name of the writer thread.
     name: &'static str,
 }
 
-struct Shared {
-    waiting: Mutex<Waiting>,
+struct LineQueueShared {
+    waiting: Mutex<QueuedLines>,
     changed: Condvar,
-    notice: Notice,
+    notice: DropNotice,
 }
 
-struct Waiting {
+struct QueuedLines {
     lines: VecDeque<String>,
     bytes: usize,
     /// Lines dropped since the last that was written.
     dropped: u64,
     is_writing: bool,
-    /// Taken by the thread, which starts with the first line.
+    /// Taken by the writer thread.
     stream: Option<File>,
 }
 
-impl Waiting {
+impl QueuedLines {
     fn push(&mut self, line: String) {
         while !self.lines.is_empty() && (self.lines.len() >= MOST_LINES || self.bytes + line.len() > MOST_BYTES) {
             self.pop();
@@ -67,19 +66,19 @@ impl Waiting {
 }
 
 impl LineQueue {
-    /// Lines for a stream. `name` is that of the thread which will write them; it reads no environment variable, so
-    /// that [`rcs_ros::init`] may still change some.
+    /// A queue for `stream`, written by a thread called `name`. No thread is started yet, because [`rcs_ros::init`] may
+    /// still change environment variables.
     pub(crate) fn new(
         name: &'static str,
         stream: File,
         notice: impl Fn(u64) -> String + Send + Sync + 'static,
     ) -> Self {
         let (lines, stream) = (VecDeque::new(), Some(stream));
-        let waiting = Mutex::new(Waiting { lines, bytes: 0, dropped: 0, is_writing: false, stream });
-        Self { shared: Arc::new(Shared { waiting, changed: Condvar::new(), notice: Box::new(notice) }), name }
+        let waiting = Mutex::new(QueuedLines { lines, bytes: 0, dropped: 0, is_writing: false, stream });
+        Self { shared: Arc::new(LineQueueShared { waiting, changed: Condvar::new(), notice: Box::new(notice) }), name }
     }
 
-    /// Has a line written. Never waits.
+    /// Queues a line. Never waits.
     pub(crate) fn push(&self, line: String) {
         let mut waiting = self.shared.waiting();
         waiting.push(line);
@@ -92,7 +91,7 @@ impl LineQueue {
         self.shared.changed.notify_all();
     }
 
-    /// Waits until all lines are written, but not longer than `until`. Returns whether they are.
+    /// Waits until all lines are written, at most until `until`; `true` if they are.
     pub(crate) fn flush(&self, until: Instant) -> bool {
         let mut waiting = self.shared.waiting();
         loop {
@@ -108,8 +107,8 @@ impl LineQueue {
     }
 }
 
-impl Shared {
-    fn waiting(&self) -> MutexGuard<'_, Waiting> {
+impl LineQueueShared {
+    fn waiting(&self) -> MutexGuard<'_, QueuedLines> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -117,7 +116,7 @@ impl Shared {
     fn write_all(&self) {
         let Some(mut stream) = self.waiting().stream.take() else { return };
         loop {
-            let is_idle = |waiting: &mut Waiting| waiting.lines.is_empty();
+            let is_idle = |waiting: &mut QueuedLines| waiting.lines.is_empty();
             let mut waiting = rcs_scene::wait_while(&self.changed, self.waiting(), is_idle);
             let dropped = std::mem::take(&mut waiting.dropped);
             let Some(line) = waiting.pop() else { continue };
@@ -133,7 +132,7 @@ impl Shared {
     }
 }
 
-/// Writes a line, however long that takes. A stream that is closed is nobody's to read.
+/// Writes a line, however long that takes; errors of a closed stream are ignored.
 fn write_line(stream: &mut File, mut line: String) {
     line.push('\n');
     let mut rest = line.as_bytes();

@@ -1,15 +1,15 @@
-//! Panics in the log: on `/rosout` and in the file as well, and each cause once a second at most.
+//! Logs panics: on `/rosout` and in the file as well, each cause once a second at most.
 
 use std::any::Any;
 use std::backtrace::Backtrace;
 use std::cell::Cell;
 
 thread_local! {
-    /// This thread may hold a lock of the console.
+    /// `true` while this thread may hold a lock of the console.
     static IS_LOGGING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs what takes locks of the console. A panic in it is printed and not logged, which would wait for them for ever.
+/// Runs code that locks the console. A panic in it is printed, because logging it would deadlock.
 pub(crate) fn while_logging<T>(run: impl FnOnce() -> T) -> T {
     let before = IS_LOGGING.replace(true);
     let result = run();
@@ -17,7 +17,7 @@ pub(crate) fn while_logging<T>(run: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Logs panics as errors from now on. With `RUST_BACKTRACE`, standard error also gets where they came from.
+/// Logs panics as errors from now on; with `RUST_BACKTRACE`, a backtrace follows on standard error.
 pub(crate) fn log_all() {
     let report = std::panic::take_hook();
     let is_traced = std::env::var_os("RUST_BACKTRACE").is_some_and(|value| value != "0");
@@ -35,7 +35,7 @@ pub(crate) fn log_all() {
     }));
 }
 
-/// What a panic was given as its message.
+/// Message of a panic.
 fn text(payload: &(dyn Any + Send)) -> &str {
     let text = payload.downcast_ref::<&str>().copied();
     text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")

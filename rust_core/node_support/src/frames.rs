@@ -1,4 +1,4 @@
-//! Transforms as they come, and the frame tree of a small node.
+//! Transforms of `/tf` in a node's transform tree.
 
 use std::time::Duration;
 
@@ -8,10 +8,10 @@ use rcs_messages::{quaternion_xyzw, translation_xyz};
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::{RawTransform, Time, TransformTree};
 
-/// The longest wait, after which a node looks whether it is to end.
+/// Longest wait for events, so that a node polls for its shutdown.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
-/// The transforms of a message, unchecked.
+/// Transforms of a message, unchecked.
 pub fn raw_transforms(message: &TFMessage) -> impl Iterator<Item = RawTransform<'_>> {
     message.transforms.iter().map(|stamped| RawTransform {
         parent: &stamped.header.frame_id,
@@ -22,7 +22,7 @@ pub fn raw_transforms(message: &TFMessage) -> impl Iterator<Item = RawTransform<
     })
 }
 
-/// Puts the transforms of a message into a tree. What the tree refuses is logged.
+/// Inserts the transforms of a message into a tree; refused ones are logged.
 pub fn insert_transforms(tree: &mut TransformTree, message: &TFMessage, is_static: bool, authority: &str) {
     for transform in raw_transforms(message) {
         if let Err(error) = tree.insert(&transform, is_static, authority) {
@@ -31,8 +31,8 @@ pub fn insert_transforms(tree: &mut TransformTree, message: &TFMessage, is_stati
     }
 }
 
-/// Takes all events of the node that came within `timeout`, or within a tenth of a second if that is less: transforms
-/// go into the tree, which forgets what moved when a simulation's time goes back; all others are handed on.
+/// Handles the node's events of the next `timeout`, or 0.1 s if that is less: transforms go into the tree, which is
+/// cleared when simulated time jumps back; the others go to `take_other`.
 pub fn take_events(node: &RosNode, timeout: Duration, tree: &mut TransformTree, mut take_other: impl FnMut(NodeEvent)) {
     for event in node.events().wait(timeout.min(LONGEST_WAIT)) {
         match event {
@@ -45,7 +45,7 @@ pub fn take_events(node: &RosNode, timeout: Duration, tree: &mut TransformTree, 
     }
 }
 
-/// The node's time as the tree has it.
+/// Current ROS time of the node.
 pub fn now(node: &RosNode) -> Time {
     time_from_stamp(node.now())
 }

@@ -1,29 +1,29 @@
-//! What all the ROS nodes here have in common: their own arguments, an orderly shutdown, and the `main` of the small
-//! ones.
+//! Life cycle of a ROS node: arguments, signals, connection to the master, shutdown.
 //!
-//! ROS arguments have `:=` in them (`topic:=other`, `_param:=value`, `__name:=name`), and rosrust reads them;
-//! [`own_arguments`] are the others. SIGINT, SIGTERM and `rosnode kill` request the shutdown ([`EndRequest`]); the node
-//! then unregisters and exits with 0. A second signal ends it at once. The error that ends a node is the last line of
-//! its log, on `/rosout` and in the file of `__log:=` as well; only then the node unregisters ([`finish`]).
+//! SIGINT, SIGTERM and `rosnode kill` request the shutdown ([`EndRequest`]): the node unregisters and exits with 0. A
+//! second signal ends it at once. The error that ends a node is the last line of its log, on `/rosout` and in the file of
+//! `__log:=` as well; only then it unregisters ([`finish`]).
 
 use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use anyhow::Context as _;
 use clap::Parser;
 use rcs_ros::{NodeError, RosNode};
+use rcs_scene::lock;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-/// How often a waiting node polls for the shutdown request.
+/// Period at which a waiting node polls for the shutdown request.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
-/// How long the last line of the log may take to reach `/rosout`.
+/// Time that the last line of the log may take to reach `/rosout`.
 const LAST_LINE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// The program's arguments, its name first, without ROS arguments.
+/// The program's arguments, its name first, without those of ROS, which contain `:=`.
 pub fn own_arguments() -> Vec<OsString> {
     without_ros_arguments(std::env::args_os())
 }
@@ -33,7 +33,7 @@ fn without_ros_arguments(arguments: impl IntoIterator<Item = OsString>) -> Vec<O
     arguments.into_iter().enumerate().filter(is_own).map(|(_, argument)| argument).collect()
 }
 
-/// The remappings `from:=to` of names among the program's arguments: none that begins with `_`, such as `__name:=`.
+/// Name remappings `from:=to` among the program's arguments, without `_parameter:=` and `__name:=`.
 pub fn remappings() -> Vec<(String, String)> {
     remappings_among(std::env::args_os().skip(1))
 }
@@ -54,9 +54,22 @@ pub fn run_main<A: Parser>(run: impl FnOnce(A) -> anyhow::Result<()>) -> ExitCod
     finish(&run(arguments))
 }
 
-/// Logs the error that ends the program, if there is one, ends the process's node, and gives the exit status.
+/// Connects to the master, waiting for it, and runs `work` on the node. Returns at once if the shutdown is requested
+/// while it waits.
+///
+/// # Errors
+/// Signal handlers that cannot be installed, a node that cannot start, or the error of `work`.
+pub fn with_node(
+    default_name: &str,
+    work: impl FnOnce(&RosNode, &EndRequest) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let end = EndRequest::watch_signals().context("cannot handle signals")?;
+    connect(default_name, &end)?.map_or(Ok(()), |node| work(&node, &end))
+}
+
+/// Logs the error that ended the program, if any, shuts the process's node down, and returns the exit status.
 pub fn finish(result: &anyhow::Result<()>) -> ExitCode {
-    let node = NODE.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let node = lock(&NODE).take();
     if let Err(error) = result {
         rcs_logging::log_last(&rcs_logging::one_line(error));
         if let Some(node) = &node {
@@ -73,21 +86,21 @@ pub fn finish(result: &anyhow::Result<()>) -> ExitCode {
     }
 }
 
-/// The process's node, kept until the program's end is logged.
+/// The process's node, held until the error that ends the program is logged.
 static NODE: Mutex<Option<Arc<RosNode>>> = Mutex::new(None);
 
-/// Whether the node is requested to shut down. Clones share the request.
+/// Shutdown request of the process; clones share it.
 #[derive(Debug, Clone)]
 pub struct EndRequest {
     requested: Arc<AtomicBool>,
 }
 
 impl EndRequest {
-    /// Handles SIGINT and SIGTERM from now on, and prepares the process for its ROS node. To be called before any
-    /// thread is started, see [`rcs_ros::init`].
+    /// Handles SIGINT and SIGTERM, and prepares the process for its ROS node. To be called before any thread is started,
+    /// see [`rcs_ros::init`].
     ///
     /// # Errors
-    /// When the signal handlers cannot be installed, or there is no port left.
+    /// A signal handler cannot be installed, or no port is left.
     pub fn watch_signals() -> io::Result<Self> {
         rcs_ros::init()?;
         let requested = Arc::new(AtomicBool::new(false));
@@ -104,14 +117,14 @@ impl EndRequest {
         self.requested.store(true, Ordering::Release);
     }
 
-    /// Whether a signal was received or the ROS master shut the node down.
+    /// `true` once a signal was received or the ROS master shut the node down.
     pub fn is_requested(&self) -> bool {
         self.requested.load(Ordering::Acquire) || rcs_ros::is_asked_to_end()
     }
 
-    /// Waits until the shutdown is requested, but no longer than `duration`. Returns whether it is requested.
+    /// Waits until the shutdown is requested, at most for `duration`; `true` if it is.
     pub fn wait_for(&self, duration: Duration) -> bool {
-        // None: later than any time.
+        // None: the sum overflows.
         let until = Instant::now().checked_add(duration);
         loop {
             if self.is_requested() {
@@ -121,14 +134,13 @@ impl EndRequest {
             if left.is_zero() {
                 return false;
             }
-            rcs_logging::report_left_out();
+            rcs_logging::report_suppressed();
             thread::sleep(left.min(POLL_PERIOD));
         }
     }
 }
 
-/// Waits for the ROS master, which is logged once, and starts the node, whose log is on `/rosout` from then on. `None`
-/// if the shutdown was requested meanwhile. The program's end is to be passed to [`finish`], which ends the node.
+/// Waits for the ROS master and starts the node, which [`finish`] ends. `None` if the shutdown was requested meanwhile.
 ///
 /// # Errors
 /// [`NodeError`] if the master's address is invalid or the node cannot start.
@@ -137,7 +149,7 @@ pub fn connect(default_name: &str, end: &EndRequest) -> Result<Option<Arc<RosNod
         Ok(node) => {
             node.serve_log(rcs_logging::loggers())?;
             let node = Arc::new(node);
-            *NODE.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&node));
+            *lock(&NODE) = Some(Arc::clone(&node));
             Ok(Some(node))
         }
         Err(NodeError::Cancelled(_)) => Ok(None),

@@ -1,7 +1,6 @@
-//! Options of a small node that may be given on the command line or as private parameters; the command line wins.
+//! Options of a node that are also its private parameters; the command line wins.
 //!
-//! Every option `--some-name` has the parameter `~some_name`, which is read by the same rules: a parameter that is set
-//! is put behind the command line as if it had been written there. Elements of a list are separated by commas.
+//! Option `--some-name` is parameter `~some_name`, parsed like the option. Elements of a list are separated by commas.
 
 use std::ffi::OsString;
 
@@ -12,15 +11,15 @@ use rcs_ros::RosNode;
 
 use crate::lifecycle;
 
-/// The program's arguments, with the node's private parameters for the options that are not among them.
+/// The program's arguments, completed by the node's private parameters.
 ///
 /// # Errors
-/// When a parameter has no valid value, or does not go with another option; names it.
+/// The parameter whose value is invalid or conflicts with another option.
 pub fn with_parameters<A: Parser>(node: &RosNode) -> anyhow::Result<A> {
     merged(&lifecycle::own_arguments(), &|name| Ok(node.text_param(name)?))
 }
 
-/// `given` is valid by itself; `parameter` has the text of a parameter that is set.
+/// `given` must be valid by itself; `parameter` returns the text of a parameter that is set.
 fn merged<A: Parser>(
     given: &[OsString],
     parameter: &dyn Fn(&str) -> anyhow::Result<Option<String>>,
@@ -47,7 +46,7 @@ fn merged<A: Parser>(
     A::try_parse_from(all).map_err(|error| anyhow!("parameters: {}", reason(&error)))
 }
 
-/// A parameter as it would stand on the command line; none for a flag that is not set.
+/// A parameter as a command-line argument; `None` for a flag that is false.
 fn as_option(argument: &Arg, option: &str, text: &str) -> anyhow::Result<Option<OsString>> {
     if !matches!(argument.get_action(), ArgAction::SetTrue) {
         return Ok(Some(format!("--{option}={text}").into()));
@@ -55,7 +54,7 @@ fn as_option(argument: &Arg, option: &str, text: &str) -> anyhow::Result<Option<
     Ok(yes_or_no(text).map_err(|error| anyhow!(error))?.then(|| format!("--{option}").into()))
 }
 
-/// Reads a parameter's true or false; XML and YAML write them with capitals, too.
+/// Parses a boolean parameter in any case.
 pub fn yes_or_no(text: &str) -> Result<bool, String> {
     match text.to_ascii_lowercase().as_str() {
         "true" | "1" => Ok(true),
@@ -64,14 +63,14 @@ pub fn yes_or_no(text: &str) -> Result<bool, String> {
     }
 }
 
-/// The first line of an error, which says what is wrong.
+/// First line of an error, without `error: `.
 fn reason(error: &clap::Error) -> String {
     let text = error.to_string();
     let first = text.lines().next().unwrap_or_default();
     first.strip_prefix("error: ").unwrap_or(first).to_owned()
 }
 
-/// Reads a number within bounds, for clap.
+/// Parses a number within bounds, for clap.
 pub fn number_within(text: &str, least: f64, most: f64) -> Result<f64, String> {
     let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if (least..=most).contains(&number) {
@@ -81,12 +80,12 @@ pub fn number_within(text: &str, least: f64, most: f64) -> Result<f64, String> {
     }
 }
 
-/// Reads a colour as rviz's configs have them, for clap.
+/// Parses a colour as rviz's configs write it, for clap.
 pub fn color(text: &str) -> Result<[u8; 3], String> {
     rcs_rviz_config::color(text).ok_or_else(|| "not 'r; g; b' from 0 to 255, '#rrggbb' or a name".to_owned())
 }
 
-/// A colour and its opacity as markers have them.
+/// Colour and opacity of a marker.
 pub fn rgba([r, g, b]: [u8; 3], alpha: f64) -> [f32; 4] {
     let channel = |value: u8| f32::from(value) / 255.0;
     [channel(r), channel(g), channel(b), alpha as f32]

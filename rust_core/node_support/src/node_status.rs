@@ -1,4 +1,4 @@
-//! The status of a small node: its changes in the log, and once a second on `/diagnostics`.
+//! A node's status: once a second on `/diagnostics`, changes also in the log.
 
 use std::fmt::Display;
 use std::time::{Duration, Instant};
@@ -7,23 +7,22 @@ use rcs_messages::diagnostic_msgs::{DiagnosticStatus, KeyValue};
 use rcs_ros::diagnostics_topic::DiagnosticsPublisher;
 use rcs_ros::{NodeError, RosNode};
 
-/// How often it is published while it does not change.
+/// Publishing period of an unchanged status.
 const PERIOD: Duration = Duration::from_secs(1);
-/// What the diagnosed thing is.
 const HARDWARE_ID: &str = "rviz_camera_stream";
 
-/// How well a node does what it is for.
+/// Level of a status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// It does.
+    /// The node works.
     Ok,
-    /// Something is missing or out of reach.
+    /// An input is missing, or the target is out of reach.
     Warn,
-    /// What it was given cannot be used.
+    /// An input is invalid.
     Error,
 }
 
-/// A node's one status.
+/// Publisher of a node's status.
 pub struct NodeStatus {
     publisher: DiagnosticsPublisher,
     name: String,
@@ -33,7 +32,7 @@ pub struct NodeStatus {
 }
 
 impl NodeStatus {
-    /// Opens the topic; `what` stands behind the node's name in the status's name.
+    /// Advertises the topic; the status is called `NODE: what`.
     ///
     /// # Errors
     /// [`NodeError::Name`], if the topic is remapped to no name.
@@ -43,7 +42,7 @@ impl NodeStatus {
         Ok(Self { publisher, name, current: None, values: Vec::new(), published: None })
     }
 
-    /// Sets the status. A change of level or message is logged, with `detail`, where numbers belong that change often.
+    /// Sets the status. A change of level or message is logged with `detail`, for numbers that change often.
     pub fn set(&mut self, level: Level, message: &str, detail: &str) {
         if self.current.as_ref().is_some_and(|(known, text)| *known == level && text == message) {
             return;
@@ -58,7 +57,7 @@ impl NodeStatus {
         self.published = None;
     }
 
-    /// Sets one of the status's values.
+    /// Sets a key-value pair of the status.
     pub fn value(&mut self, key: &'static str, value: &dyn Display) {
         let value = value.to_string();
         match self.values.iter_mut().find(|(known, _)| *known == key) {
@@ -67,7 +66,7 @@ impl NodeStatus {
         }
     }
 
-    /// Publishes the status if it has changed or a second is over.
+    /// Publishes the status if it has changed or a second has passed.
     ///
     /// # Errors
     /// See [`DiagnosticsPublisher::publish`].

@@ -1,11 +1,10 @@
-//! Poses of messages as rigid transforms, and back.
+//! Conversion between pose messages and isometries.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use rcs_messages::geometry_msgs::{Point, Pose};
 use rcs_messages::{point_xyz, quaternion_xyzw};
 
-/// A message's pose; none if a number is not finite. A quaternion of zeros, as planners leave it on the way, is no
-/// rotation.
+/// A message's pose; `None` if a number is not finite. A zero quaternion, which planners leave in paths, is the identity.
 pub fn rigid_pose(pose: &Pose) -> Option<Isometry3<f64>> {
     let [x, y, z] = point_xyz(&pose.position);
     let [i, j, k, w] = quaternion_xyzw(&pose.orientation);
@@ -16,11 +15,16 @@ pub fn rigid_pose(pose: &Pose) -> Option<Isometry3<f64>> {
     Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
 }
 
-/// A rigid transform as a message.
+/// A pose message.
 pub fn pose_message(pose: &Isometry3<f64>) -> Pose {
-    let (at, turned) = (pose.translation.vector, pose.rotation.coords);
+    let (position, rotation) = (pose.translation.vector, pose.rotation.coords);
     Pose {
-        position: Point { x: at.x, y: at.y, z: at.z },
-        orientation: rcs_messages::geometry_msgs::Quaternion { x: turned.x, y: turned.y, z: turned.z, w: turned.w },
+        position: Point { x: position.x, y: position.y, z: position.z },
+        orientation: rcs_messages::geometry_msgs::Quaternion {
+            x: rotation.x,
+            y: rotation.y,
+            z: rotation.z,
+            w: rotation.w,
+        },
     }
 }

@@ -1,8 +1,7 @@
-//! The end of a program whose display server hangs.
+//! Ends a program whose display server hangs.
 //!
-//! A call of an X server or a Wayland compositor waits for its answer without a limit, and cannot be cancelled. So a
-//! thread of its own watches: if the window is still open some time after the program was asked to end, the process
-//! ends without closing it. The display server removes the window when it goes on.
+//! A call of an X server or a Wayland compositor has no timeout and cannot be cancelled. So a thread watches: if the window
+//! is still open some time after the shutdown was requested, the process exits without closing it.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,21 +12,22 @@ use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 
-/// How long a window may take to close. In this time the node unregisters, too.
+/// Time for a window to close and the node to unregister.
 const GRACE_PERIOD: Duration = Duration::from_millis(1500);
-/// How often it is checked whether the program is asked to end.
+/// Period of the check for the shutdown request.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
 
-/// Watches a window from before its opening until this is dropped.
+/// Watches a window from before its opening until it is dropped.
 pub struct WindowWatch {
     _open: SyncSender<()>,
 }
 
 impl WindowWatch {
-    /// If the window is still open some time after `is_ending` has returned true, the process ends with `exit_status`.
+    /// Starts the thread. If the window is still open some time after `is_ending` is true, the process exits with
+    /// `exit_status`.
     ///
     /// # Errors
-    /// The system's, where there is no thread left.
+    /// The thread cannot be started.
     pub fn start(exit_status: i32, is_ending: impl Fn() -> bool + Send + 'static) -> io::Result<Self> {
         let (open, is_closed) = sync_channel::<()>(0);
         let watching = move || {
@@ -35,7 +35,7 @@ impl WindowWatch {
             while still_open(POLL_PERIOD) {
                 if is_ending() {
                     if still_open(GRACE_PERIOD) {
-                        log::warn!("the display server does not answer, ending without closing the window");
+                        log::warn!("the display server does not respond; exiting without closing the window");
                         log::logger().flush();
                         std::process::exit(exit_status);
                     }
@@ -47,10 +47,10 @@ impl WindowWatch {
         Ok(Self { _open: open })
     }
 
-    /// The same for a program that SIGINT and SIGTERM ask to end. A second signal ends it at once.
+    /// [`start`](Self::start) for a program that SIGINT and SIGTERM end. A second signal ends it at once.
     ///
     /// # Errors
-    /// As for [`start`](Self::start), or when the signal handlers cannot be installed.
+    /// The thread cannot be started, or a signal handler not installed.
     pub fn start_with_signals(exit_status: i32) -> io::Result<Self> {
         let is_asked = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {

@@ -38,7 +38,7 @@ mod transform;
 mod tree;
 mod waiting;
 
-pub use crowd::{MOST_FRAMES, FRAMES_ALWAYS_KEPT};
+pub use crowd::{FRAMES_ALWAYS_KEPT, MOST_FRAMES};
 pub use history::interpolate;
 pub use lookup::{LookupError, LookupProblem};
 pub use prediction::Prediction;

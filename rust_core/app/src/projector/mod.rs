@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::{bail, Context};
+use anyhow::bail;
 use clap::Parser;
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -57,26 +57,23 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     // An invalid file is reported at once, not when the master is up.
     let given = arguments.positional.as_deref().or(arguments.file.as_deref());
     let given = given.map(|path| read(path, arguments)).transpose()?;
-    let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    let Some(node) = lifecycle::connect("projector", &end)? else {
-        return Ok(());
-    };
-    let file = match given {
-        Some(file) => file,
-        None => read(&file_parameter(&node)?, arguments)?,
-    };
-    let publishers = Publishers::open(&node, &file, arguments)?;
+    lifecycle::with_node("projector", |node, end| {
+        let file = given.map_or_else(|| read(&file_parameter(node)?, arguments), Ok)?;
+        publish(node, end, &file, &Publishers::open(node, &file, arguments)?)
+    })
+}
+
+/// Publishes the file's latched messages and static transforms until the shutdown is requested.
+fn publish(node: &RosNode, end: &EndRequest, file: &ProjectorFile, publishers: &Publishers) -> anyhow::Result<()> {
     let mut stamp = node.now();
-    publishers.publish(&file, stamp)?;
+    publishers.publish(file, stamp)?;
     // Under simulated time the clock may start after this node; a stamp of zero is then replaced.
     while !end.wait_for(Duration::from_millis(500)) {
         if stamp == Time::default() && node.now() != stamp {
             stamp = node.now();
-            publishers.publish(&file, stamp)?;
+            publishers.publish(file, stamp)?;
         }
     }
-    drop(publishers);
-    node.shutdown();
     Ok(())
 }
 

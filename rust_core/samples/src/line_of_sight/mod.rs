@@ -6,7 +6,6 @@ mod cylinder;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use clap::Parser;
 use nalgebra::Point3;
 use rcs_ros::{NodeEvent, RosNode};
@@ -101,16 +100,9 @@ fn rate(text: &str) -> Result<f64, String> {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    lifecycle::run_main(|_: Arguments| run())
-}
-
-fn run() -> anyhow::Result<()> {
-    let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    let Some(node) = lifecycle::connect("line_of_sight", &end)? else {
-        return Ok(());
-    };
-    let arguments: Arguments = with_parameters(&node)?;
-    follow(&node, &end, &arguments)
+    lifecycle::run_main(|_: Arguments| {
+        lifecycle::with_node("line_of_sight", |node, end| follow(node, end, &with_parameters(node)?))
+    })
 }
 
 /// Follows the target until the shutdown is requested.

@@ -6,7 +6,6 @@ mod markers;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::Context;
 use clap::Parser;
 use nalgebra::Isometry3;
 use rcs_messages::nav_msgs::Path;
@@ -103,16 +102,12 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    lifecycle::run_main(|_: Arguments| run())
+    lifecycle::run_main(|_: Arguments| lifecycle::with_node("nav_path_markers", run))
 }
 
-fn run() -> anyhow::Result<()> {
-    let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    let Some(node) = lifecycle::connect("nav_path_markers", &end)? else {
-        return Ok(());
-    };
-    let arguments: Arguments = with_parameters(&node)?;
-    let mut program = Program::start(&node, &arguments)?;
+fn run(node: &RosNode, end: &EndRequest) -> anyhow::Result<()> {
+    let arguments: Arguments = with_parameters(node)?;
+    let mut program = Program::start(node, &arguments)?;
     let subscription = node.subscribe(&arguments.path_topic, MessageKind::Path, 1)?;
     program.status.set(Level::Ok, &format!("no plan yet on {}", subscription.topic()), "");
     while !end.is_requested() {
@@ -121,12 +116,9 @@ fn run() -> anyhow::Result<()> {
                 program.show(&path)?;
             }
         }
-        program.status.publish_if_due(&node)?;
+        program.status.publish_if_due(node)?;
     }
-    program.delete_all()?;
-    drop(subscription);
-    node.shutdown();
-    Ok(())
+    program.delete_all()
 }
 
 struct Program {

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::Context;
 use clap::Parser;
 use rcs_files::pcd::{PcdCloud, PcdError};
 use rcs_messages::sensor_msgs::PointField;
 use rcs_messages::PointCloud2;
+use rcs_ros::RosNode;
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 
@@ -58,10 +58,11 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let message = read(&arguments.file, &arguments.frame)?;
-    let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    let Some(node) = lifecycle::connect("publish_cloud", &end)? else {
-        return Ok(());
-    };
+    lifecycle::with_node("publish_cloud", |node, end| publish(node, end, arguments, &message))
+}
+
+/// Publishes the cloud at the rate until the shutdown is requested.
+fn publish(node: &RosNode, end: &EndRequest, arguments: &Arguments, message: &PointCloud2) -> anyhow::Result<()> {
     let publisher = node.latched_publisher::<PointCloud2>(&arguments.topic, 1)?;
     let PointCloud2 { width, height, .. } = message;
     log::info!(
@@ -76,7 +77,6 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         stamped.header.stamp = node.now();
         publisher.send(stamped)?;
         if end.wait_for(period(arguments.rate)) {
-            node.shutdown();
             return Ok(());
         }
     }

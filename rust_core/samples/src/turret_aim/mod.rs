@@ -18,7 +18,6 @@ mod unit;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use rcs_messages::MessageKind;
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::TransformTree;
@@ -34,16 +33,9 @@ use rcs_node_support::node_status::NodeStatus;
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    lifecycle::run_main(|_: Arguments| run())
-}
-
-fn run() -> anyhow::Result<()> {
-    let end = EndRequest::watch_signals().context("cannot handle signals")?;
-    let Some(node) = lifecycle::connect("turret_aim", &end)? else {
-        return Ok(());
-    };
-    let arguments: Arguments = with_parameters(&node)?;
-    aim(&node, &end, &arguments)
+    lifecycle::run_main(|_: Arguments| {
+        lifecycle::with_node("turret_aim", |node, end| aim(node, end, &with_parameters(node)?))
+    })
 }
 
 /// Commands the unit until the shutdown is requested.

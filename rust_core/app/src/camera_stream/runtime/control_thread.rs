@@ -93,7 +93,7 @@ impl Control {
             let busy = shared.activity.busy_for(STAND_IN_AFTER);
             self.stand_in(busy.as_ref());
             self.answer_late_reload();
-            rcs_logging::report_left_out();
+            rcs_logging::report_suppressed();
             let sleep = if busy.is_some() { STAND_IN_SLEEP } else { LONGEST_SLEEP };
             self.task.rest();
             let calls = shared.ros.calls().wait(sleep);

@@ -32,8 +32,8 @@ use rcs_rviz_config::Config;
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::runtime::watchdog::Watchdog;
 use crate::camera_stream::{log_findings, NODE_NAME};
-use rcs_node_support::lifecycle::{self, EndRequest};
 use control_thread::Control;
+use rcs_node_support::lifecycle::{self, EndRequest};
 use scene_thread::SceneLoop;
 use shared::Shared;
 
