@@ -1,51 +1,41 @@
 //! The history of one frame: its poses in its parent over time.
 //!
-//! A frame is static or it moves; the first transform published for it decides, for good, as in tf2. Static
-//! frames hold one transform that is valid at all times and is replaced by the next one, whichever topic
-//! that comes from. Frames that move hold samples in the order of their stamps, oldest first, as far back
-//! as the cache length before the newest. Between two samples translation is interpolated linearly and
-//! rotation along the shorter arc; where the parent changed between them the older sample holds until the
-//! newer. Outside the samples nothing is known, and a lone sample is known at its own instant only; a prediction may go
-//! beyond the newest.
+//! The first transform published for a frame decides for good whether it is static, as in tf2. A static frame holds one
+//! transform, valid at all times and replaced by the next one from either topic. A moving frame holds samples, oldest
+//! first, as far back as the cache length before the newest. Between two samples the pose is interpolated; where the
+//! parent changed, the older sample holds until the newer. Outside the samples nothing is known, and a lone sample is
+//! known at its own instant only; a prediction may go beyond the newest.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use nalgebra::Isometry3;
 
 use crate::motion::Motion;
-use crate::tree::FrameId;
+use crate::sample::{interpolate, FrameId, PoseSample};
 use crate::{Prediction, Time};
 
-/// Where a frame was in its parent at one instant.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct Sample {
-    pub(crate) stamp: Time,
-    pub(crate) parent: FrameId,
-    pub(crate) parent_from_child: Isometry3<f64>,
-}
-
-/// All that is known of one frame.
+/// Static transform of a frame, or samples of a moving one.
 #[derive(Clone, Debug)]
 pub(crate) enum History {
-    Static(Sample),
+    Static(PoseSample),
     /// Ordered by strictly rising stamps.
-    Moving(VecDeque<Sample>),
+    Moving(VecDeque<PoseSample>),
 }
 
-/// How a moving history treats a sample of a stamp.
+/// Treatment of a new sample by its stamp.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Admission {
-    /// It has none of that stamp, and takes one.
+    /// No sample of that stamp yet: it is stored.
     New,
-    /// It has one of that stamp, which holds.
-    Known(Sample),
-    /// It reaches only that far back from its newest sample at `latest`.
+    /// This sample of that stamp is kept.
+    Known(PoseSample),
+    /// Older than the cache, whose newest sample is at `latest`.
     TooOld { latest: Time },
 }
 
 impl History {
-    pub(crate) fn new(first: Sample, is_static: bool) -> Self {
+    pub(crate) fn new(first: PoseSample, is_static: bool) -> Self {
         if is_static {
             History::Static(first)
         } else {
@@ -53,7 +43,7 @@ impl History {
         }
     }
 
-    /// What [`insert`](Self::insert) will do with a sample of that stamp. A static transform is always replaced.
+    /// Decides by its stamp whether a sample may be [inserted](Self::insert). A static transform is always replaced.
     pub(crate) fn admits(&self, stamp: Time, cache_length: Duration) -> Admission {
         let History::Moving(samples) = self else { return Admission::New };
         match samples.back().map(|newest| newest.stamp) {
@@ -67,9 +57,9 @@ impl History {
         }
     }
 
-    /// Stores a sample that is [admitted](Self::admits), and drops what is too old then. Returns whether that changed
+    /// Stores an [admitted](Self::admits) sample and drops those that are too old then. Returns whether that changed
     /// anything.
-    pub(crate) fn insert(&mut self, sample: Sample, cache_length: Duration) -> bool {
+    pub(crate) fn insert(&mut self, sample: PoseSample, cache_length: Duration) -> bool {
         let samples = match self {
             History::Static(known) => {
                 let is_same = known.parent == sample.parent && known.parent_from_child == sample.parent_from_child;
@@ -90,7 +80,7 @@ impl History {
         true
     }
 
-    /// The parent and `parent_from_child` at `time`; at time zero the newest. `None` where it is not known.
+    /// Parent and `parent_from_child` at `time`; at time zero the newest. `None` where unknown.
     pub(crate) fn at(&self, time: Time) -> Option<(FrameId, Isometry3<f64>)> {
         let samples = match self {
             History::Static(known) => return Some((known.parent, known.parent_from_child)),
@@ -110,9 +100,8 @@ impl History {
         Some((older.parent, interpolate(&older.parent_from_child, &newer.parent_from_child, ratio)))
     }
 
-    /// The parent and the predicted `parent_from_child`: where known samples reach, as they say; beyond the newest as
-    /// its motion leads, but no further than the limit. Without a motion the newest sample holds. `None` where nothing
-    /// is known.
+    /// Parent and predicted `parent_from_child`: interpolated where samples reach that far, else extrapolated by the
+    /// motion up to the limit. Without a motion the newest sample holds. `None` where nothing is known.
     pub(crate) fn predicted(&self, prediction: &Prediction) -> Option<(FrameId, Isometry3<f64>)> {
         let samples = match self {
             History::Static(known) => return Some((known.parent, known.parent_from_child)),
@@ -126,19 +115,19 @@ impl History {
         let silence = prediction.now.saturating_since(newest.stamp);
         let motion = Motion::of(samples).filter(|motion| silence <= prediction.limit + motion.period * 2);
         let ahead = time.saturating_since(newest.stamp).min(prediction.limit);
-        let place = motion.map(|motion| motion.lead(&newest.parent_from_child, ahead.as_secs_f64()));
+        let place = motion.map(|motion| motion.extrapolate(&newest.parent_from_child, ahead.as_secs_f64()));
         Some((newest.parent, place.unwrap_or(newest.parent_from_child)))
     }
 
-    /// The newest sample; that of a static frame has stamp zero, since it does not bound any common time.
-    pub(crate) fn newest(&self) -> Option<Sample> {
+    /// The newest sample; a static one has stamp zero, since it bounds no common time.
+    pub(crate) fn newest(&self) -> Option<PoseSample> {
         match self {
-            History::Static(known) => Some(Sample { stamp: Time::ZERO, ..*known }),
+            History::Static(known) => Some(PoseSample { stamp: Time::ZERO, ..*known }),
             History::Moving(samples) => samples.back().copied(),
         }
     }
 
-    /// The first and last instant that is known of a moving frame.
+    /// First and last known instant of a moving frame.
     pub(crate) fn span(&self) -> Option<(Time, Time)> {
         match self {
             History::Static(_) => None,
@@ -146,7 +135,7 @@ impl History {
         }
     }
 
-    /// The parents of all samples, some of them several times.
+    /// Parents of all samples, with repetitions.
     pub(crate) fn parents(&self) -> impl Iterator<Item = FrameId> + '_ {
         let (one, many) = match self {
             History::Static(known) => (Some(known.parent), None),
@@ -155,17 +144,16 @@ impl History {
         one.into_iter().chain(many.into_iter().flatten())
     }
 
-    /// With other ids of the parents; samples whose parent has none are dropped. `None` if a static frame's parent is
-    /// gone.
+    /// Renumbers the parents; samples whose parent has no new id are dropped. `None` if a static frame's parent is gone.
     pub(crate) fn with_parents(self, new_id: impl Fn(FrameId) -> Option<FrameId>) -> Option<Self> {
-        let renamed = |sample: Sample| Some(Sample { parent: new_id(sample.parent)?, ..sample });
+        let renamed = |sample: PoseSample| Some(PoseSample { parent: new_id(sample.parent)?, ..sample });
         match self {
             History::Static(known) => renamed(known).map(History::Static),
             History::Moving(samples) => Some(History::Moving(samples.into_iter().filter_map(renamed).collect())),
         }
     }
 
-    /// Forgets all samples of a moving frame. A static transform is kept.
+    /// Removes all samples of a moving frame; a static transform stays.
     pub(crate) fn clear(&mut self) {
         if let History::Moving(samples) = self {
             samples.clear();
@@ -173,51 +161,21 @@ impl History {
     }
 }
 
-/// The transform at `ratio` of the way from `a` (0) to `b` (1): straight in translation, the shorter way in rotation.
-pub fn interpolate(a: &Isometry3<f64>, b: &Isometry3<f64>, ratio: f64) -> Isometry3<f64> {
-    // Not `lerp` of the difference: `b - a` may overflow where both are finite.
-    let translation = a.translation.vector * (1.0 - ratio) + b.translation.vector * ratio;
-    Isometry3::from_parts(Translation3::from(translation), slerp(&a.rotation, &b.rotation, ratio))
-}
-
-/// The rotation at `ratio` of the way along the shorter arc from `a` to `b`.
-///
-/// nalgebra's own takes the angle from the cosine and loses half the digits between rotations that are
-/// nearly equal, which successive samples usually are.
-fn slerp(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>, ratio: f64) -> UnitQuaternion<f64> {
-    let a = a.into_inner();
-    // q and -q are one rotation; of the two the nearer to `a` is the shorter way.
-    let b = if a.coords.dot(&b.coords) < 0.0 { -b.into_inner() } else { b.into_inner() };
-    let angle = 2.0 * (b - a).norm().atan2((b + a).norm());
-    let (weight_a, weight_b) = if angle < STRAIGHT_ANGLE {
-        (1.0 - ratio, ratio)
-    } else {
-        // Both would be divided by the angle's sine, but the sum is normalised.
-        (((1.0 - ratio) * angle).sin(), (ratio * angle).sin())
-    };
-    UnitQuaternion::from_quaternion(a * weight_a + b * weight_b)
-}
-
-/// Two quaternions nearer than this (radians) are joined by a straight line, which then misses the arc by
-/// less than the numbers resolve.
-const STRAIGHT_ANGLE: f64 = 1e-6;
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
 
     const CACHE: Duration = Duration::from_secs(10);
 
-    fn sample(secs: f64, parent: u32, x: f64) -> Sample {
-        Sample {
+    fn sample(secs: f64, parent: u32, x: f64) -> PoseSample {
+        PoseSample {
             stamp: Time::from_secs_f64(secs),
             parent: FrameId(parent),
             parent_from_child: Isometry3::translation(x, 0.0, 0.0),
         }
     }
 
-    fn moving(samples: &[Sample]) -> History {
+    fn moving(samples: &[PoseSample]) -> History {
         let mut history = History::Moving(VecDeque::new());
         for &one in samples {
             assert_eq!(history.admits(one.stamp, CACHE), Admission::New);
@@ -295,33 +253,5 @@ mod tests {
         assert_eq!(history.newest().map(|s| s.stamp), Some(Time::ZERO));
         history.clear();
         assert_eq!(x_at(&history, 1.0), Some(4.0));
-    }
-
-    #[test]
-    fn rotation_follows_the_shorter_arc_whatever_the_signs() {
-        let a = UnitQuaternion::from_scaled_axis(Vector3::z() * 0.2);
-        let b = UnitQuaternion::from_scaled_axis(Vector3::z() * 1.0);
-        let minus_b = UnitQuaternion::new_unchecked(-b.into_inner());
-        for end in [b, minus_b] {
-            let middle = slerp(&a, &end, 0.25);
-            assert!((middle.scaled_axis() - Vector3::z() * 0.4).norm() < 1e-12);
-        }
-    }
-
-    /// nalgebra's `angle_to` does not resolve small angles.
-    fn angle_between(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
-        let (a, b) = (a.into_inner(), b.into_inner());
-        4.0 * (b - a).norm().atan2((b + a).norm())
-    }
-
-    #[test]
-    fn rotation_between_nearly_equal_and_opposite_ends_stays_a_rotation() {
-        let a = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, -0.4, 1.0));
-        for angle in [0.0, 1e-12, 1e-8, 1e-5, 1e-3, std::f64::consts::PI] {
-            let b = a * UnitQuaternion::from_scaled_axis(Vector3::x() * angle);
-            let middle = slerp(&a, &b, 0.5);
-            assert!((middle.norm() - 1.0).abs() < 1e-12, "angle {angle}");
-            assert!((angle_between(&a, &middle) - angle / 2.0).abs() < 1e-12, "angle {angle}");
-        }
     }
 }

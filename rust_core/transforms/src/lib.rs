@@ -1,10 +1,9 @@
 //! The frame tree over time, with tf2's semantics.
 //!
-//! Robots publish where a child frame is in its parent frame, again and again (`/tf`) or once and for all
-//! (`/tf_static`). [`TransformTree`] keeps what was published, ten seconds of it for each frame that moves, and looks
-//! up where one frame was in another at a time, interpolating between the samples and never extrapolating; only who
-//! asks for a [`Prediction`] gets one. [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros'
-//! message filter does for rviz's displays.
+//! Robots publish the pose of a child frame in its parent frame, again and again (`/tf`) or once and for all
+//! (`/tf_static`). [`TransformTree`] remembers ten seconds of each moving frame and looks up the pose of one frame in
+//! another at a time, interpolating between the samples and never extrapolating unless a [`Prediction`] is asked for.
+//! [`WaitingQueue`] holds messages whose frame cannot be placed yet, as tf2_ros' message filter does for rviz's displays.
 //!
 //! Nothing here has a clock, a thread or a connection: the caller brings transforms, messages and times.
 //!
@@ -28,21 +27,22 @@
 //! ```
 #![forbid(unsafe_code)]
 
-mod crowd;
+mod frames;
 mod history;
 mod lookup;
 mod motion;
 mod prediction;
+mod sample;
 mod time;
 mod transform;
 mod tree;
 mod waiting;
 
-pub use crowd::{FRAMES_ALWAYS_KEPT, MOST_FRAMES};
-pub use history::interpolate;
+pub use frames::{FRAMES_ALWAYS_KEPT, MOST_FRAMES};
 pub use lookup::{LookupError, LookupProblem};
 pub use prediction::Prediction;
+pub use sample::interpolate;
 pub use time::Time;
-pub use transform::{InsertError, RawTransform, StampedTransform};
-pub use tree::{Inserted, TransformTree, DEFAULT_CACHE_LENGTH};
+pub use transform::{InsertError, InsertProblem, RawTransform};
+pub use tree::{Inserted, TransformTree};
 pub use waiting::{DropCounts, Dropped, WaitingQueue};

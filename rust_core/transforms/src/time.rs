@@ -1,7 +1,7 @@
 //! ROS time: nanoseconds since the epoch of the ROS clock (the Unix epoch, or the start of a simulation).
 //!
-//! Messages carry it as unsigned seconds and nanoseconds. One signed count of nanoseconds orders and
-//! subtracts without carries; all arithmetic saturates, because stamps come from outside.
+//! Messages carry it as unsigned seconds and nanoseconds. One signed count of nanoseconds orders and subtracts without
+//! carries; all arithmetic saturates, because stamps come from outside.
 
 use std::fmt;
 use std::time::Duration;
@@ -56,17 +56,17 @@ impl Time {
         }
     }
 
-    /// Whether this is [`Time::ZERO`].
+    /// `true` for [`Time::ZERO`].
     pub const fn is_zero(self) -> bool {
         self.nanos == 0
     }
 
-    /// This time and `duration`, held within the range of the type.
+    /// This time plus `duration`, saturating.
     pub fn saturating_add(self, duration: Duration) -> Self {
         Time { nanos: self.nanos.saturating_add(saturated_nanos(duration)) }
     }
 
-    /// This time less `duration`, held within the range of the type.
+    /// This time minus `duration`, saturating.
     pub fn saturating_sub(self, duration: Duration) -> Self {
         Time { nanos: self.nanos.saturating_sub(saturated_nanos(duration)) }
     }

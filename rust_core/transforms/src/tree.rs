@@ -1,39 +1,26 @@
 //! The buffer of all frames, their names and histories. tf2 calls it `BufferCore`.
 //!
-//! Frame names are interned, so that a lookup hashes its two names once and then walks from frame to
-//! parent by index. A name is known from the first stored transform that mentions it, as child or as parent,
-//! and is kept, also through [`TransformTree::clear`], unless there are very many (see the module `crowd`). Lookups are
-//! in the module `lookup`.
+//! A name is known from the first stored transform that mentions it, as child or as parent, and is kept, also through
+//! [`TransformTree::clear`], unless there are very many (see the module `frames`). Lookups are in the module `lookup`.
 
-use std::collections::HashMap;
 use std::time::Duration;
 
-use crate::crowd::Crowd;
-use crate::history::{Admission, History, Sample};
-use crate::transform::strip_slash;
-use crate::{InsertError, RawTransform, StampedTransform, Time};
+use crate::frames::Frames;
+use crate::history::{Admission, History};
+use crate::sample::PoseSample;
+use crate::transform::{strip_slash, InsertProblem};
+use crate::{InsertError, RawTransform, Time};
 
-/// How long tf2 remembers moving frames by default.
-pub const DEFAULT_CACHE_LENGTH: Duration = Duration::from_secs(10);
+/// tf2's default cache length of moving frames.
+const DEFAULT_CACHE_LENGTH: Duration = Duration::from_secs(10);
 
-/// A frame's place among the tree's frames.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(crate) struct FrameId(pub(crate) u32);
-
-#[derive(Clone, Debug)]
-pub(crate) struct Frame {
-    name: String,
-    /// `None` until a transform places the frame in a parent: roots have none.
-    pub(crate) history: Option<History>,
-}
-
-/// What an accepted transform changed.
+/// Effect of an accepted transform.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Inserted {
     /// The tree knows something that it did not know before.
     Stored,
-    /// Nothing: the frame was placed exactly there already, at that stamp or for good. Nodes that publish in a loop do
-    /// this all the time.
+    /// Nothing: the frame was there already, at that stamp or for good. Nodes that publish in a loop do this all the
+    /// time.
     Repeated,
 }
 
@@ -59,10 +46,8 @@ pub enum Inserted {
 #[derive(Clone, Debug)]
 pub struct TransformTree {
     cache_length: Duration,
-    pub(crate) frames: Vec<Frame>,
-    pub(crate) ids: HashMap<String, FrameId>,
-    pub(crate) generation: u64,
-    pub(crate) crowd: Crowd,
+    pub(crate) frames: Frames,
+    generation: u64,
 }
 
 impl Default for TransformTree {
@@ -72,62 +57,58 @@ impl Default for TransformTree {
 }
 
 impl TransformTree {
-    /// An empty tree that remembers [`DEFAULT_CACHE_LENGTH`] of each moving frame.
+    /// An empty tree that remembers ten seconds of each moving frame, as tf2 does.
     pub fn new() -> Self {
         Self::with_cache_length(DEFAULT_CACHE_LENGTH)
     }
 
     /// An empty tree that remembers `cache_length` of each moving frame, back from the frame's newest sample.
     pub fn with_cache_length(cache_length: Duration) -> Self {
-        let (frames, ids, crowd) = (Vec::new(), HashMap::new(), Crowd::default());
-        TransformTree { cache_length, frames, ids, generation: 0, crowd }
+        TransformTree { cache_length, frames: Frames::default(), generation: 0 }
     }
 
     /// How long moving frames are remembered.
-    pub fn cache_length(&self) -> Duration {
+    pub(crate) fn cache_length(&self) -> Duration {
         self.cache_length
     }
 
-    /// Adds what `authority` (a node's name) published, on `/tf_static` if `is_static`.
+    /// Adds a transform that `authority` (a node's name) published, on `/tf_static` if `is_static`.
     ///
-    /// Whether a frame is static is decided by the first transform published for it, for good, as in tf2: a
-    /// later one from the other topic is a sample like any other, or replaces the static one.
+    /// The first transform of a frame decides for good whether it is static, as in tf2: a later one from the other
+    /// topic is a sample like any other, or replaces the static one.
     ///
     /// # Errors
     ///
-    /// [`InsertError`] for what tf2 refuses; the tree's transforms are then as before.
+    /// [`InsertError`] for transforms that tf2 refuses; the tree is unchanged then.
     pub fn insert(
         &mut self,
         transform: &RawTransform<'_>,
         is_static: bool,
         authority: &str,
     ) -> Result<Inserted, InsertError> {
-        let parent_from_child = transform.check(authority)?;
+        let refused = |problem| transform.refused(authority, problem);
+        let parent_from_child = transform.check().map_err(refused)?;
         let (parent, child) = (strip_slash(transform.parent), strip_slash(transform.child));
-        let named = || (authority.to_owned(), parent.to_owned(), child.to_owned());
-        let child_id = self.id(child);
-        let known = child_id.and_then(|child_id| self.history(child_id));
-        match known.map_or(Admission::New, |history| history.admits(transform.stamp, self.cache_length)) {
+        let stamp = transform.stamp;
+        let child_id = self.frames.id(child);
+        let known = child_id.and_then(|child_id| self.frames.history(child_id));
+        match known.map_or(Admission::New, |history| history.admits(stamp, self.cache_length)) {
             Admission::New => {}
-            Admission::Known(known) => {
-                if known.parent_from_child == parent_from_child && self.name(known.parent) == parent {
-                    return Ok(Inserted::Repeated);
-                }
-                let (authority, parent, child) = named();
-                return Err(InsertError::RepeatedData { authority, parent, child, stamp: transform.stamp });
+            Admission::Known(known)
+                if known.parent_from_child == parent_from_child && self.frames.name(known.parent) == parent =>
+            {
+                return Ok(Inserted::Repeated);
             }
-            Admission::TooOld { latest } => {
-                let (authority, parent, child) = named();
-                return Err(InsertError::OldData { authority, parent, child, stamp: transform.stamp, latest });
-            }
+            Admission::Known(_) => return Err(refused(InsertProblem::Repeated { stamp })),
+            Admission::TooOld { latest } => return Err(refused(InsertProblem::TooOld { stamp, latest })),
         }
-        // Names are kept of what is stored, and of nothing else.
-        let child_id = child_id.unwrap_or_else(|| self.intern(child));
-        let sample = Sample { stamp: transform.stamp, parent: self.intern(parent), parent_from_child };
-        let is_new = match self.frames.get_mut(child_id.0 as usize) {
-            Some(Frame { history: Some(history), .. }) => history.insert(sample, self.cache_length),
-            Some(frame) => {
-                frame.history = Some(History::new(sample, is_static));
+        // Only names of stored transforms are kept.
+        let child_id = child_id.unwrap_or_else(|| self.frames.intern(child));
+        let sample = PoseSample { stamp, parent: self.frames.intern(parent), parent_from_child };
+        let is_new = match self.frames.history_mut(child_id) {
+            Some(Some(history)) => history.insert(sample, self.cache_length),
+            Some(empty) => {
+                *empty = Some(History::new(sample, is_static));
                 true
             }
             None => false,
@@ -136,85 +117,49 @@ impl TransformTree {
             return Ok(Inserted::Repeated);
         }
         self.generation += 1;
-        self.limit_frames(transform.stamp);
+        self.frames.limit(stamp);
         Ok(Inserted::Stored)
     }
 
-    /// Forgets all samples of moving frames. Static frames and all names stay known, as in tf2: static
-    /// transforms are published once and would never come back after a jump in time.
+    /// Forgets all samples of moving frames. Static frames and all names stay known, as in tf2: static transforms are
+    /// published once and would never come back after a jump in time.
     pub fn clear(&mut self) {
-        for frame in &mut self.frames {
-            if let Some(history) = &mut frame.history {
-                history.clear();
-            }
-        }
+        self.frames.clear_moving();
         self.generation += 1;
-        self.reset_crowd();
     }
 
-    /// A number that grows whenever what the tree knows has changed, so that callers know when a lookup
-    /// that failed is worth trying again. Repeated transforms do not count.
+    /// Number that grows with every change of the tree, so that callers know when to repeat a failed lookup. Repeated
+    /// transforms do not count.
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
     /// All frames that were ever mentioned and not forgotten, in the order of their first mention.
     pub fn frames(&self) -> impl Iterator<Item = &str> {
-        self.frames.iter().map(|frame| frame.name.as_str())
+        self.frames.names()
     }
 
-    /// Whether `frame` was ever mentioned, as child or as parent.
+    /// Number of frames that were forgotten because there were too many, see [`MOST_FRAMES`](crate::MOST_FRAMES).
+    pub fn forgotten_frames(&self) -> u64 {
+        self.frames.forgotten
+    }
+
+    /// `true` if `frame` was ever mentioned, as child or as parent.
     pub fn frame_exists(&self, frame: &str) -> bool {
-        self.id(strip_slash(frame)).is_some()
+        self.frames.id(strip_slash(frame)).is_some()
     }
 
-    /// The parent of `frame` at `time` (at zero: in its newest sample). `None` for roots, for unknown
-    /// frames and for times that the frame's history does not cover.
+    /// Parent of `frame` at `time` (at zero: in its newest sample). `None` for roots, for unknown frames and for times
+    /// outside the frame's history.
     pub fn parent_of(&self, frame: &str, time: Time) -> Option<&str> {
-        let (parent, _) = self.history(self.id(strip_slash(frame))?)?.at(time)?;
-        Some(self.name(parent))
+        let (parent, _) = self.frames.history(self.frames.id(strip_slash(frame))?)?.at(time)?;
+        Some(self.frames.name(parent))
     }
 
-    /// The newest sample of `frame`, with its parent; its stamp is zero where the frame is static, and so valid at all
-    /// times. `None` for roots, for unknown frames and for moving frames without samples.
-    pub fn latest(&self, frame: &str) -> Option<StampedTransform> {
-        let id = self.id(strip_slash(frame))?;
-        let newest = self.history(id)?.newest()?;
-        Some(StampedTransform {
-            parent: self.name(newest.parent).to_owned(),
-            child: self.name(id).to_owned(),
-            stamp: newest.stamp,
-            parent_from_child: newest.parent_from_child,
-        })
-    }
-
-    /// The stamp of the newest sample of `frame`, as [`Self::latest`] has it.
+    /// Stamp of the newest sample of `frame`; zero where the frame is static. `None` for roots, for unknown frames and
+    /// for moving frames without samples.
     pub fn newest_stamp_of(&self, frame: &str) -> Option<Time> {
-        Some(self.history(self.id(strip_slash(frame))?)?.newest()?.stamp)
-    }
-
-    fn intern(&mut self, name: &str) -> FrameId {
-        if let Some(id) = self.id(name) {
-            return id;
-        }
-        // Four thousand million names do not fit into memory.
-        let id = FrameId(self.frames.len() as u32);
-        self.frames.push(Frame { name: name.to_owned(), history: None });
-        self.ids.insert(name.to_owned(), id);
-        id
-    }
-
-    /// The frame of that name, which is given without a leading slash.
-    pub(crate) fn id(&self, name: &str) -> Option<FrameId> {
-        self.ids.get(name).copied()
-    }
-
-    pub(crate) fn name(&self, id: FrameId) -> &str {
-        self.frames.get(id.0 as usize).map_or("", |frame| &frame.name)
-    }
-
-    pub(crate) fn history(&self, id: FrameId) -> Option<&History> {
-        self.frames.get(id.0 as usize)?.history.as_ref()
+        Some(self.frames.history(self.frames.id(strip_slash(frame))?)?.newest()?.stamp)
     }
 }
 
@@ -248,8 +193,10 @@ mod tests {
         assert_eq!(tree.parent_of("/odom", Time::ZERO), Some("map"));
         assert_eq!(tree.parent_of("odom", Time::from_secs_nanos(6, 0)), None);
         assert_eq!(tree.parent_of("map", Time::ZERO), None);
-        assert_eq!(tree.latest("base").map(|sample| sample.stamp), Some(Time::from_secs_nanos(5, 0)));
-        assert!(tree.latest("map").is_none());
+        assert_eq!(tree.newest_stamp_of("/base"), Some(Time::from_secs_nanos(5, 0)));
+        assert_eq!(tree.newest_stamp_of("map"), None);
+        tree.insert(&raw("odom", "laser", 5, 2.0), true, "/a").unwrap();
+        assert_eq!(tree.newest_stamp_of("laser"), Some(Time::ZERO));
     }
 
     #[test]
@@ -312,18 +259,6 @@ mod tests {
         tree.insert(&raw("map", "cart", 6, 3.0), true, "/a").unwrap();
         assert_eq!(x_of(&tree, "map", "cart", 0), Some(3.0));
         assert_eq!(x_of(&tree, "map", "cart", 100), None);
-    }
-
-    #[test]
-    fn the_newest_sample_comes_with_its_parent() {
-        let mut tree = TransformTree::new();
-        tree.insert(&raw("map", "odom", 5, 1.0), false, "/a").unwrap();
-        tree.insert(&raw("odom", "laser", 5, 2.0), true, "/a").unwrap();
-        let odom = tree.latest("/odom").unwrap();
-        assert_eq!((odom.parent.as_str(), odom.child.as_str()), ("map", "odom"));
-        assert_eq!(odom.stamp, Time::from_secs_nanos(5, 0));
-        assert_eq!(tree.latest("laser").unwrap().stamp, Time::ZERO);
-        assert_eq!(tree.latest("map"), None);
     }
 
     #[test]

@@ -1,15 +1,13 @@
-//! Messages that wait for their frame: what tf2_ros' message filter does for rviz's displays.
+//! Queue of messages that wait for their frame, like tf2_ros' message filter for rviz's displays.
 //!
-//! A display can draw a message only where its frame is known at the message's stamp, and transforms
-//! often arrive a little after the data that needs them. So a message that cannot be placed yet waits; it
-//! is returned as soon as it can be placed, or dropped when newer ones need its place in the queue or when it is
-//! older than all that the tree remembers. The owner calls [`WaitingQueue::take_ready`] after each message
-//! and whenever [`TransformTree::generation`] has grown.
+//! A display can draw a message only where its frame is known at the message's stamp, and transforms often arrive a
+//! little after the data. A message that cannot be placed yet waits until it can, or is dropped when newer ones need its
+//! place in the queue or when it is older than the tree's cache. The owner calls [`WaitingQueue::take_ready`] after each
+//! message and whenever [`TransformTree::generation`] has grown.
 //!
-//! Two things differ from tf2_ros. Messages come out in the order of their arrival, where the filter's
-//! order after a transform is arbitrary. And a message with stamp zero, which stands for the latest transform,
-//! is never too old: the filter compares even that stamp with the newest transforms and so loses a message
-//! that came before the first of them.
+//! Two things differ from tf2_ros. Messages come out in the order of their arrival, where the filter's order after a
+//! transform is arbitrary. And a message with stamp zero, which stands for the latest transform, is never too old: the
+//! filter compares even that stamp with the newest transforms and so loses a message that came before the first of them.
 
 use std::collections::VecDeque;
 
@@ -23,61 +21,61 @@ use crate::{LookupError, Time, TransformTree};
 pub struct WaitingQueue<T> {
     queue_size: usize,
     /// In the order of arrival.
-    messages: VecDeque<Message<T>>,
-    /// The number of messages at the end of the queue that were not tried yet.
+    messages: VecDeque<QueuedMessage<T>>,
+    /// Messages at the end of the queue that were not tried yet.
     new: usize,
-    /// How many messages were added so far.
+    /// Messages added so far.
     added: u64,
-    /// The number of the last message that could be placed.
+    /// Number of the last message that could be placed.
     last_ready: u64,
     counts: DropCounts,
     last_dropped: Option<Dropped>,
     /// The dropped messages, where the owner wants them.
-    kept: Option<Vec<(T, Dropped)>>,
+    dropped: Option<Vec<(T, Dropped)>>,
 }
 
 #[derive(Clone, Debug)]
-struct Message<T> {
+struct QueuedMessage<T> {
     frame: String,
     stamp: Time,
-    /// The other time at which its frame must be known; mostly the stamp.
+    /// Other time at which the frame must be known; mostly the stamp.
     end: Time,
     content: T,
     /// Counts the messages from one.
     number: u64,
 }
 
-impl<T> Message<T> {
-    /// When its frame must be known.
+impl<T> QueuedMessage<T> {
+    /// Times at which its frame must be known.
     fn times(&self) -> [Time; 2] {
         [self.stamp, self.end]
     }
 
-    /// Why it cannot be placed.
+    /// Reason why it cannot be placed.
     fn waits_for(&self, tree: &TransformTree, target: &str) -> Option<LookupError> {
         self.times().iter().find_map(|time| tree.lookup(target, &self.frame, *time).err())
     }
 }
 
-/// How many messages were dropped, by reason.
+/// Number of dropped messages by reason.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct DropCounts {
-    /// Newer messages needed the place.
+    /// Pushed out by newer messages.
     pub queue_full: u64,
-    /// The stamp lay before all that the tree remembers.
+    /// Older than the tree's cache.
     pub too_old: u64,
-    /// The message named no frame.
+    /// Without a frame.
     pub empty_frame: u64,
 }
 
 impl DropCounts {
-    /// All of them.
+    /// Sum over all reasons.
     pub fn total(&self) -> u64 {
         self.queue_full + self.too_old + self.empty_frame
     }
 }
 
-/// Why a message was dropped.
+/// Reason why a message was dropped.
 #[derive(Clone, PartialEq, Debug, Error)]
 pub enum Dropped {
     /// More messages waited than the queue holds, and this one was the oldest.
@@ -87,15 +85,15 @@ pub enum Dropped {
         frame: String,
         /// The message's stamp.
         stamp: Time,
-        /// What it waited for; `None` if it was not tried yet.
+        /// Last failed lookup; `None` if it was not tried yet.
         reason: Option<LookupError>,
     },
-    /// The transforms of that time are forgotten, so that the message can never be placed.
+    /// The tree's cache does not reach back to its stamp, so that the message can never be placed.
     #[error("a message in frame [{frame}] at {stamp} was dropped because it is too old to be placed in frame [{target}], whose transforms have reached {latest}")]
     TooOld {
         /// The message's frame.
         frame: String,
-        /// The frame that it was to be placed in.
+        /// The target frame.
         target: String,
         /// The message's stamp.
         stamp: Time,
@@ -125,47 +123,41 @@ impl<T> WaitingQueue<T> {
             last_ready: 0,
             counts: DropCounts::default(),
             last_dropped: None,
-            kept: None,
+            dropped: None,
         }
     }
 
-    /// The same queue, but it keeps the messages that it drops until [`WaitingQueue::take_dropped`].
+    /// Keeps dropped messages until [`WaitingQueue::take_dropped`].
     #[must_use]
     pub fn keeping_dropped(mut self) -> Self {
-        self.kept = Some(Vec::new());
+        self.dropped = Some(Vec::new());
         self
     }
 
-    /// The messages dropped since the last call, in that order, each with the reason; always empty unless the queue was
-    /// made with [`WaitingQueue::keeping_dropped`].
+    /// Returns the messages dropped since the last call, in that order, each with the reason; always empty without
+    /// [`WaitingQueue::keeping_dropped`].
     pub fn take_dropped(&mut self) -> Vec<(T, Dropped)> {
-        self.kept.as_mut().map(std::mem::take).unwrap_or_default()
+        self.dropped.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     fn note_dropped(&mut self, content: T, dropped: Dropped) {
-        if let Some(kept) = &mut self.kept {
-            kept.push((content, dropped.clone()));
+        if let Some(all) = &mut self.dropped {
+            all.push((content, dropped.clone()));
         }
         self.last_dropped = Some(dropped);
     }
 
-    /// Sets how many messages may wait; 0 means no limit. Where too many wait already, the next
-    /// [`WaitingQueue::take_ready`] drops the oldest.
-    pub fn set_queue_size(&mut self, queue_size: usize) {
-        self.queue_size = queue_size;
-    }
-
     /// Adds a message in `frame_id` (one leading `/` is ignored) at `stamp`.
     ///
-    /// A message without a frame is dropped at once. Messages that were not tried yet do not push
-    /// out those that wait, because they may be ready; but as in a subscriber's queue there are at most
-    /// queue size of them, then the oldest of them is dropped.
+    /// A message without a frame is dropped at once. Messages that were not tried yet do not push out those that wait,
+    /// because they may be ready; but as in a subscriber's queue there are at most queue size of them, then the oldest
+    /// of them is dropped.
     pub fn push(&mut self, frame_id: &str, stamp: Time, message: T) {
         self.push_until(frame_id, stamp, stamp, message);
     }
 
-    /// As [`WaitingQueue::push`], for a message that was recorded from `stamp` until `end`: its frame must be known at
-    /// both, and it is too old when the older of them is.
+    /// Like [`WaitingQueue::push`], for a message recorded from `stamp` until `end`: its frame must be known at both, and
+    /// it is too old when the older of them is.
     pub fn push_until(&mut self, frame_id: &str, stamp: Time, end: Time, message: T) {
         let frame = strip_slash(frame_id);
         if frame.is_empty() {
@@ -184,18 +176,16 @@ impl<T> WaitingQueue<T> {
         }
         self.added += 1;
         let number = self.added;
-        self.messages.push_back(Message { frame: frame.to_owned(), stamp, end, content: message, number });
+        self.messages.push_back(QueuedMessage { frame: frame.to_owned(), stamp, end, content: message, number });
         self.new += 1;
     }
 
-    /// The messages that `tree` can now place in `target`, in the order of their arrival. Of the rest it
-    /// drops those that can never be placed, and the oldest beyond the queue size.
+    /// Returns the messages that `tree` can now place in `target`, in the order of their arrival. Of the rest it drops
+    /// those that can never be placed, and the oldest beyond the queue size.
     pub fn take_ready(&mut self, tree: &TransformTree, target: &str) -> Vec<T> {
         let mut ready = Vec::new();
         for _ in 0..self.messages.len() {
-            let Some(message) = self.messages.pop_front() else {
-                break;
-            };
+            let Some(message) = self.messages.pop_front() else { break };
             if message.times().iter().all(|time| tree.can_transform(target, &message.frame, *time)) {
                 self.last_ready = self.last_ready.max(message.number);
                 ready.push(message.content);
@@ -210,9 +200,7 @@ impl<T> WaitingQueue<T> {
         }
         self.new = 0;
         while self.queue_size != 0 && self.messages.len() > self.queue_size {
-            let Some(oldest) = self.messages.pop_front() else {
-                break;
-            };
+            let Some(oldest) = self.messages.pop_front() else { break };
             let reason = oldest.waits_for(tree, target);
             self.counts.queue_full += 1;
             let dropped = Dropped::QueueFull { frame: oldest.frame, stamp: oldest.stamp, reason };
@@ -221,28 +209,28 @@ impl<T> WaitingQueue<T> {
         ready
     }
 
-    /// Why the newest message waits; `None` when none does, or when a newer one could be placed.
+    /// Reason why the newest message waits; `None` when none does, or when a newer one could be placed.
     pub fn waiting_reason(&self, tree: &TransformTree, target: &str) -> Option<LookupError> {
         let newest = self.messages.back().filter(|newest| newest.number > self.last_ready)?;
         newest.waits_for(tree, target)
     }
 
-    /// The stamps of those that wait, in the order of their arrival.
+    /// Stamps of the waiting messages, in the order of their arrival.
     pub fn stamps(&self) -> impl Iterator<Item = Time> + '_ {
         self.messages.iter().map(|message| message.stamp)
     }
 
-    /// How many messages wait.
+    /// Number of waiting messages.
     pub fn len(&self) -> usize {
         self.messages.len()
     }
 
-    /// Whether no message waits.
+    /// `true` if no message waits.
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
     }
 
-    /// How many messages were dropped so far.
+    /// Number of messages dropped so far.
     pub fn dropped(&self) -> DropCounts {
         self.counts
     }
@@ -252,20 +240,20 @@ impl<T> WaitingQueue<T> {
         self.last_dropped.as_ref()
     }
 
-    /// Forgets all that waits, for a jump in time or another target frame. The counts go on.
+    /// Removes all messages, for a jump in time or another target frame. The counts go on.
     pub fn clear(&mut self) {
         self.messages.clear();
         self.new = 0;
         self.last_dropped = None;
-        if let Some(kept) = &mut self.kept {
-            kept.clear();
+        if let Some(all) = &mut self.dropped {
+            all.clear();
         }
     }
 }
 
-/// The latest common time of the message's frame and `target`, if it is so far ahead of the message that
-/// the tree no longer remembers the message's stamp.
-fn forgotten_since<T>(tree: &TransformTree, target: &str, message: &Message<T>) -> Option<Time> {
+/// Latest common time of the message's frame and `target`, if the tree's cache no longer reaches back from there to the
+/// message's stamp.
+fn forgotten_since<T>(tree: &TransformTree, target: &str, message: &QueuedMessage<T>) -> Option<Time> {
     if message.stamp.is_zero() {
         return None;
     }
@@ -277,7 +265,7 @@ fn forgotten_since<T>(tree: &TransformTree, target: &str, message: &Message<T>) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::RawTransform;
+    use crate::{LookupProblem, RawTransform};
 
     fn at(secs: u32) -> Time {
         Time::from_secs_nanos(secs, 0)
@@ -310,7 +298,7 @@ mod tests {
         assert_eq!(queue.take_ready(&tree, "map"), ["late", "early"]);
         assert_eq!(queue.len(), 1);
         let reason = queue.waiting_reason(&tree, "map");
-        assert!(matches!(reason, Some(LookupError::Extrapolation { .. })));
+        assert!(matches!(reason.unwrap().problem, LookupProblem::Extrapolation { .. }));
 
         place(&mut tree, "laser", 14);
         assert_eq!(queue.take_ready(&tree, "map"), ["future"]);
@@ -329,7 +317,10 @@ mod tests {
         queue.push_until("laser", at(11), at(9), "earlier");
         assert!(queue.take_ready(&tree, "map").is_empty());
         let reason = queue.waiting_reason(&tree, "map").unwrap();
-        assert!(matches!(reason, LookupError::Extrapolation { requested, .. } if requested == at(9)), "{reason}");
+        assert!(
+            matches!(reason.problem, LookupProblem::Extrapolation { requested, .. } if requested == at(9)),
+            "{reason}"
+        );
         place(&mut tree, "laser", 13);
         assert_eq!(queue.take_ready(&tree, "map"), ["later"]);
         place(&mut tree, "laser", 20);
@@ -344,14 +335,14 @@ mod tests {
         place(&mut tree, "laser", 10);
         queue.push("laserr", Time::ZERO, "misspelt");
         assert!(queue.take_ready(&tree, "map").is_empty());
-        assert!(matches!(queue.waiting_reason(&tree, "map"), Some(LookupError::Lookup { .. })));
+        assert!(matches!(queue.waiting_reason(&tree, "map").unwrap().problem, LookupProblem::MissingFrame(_)));
         queue.push("laser", at(10), "good");
         assert_eq!(queue.take_ready(&tree, "map"), ["good"]);
         assert!(queue.take_ready(&tree, "map").is_empty());
         assert_eq!((queue.len(), queue.waiting_reason(&tree, "map")), (1, None));
         queue.push("laser", at(11), "late");
         assert!(queue.take_ready(&tree, "map").is_empty());
-        assert!(matches!(queue.waiting_reason(&tree, "map"), Some(LookupError::Extrapolation { .. })));
+        assert!(matches!(queue.waiting_reason(&tree, "map").unwrap().problem, LookupProblem::Extrapolation { .. }));
     }
 
     #[test]
@@ -424,7 +415,7 @@ mod tests {
     }
 
     #[test]
-    fn queue_size_zero_sets_no_limit_and_a_smaller_size_takes_effect() {
+    fn queue_size_zero_sets_no_limit() {
         let tree = TransformTree::new();
         let mut queue = WaitingQueue::new(0);
         for secs in 0..1000 {
@@ -432,9 +423,6 @@ mod tests {
         }
         assert!(queue.take_ready(&tree, "map").is_empty());
         assert_eq!(queue.len(), 1000);
-        queue.set_queue_size(3);
-        assert!(queue.take_ready(&tree, "map").is_empty());
-        assert_eq!((queue.len(), queue.dropped().queue_full), (3, 997));
     }
 
     #[test]

@@ -31,18 +31,13 @@ pub(crate) fn follow(
 /// Why something cannot be placed in the fixed frame, in the words of rviz's statuses: a frame that does not exist at
 /// all comes first.
 pub(crate) fn problem(error: &LookupError, fixed_frame: &str) -> StatusText {
-    let (LookupError::Lookup { source: frame, .. }
-    | LookupError::Connectivity { source: frame, .. }
-    | LookupError::Extrapolation { source: frame, .. }
-    | LookupError::InvalidArgument { source: frame, .. }) = error;
-    let reason = match error {
-        LookupError::Lookup { problem: LookupProblem::MissingFrame(missing), .. } if missing == fixed_frame => {
+    let LookupError { source: frame, problem, .. } = error;
+    let reason = match problem {
+        LookupProblem::MissingFrame(missing) if missing == fixed_frame => {
             format!("Fixed Frame [{missing}] does not exist")
         }
-        LookupError::Lookup { problem: LookupProblem::MissingFrame(missing), .. } => {
-            format!("Frame [{missing}] does not exist")
-        }
-        LookupError::InvalidArgument { .. } => "Frame [] does not exist".to_owned(),
+        LookupProblem::MissingFrame(missing) => format!("Frame [{missing}] does not exist"),
+        LookupProblem::EmptyName => "Frame [] does not exist".to_owned(),
         _ => format!("No transform to fixed frame [{fixed_frame}].  TF error: [{error}]"),
     };
     StatusText::about_frame(format!("For frame [{frame}]: {reason}"))

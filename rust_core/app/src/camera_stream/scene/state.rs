@@ -164,7 +164,7 @@ impl SceneState {
     pub fn take_transforms(&mut self, message: &TFMessage, is_static: bool, publisher: &str) {
         for transform in raw_transforms(message) {
             if let Err(error) = self.around.transforms.insert(&transform, is_static, publisher) {
-                let key = format!("{publisher} {} {:?}", transform.child, std::mem::discriminant(&error));
+                let key = format!("{publisher} {} {:?}", transform.child, std::mem::discriminant(&error.problem));
                 if self.warned.len() < MOST_WARNINGS && self.warned.insert(key) {
                     log::warn!("{error}");
                 }

@@ -9,7 +9,7 @@ use rcs_messages::visualization_msgs::{
     InteractiveMarker, InteractiveMarkerInit, InteractiveMarkerPose, InteractiveMarkerUpdate,
 };
 use rcs_messages::PlainTransform;
-use rcs_transforms::LookupError;
+use rcs_transforms::LookupProblem;
 
 use super::complete::{complete, set_orientation};
 use crate::framework::world::{isometry, stamp};
@@ -124,7 +124,7 @@ fn place(header: &mut Header, pose: &mut Pose, world: &World<'_>) -> Result<bool
             }
             Ok(true)
         }
-        Err(error @ LookupError::Extrapolation { .. }) => {
+        Err(error) if matches!(error.problem, LookupProblem::Extrapolation { .. }) => {
             let latest = world.transforms.latest_common_time(world.fixed_frame, &header.frame_id);
             // Transforms come in the order of time, so an old one will not come any more.
             if latest.is_ok_and(|latest| !latest.is_zero() && latest > stamp(header)) {

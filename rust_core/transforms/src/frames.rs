@@ -1,104 +1,134 @@
-//! A bound on the number of frames.
+//! The frames of a tree by name, and a bound on their number.
 //!
-//! tf2 keeps every name for ever. A publisher that makes up names, such as one that counts them up with each detection,
-//! would fill memory and slow down everybody who goes over all frames. So a tree with more than [`FRAMES_ALWAYS_KEPT`] frames
-//! forgets those of the later ones that were silent for [`SILENCE`], and one with [`MOST_FRAMES`] those that were
-//! silent for longest, static ones last. The first [`FRAMES_ALWAYS_KEPT`] frames that were mentioned are kept, and so is every
-//! frame on the way from one that stays to its root, unless that would be too many.
+//! Names are interned: a lookup hashes its two names once and then follows indices. tf2 keeps every name for ever; a
+//! publisher that makes up names, such as one per detection, would fill memory and slow down everything that goes over
+//! all frames. So above [`FRAMES_ALWAYS_KEPT`] frames the later ones that were silent for [`SILENCE`] are forgotten, and
+//! above [`MOST_FRAMES`] those that were silent for longest, static ones last. The first [`FRAMES_ALWAYS_KEPT`] frames
+//! stay, and so does every frame between one that stays and its root, unless that would be too many.
 
 use std::collections::HashMap;
 use std::time::Duration;
 
 use crate::history::History;
-use crate::tree::{FrameId, TransformTree};
+use crate::sample::FrameId;
 use crate::Time;
 
-/// A tree of no more frames forgets none.
+/// Frames of a tree that are never forgotten: the first ones.
 pub const FRAMES_ALWAYS_KEPT: usize = 1000;
-/// A tree has no more frames.
+/// Largest number of frames of a tree.
 pub const MOST_FRAMES: usize = 5000;
-/// Frames of a crowded tree whose newest transform is that much older than the newest of all are forgotten.
+/// Age behind the newest transform of all at which a frame may be forgotten.
 const SILENCE: Duration = Duration::from_secs(60);
-/// After forgetting, so many are left of the most: it is not worth the while for a single frame.
+/// Frames left after the number was exceeded; forgetting one at a time would be slow.
 const LEFT: usize = MOST_FRAMES / 2;
-/// How often, in stamps, a crowded tree looks for silent frames.
+/// Period, in stamps, of the search for silent frames.
 const PERIOD: Duration = Duration::from_secs(10);
 
-/// What a tree remembers about its crowd.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Crowd {
-    /// The newest stamp of all transforms.
-    newest: Time,
-    /// The newest stamp when silent frames were last looked for.
-    checked_at: Time,
-    /// How many frames were forgotten.
-    forgotten: u64,
+#[derive(Clone, Debug)]
+struct FrameEntry {
+    name: String,
+    /// `None` for roots, which no transform places in a parent.
+    history: Option<History>,
 }
 
-impl TransformTree {
-    /// How many frames were forgotten so far, because there were too many.
-    pub fn forgotten_frames(&self) -> u64 {
-        self.crowd.forgotten
+/// Frames with their histories, in the order of their first mention.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Frames {
+    entries: Vec<FrameEntry>,
+    ids: HashMap<String, FrameId>,
+    /// Newest stamp of all transforms.
+    newest: Time,
+    /// Value of `newest` at the last search for silent frames.
+    searched_at: Time,
+    /// Frames forgotten so far.
+    pub(crate) forgotten: u64,
+}
+
+impl Frames {
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(|entry| entry.name.as_str())
     }
 
-    /// Forgets frames if there are too many. `stamp` is that of the transform that was inserted.
-    pub(crate) fn limit_frames(&mut self, stamp: Time) {
-        self.crowd.newest = self.crowd.newest.max(stamp);
-        if self.frames.len() <= FRAMES_ALWAYS_KEPT {
+    /// The frame of a name without leading slash.
+    pub(crate) fn id(&self, name: &str) -> Option<FrameId> {
+        self.ids.get(name).copied()
+    }
+
+    pub(crate) fn name(&self, id: FrameId) -> &str {
+        self.entries.get(id.0 as usize).map_or("", |entry| &entry.name)
+    }
+
+    pub(crate) fn history(&self, id: FrameId) -> Option<&History> {
+        self.entries.get(id.0 as usize)?.history.as_ref()
+    }
+
+    pub(crate) fn history_mut(&mut self, id: FrameId) -> Option<&mut Option<History>> {
+        self.entries.get_mut(id.0 as usize).map(|entry| &mut entry.history)
+    }
+
+    pub(crate) fn intern(&mut self, name: &str) -> FrameId {
+        if let Some(id) = self.id(name) {
+            return id;
+        }
+        // Four thousand million names do not fit into memory.
+        let id = FrameId(self.entries.len() as u32);
+        self.entries.push(FrameEntry { name: name.to_owned(), history: None });
+        self.ids.insert(name.to_owned(), id);
+        id
+    }
+
+    /// Removes all samples of moving frames, for a jump in time.
+    pub(crate) fn clear_moving(&mut self) {
+        self.entries.iter_mut().filter_map(|entry| entry.history.as_mut()).for_each(History::clear);
+        (self.newest, self.searched_at) = (Time::ZERO, Time::ZERO);
+    }
+
+    /// Forgets frames if there are too many. `stamp` is of the transform that was inserted.
+    pub(crate) fn limit(&mut self, stamp: Time) {
+        self.newest = self.newest.max(stamp);
+        if self.entries.len() <= FRAMES_ALWAYS_KEPT {
             return;
         }
-        let (newest, checked_at) = (self.crowd.newest, self.crowd.checked_at);
-        if self.frames.len() > MOST_FRAMES {
-            self.forget_all_but(LEFT);
-        } else if newest >= checked_at.saturating_add(PERIOD) || newest < checked_at {
-            self.crowd.checked_at = newest;
+        let (newest, searched_at) = (self.newest, self.searched_at);
+        if self.entries.len() > MOST_FRAMES {
+            self.forget_most_silent();
+        } else if newest >= searched_at.saturating_add(PERIOD) || newest < searched_at {
+            self.searched_at = newest;
             let is_silent = |stamp: Time| stamp.saturating_add(SILENCE) < newest;
             let silent = self.later_frames().filter(|(_, is_static, stamp)| !is_static && is_silent(*stamp));
-            let silent: Vec<FrameId> = silent.map(|(id, _, _)| id).collect();
-            self.forget(&silent);
+            let silent: Vec<FrameId> = silent.map(|(id, ..)| id).collect();
+            if !silent.is_empty() {
+                let stays = self.with_parents(self.all_but(&silent));
+                self.retain(stays);
+            }
         }
-    }
-
-    /// Time jumped back: the newest stamps are no measure any more.
-    pub(crate) fn reset_crowd(&mut self) {
-        (self.crowd.newest, self.crowd.checked_at) = (Time::ZERO, Time::ZERO);
     }
 
     /// The frames after the first [`FRAMES_ALWAYS_KEPT`]: whether they are static, and their newest stamp.
     fn later_frames(&self) -> impl Iterator<Item = (FrameId, bool, Time)> + '_ {
-        self.frames.iter().enumerate().skip(FRAMES_ALWAYS_KEPT).map(|(index, frame)| {
-            let is_static = matches!(frame.history, Some(History::Static(_)));
-            let newest = frame.history.as_ref().and_then(History::newest);
+        self.entries.iter().enumerate().skip(FRAMES_ALWAYS_KEPT).map(|(index, entry)| {
+            let is_static = matches!(entry.history, Some(History::Static(_)));
+            let newest = entry.history.as_ref().and_then(History::newest);
             (FrameId(index as u32), is_static, newest.map_or(Time::ZERO, |newest| newest.stamp))
         })
     }
 
-    /// Forgets later frames until so many are left, if that many are not on the way from another to its root.
-    fn forget_all_but(&mut self, left: usize) {
+    /// Forgets later frames until [`LEFT`] are left, or those above them where most of them are needed.
+    fn forget_most_silent(&mut self) {
         let mut later: Vec<_> = self.later_frames().collect();
         // Of equally silent ones the older.
         later.sort_by_key(|(id, is_static, stamp)| (*is_static, *stamp, id.0));
-        let count = self.frames.len().saturating_sub(left).min(later.len());
-        let obsolete: Vec<FrameId> = later.iter().take(count).map(|(id, _, _)| *id).collect();
-        let mut stays = self.all_but(&obsolete);
-        let without_parents = stays.clone();
-        self.keep_parents(&mut stays);
-        let is_enough = stays.iter().filter(|stays| **stays).count() <= MOST_FRAMES * 3 / 4;
-        self.keep(if is_enough { stays } else { without_parents });
-    }
-
-    /// Forgets frames, except those on the way from one that stays to its root.
-    fn forget(&mut self, obsolete: &[FrameId]) {
-        if !obsolete.is_empty() {
-            let mut stays = self.all_but(obsolete);
-            self.keep_parents(&mut stays);
-            self.keep(stays);
-        }
+        let count = self.entries.len().saturating_sub(LEFT).min(later.len());
+        let obsolete: Vec<FrameId> = later.iter().take(count).map(|(id, ..)| *id).collect();
+        let alone = self.all_but(&obsolete);
+        let with_parents = self.with_parents(alone.clone());
+        let is_enough = with_parents.iter().filter(|stays| **stays).count() <= MOST_FRAMES * 3 / 4;
+        self.retain(if is_enough { with_parents } else { alone });
     }
 
     /// For each frame whether it is none of these.
     fn all_but(&self, obsolete: &[FrameId]) -> Vec<bool> {
-        let mut stays = vec![true; self.frames.len()];
+        let mut stays = vec![true; self.entries.len()];
         for id in obsolete {
             if let Some(stays) = stays.get_mut(id.0 as usize) {
                 *stays = false;
@@ -107,11 +137,11 @@ impl TransformTree {
         stays
     }
 
-    /// Adds the frames on the way from those that stay to their roots.
-    fn keep_parents(&self, stays: &mut [bool]) {
+    /// Adds the frames between those that stay and their roots.
+    fn with_parents(&self, mut stays: Vec<bool>) -> Vec<bool> {
         let mut next: Vec<usize> = (0..stays.len()).filter(|index| stays.get(*index) == Some(&true)).collect();
         while let Some(index) = next.pop() {
-            let history = self.frames.get(index).and_then(|frame| frame.history.as_ref());
+            let history = self.entries.get(index).and_then(|entry| entry.history.as_ref());
             for parent in history.into_iter().flat_map(History::parents) {
                 let parent = parent.0 as usize;
                 if let Some(stays) = stays.get_mut(parent).filter(|stays| !**stays) {
@@ -120,11 +150,12 @@ impl TransformTree {
                 }
             }
         }
+        stays
     }
 
     /// Forgets all other frames, and the transforms that lead to them.
-    fn keep(&mut self, stays: Vec<bool>) {
-        let before = self.frames.len();
+    fn retain(&mut self, stays: Vec<bool>) {
+        let before = self.entries.len();
         let mut new_ids: HashMap<FrameId, FrameId> = HashMap::new();
         for (index, stays) in stays.iter().enumerate() {
             if *stays {
@@ -132,23 +163,22 @@ impl TransformTree {
             }
         }
         let mut stays = stays.into_iter();
-        self.frames.retain(|_| stays.next() == Some(true));
-        for frame in &mut self.frames {
-            let history = frame.history.take();
-            frame.history = history.and_then(|history| history.with_parents(|parent| new_ids.get(&parent).copied()));
+        self.entries.retain(|_| stays.next() == Some(true));
+        for entry in &mut self.entries {
+            let history = entry.history.take();
+            entry.history = history.and_then(|history| history.with_parents(|parent| new_ids.get(&parent).copied()));
         }
         self.ids.retain(|_, id| new_ids.get(id).map(|new| *id = *new).is_some());
         self.ids.shrink_to_fit();
-        self.frames.shrink_to_fit();
-        self.crowd.forgotten += (before - self.frames.len()) as u64;
-        self.generation += 1;
+        self.entries.shrink_to_fit();
+        self.forgotten += (before - self.entries.len()) as u64;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::RawTransform;
+    use crate::{RawTransform, TransformTree};
 
     fn insert(tree: &mut TransformTree, parent: &str, child: &str, secs: f64, is_static: bool) {
         let (translation, rotation_xyzw) = ([1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]);
