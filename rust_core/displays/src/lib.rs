@@ -17,6 +17,6 @@ pub use framework::lookups::FollowedFrames;
 pub use framework::report::DisplayReport;
 pub use framework::set::{CameraView, DisplaySet, ListedDisplay, Reconfigured};
 pub use framework::status::{Level, Status, StatusCause, StatusText, Statuses};
-pub use framework::world::{time_from_stamp, World};
+pub use framework::world::{raw_transforms, time_from_stamp, World};
 pub use parts::compressed_image::unpack_image;
 pub use parts::shapes::Shape;

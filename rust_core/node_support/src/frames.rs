@@ -2,28 +2,16 @@
 
 use std::time::Duration;
 
-use rcs_displays::time_from_stamp;
+use rcs_displays::{raw_transforms, time_from_stamp};
 use rcs_messages::tf2_msgs::TFMessage;
-use rcs_messages::{quaternion_xyzw, translation_xyz};
 use rcs_ros::{NodeEvent, RosNode};
-use rcs_transforms::{RawTransform, Time, TransformTree};
+use rcs_transforms::{Time, TransformTree};
 
 /// Longest wait for events, so that a node polls for its shutdown.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
-/// Transforms of a message, unchecked.
-pub fn raw_transforms(message: &TFMessage) -> impl Iterator<Item = RawTransform<'_>> {
-    message.transforms.iter().map(|stamped| RawTransform {
-        parent: &stamped.header.frame_id,
-        child: &stamped.child_frame_id,
-        stamp: time_from_stamp(stamped.header.stamp),
-        translation: translation_xyz(&stamped.transform.translation),
-        rotation_xyzw: quaternion_xyzw(&stamped.transform.rotation),
-    })
-}
-
-/// Inserts the transforms of a message into a tree; refused ones are logged.
-pub fn insert_transforms(tree: &mut TransformTree, message: &TFMessage, is_static: bool, authority: &str) {
+/// Puts the transforms of a message into a tree. What the tree refuses is logged.
+pub(crate) fn insert_transforms(tree: &mut TransformTree, message: &TFMessage, is_static: bool, authority: &str) {
     for transform in raw_transforms(message) {
         if let Err(error) = tree.insert(&transform, is_static, authority) {
             log::warn!("{error}");

@@ -7,13 +7,14 @@ use anyhow::{anyhow, bail, Context, Result};
 use nalgebra::{Isometry3, Point3};
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::tf2_msgs::TFMessage;
-use rcs_messages::{quaternion_xyzw, translation_xyz, AnyMessage, MessageKind, PointCloud2};
+use rcs_messages::{AnyMessage, MessageKind, PointCloud2};
 use rcs_ros::{NodeEvent, RosNode};
-use rcs_transforms::{RawTransform, Time, TransformTree};
+use rcs_transforms::{Time, TransformTree};
 
 use super::points::points;
+use rcs_node_support::frames::insert_transforms;
+use crate::publish_cloud;
 use rcs_node_support::lifecycle::EndRequest;
-use rcs_samples::publish_cloud;
 
 /// How long a cloud and its frames are waited for.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -64,24 +65,9 @@ fn frames_of(files: &[(&Path, ProjectorFile)]) -> TransformTree {
     let mut frames = TransformTree::new();
     for (path, file) in files {
         let transforms = file.frames.iter().map(|frame| frame.to_message(rcs_messages::Time::default())).collect();
-        insert(&mut frames, &TFMessage { transforms }, true, &path.display().to_string());
+        insert_transforms(&mut frames, &TFMessage { transforms }, true, &path.display().to_string());
     }
     frames
-}
-
-fn insert(frames: &mut TransformTree, message: &TFMessage, is_static: bool, authority: &str) {
-    for stamped in &message.transforms {
-        let transform = RawTransform {
-            parent: &stamped.header.frame_id,
-            child: &stamped.child_frame_id,
-            stamp: rcs_displays::time_from_stamp(stamped.header.stamp),
-            translation: translation_xyz(&stamped.transform.translation),
-            rotation_xyzw: quaternion_xyzw(&stamped.transform.rotation),
-        };
-        if let Err(error) = frames.insert(&transform, is_static, authority) {
-            log::warn!("{error}");
-        }
-    }
 }
 
 fn receive(node: &RosNode, end: &EndRequest, topic: &str, files: &[(&Path, ProjectorFile)]) -> Result<Surface> {
@@ -94,7 +80,7 @@ fn receive(node: &RosNode, end: &EndRequest, topic: &str, files: &[(&Path, Proje
         for event in node.events().wait(Duration::from_millis(100)) {
             match event {
                 NodeEvent::Transforms { message, is_static, authority, .. } => {
-                    insert(&mut frames, &message, is_static, &authority);
+                    insert_transforms(&mut frames, &message, is_static, &authority);
                 }
                 NodeEvent::Message { message: AnyMessage::PointCloud2(cloud), .. } => last = Some(cloud),
                 _ => {}

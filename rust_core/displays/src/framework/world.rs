@@ -2,9 +2,10 @@
 
 use nalgebra::Isometry3;
 use rcs_messages::std_msgs::Header;
+use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{stamp_nanos, PlainTransform};
 use rcs_resources::MeshStore;
-use rcs_transforms::{LookupError, Prediction, Time, TransformTree};
+use rcs_transforms::{LookupError, Prediction, RawTransform, Time, TransformTree};
 
 use crate::framework::lookups::Lookups;
 
@@ -138,6 +139,21 @@ impl<'a> World<'a> {
 /// A message's stamp as a time of the frame tree.
 pub fn time_from_stamp(stamp: rcs_messages::Time) -> Time {
     Time::from_nanos(stamp_nanos(stamp))
+}
+
+/// The transforms of a message, unchecked.
+pub fn raw_transforms(message: &TFMessage) -> impl Iterator<Item = RawTransform<'_>> {
+    message.transforms.iter().map(|stamped| {
+        let PlainTransform { translation, rotation_xyzw } = (&stamped.transform).into();
+        let stamp = time_from_stamp(stamped.header.stamp);
+        RawTransform {
+            parent: &stamped.header.frame_id,
+            child: &stamped.child_frame_id,
+            stamp,
+            translation,
+            rotation_xyzw,
+        }
+    })
 }
 
 /// A header's time.

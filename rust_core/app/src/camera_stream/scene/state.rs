@@ -34,7 +34,8 @@ use std::time::{Duration, Instant};
 use nalgebra::Point3;
 use rcs_camera::{is_distorted, CameraModel, Lenses, NoLens};
 use rcs_displays::{
-    time_from_stamp, CameraView, DisplayAge, DisplaySet, Reconfigured, ShownMessage, TopicRequest, World,
+    raw_transforms, time_from_stamp, CameraView, DisplayAge, DisplaySet, Reconfigured, ShownMessage, TopicRequest,
+    World,
 };
 use rcs_files::projector::fields_of;
 use rcs_messages::sensor_msgs::CameraInfo;
@@ -47,9 +48,7 @@ use rcs_scene::{DisplayId, Scene};
 use rcs_transforms::{Prediction, Time, TransformTree, FRAMES_ALWAYS_KEPT};
 
 use crate::camera_stream::safety::ages::SceneAges;
-use crate::camera_stream::scene::camera_pose::{self, CameraProblem};
-use crate::camera_stream::scene::status_tree::{self, StatusEntry};
-use rcs_node_support::frames::raw_transforms;
+use crate::camera_stream::status_tree::{self, StatusEntry};
 
 /// Frames and reasons for which refused transforms are logged.
 const MOST_WARNINGS: usize = 1000;
