@@ -3,9 +3,8 @@
 use std::fmt::Display;
 use std::time::{Duration, Instant};
 
-use rcs_messages::diagnostic_msgs::{DiagnosticStatus, KeyValue};
-use rcs_ros::diagnostics_topic::DiagnosticsPublisher;
-use rcs_ros::{NodeError, RosNode};
+use rcs_messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
+use rcs_ros::{NodeError, Publisher, RosNode};
 
 /// Publishing period of an unchanged status.
 const PERIOD: Duration = Duration::from_secs(1);
@@ -22,9 +21,9 @@ pub enum Level {
     Error,
 }
 
-/// Publisher of a node's status.
-pub struct NodeStatus {
-    publisher: DiagnosticsPublisher,
+/// A node's one status.
+pub(crate) struct NodeStatus {
+    publisher: Publisher<DiagnosticArray>,
     name: String,
     current: Option<(Level, String)>,
     values: Vec<(&'static str, String)>,
@@ -69,8 +68,8 @@ impl NodeStatus {
     /// Publishes the status if it has changed or a second has passed.
     ///
     /// # Errors
-    /// See [`DiagnosticsPublisher::publish`].
-    pub fn publish_if_due(&mut self, node: &RosNode) -> std::io::Result<()> {
+    /// See [`Publisher::send`].
+    pub(crate) fn publish_if_due(&mut self) -> std::io::Result<()> {
         let Some((level, message)) = &self.current else { return Ok(()) };
         if self.published.is_some_and(|published| published.elapsed() < PERIOD) {
             return Ok(());
@@ -88,6 +87,6 @@ impl NodeStatus {
             hardware_id: HARDWARE_ID.to_owned(),
             values: values.collect(),
         };
-        self.publisher.publish(vec![status], node.now())
+        self.publisher.send(DiagnosticArray { status: vec![status], ..DiagnosticArray::default() })
     }
 }

@@ -1,85 +1,30 @@
-//! A camera's picture on an image topic, with its CameraInfo beside it, as image_transport's camera publishers send
-//! them.
+//! A camera's image topic with its CameraInfo, as image_transport's camera publishers send them.
 //!
 //! The CameraInfo goes out on the sibling topic `camera_info`: the image topic's name with another last part. Both have
-//! the same stamp, sequence number and frame. A picture's pixels are shared by all subscribers and never copied.
-//!
-//! Below the image topic is `compressed`, for whoever has encoded pictures ([`CompressedPublisher`]).
+//! the same stamp, sequence number and frame. The topic `compressed` below the image topic is for encoded images.
 
-use crate::publisher::Publisher;
-use crate::tcpros::{Change, Observer};
-use crate::{NodeError, RosNode};
+use std::collections::BTreeSet;
+use std::io;
+use std::sync::Arc;
+
 use rcs_messages::sensor_msgs::{CameraInfo, CompressedImage};
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{Image, SharedBytes, Time};
 use rcs_scene::Picture;
-use std::collections::BTreeSet;
-use std::sync::Arc;
 
-/// A frame that is still queued for a subscriber is dropped for the next.
+use crate::node::{NodeError, RosNode};
+use crate::publisher::Publisher;
+use crate::tcpros::Change;
+
+/// An image that is still queued for a subscriber is dropped for the next.
 const QUEUE_SIZE: usize = 1;
 
-/// Why a picture cannot be sent.
-#[derive(Debug, thiserror::Error)]
-pub enum SendError {
-    /// The picture's bytes are not as many as its rows need.
-    #[error("{topic}: {len} bytes of pixels for {height_px} rows of {step_bytes} bytes")]
-    Size {
-        /// The topic.
-        topic: String,
-        /// Bytes of the buffer.
-        len: usize,
-        /// Rows.
-        height_px: u32,
-        /// Bytes of a row.
-        step_bytes: usize,
-    },
-    /// It has more bytes than a message can have.
-    #[error("cannot send on {topic}: {error}")]
-    TooLong {
-        /// The topic.
-        topic: String,
-        /// What is too long.
-        error: std::io::Error,
-    },
-}
-
-/// Publishes a camera's pictures until it is dropped, which unregisters both topics.
+/// Publishes a camera's images until it is dropped, which unregisters its topics.
 pub struct ImagePublisher {
     image: Publisher<Image>,
     info: Publisher<CameraInfo>,
-    compressed: Arc<CompressedPublisher>,
+    compressed: Arc<Publisher<CompressedImage>>,
     next_seq: u32,
-}
-
-/// Publishes a camera's encoded pictures, on any thread.
-pub struct CompressedPublisher(Publisher<CompressedImage>);
-
-impl CompressedPublisher {
-    /// The topic's whole name.
-    pub fn topic(&self) -> &str {
-        self.0.topic()
-    }
-
-    /// Whether another node subscribes.
-    pub fn is_watched(&self) -> bool {
-        !self.0.subscriber_names().is_empty()
-    }
-
-    /// Sends an encoded picture. Never waits, and copies no data.
-    ///
-    /// # Errors
-    /// [`SendError`].
-    pub fn publish(&self, header: Header, format: &str, data: Vec<u8>) -> Result<(), SendError> {
-        let too_long = |error| SendError::TooLong { topic: self.topic().to_owned(), error };
-        let len = u32::try_from(data.len()).map_err(|_| too_long(std::io::ErrorKind::InvalidInput.into()))?;
-        let empty = CompressedImage { header, format: format.to_owned(), data: Vec::new() };
-        let mut beginning = rcs_messages::encode(&empty);
-        // The last field is the length of the data.
-        beginning.truncate(beginning.len() - 4);
-        beginning.extend_from_slice(&len.to_le_bytes());
-        self.0.send_parts(&beginning, Arc::new(data)).map_err(too_long)
-    }
 }
 
 /// The topic of the CameraInfo that belongs to an image topic.
@@ -96,10 +41,8 @@ pub fn sibling_topic(image_topic: &str, name: &str) -> String {
 }
 
 impl RosNode {
-    /// Publishes pictures on `topic` and their CameraInfo on its sibling.
-    ///
-    /// `on_change` is called with the name of every node that subscribes to one of its topics or leaves, on the thread
-    /// of its connection.
+    /// Publishes images on `topic` and their CameraInfo on its sibling, and calls `on_change` with the name of every
+    /// other node that subscribes to one of the topics or leaves, on the thread of its connection.
     ///
     /// # Errors
     /// [`NodeError::Name`].
@@ -108,21 +51,15 @@ impl RosNode {
         topic: &str,
         on_change: impl Fn(Change, &str) + Send + Sync + 'static,
     ) -> Result<ImagePublisher, NodeError> {
-        let own_name = self.name().to_owned();
-        let observer: Observer = Arc::new(move |change, name| {
-            // Its own config may well subscribe to the topic that the CameraInfo is published on.
-            if name != own_name {
-                on_change(change, name);
-            }
-        });
+        let observer = self.observer(on_change);
         // image_transport takes the sibling of the name as it was given, and remaps the two separately.
         let (topic, info_topic) = (self.resolve(topic)?, self.resolve(&camera_info_topic(topic))?);
-        let image = Publisher::new(self.network(), &topic, QUEUE_SIZE, false, &observer);
-        let info = Publisher::new(self.network(), &info_topic, QUEUE_SIZE, false, &observer);
+        let image = self.open_publisher(&topic, QUEUE_SIZE, false, &observer);
+        let info = self.open_publisher(&info_topic, QUEUE_SIZE, false, &observer);
         // Below the name after remapping, as image_transport has it.
         let compressed_topic = self.resolve(&format!("{topic}/compressed"))?;
-        let compressed = Publisher::new(self.network(), &compressed_topic, QUEUE_SIZE, false, &observer);
-        Ok(ImagePublisher { image, info, compressed: Arc::new(CompressedPublisher(compressed)), next_seq: 0 })
+        let compressed = Arc::new(self.open_publisher(&compressed_topic, QUEUE_SIZE, false, &observer));
+        Ok(ImagePublisher { image, info, compressed, next_seq: 0 })
     }
 }
 
@@ -137,37 +74,34 @@ impl ImagePublisher {
         self.info.topic()
     }
 
-    /// The topic of encoded pictures.
-    pub fn compressed(&self) -> &Arc<CompressedPublisher> {
+    /// The topic of encoded images.
+    pub fn compressed(&self) -> &Arc<Publisher<CompressedImage>> {
         &self.compressed
     }
 
-    /// How many nodes subscribe to the image, to encoded ones or to the CameraInfo, this node itself not counted.
+    /// Number of other nodes that subscribe to any of the topics.
     pub fn subscriber_count(&self) -> usize {
         let mut names: BTreeSet<String> = self.image.subscriber_names();
         names.extend(self.info.subscriber_names());
-        names.extend(self.compressed.0.subscriber_names());
+        names.extend(self.compressed.subscriber_names());
         names.len()
     }
 
-    /// Sends a picture and the CameraInfo it was drawn with, both with `stamp` and the CameraInfo's frame. Never waits
-    /// and copies no pixels. Returns the picture's header.
+    /// Sends an image and the CameraInfo it was drawn with, both with `stamp` and the CameraInfo's frame. Never waits
+    /// and copies no pixels. Returns the image's header.
     ///
     /// # Errors
-    /// [`SendError`].
-    pub fn publish(&mut self, picture: &Arc<Picture>, info: &CameraInfo, stamp: Time) -> Result<Header, SendError> {
+    /// `InvalidInput` for more than 4 GB, or for a buffer of another size than its rows need. The topic is named.
+    pub fn publish(&mut self, picture: &Arc<Picture>, info: &CameraInfo, stamp: Time) -> io::Result<Header> {
         let header = Header { seq: self.next_seq, stamp, frame_id: info.header.frame_id.clone() };
         self.next_seq = self.next_seq.wrapping_add(1);
-        let too_long = |topic: &str, error| SendError::TooLong { topic: topic.to_owned(), error };
-        let (beginning, pixels) = self.image(picture, header.clone())?.parts();
-        self.image.send_parts(&beginning, pixels).map_err(|error| too_long(self.topic(), error))?;
-        let info = CameraInfo { header: header.clone(), ..info.clone() };
-        self.info.send(&info).map_err(|error| too_long(self.info_topic(), error))?;
+        self.image.send_image(&self.message(picture, header.clone())?)?;
+        self.info.send_unchanged(&CameraInfo { header: header.clone(), ..info.clone() })?;
         Ok(header)
     }
 
     /// A picture's message, which shares its pixels.
-    fn image(&self, picture: &Arc<Picture>, header: Header) -> Result<Image, SendError> {
+    fn message(&self, picture: &Arc<Picture>, header: Header) -> io::Result<Image> {
         let (step_bytes, len, height_px) = (picture.step(), picture.data.len(), picture.height_px);
         match u32::try_from(step_bytes) {
             Ok(step) if len == step_bytes * height_px as usize && u32::try_from(len).is_ok() => {
@@ -175,7 +109,10 @@ impl ImagePublisher {
                 let size_px = [picture.width_px, height_px];
                 Ok(Image::sharing(header, size_px, picture.encoding.name(), step, pixels))
             }
-            _ => Err(SendError::Size { topic: self.topic().to_owned(), len, height_px, step_bytes }),
+            _ => Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                format!("{}: {len} bytes of pixels for {height_px} rows of {step_bytes} bytes", self.topic()),
+            )),
         }
     }
 }

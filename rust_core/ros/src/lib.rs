@@ -23,11 +23,8 @@
 //! | `node` | [`RosNode`]: connecting, subscribing, services, parameters, shutting down |
 //! | `events` | [`EventQueue`], [`NodeEvent`] and [`ServiceCall`]: what the node received, in two queues |
 //! | `topic` | [`TopicSubscription`]: several subscriptions of one topic in a process, latched messages included |
-//! | `publisher` | publishing a topic |
+//! | `publisher` | [`Publisher`]: a topic that the node publishes |
 //! | [`image_topic`] | a camera's picture with its CameraInfo |
-//! | `latched_publisher` | [`LatchedPublisher`]: a topic whose last message late subscribers get |
-//! | `topic_publisher` | [`TopicPublisher`]: a topic that is not latched |
-//! | [`diagnostics_topic`] | `/diagnostics` |
 //! | `rosout` | the log on `/rosout`, and the services that change its level |
 //! | `reconfigure` | [`ReconfigureServer`]: dynamic_reconfigure |
 //! | `parameters`, `param_writer` | parameters read and written without waiting for the master |
@@ -49,19 +46,16 @@
 mod acceptor;
 mod clock;
 mod contacts;
-pub mod diagnostics_topic;
 mod events;
 #[doc(hidden)]
 pub mod fuzzing;
 mod graph;
 pub mod image_topic;
-mod latched_publisher;
 mod network;
 mod node;
 mod node_api;
 mod param_writer;
 mod parameters;
-mod plain_image_topic;
 mod publisher;
 mod reconfigure;
 mod registrar;
@@ -71,7 +65,6 @@ mod startup;
 mod tcpros;
 mod timed_read;
 mod topic;
-mod topic_publisher;
 mod waiting;
 mod xmlrpc;
 
@@ -79,16 +72,14 @@ pub use clock::RosClock;
 pub use contacts::Unreachable;
 pub use events::{EventQueue, EventSender, NodeEvent, Reply, ServiceCall, TriggerReply};
 pub use graph::{Publication, Publications};
-pub use latched_publisher::LatchedPublisher;
 pub use node::{is_asked_to_end, node_time, plain_args, NodeError, NodeTime, RosNode};
 pub use parameters::remapping_of;
-pub use plain_image_topic::PlainImagePublisher;
+pub use publisher::Publisher;
 pub use reconfigure::ReconfigureServer;
 pub use rosout::{log_line, LogLine, Loggers};
 pub use startup::{init, restart};
 pub use tcpros::Change;
 pub use topic::{Publishing, TopicSubscription};
-pub use topic_publisher::TopicPublisher;
 
 use rustix::event::Timespec;
 

@@ -10,7 +10,6 @@ use rcs_scene::lock;
 
 use crate::graph::Master;
 use crate::node_api::{self, NodeState};
-use crate::publisher;
 use crate::registrar::{Entry, Registrar};
 use crate::rosrust_master;
 use crate::startup::Startup;
@@ -122,7 +121,7 @@ impl Network {
             None => {
                 let publication = Publication::new(description);
                 self.listener.add(Arc::clone(&publication));
-                self.registrar.add(publisher::entry(publication.description()));
+                self.registrar.add(publisher_entry(publication.description()));
                 publication
             }
         };
@@ -138,7 +137,7 @@ impl Network {
         let _publishing = lock(&self.publishing);
         if publication.forget(observer) {
             let description = publication.description();
-            self.registrar.remove(&publisher::entry(description));
+            self.registrar.remove(&publisher_entry(description));
             if self.listener.publication(&description.topic).is_some_and(|known| Arc::ptr_eq(&known, publication)) {
                 self.listener.remove(&description.topic);
             }
@@ -188,6 +187,11 @@ impl Network {
             publication.close();
         }
     }
+}
+
+/// The registration of a publication.
+fn publisher_entry(Description { topic, ros_type, number, .. }: &Description) -> Entry {
+    Entry::Publisher { topic: topic.clone(), ros_type: ros_type.clone(), number: *number }
 }
 
 /// A host as it stands in an address: that of IP version 6 in brackets.

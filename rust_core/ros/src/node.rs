@@ -154,10 +154,6 @@ impl Shared {
     pub(crate) fn topics(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Topic>>> {
         lock(&self.topics)
     }
-
-    pub(crate) fn clock(&self) -> &Arc<RosClock> {
-        &self.clock
-    }
 }
 
 /// The process's arguments without those that are for ROS (`a:=b`), and without the program's name.

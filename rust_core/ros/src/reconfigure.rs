@@ -8,7 +8,7 @@
 use crate::network::Network;
 use crate::node::{MOST_QUEUED_CALLS, REPLY_TIMEOUT};
 use crate::xmlrpc::Value;
-use crate::{LatchedPublisher, NodeError, Reply, RosNode, ServiceCall};
+use crate::{NodeError, Publisher, Reply, RosNode, ServiceCall};
 use rcs_messages::dynamic_reconfigure::{Config, ConfigDescription, Reconfigure};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,8 +19,8 @@ const QUEUE_SIZE: usize = 10;
 /// Serves until it is dropped.
 pub struct ReconfigureServer {
     name: Arc<str>,
-    descriptions: LatchedPublisher<ConfigDescription>,
-    updates: LatchedPublisher<Config>,
+    descriptions: Publisher<ConfigDescription>,
+    updates: Publisher<Config>,
     service: ServiceGuard,
     described: ConfigDescription,
     on_parameter_server: HashMap<String, Value>,

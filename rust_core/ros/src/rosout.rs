@@ -14,8 +14,7 @@ use rcs_messages::std_srvs::EmptyRes;
 use rcs_messages::Time;
 use rcs_scene::{lock, wait_timeout};
 
-use crate::publisher::Publisher;
-use crate::{NodeError, RosNode};
+use crate::node::{NodeError, RosNode};
 
 const TOPIC: &str = "/rosout";
 /// Lines that wait for the thread; the oldest give way.
@@ -100,15 +99,13 @@ impl RosNode {
     /// # Errors
     /// [`NodeError`], where a name cannot be resolved or there is no thread left.
     pub fn serve_log(&self, loggers: Arc<dyn Loggers>) -> Result<(), NodeError> {
-        let publisher = Publisher::<Log>::unobserved(self.network(), &self.resolve(TOPIC)?, QUEUE_SIZE, true);
+        let publisher = self.latched_publisher(TOPIC, QUEUE_SIZE)?;
         let (node, name) = (Arc::downgrade(&self.shared), self.name().to_owned());
         let publishing = move || {
-            let mut seq = 0;
             while let Some(line) = next_line(|| node.strong_count() > 0) {
                 let Some(node) = node.upgrade() else { return };
-                let stamp = if line.stamp == Time::default() { node.clock().now() } else { line.stamp };
                 let message = Log {
-                    header: Header { seq, stamp, frame_id: String::new() },
+                    header: Header { stamp: line.stamp, ..Header::default() },
                     level: number(line.level),
                     name: name.clone(),
                     msg: line.text,
@@ -117,9 +114,8 @@ impl RosNode {
                     line: line.line,
                     topics: node.network.topics(),
                 };
-                seq = seq.wrapping_add(1);
                 // Fails for more than 4 GB, which no line has.
-                let _ = publisher.send(&message);
+                let _ = publisher.send(message);
                 lock(&QUEUE).is_publishing = false;
             }
         };

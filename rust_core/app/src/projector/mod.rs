@@ -10,7 +10,7 @@ use rcs_files::projector::ProjectorFile;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::Time;
-use rcs_ros::{LatchedPublisher, RosNode};
+use rcs_ros::{Publisher, RosNode};
 
 use rcs_node_support::lifecycle::{self, EndRequest};
 
@@ -101,8 +101,8 @@ fn file_parameter(node: &RosNode) -> anyhow::Result<PathBuf> {
 
 /// Both topics, published until this is dropped.
 struct Publishers {
-    camera_info: LatchedPublisher<CameraInfo>,
-    tf_static: Option<LatchedPublisher<TFMessage>>,
+    camera_info: Publisher<CameraInfo>,
+    tf_static: Option<Publisher<TFMessage>>,
 }
 
 impl Publishers {

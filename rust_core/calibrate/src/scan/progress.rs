@@ -8,9 +8,7 @@ use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
-use rcs_ros::{LatchedPublisher, NodeError, RosNode};
-use rcs_scan::preview::Reading;
-use rcs_scan::ScanEvent;
+use rcs_ros::{NodeError, Publisher, RosNode};
 use rcs_scene::Picture;
 
 /// How often the bar is drawn while nothing happens.
@@ -90,7 +88,7 @@ impl Progress {
 
 /// The topic of the picture. It is latched, so that a subscriber may come later.
 pub(super) struct PreviewTopic {
-    publisher: LatchedPublisher<Image>,
+    publisher: Publisher<Image>,
     frame_id: String,
 }
 

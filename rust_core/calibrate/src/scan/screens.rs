@@ -5,8 +5,7 @@ use std::sync::Arc;
 use anyhow::Context;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
-use rcs_ros::{LatchedPublisher, NodeError, RosNode};
-use rcs_scan::Screen;
+use rcs_ros::{NodeError, Publisher, RosNode};
 use rcs_window::{PictureSink, ReceivedPicture, ScreenPicture};
 
 /// A window that covers the projector's monitor pixel for pixel.
@@ -39,7 +38,7 @@ impl Screen for WindowScreen {
 
 /// A topic of pictures. It is latched, so that a subscriber may come later.
 pub(super) struct TopicScreen {
-    publisher: LatchedPublisher<Image>,
+    publisher: Publisher<Image>,
     size_px: [u32; 2],
     frames: u32,
 }

@@ -6,7 +6,7 @@ use rcs_messages::moveit_msgs::{CollisionObject, MelodicCollisionObject, SolidPr
 use rcs_messages::std_msgs::{ColorRGBA, Header};
 use rcs_messages::visualization_msgs::Marker;
 use rcs_messages::Time;
-use rcs_ros::{LatchedPublisher, NodeError, RosNode};
+use rcs_ros::{NodeError, Publisher, RosNode};
 
 use super::cylinder::Cylinder;
 use rcs_node_support::poses::pose_message;
@@ -32,15 +32,15 @@ pub(super) struct Naming {
 }
 
 enum Objects {
-    Noetic(LatchedPublisher<CollisionObject>),
-    Melodic(LatchedPublisher<MelodicCollisionObject>),
+    Noetic(Publisher<CollisionObject>),
+    Melodic(Publisher<MelodicCollisionObject>),
 }
 
 /// Publishes both, latched: a planner that starts later learns of the present cylinder.
 pub(super) struct Announcement {
     naming: Naming,
     objects: Objects,
-    markers: LatchedPublisher<Marker>,
+    markers: Publisher<Marker>,
 }
 
 impl Announcement {
@@ -64,7 +64,7 @@ impl Announcement {
     /// Puts the cylinder in the place of the one before; none takes it away.
     ///
     /// # Errors
-    /// See [`LatchedPublisher::send`].
+    /// See [`Publisher::send`].
     pub(super) fn send(&self, cylinder: Option<&Cylinder>, stamp: Time) -> std::io::Result<()> {
         let object = self.naming.object(cylinder, stamp);
         match &self.objects {

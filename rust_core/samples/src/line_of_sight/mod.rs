@@ -172,7 +172,7 @@ impl<'a> Line<'a> {
                 self.status.value("length, metres", &0);
             }
         }
-        Ok(self.status.publish_if_due(node)?)
+        Ok(self.status.publish_if_due()?)
     }
 
     /// # Errors

@@ -11,7 +11,7 @@ use nalgebra::Isometry3;
 use rcs_messages::nav_msgs::Path;
 use rcs_messages::visualization_msgs::MarkerArray;
 use rcs_messages::{AnyMessage, MessageKind};
-use rcs_ros::{LatchedPublisher, NodeEvent, RosNode};
+use rcs_ros::{NodeEvent, Publisher, RosNode};
 
 use arrows::{Layout, MOST_ARROWS};
 use markers::{Look, Sequence};
@@ -116,7 +116,7 @@ fn run(node: &RosNode, end: &EndRequest) -> anyhow::Result<()> {
                 program.show(&path)?;
             }
         }
-        program.status.publish_if_due(node)?;
+        program.status.publish_if_due()?;
     }
     program.delete_all()
 }
@@ -124,7 +124,7 @@ fn run(node: &RosNode, end: &EndRequest) -> anyhow::Result<()> {
 struct Program {
     layout: Layout,
     sequence: Sequence,
-    markers: LatchedPublisher<MarkerArray>,
+    markers: Publisher<MarkerArray>,
     status: NodeStatus,
     /// That of the arrows that are shown; none if there are none.
     frame_id: Option<String>,

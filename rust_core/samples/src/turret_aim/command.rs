@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 use rcs_messages::std_msgs::Float64;
 use rcs_messages::trajectory_msgs::{JointTrajectory, JointTrajectoryPoint};
-use rcs_ros::{NodeError, RosNode, TopicPublisher};
+use rcs_ros::{NodeError, Publisher, RosNode};
 
 /// What the controllers of the joints take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -20,9 +20,9 @@ pub(super) enum CommandKind {
 /// Commands both joints.
 pub(super) enum Commander {
     /// Positions on the way, one topic for each joint.
-    Positions([TopicPublisher<Float64>; 2]),
+    Positions([Publisher<Float64>; 2]),
     /// Goals with the time that they take.
-    Trajectories(TopicPublisher<JointTrajectory>),
+    Trajectories(Publisher<JointTrajectory>),
 }
 
 /// Old commands are of no use.
@@ -58,10 +58,10 @@ impl Commander {
 /// Sends both joints to where they are to be now.
 ///
 /// # Errors
-/// See [`TopicPublisher::send`].
-pub(super) fn send_positions(topics: &[TopicPublisher<Float64>; 2], positions: [f64; 2]) -> io::Result<()> {
+/// See [`Publisher::send`].
+pub(super) fn send_positions(topics: &[Publisher<Float64>; 2], positions: [f64; 2]) -> io::Result<()> {
     for (topic, data) in topics.iter().zip(positions) {
-        topic.send(&Float64 { data })?;
+        topic.send(Float64 { data })?;
     }
     Ok(())
 }
@@ -69,9 +69,9 @@ pub(super) fn send_positions(topics: &[TopicPublisher<Float64>; 2], positions: [
 /// Sends both joints to a goal.
 ///
 /// # Errors
-/// See [`TopicPublisher::send`].
+/// See [`Publisher::send`].
 pub(super) fn send_goal(
-    topic: &TopicPublisher<JointTrajectory>,
+    topic: &Publisher<JointTrajectory>,
     names: [&str; 2],
     goal: [f64; 2],
     takes: Duration,
@@ -85,5 +85,5 @@ pub(super) fn send_goal(
     };
     // Stamp zero: from now on by the controller's own clock.
     let joint_names = names.map(str::to_owned).to_vec();
-    topic.send(&JointTrajectory { joint_names, points: vec![point], ..JointTrajectory::default() })
+    topic.send(JointTrajectory { joint_names, points: vec![point], ..JointTrajectory::default() })
 }

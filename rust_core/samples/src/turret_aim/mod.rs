@@ -73,7 +73,7 @@ fn aim(node: &RosNode, end: &EndRequest, arguments: &Arguments) -> anyhow::Resul
         let now = frames::now(node);
         let posture = knowledge.posture(&tree, &mut target, now);
         controller.cycle(&posture, elapsed.min(2 * period), &mut status)?;
-        status.publish_if_due(node)?;
+        status.publish_if_due()?;
     }
     Ok(())
 }

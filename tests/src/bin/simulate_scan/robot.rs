@@ -11,7 +11,7 @@ use rcs_files::projector::ProjectorFile;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::{AnyMessage, Image, MessageKind};
-use rcs_ros::{LatchedPublisher, NodeEvent, RosNode};
+use rcs_ros::{NodeEvent, Publisher, RosNode};
 use rcs_scan_simulator::{Conditions, DepthCamera, Rig, Scan, View};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
@@ -82,9 +82,9 @@ fn picture(image: &Image, size_px: [u32; 2]) -> Result<&[u8]> {
 /// The topics of Fetch's head camera.
 struct HeadCamera {
     lens: Lens,
-    image: LatchedPublisher<Image>,
-    depth: LatchedPublisher<Image>,
-    info: LatchedPublisher<CameraInfo>,
+    image: Publisher<Image>,
+    depth: Publisher<Image>,
+    info: Publisher<CameraInfo>,
 }
 
 impl HeadCamera {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rcs_messages::geometry_msgs::TransformStamped;
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_render::Orientation;
-use rcs_ros::{LatchedPublisher, RosNode};
+use rcs_ros::{Publisher, RosNode};
 
 use crate::camera_stream::camera::oriented_info::turned_frame;
 
@@ -14,7 +14,7 @@ use crate::camera_stream::camera::oriented_info::turned_frame;
 pub(crate) struct OrientedFrames {
     /// By their names.
     known: BTreeMap<String, TransformStamped>,
-    publisher: Option<LatchedPublisher<TFMessage>>,
+    publisher: Option<Publisher<TFMessage>>,
 }
 
 impl OrientedFrames {

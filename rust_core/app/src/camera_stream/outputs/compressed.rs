@@ -11,9 +11,9 @@ use std::thread;
 
 use rcs_files::picture_file;
 use rcs_messages::dynamic_reconfigure::Config as Values;
+use rcs_messages::sensor_msgs::CompressedImage;
 use rcs_messages::std_msgs::Header;
-use rcs_ros::image_topic::CompressedPublisher;
-use rcs_ros::{ReconfigureServer, RosNode};
+use rcs_ros::{Publisher, ReconfigureServer, RosNode};
 use rcs_scene::{wait_while, Picture};
 
 use super::compressed_settings::{CompressionSettings, NAMES};
@@ -31,7 +31,7 @@ pub(super) struct CompressedOutput {
 
 /// What the thread has in common with its owner.
 struct Shared {
-    publisher: Arc<CompressedPublisher>,
+    publisher: Arc<Publisher<CompressedImage>>,
     work: Mutex<Work>,
     changed: Condvar,
 }
@@ -59,7 +59,7 @@ impl Shared {
 
 impl CompressedOutput {
     /// The pictures of a topic, compressed by default settings for now.
-    pub(super) fn start(ros: &RosNode, publisher: &Arc<CompressedPublisher>) -> Self {
+    pub(super) fn start(ros: &RosNode, publisher: &Arc<Publisher<CompressedImage>>) -> Self {
         let settings = CompressionSettings::default();
         let work = Mutex::new(Work { next: None, settings, is_ended: false });
         let shared = Arc::new(Shared { publisher: Arc::clone(publisher), work, changed: Condvar::new() });
@@ -141,7 +141,7 @@ fn encode_all(shared: &Shared) {
             let format = settings.format(picture.encoding);
             // Drawn into again while the message is on its way.
             drop(picture);
-            publisher.publish(header, &format, data).map_err(|error| error.to_string())
+            publisher.send_compressed(header, &format, data).map_err(|error| error.to_string())
         });
         task.rest();
         match result {

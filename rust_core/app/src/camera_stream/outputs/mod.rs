@@ -13,12 +13,12 @@ mod topic;
 mod video;
 mod window;
 
+use std::io;
 use std::sync::Arc;
 
 use rcs_files::picture_file::PictureFileError;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::Time;
-use rcs_ros::image_topic::SendError;
 use rcs_scene::Picture;
 use rcs_window::Refresh;
 
@@ -52,7 +52,7 @@ pub struct Frame {
 pub enum OutputError {
     /// A topic cannot be published on.
     #[error(transparent)]
-    Topic(#[from] SendError),
+    Topic(#[from] io::Error),
     /// A picture cannot be written to a file.
     #[error(transparent)]
     Picture(#[from] PictureFileError),

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_messages::std_msgs::Header;
-use rcs_ros::image_topic::{sibling_topic, ImagePublisher, SendError};
-use rcs_ros::{Change, NodeError, PlainImagePublisher, RosNode};
+use rcs_messages::Image;
+use rcs_ros::image_topic::{sibling_topic, ImagePublisher};
+use rcs_ros::{Change, NodeError, Publisher, RosNode};
 
 use super::compressed::CompressedOutput;
 use super::{Frame, Output, OutputError};
@@ -20,7 +21,7 @@ pub struct TopicOutput {
     publisher: ImagePublisher,
     compressed: CompressedOutput,
     /// None where the pictures' own topic has that name.
-    depth: Option<PlainImagePublisher>,
+    depth: Option<Publisher<Image>>,
     /// Somebody subscribed and has not received a picture yet.
     new_subscriber: Arc<AtomicBool>,
 }
@@ -43,7 +44,7 @@ impl TopicOutput {
         };
         let publisher = ros.image_publisher(topic, on_change())?;
         let compressed = CompressedOutput::start(ros, publisher.compressed());
-        let depth = ros.plain_image_publisher(&sibling_topic(topic, "depth"), on_change())?;
+        let depth: Publisher<Image> = ros.observed_publisher(&sibling_topic(topic, "depth"), 1, on_change())?;
         let is_free = depth.topic() != publisher.topic();
         if !is_free {
             log::warn!("depths are not published: the pictures themselves are on {}", publisher.topic());
@@ -78,7 +79,7 @@ impl TopicOutput {
 
     /// Whether another node subscribes to the depths.
     pub fn wants_depth(&self) -> bool {
-        self.depth.as_ref().is_some_and(PlainImagePublisher::is_watched)
+        self.depth.as_ref().is_some_and(Publisher::is_watched)
     }
 
     /// How many other nodes subscribe to the pictures, compressed ones included, or the CameraInfo.
@@ -94,8 +95,7 @@ impl Output for TopicOutput {
         let publisher = self.depth.as_ref().filter(|publisher| publisher.is_watched());
         if let (Some(depth), Some(publisher)) = (&frame.depth, publisher) {
             let header = Header { seq: 0, stamp: frame.stamp, frame_id: frame.info.header.frame_id.clone() };
-            let too_long = |error| SendError::TooLong { topic: publisher.topic().to_owned(), error };
-            publisher.publish(&depth.message(header)).map_err(too_long)?;
+            publisher.send_image(&depth.message(header))?;
         }
         Ok(())
     }

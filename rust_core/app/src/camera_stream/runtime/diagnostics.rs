@@ -6,9 +6,8 @@ use std::cmp::Reverse;
 use std::time::{Duration, Instant};
 
 use rcs_displays::Level;
-use rcs_messages::diagnostic_msgs::{DiagnosticStatus, KeyValue};
-use rcs_ros::diagnostics_topic::DiagnosticsPublisher;
-use rcs_ros::RosNode;
+use rcs_messages::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
+use rcs_ros::{Publisher, RosNode};
 use rcs_transforms::Time;
 
 use crate::camera_stream::scene::status_log::StatusLog;
@@ -25,7 +24,7 @@ const HARDWARE_ID: &str = "rviz_camera_stream";
 /// Reports statuses to the log and on `/diagnostics`.
 pub(crate) struct Diagnostics {
     log: StatusLog,
-    publisher: Option<DiagnosticsPublisher>,
+    publisher: Option<Publisher<DiagnosticArray>>,
     started: Instant,
     published: Option<Instant>,
     last_error: Option<String>,
@@ -65,7 +64,7 @@ impl Diagnostics {
         if self.begin_publishing() {
             let node = ros.name().trim_start_matches('/');
             self.last_status = entries.iter().map(|entry| diagnostic_status(node, entry)).collect();
-            self.publish(ros, self.last_status.clone());
+            self.publish(self.last_status.clone());
         }
     }
 
@@ -83,7 +82,7 @@ impl Diagnostics {
             values: Vec::new(),
         };
         let status = std::iter::once(busy).chain(self.last_status.iter().cloned()).collect();
-        self.publish(ros, status);
+        self.publish(status);
     }
 
     /// Whether the topic is due, which counts as published then.
@@ -98,9 +97,12 @@ impl Diagnostics {
         is_due
     }
 
-    fn publish(&mut self, ros: &RosNode, status: Vec<DiagnosticStatus>) {
-        let Some(publisher) = &mut self.publisher else { return };
-        self.last_error = match publisher.publish(status, ros.now()).map_err(|error| error.to_string()) {
+    fn publish(&mut self, status: Vec<DiagnosticStatus>) {
+        let Some(publisher) = &self.publisher else { return };
+        self.last_error = match publisher
+            .send(DiagnosticArray { status, ..DiagnosticArray::default() })
+            .map_err(|error| error.to_string())
+        {
             Ok(()) => None,
             Err(error) => {
                 if self.last_error.as_ref() != Some(&error) {
