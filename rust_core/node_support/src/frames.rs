@@ -11,7 +11,7 @@ use rcs_transforms::{Time, TransformTree};
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
 /// Puts the transforms of a message into a tree. What the tree refuses is logged.
-pub(crate) fn insert_transforms(tree: &mut TransformTree, message: &TFMessage, is_static: bool, authority: &str) {
+pub fn insert_transforms(tree: &mut TransformTree, message: &TFMessage, is_static: bool, authority: &str) {
     for transform in raw_transforms(message) {
         if let Err(error) = tree.insert(&transform, is_static, authority) {
             log::warn!("{error}");

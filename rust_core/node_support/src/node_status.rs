@@ -22,7 +22,7 @@ pub enum Level {
 }
 
 /// A node's one status.
-pub(crate) struct NodeStatus {
+pub struct NodeStatus {
     publisher: Publisher<DiagnosticArray>,
     name: String,
     current: Option<(Level, String)>,
@@ -69,7 +69,7 @@ impl NodeStatus {
     ///
     /// # Errors
     /// See [`Publisher::send`].
-    pub(crate) fn publish_if_due(&mut self) -> std::io::Result<()> {
+    pub fn publish_if_due(&mut self) -> std::io::Result<()> {
         let Some((level, message)) = &self.current else { return Ok(()) };
         if self.published.is_some_and(|published| published.elapsed() < PERIOD) {
             return Ok(());

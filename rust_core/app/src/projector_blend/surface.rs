@@ -13,8 +13,8 @@ use rcs_transforms::{Time, TransformTree};
 
 use super::points::points;
 use rcs_node_support::frames::insert_transforms;
-use crate::publish_cloud;
 use rcs_node_support::lifecycle::EndRequest;
+use rcs_samples::publish_cloud;
 
 /// How long a cloud and its frames are waited for.
 const PATIENCE: Duration = Duration::from_secs(10);

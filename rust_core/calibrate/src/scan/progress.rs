@@ -9,6 +9,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
 use rcs_ros::{NodeError, Publisher, RosNode};
+use rcs_scan::preview::Reading;
+use rcs_scan::ScanEvent;
 use rcs_scene::Picture;
 
 /// How often the bar is drawn while nothing happens.

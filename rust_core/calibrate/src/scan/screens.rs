@@ -6,6 +6,7 @@ use anyhow::Context;
 use rcs_messages::std_msgs::Header;
 use rcs_messages::Image;
 use rcs_ros::{NodeError, Publisher, RosNode};
+use rcs_scan::Screen;
 use rcs_window::{PictureSink, ReceivedPicture, ScreenPicture};
 
 /// A window that covers the projector's monitor pixel for pixel.

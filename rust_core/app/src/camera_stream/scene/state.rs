@@ -48,7 +48,8 @@ use rcs_scene::{DisplayId, Scene};
 use rcs_transforms::{Prediction, Time, TransformTree, FRAMES_ALWAYS_KEPT};
 
 use crate::camera_stream::safety::ages::SceneAges;
-use crate::camera_stream::status_tree::{self, StatusEntry};
+use crate::camera_stream::scene::camera_pose::{self, CameraProblem};
+use crate::camera_stream::scene::status_tree::{self, StatusEntry};
 
 /// Frames and reasons for which refused transforms are logged.
 const MOST_WARNINGS: usize = 1000;
