@@ -341,7 +341,7 @@ lit, objects, arrows = [], [], []
 def see(array):
     for status in array.status:
         values = {value.key: value.value for value in status.values}
-        miss = values.get('light misses the target by, degrees', '-')
+        miss = values.get('aiming error, degrees', '-')
         if status.message == 'aiming at the target' and miss != '-' and float(miss) < 1:
             lit.append(round(float(values['first joint'].split()[-1]), 1))
 seeing = rospy.Subscriber('/diagnostics', DiagnosticArray, see)

@@ -70,13 +70,12 @@ fn reason(error: &clap::Error) -> String {
     first.strip_prefix("error: ").unwrap_or(first).to_owned()
 }
 
-/// Parses a number within bounds, for clap.
-pub fn number_within(text: &str, least: f64, most: f64) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (least..=most).contains(&number) {
-        Ok(number)
-    } else {
-        Err(format!("not from {least} to {most}"))
+/// A clap value parser of numbers within bounds.
+pub fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+        let is_within = (least..=most).contains(&number);
+        is_within.then_some(number).ok_or_else(|| format!("not from {least} to {most}"))
     }
 }
 
@@ -97,7 +96,7 @@ mod tests {
 
     #[derive(Parser, Debug, PartialEq)]
     struct Options {
-        #[arg(long, default_value_t = 1.0, value_parser = |text: &str| number_within(text, 0.0, 5.0))]
+        #[arg(long, default_value_t = 1.0, value_parser = within(0.0, 5.0))]
         rate_hz: f64,
         #[arg(long, conflicts_with = "rate_hz")]
         once: bool,

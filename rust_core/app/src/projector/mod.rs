@@ -33,7 +33,7 @@ Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node f
 
 Example: projector projector.yaml --camera-info-topic /proj_view/camera_info"
 )]
-struct Arguments {
+struct ProjectorArguments {
     /// The projector's YAML file
     #[arg(value_name = "FILE")]
     positional: Option<PathBuf>,
@@ -50,10 +50,10 @@ struct Arguments {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    lifecycle::run_main(|arguments: Arguments| run(&arguments))
+    lifecycle::run_main(|arguments: ProjectorArguments| run(&arguments))
 }
 
-fn run(arguments: &Arguments) -> anyhow::Result<()> {
+fn run(arguments: &ProjectorArguments) -> anyhow::Result<()> {
     // An invalid file is reported at once, not when the master is up.
     let given = arguments.positional.as_deref().or(arguments.file.as_deref());
     let given = given.map(|path| read(path, arguments)).transpose()?;
@@ -78,7 +78,7 @@ fn publish(node: &RosNode, end: &EndRequest, file: &ProjectorFile, publishers: &
 }
 
 /// Reads the file, logs its warnings, and applies the arguments.
-fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<ProjectorFile> {
+fn read(path: &Path, arguments: &ProjectorArguments) -> anyhow::Result<ProjectorFile> {
     let mut file = ProjectorFile::read(path)?;
     for warning in file.warnings() {
         log::warn!("{}: {warning}", path.display());
@@ -106,7 +106,7 @@ struct Publishers {
 }
 
 impl Publishers {
-    fn open(node: &RosNode, file: &ProjectorFile, arguments: &Arguments) -> anyhow::Result<Self> {
+    fn open(node: &RosNode, file: &ProjectorFile, arguments: &ProjectorArguments) -> anyhow::Result<Self> {
         let topic = arguments.camera_info_topic.as_ref().or(file.camera_info_topic.as_ref());
         let topic = topic.map_or(DEFAULT_TOPIC, String::as_str);
         let camera_info = node.latched_publisher(topic, 1)?;

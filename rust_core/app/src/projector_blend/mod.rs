@@ -44,7 +44,7 @@ Exit codes: 0 the files are written; 1 they are not; 2 invalid arguments
 
 Example: projector_blend left.yaml right.yaml --cloud wall.pcd --frame map -o blend --preview blend.png"
 )]
-struct Arguments {
+struct BlendArguments {
     /// The projectors' files, two or more, each with a frame that places it
     #[arg(value_name = "PROJECTOR.yaml", required = true, num_args = 2..)]
     files: Vec<PathBuf>,
@@ -76,10 +76,10 @@ fn black_level(text: &str) -> Result<f64, String> {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    lifecycle::run_main(|arguments: Arguments| run(&arguments))
+    lifecycle::run_main(|arguments: BlendArguments| run(&arguments))
 }
 
-fn run(arguments: &Arguments) -> Result<()> {
+fn run(arguments: &BlendArguments) -> Result<()> {
     let files: Vec<(&Path, ProjectorFile)> =
         arguments.files.iter().map(|path| Ok((path.as_path(), ProjectorFile::read(path)?))).collect::<Result<_>>()?;
     let outputs = output_names(&arguments.files, &arguments.output)?;

@@ -40,7 +40,7 @@ Exit codes: 0 ended by Escape, q, SIGINT, SIGTERM or rosnode kill; 1 the window 
 
 Example: projector_window --monitor HDMI-1 image:=/proj_view/image"
 )]
-struct Arguments {
+struct WindowArguments {
     /// The image topic [default: the remapping of image:=, else /proj_view/image]
     #[arg(long)]
     topic: Option<String>,
@@ -65,7 +65,7 @@ pub fn main() -> ExitCode {
     lifecycle::run_main(run)
 }
 
-fn run(arguments: Arguments) -> anyhow::Result<()> {
+fn run(arguments: WindowArguments) -> anyhow::Result<()> {
     if arguments.monitor.tell_monitors()? {
         return Ok(());
     }

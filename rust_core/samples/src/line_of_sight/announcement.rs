@@ -1,4 +1,4 @@
-//! The cylinder as messages: MoveIt's collision object and a marker.
+//! Publishes the cylinder as MoveIt's collision object and as a marker.
 
 use clap::ValueEnum;
 use rcs_messages::geometry_msgs::{Pose, Quaternion, Vector3};
@@ -11,7 +11,7 @@ use rcs_ros::{NodeError, Publisher, RosNode};
 use super::cylinder::Cylinder;
 use rcs_node_support::poses::pose_message;
 
-/// Whose definition of moveit_msgs/CollisionObject the planner has.
+/// Definition of moveit_msgs/CollisionObject that the planner uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum MoveitMsgs {
     /// moveit_msgs 0.11 and newer
@@ -20,10 +20,10 @@ pub(super) enum MoveitMsgs {
     Melodic,
 }
 
-/// How the cylinder is announced.
+/// Id, frame and colour of both messages.
 #[derive(Clone, Debug)]
 pub(super) struct Naming {
-    /// The collision object's name and the marker's namespace.
+    /// Id of the collision object and namespace of the marker.
     pub(super) id: String,
     /// The frame of both.
     pub(super) frame_id: String,
@@ -36,7 +36,7 @@ enum Objects {
     Melodic(Publisher<MelodicCollisionObject>),
 }
 
-/// Publishes both, latched: a planner that starts later learns of the present cylinder.
+/// Publisher of both messages, latched for planners that start later.
 pub(super) struct Announcement {
     naming: Naming,
     objects: Objects,
@@ -61,7 +61,7 @@ impl Announcement {
         Ok(Self { naming, objects, markers: node.latched_publisher(marker_topic, 1)? })
     }
 
-    /// Puts the cylinder in the place of the one before; none takes it away.
+    /// Replaces the published cylinder; `None` removes it.
     ///
     /// # Errors
     /// See [`Publisher::send`].

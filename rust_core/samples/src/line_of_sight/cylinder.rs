@@ -1,14 +1,14 @@
-//! The cylinder between a lens and what it lights.
+//! The cylinder between a lens and its target.
 
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 
-/// How the cylinder lies on the line, metres.
+/// Radius of the cylinder and gaps at its ends, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Shape {
+pub(super) struct CylinderShape {
     pub(super) radius_m: f64,
-    /// Left free before the lens, for the projector itself.
+    /// Gap at the lens, for the projector itself.
     pub(super) lens_gap_m: f64,
-    /// Left free before the target, which the arm may be about to grasp.
+    /// Gap at the target, which the arm may grasp.
     pub(super) target_gap_m: f64,
 }
 
@@ -20,31 +20,31 @@ pub(super) struct Cylinder {
     pub(super) radius_m: f64,
 }
 
-/// A shorter one is none, metres.
+/// Minimum length, metres.
 const LEAST_LENGTH_M: f64 = 1e-3;
 
 impl Cylinder {
-    /// From the lens to the target, less the gaps; none where nothing is left.
-    pub(super) fn between(lens: Point3<f64>, target: Point3<f64>, shape: &Shape) -> Option<Self> {
+    /// The cylinder from lens to target without the gaps; `None` if nothing is left.
+    pub(super) fn between(lens: Point3<f64>, target: Point3<f64>, shape: &CylinderShape) -> Option<Self> {
         let (along, distance_m) = Unit::try_new_and_get(target - lens, LEAST_LENGTH_M)?;
         let length_m = distance_m - shape.lens_gap_m - shape.target_gap_m;
         if length_m.is_nan() || length_m < LEAST_LENGTH_M {
             return None;
         }
         let middle = lens + along.into_inner() * (shape.lens_gap_m + length_m / 2.0);
-        // Straight down there is more than one shortest way; any of them will do.
+        // Antiparallel to z the axis of rotation is arbitrary.
         let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &along)
             .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
         let pose = Isometry3::from_parts(middle.coords.into(), rotation);
         Some(Self { pose, length_m, radius_m: shape.radius_m })
     }
 
-    /// The middles of its ends, that at the lens first.
+    /// Centres of its ends, the one at the lens first.
     pub(super) fn ends(&self) -> [Point3<f64>; 2] {
         [-0.5, 0.5].map(|share| self.pose * Point3::new(0.0, 0.0, share * self.length_m))
     }
 
-    /// How far its ends are from those of another one, metres.
+    /// Largest distance of its ends from those of another one, metres.
     pub(super) fn moved_from(&self, other: &Self) -> f64 {
         let ([a, b], [c, d]) = (self.ends(), other.ends());
         (a - c).norm().max((b - d).norm())
@@ -57,7 +57,7 @@ mod tests {
 
     use super::*;
 
-    const SHAPE: Shape = Shape { radius_m: 0.05, lens_gap_m: 0.2, target_gap_m: 0.1 };
+    const SHAPE: CylinderShape = CylinderShape { radius_m: 0.05, lens_gap_m: 0.2, target_gap_m: 0.1 };
 
     #[test]
     fn what_is_too_near_leaves_no_cylinder() {

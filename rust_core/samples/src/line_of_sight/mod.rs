@@ -1,4 +1,4 @@
-//! `line_of_sight`: the light between lens and target as an obstacle, so that an arm plans around it.
+//! `line_of_sight`: the projector's beam to its target as a collision object, so that an arm plans around it.
 
 mod announcement;
 mod cylinder;
@@ -13,14 +13,14 @@ use rcs_transforms::{Time, TransformTree};
 
 use crate::target::{Target, TargetArguments};
 use announcement::{Announcement, MoveitMsgs, Naming};
-use cylinder::{Cylinder, Shape};
+use cylinder::{Cylinder, CylinderShape};
 use rcs_node_support::frames;
 use rcs_node_support::lifecycle::{self, EndRequest};
-use rcs_node_support::node_options::{color, number_within, rgba, with_parameters};
+use rcs_node_support::node_options::{color, rgba, with_parameters, within};
 use rcs_node_support::node_status::{Level, NodeStatus};
 
-/// How long the last messages may take to reach their subscribers.
-const LAST_MESSAGE: Duration = Duration::from_millis(200);
+/// Time for the last messages to reach their subscribers.
+const FLUSH_TIME: Duration = Duration::from_millis(200);
 
 /// Publishes the cylinder between a projector's lens and its target as a collision object of MoveIt's planning scene,
 /// and as a marker.
@@ -41,105 +41,89 @@ Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the nod
 
 Example: line_of_sight --target-cloud /widget/desired_object --lens-frame proj_view --radius 0.08"
 )]
-struct Arguments {
+struct LineOfSightArguments {
     #[command(flatten)]
     target: TargetArguments,
-    /// The lens's frame
+    /// Frame of the projector's lens
     #[arg(long, value_name = "FRAME", default_value = "proj_view")]
     lens_frame: String,
-    /// Radius of the cylinder, metres
-    #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = radius)]
+    /// Radius of the cylinder [m]
+    #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = within(0.001, 10.0))]
     radius: f64,
-    /// Left free before the lens, for the projector's own shape, metres
-    #[arg(long, value_name = "M", default_value_t = 0.15, value_parser = gap)]
+    /// Gap at the lens, for the projector itself [m]
+    #[arg(long, value_name = "M", default_value_t = 0.15, value_parser = within(0.0, 100.0))]
     lens_gap: f64,
-    /// Left free before the target, which the arm may grasp, metres
-    #[arg(long, value_name = "M", default_value_t = 0.1, value_parser = gap)]
+    /// Gap at the target, which the arm may grasp [m]
+    #[arg(long, value_name = "M", default_value_t = 0.1, value_parser = within(0.0, 100.0))]
     target_gap: f64,
-    /// The cylinder is published again when an end has moved by more than this, metres
-    #[arg(long, value_name = "M", default_value_t = 0.01, value_parser = gap)]
+    /// Publish the cylinder again when an end has moved by more than this [m]
+    #[arg(long, value_name = "M", default_value_t = 0.01, value_parser = within(0.0, 100.0))]
     tolerance: f64,
-    /// The collision object's name, and the marker's namespace
+    /// Id of the collision object and namespace of the marker
     #[arg(long, value_name = "NAME", default_value = "line_of_sight")]
     id: String,
-    /// The topic of the collision object
+    /// Topic of the collision object
     #[arg(long, value_name = "TOPIC", default_value = "/collision_object")]
     object_topic: String,
-    /// The topic of the marker
+    /// Topic of the marker
     #[arg(long, value_name = "TOPIC", default_value = "/line_of_sight_marker")]
     marker_topic: String,
-    /// The planner's definition of moveit_msgs/CollisionObject
+    /// Definition of moveit_msgs/CollisionObject that the planner uses
     #[arg(long, value_enum, default_value_t = MoveitMsgs::Noetic)]
     moveit_msgs: MoveitMsgs,
     /// Colour of the marker: 'r; g; b' with each from 0 to 255, '#rrggbb' or a name
     #[arg(long, default_value = "#ffcc00", value_parser = color)]
     color: [u8; 3],
     /// Opacity of the marker, from 0 to 1
-    #[arg(long, default_value_t = 0.3, value_parser = share)]
+    #[arg(long, default_value_t = 0.3, value_parser = within(0.0, 1.0))]
     alpha: f64,
     /// How often the line is looked at, Hz
-    #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = rate)]
+    #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = within(0.1, 100.0))]
     rate: f64,
-}
-
-fn radius(text: &str) -> Result<f64, String> {
-    number_within(text, 0.001, 10.0)
-}
-
-fn gap(text: &str) -> Result<f64, String> {
-    number_within(text, 0.0, 100.0)
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    number_within(text, 0.0, 1.0)
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    number_within(text, 0.1, 100.0)
 }
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    lifecycle::run_main(|_: Arguments| {
+    lifecycle::run_main(|_: LineOfSightArguments| {
         lifecycle::with_node("line_of_sight", |node, end| follow(node, end, &with_parameters(node)?))
     })
 }
 
-/// Follows the target until the shutdown is requested.
-fn follow(node: &RosNode, end: &EndRequest, arguments: &Arguments) -> anyhow::Result<()> {
+/// Updates the cylinder until the shutdown is requested.
+fn follow(node: &RosNode, end: &EndRequest, arguments: &LineOfSightArguments) -> anyhow::Result<()> {
     let given = &arguments.target;
     let mut target = Target::start(node, given.source()?, &given.fixed_frame, given.timeout())?;
-    let mut line = Line::start(node, arguments)?;
+    let mut line = PublishedLine::start(node, arguments)?;
     let mut tree = TransformTree::new();
     node.subscribe_transforms()?;
     let period = Duration::from_secs_f64(1.0 / arguments.rate);
-    let mut looked = Instant::now();
+    let mut updated = Instant::now();
     while !end.is_requested() {
-        let left = period.saturating_sub(looked.elapsed());
+        let left = period.saturating_sub(updated.elapsed());
         frames::take_events(node, left, &mut tree, |event| {
             if let NodeEvent::Message { topic, message, received, .. } = event {
                 target.take(&topic, &message, received);
             }
         });
-        if looked.elapsed() >= period {
-            looked = Instant::now();
+        if updated.elapsed() >= period {
+            updated = Instant::now();
             line.update(node, &mut target, &tree)?;
         }
     }
     line.remove(node)
 }
 
-/// The line as it was published last.
-struct Line<'a> {
-    arguments: &'a Arguments,
+/// The published cylinder and its topics.
+struct PublishedLine<'a> {
+    arguments: &'a LineOfSightArguments,
     timeout: Option<Duration>,
     announcement: Announcement,
     status: NodeStatus,
-    shown: Option<Cylinder>,
+    published: Option<Cylinder>,
 }
 
-impl<'a> Line<'a> {
-    fn start(node: &RosNode, arguments: &'a Arguments) -> anyhow::Result<Self> {
+impl<'a> PublishedLine<'a> {
+    fn start(node: &RosNode, arguments: &'a LineOfSightArguments) -> anyhow::Result<Self> {
         let naming = Naming {
             id: arguments.id.clone(),
             frame_id: arguments.target.fixed_frame.clone(),
@@ -147,36 +131,38 @@ impl<'a> Line<'a> {
         };
         let topics = [arguments.object_topic.as_str(), &arguments.marker_topic];
         let announcement = Announcement::start(node, naming, arguments.moveit_msgs, topics)?;
-        // What a node that was killed has left is taken away.
+        // A node that was killed may have left its latched cylinder.
         announcement.send(None, node.now())?;
         let status = NodeStatus::start(node, "line of sight")?;
-        Ok(Self { arguments, timeout: arguments.target.timeout(), announcement, status, shown: None })
+        Ok(Self { arguments, timeout: arguments.target.timeout(), announcement, status, published: None })
     }
 
     fn update(&mut self, node: &RosNode, target: &mut Target, tree: &TransformTree) -> anyhow::Result<()> {
         match self.cylinder(target, tree, frames::now(node)) {
             Ok(cylinder) => {
-                let is_moved = |shown: &Cylinder| cylinder.moved_from(shown) > self.arguments.tolerance;
-                if self.shown.as_ref().is_none_or(is_moved) {
+                let is_moved = |published: &Cylinder| cylinder.moved_from(published) > self.arguments.tolerance;
+                if self.published.as_ref().is_none_or(is_moved) {
                     self.announcement.send(Some(&cylinder), node.now())?;
-                    self.shown = Some(cylinder);
+                    self.published = Some(cylinder);
                 }
                 self.status.set(Level::Ok, "the line of sight is in the planning scene", "");
                 self.status.value("length, metres", &format!("{:.3}", cylinder.length_m));
             }
             Err(reason) => {
-                if self.shown.take().is_some() {
+                if self.published.take().is_some() {
                     self.announcement.send(None, node.now())?;
                 }
-                self.status.set(Level::Warn, &format!("there is no line of sight: {reason}"), "");
+                self.status.set(Level::Warn, &format!("no line of sight: {reason}"), "");
                 self.status.value("length, metres", &0);
             }
         }
         Ok(self.status.publish_if_due()?)
     }
 
+    /// The cylinder from the lens to the target now.
+    ///
     /// # Errors
-    /// Why there is none.
+    /// A missing frame or target, as a status message.
     fn cylinder(&self, target: &mut Target, tree: &TransformTree, now: Time) -> Result<Cylinder, String> {
         let place = target.position(tree, now).map_err(|error| error.to_string())?;
         let lens_frame = &self.arguments.lens_frame;
@@ -184,22 +170,22 @@ impl<'a> Line<'a> {
         let (fixed_from_lens, stamp) = found.map_err(|error| error.to_string())?;
         let is_current = |timeout: Duration| now.secs_since(stamp) <= timeout.as_secs_f64();
         if stamp != Time::ZERO && !self.timeout.is_none_or(is_current) {
-            return Err(format!("the lens's frame {lens_frame} is not published any more"));
+            return Err(format!("the lens frame {lens_frame} is stale"));
         }
-        let shape = Shape {
+        let shape = CylinderShape {
             radius_m: self.arguments.radius,
             lens_gap_m: self.arguments.lens_gap,
             target_gap_m: self.arguments.target_gap,
         };
         let lens = Point3::from(fixed_from_lens.translation.vector);
-        Cylinder::between(lens, place, &shape).ok_or_else(|| "the target is too near to the lens".to_owned())
+        Cylinder::between(lens, place, &shape).ok_or_else(|| "the target is too close to the lens".to_owned())
     }
 
-    /// Takes the cylinder away, and gives the messages a moment to arrive.
+    /// Removes the cylinder and waits for the messages to arrive.
     fn remove(&mut self, node: &RosNode) -> anyhow::Result<()> {
-        if self.shown.take().is_some() {
+        if self.published.take().is_some() {
             self.announcement.send(None, node.now())?;
-            std::thread::sleep(LAST_MESSAGE);
+            std::thread::sleep(FLUSH_TIME);
         }
         Ok(())
     }

@@ -1,19 +1,18 @@
 //! A path as arrows of one length, one behind the other.
 //!
-//! They are counted from the path's end, so that the tip of the last one is the goal, and so that they stay where they
-//! are while a robot drives and plans again to the same goal: only the path's beginning changes then. An arrow goes
-//! straight from one place of the path to another, which are its length apart along the path.
+//! They are laid from the path's end, so that the last tip is the goal and arrows stay in place while a robot drives and
+//! replans to the same goal. An arrow is the chord between two points of the path, its length apart along the path.
 
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
-/// A path has at most so many arrows; those nearest to the goal are kept.
+/// Most arrows of a path; those nearest to the goal are kept.
 pub(crate) const MOST_ARROWS: usize = 10_000;
-/// Shorter paths have no direction, metres.
+/// Minimum length of a path with a direction, metres.
 const LEAST_LENGTH_M: f64 = 1e-6;
 
-/// How arrows are laid.
+/// Size and spacing of arrows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Layout {
+pub(crate) struct ArrowLayout {
     /// From tail to tip along the path, metres.
     pub(crate) length_m: f64,
     /// From tip to tip along the path, metres.
@@ -22,22 +21,22 @@ pub(crate) struct Layout {
     pub(crate) height_m: f64,
 }
 
-/// An arrow; x goes from its tail, which is the origin, to its tip.
+/// An arrow; its x axis points from the tail, the origin, to the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Arrow {
-    /// Where it is in the path's frame.
+    /// Pose in the path's frame.
     pub(crate) pose: Isometry3<f64>,
     /// Metres.
     pub(crate) length_m: f64,
 }
 
-/// The arrows of a path from its beginning to its end. A path of one place is one arrow that ends there, in the
-/// direction of the last pose.
-pub(crate) fn arrows(path: &[Isometry3<f64>], layout: &Layout) -> Vec<Arrow> {
+/// The arrows of a path from start to goal. A path of one point is one arrow that ends there, in the direction of the last
+/// pose.
+pub(crate) fn arrows(path: &[Isometry3<f64>], layout: &ArrowLayout) -> Vec<Arrow> {
     let Some(goal) = path.last() else { return Vec::new() };
     let lift = Vector3::z() * layout.height_m;
-    let places: Vec<Point3<f64>> = path.iter().map(|pose| pose.translation.vector + lift).map(Point3::from).collect();
-    let line = Line::of(&places);
+    let points: Vec<Point3<f64>> = path.iter().map(|pose| pose.translation.vector + lift).map(Point3::from).collect();
+    let line = Polyline::of(&points);
     if line.length_m() < LEAST_LENGTH_M {
         let back = goal.rotation * Vector3::x() * layout.length_m;
         let tail = Translation3::from(goal.translation.vector + lift - back);
@@ -51,44 +50,44 @@ pub(crate) fn arrows(path: &[Isometry3<f64>], layout: &Layout) -> Vec<Arrow> {
     laid.collect()
 }
 
-/// None for an arrow of no length, as where a path turns back on itself.
+/// `None` for an arrow of no length, such as where a path doubles back.
 fn arrow(tail: Point3<f64>, tip: Point3<f64>) -> Option<Arrow> {
     let (along, length_m) = Unit::try_new_and_get(tip - tail, LEAST_LENGTH_M)?;
-    // Turned about the vertical, then up: an arrow on the floor does not lean to a side.
+    // Yaw, then pitch, without roll: an arrow on the floor stays flat.
     let yaw = along.y.atan2(along.x);
     let pitch = -along.z.atan2(along.x.hypot(along.y));
     let rotation = UnitQuaternion::from_euler_angles(0.0, pitch, yaw);
     Some(Arrow { pose: Isometry3::from_parts(tail.coords.into(), rotation), length_m })
 }
 
-/// A line of straight pieces.
-struct Line<'a> {
-    places: &'a [Point3<f64>],
-    /// How far along the line each place is, metres.
+/// A polyline.
+struct Polyline<'a> {
+    points: &'a [Point3<f64>],
+    /// Distance of each point along the line, metres.
     distances_m: Vec<f64>,
 }
 
-impl<'a> Line<'a> {
-    fn of(places: &'a [Point3<f64>]) -> Self {
+impl<'a> Polyline<'a> {
+    fn of(points: &'a [Point3<f64>]) -> Self {
         let mut length_m = 0.0;
-        let mut distances_m = Vec::with_capacity(places.len());
-        for (index, place) in places.iter().enumerate() {
-            length_m += places.get(index.wrapping_sub(1)).map_or(0.0, |before| (place - before).norm());
+        let mut distances_m = Vec::with_capacity(points.len());
+        for (index, place) in points.iter().enumerate() {
+            length_m += points.get(index.wrapping_sub(1)).map_or(0.0, |before| (place - before).norm());
             distances_m.push(length_m);
         }
-        Self { places, distances_m }
+        Self { points, distances_m }
     }
 
     fn length_m(&self) -> f64 {
         self.distances_m.last().copied().unwrap_or_default()
     }
 
-    /// The place at a distance along the line; beyond its end, the end.
+    /// The point at a distance along the line, clamped to its end.
     fn at(&self, distance_m: f64) -> Point3<f64> {
         let after = self.distances_m.partition_point(|distance| *distance < distance_m);
-        let last = self.places.len().saturating_sub(1);
+        let last = self.points.len().saturating_sub(1);
         let (from, to) = (after.min(last).saturating_sub(1), after.min(last));
-        let (Some(a), Some(b)) = (self.places.get(from), self.places.get(to)) else { return Point3::origin() };
+        let (Some(a), Some(b)) = (self.points.get(from), self.points.get(to)) else { return Point3::origin() };
         let (begin, end) = (self.distances_m[from], self.distances_m[to]);
         let share = if end > begin { ((distance_m - begin) / (end - begin)).clamp(0.0, 1.0) } else { 1.0 };
         a + (b - a) * share
@@ -103,10 +102,10 @@ mod tests {
 
     use super::*;
 
-    const LAYOUT: Layout = Layout { length_m: 0.3, spacing_m: 0.5, height_m: 0.0 };
+    const LAYOUT: ArrowLayout = ArrowLayout { length_m: 0.3, spacing_m: 0.5, height_m: 0.0 };
 
-    fn path(places: &[[f64; 3]]) -> Vec<Isometry3<f64>> {
-        places.iter().map(|[x, y, z]| Isometry3::translation(*x, *y, *z)).collect()
+    fn path(points: &[[f64; 3]]) -> Vec<Isometry3<f64>> {
+        points.iter().map(|[x, y, z]| Isometry3::translation(*x, *y, *z)).collect()
     }
 
     fn tip(arrow: &Arrow) -> Point3<f64> {
@@ -142,7 +141,7 @@ mod tests {
         assert!(matches!(short[..], [arrow] if (arrow.length_m - 0.1).abs() < 1e-9), "{short:?}");
         let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, FRAC_PI_2);
         let there = Isometry3::from_parts(Translation3::new(1.0, 2.0, 0.0), turned);
-        let raised = Layout { height_m: 0.02, ..LAYOUT };
+        let raised = ArrowLayout { height_m: 0.02, ..LAYOUT };
         let one = arrows(&[there, there], &raised);
         assert!(matches!(&one[..], [arrow] if (tip(arrow) - Point3::new(1.0, 2.0, 0.02)).norm() < 1e-9), "{one:?}");
     }
@@ -157,12 +156,12 @@ mod tests {
     proptest! {
         #[test]
         fn every_arrow_begins_and_ends_on_the_path(
-            places in proptest::collection::vec([-3.0..3.0, -3.0..3.0, -0.1..0.1], 2..30),
+            points in proptest::collection::vec([-3.0..3.0, -3.0..3.0, -0.1..0.1], 2..30),
             length_m in 0.05..1.0,
             spacing_m in 0.05..2.0,
         ) {
-            let poses = path(&places);
-            let laid = arrows(&poses, &Layout { length_m, spacing_m, height_m: 0.0 });
+            let poses = path(&points);
+            let laid = arrows(&poses, &ArrowLayout { length_m, spacing_m, height_m: 0.0 });
             let goal = Point3::from(poses[poses.len() - 1].translation.vector);
             prop_assert!((tip(laid.last().unwrap()) - goal).norm() < 1e-6);
             for arrow in &laid {

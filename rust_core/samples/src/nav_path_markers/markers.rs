@@ -13,9 +13,9 @@ use rcs_messages::visualization_msgs::{Marker, MarkerArray};
 use super::arrows::Arrow;
 use rcs_node_support::poses::pose_message;
 
-/// How arrows look.
+/// How arrows style.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Look {
+pub(super) struct ArrowStyle {
     /// The markers' namespace.
     pub(super) namespace: String,
     /// Across, along the floor, metres.
@@ -33,26 +33,26 @@ pub(super) struct Look {
 /// Makes the messages of one plan after the other.
 #[derive(Debug)]
 pub(super) struct Sequence {
-    look: Look,
+    style: ArrowStyle,
     /// So many ids were in use at most, and a viewer may still have each of them.
     used: usize,
 }
 
 impl Sequence {
-    pub(super) fn new(look: Look) -> Self {
-        Self { look, used: 0 }
+    pub(super) fn new(style: ArrowStyle) -> Self {
+        Self { style, used: 0 }
     }
 
     /// The message that shows these arrows in a frame, and no others.
     pub(super) fn show(&mut self, arrows: &[Arrow], frame_id: &str) -> MarkerArray {
         let last = arrows.len().saturating_sub(1);
         let shown = arrows.iter().enumerate().map(|(index, arrow)| {
-            let color = if index == last { self.look.goal_color } else { self.look.color };
+            let color = if index == last { self.style.goal_color } else { self.style.color };
             self.marker(index, arrow, color, frame_id)
         });
         let deleted = (arrows.len()..self.used).map(|index| Marker {
             header: Header { frame_id: frame_id.to_owned(), ..Header::default() },
-            ns: self.look.namespace.clone(),
+            ns: self.style.namespace.clone(),
             id: id(index),
             action: i32::from(Marker::DELETE),
             ..Marker::default()
@@ -66,15 +66,15 @@ impl Sequence {
         Marker {
             // Stamp zero with frame_locked: placed by the newest transform at each picture, as the robot drives.
             header: Header { frame_id: frame_id.to_owned(), ..Header::default() },
-            ns: self.look.namespace.clone(),
+            ns: self.style.namespace.clone(),
             id: id(index),
             type_: i32::from(Marker::ARROW),
             action: i32::from(Marker::ADD),
             pose: pose_message(&arrow.pose),
-            scale: Vector3 { x: arrow.length_m, y: self.look.width_m, z: self.look.thickness_m },
+            scale: Vector3 { x: arrow.length_m, y: self.style.width_m, z: self.style.thickness_m },
             color: ColorRGBA { r, g, b, a },
             lifetime: rcs_messages::Duration::from_nanos(
-                i64::try_from(self.look.lifetime.as_nanos()).unwrap_or_default(),
+                i64::try_from(self.style.lifetime.as_nanos()).unwrap_or_default(),
             ),
             frame_locked: true,
             ..Marker::default()
@@ -98,8 +98,8 @@ mod tests {
         (0..count).map(arrow).collect()
     }
 
-    fn look() -> Look {
-        Look {
+    fn style() -> ArrowStyle {
+        ArrowStyle {
             namespace: "plan".to_owned(),
             width_m: 0.1,
             thickness_m: 0.01,
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn one_message_shows_a_plan_and_deletes_what_it_lacks() {
-        let mut sequence = Sequence::new(look());
+        let mut sequence = Sequence::new(style());
         assert_eq!(ids(&sequence.show(&arrows(3), "map")), (vec![0, 1, 2], vec![]));
         assert_eq!(ids(&sequence.show(&arrows(1), "map")), (vec![0], vec![1, 2]));
         // Again, for a viewer that missed the message before.
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn the_last_arrow_has_the_goals_colour_and_all_follow_the_frame() {
-        let shown = Sequence::new(look()).show(&arrows(2), "odom").markers;
+        let shown = Sequence::new(style()).show(&arrows(2), "odom").markers;
         assert_eq!((shown[0].color.b, shown[1].color.g, shown[1].color.b), (1.0, 1.0, 0.0));
         assert!(shown.iter().all(|marker| marker.frame_locked && marker.header.frame_id == "odom"));
         assert_eq!((shown[1].pose.position.x, shown[1].scale.x, shown[1].scale.y), (1.0, 0.3, 0.1));

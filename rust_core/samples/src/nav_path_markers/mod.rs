@@ -13,17 +13,17 @@ use rcs_messages::visualization_msgs::MarkerArray;
 use rcs_messages::{AnyMessage, MessageKind};
 use rcs_ros::{NodeEvent, Publisher, RosNode};
 
-use arrows::{Layout, MOST_ARROWS};
-use markers::{Look, Sequence};
+use arrows::{ArrowLayout, MOST_ARROWS};
+use markers::{ArrowStyle, Sequence};
 use rcs_node_support::lifecycle::{self, EndRequest};
-use rcs_node_support::node_options::{color, number_within, rgba, with_parameters};
+use rcs_node_support::node_options::{color, rgba, with_parameters, within};
 use rcs_node_support::node_status::{Level, NodeStatus};
 use rcs_node_support::poses::rigid_pose;
 
-/// How often the node looks whether it is to end.
+/// Period at which the node polls for its shutdown.
 const POLL_PERIOD: Duration = Duration::from_millis(100);
-/// How long the last message may take to reach its subscribers.
-const LAST_MESSAGE: Duration = Duration::from_millis(200);
+/// Time for the last message to reach its subscribers.
+const FLUSH_TIME: Duration = Duration::from_millis(200);
 
 /// Shows a planned nav_msgs/Path as arrows on the floor, in one visualization_msgs/MarkerArray.
 ///
@@ -41,30 +41,30 @@ Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the nod
 
 Example: nav_path_markers --spacing 0.4 --color '#3399ff' --markers-topic /path_arrows"
 )]
-struct Arguments {
-    /// The topic of the path
+struct PathMarkersArguments {
+    /// Topic of the path
     #[arg(long, value_name = "TOPIC", default_value = "/move_base/NavfnROS/plan")]
     path_topic: String,
-    /// The topic of the arrows
+    /// Topic of the arrows
     #[arg(long, value_name = "TOPIC", default_value = "/visualization_marker_array")]
     markers_topic: String,
-    /// The markers' namespace, by which viewers can hide them
+    /// Namespace of the markers, by which viewers can hide them
     #[arg(long, value_name = "NAME", default_value = "nav_path")]
     namespace: String,
-    /// Length of an arrow along the path, metres
-    #[arg(long, value_name = "M", default_value_t = 0.3, value_parser = size)]
+    /// Length of an arrow along the path [m]
+    #[arg(long, value_name = "M", default_value_t = 0.3, value_parser = within(0.01, 100.0))]
     length: f64,
-    /// From the tip of an arrow to that of the next, metres
-    #[arg(long, value_name = "M", default_value_t = 0.5, value_parser = size)]
+    /// Distance from tip to tip [m]
+    #[arg(long, value_name = "M", default_value_t = 0.5, value_parser = within(0.01, 100.0))]
     spacing: f64,
-    /// Width of an arrow, metres
-    #[arg(long, value_name = "M", default_value_t = 0.08, value_parser = size)]
+    /// Width of an arrow [m]
+    #[arg(long, value_name = "M", default_value_t = 0.08, value_parser = within(0.01, 100.0))]
     width: f64,
-    /// Thickness of an arrow, metres
-    #[arg(long, value_name = "M", default_value_t = 0.01, value_parser = thickness)]
+    /// Thickness of an arrow [m]
+    #[arg(long, value_name = "M", default_value_t = 0.01, value_parser = within(0.0001, 100.0))]
     thickness: f64,
-    /// Height of the arrows above the path, metres
-    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = height, allow_negative_numbers = true)]
+    /// Height of the arrows above the path [m]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = within(-100.0, 100.0), allow_negative_numbers = true)]
     height: f64,
     /// Colour of the arrows: 'r; g; b' with each from 0 to 255, '#rrggbb' or a name
     #[arg(long, default_value = "#3399ff", value_parser = color)]
@@ -73,66 +73,47 @@ struct Arguments {
     #[arg(long, value_name = "COLOR", default_value = "#33cc33", value_parser = color)]
     goal_color: [u8; 3],
     /// Opacity, from 0 to 1
-    #[arg(long, default_value_t = 1.0, value_parser = share)]
+    #[arg(long, default_value_t = 1.0, value_parser = within(0.0, 1.0))]
     alpha: f64,
-    /// How long arrows stay when no plan follows, seconds; 0: until one does
-    #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = seconds)]
+    /// Lifetime of arrows without a new plan [s; 0: unlimited]
+    #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = within(0.0, 86_400.0))]
     lifetime: f64,
-}
-
-fn size(text: &str) -> Result<f64, String> {
-    number_within(text, 0.01, 100.0)
-}
-
-fn thickness(text: &str) -> Result<f64, String> {
-    number_within(text, 0.0001, 100.0)
-}
-
-fn height(text: &str) -> Result<f64, String> {
-    number_within(text, -100.0, 100.0)
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    number_within(text, 0.0, 1.0)
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    number_within(text, 0.0, 86_400.0)
 }
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    lifecycle::run_main(|_: Arguments| lifecycle::with_node("nav_path_markers", run))
+    lifecycle::run_main(|_: PathMarkersArguments| lifecycle::with_node("nav_path_markers", run))
 }
 
 fn run(node: &RosNode, end: &EndRequest) -> anyhow::Result<()> {
-    let arguments: Arguments = with_parameters(node)?;
-    let mut program = Program::start(node, &arguments)?;
+    let arguments: PathMarkersArguments = with_parameters(node)?;
+    let mut markers = PathMarkers::start(node, &arguments)?;
     let subscription = node.subscribe(&arguments.path_topic, MessageKind::Path, 1)?;
-    program.status.set(Level::Ok, &format!("no plan yet on {}", subscription.topic()), "");
+    markers.status.set(Level::Ok, &format!("no plan yet on {}", subscription.topic()), "");
     while !end.is_requested() {
         for event in node.events().wait(POLL_PERIOD) {
             if let NodeEvent::Message { message: AnyMessage::Path(path), .. } = event {
-                program.show(&path)?;
+                markers.show(&path)?;
             }
         }
-        program.status.publish_if_due()?;
+        markers.status.publish_if_due()?;
     }
-    program.delete_all()
+    markers.delete_all()
 }
 
-struct Program {
-    layout: Layout,
+/// The markers of the current plan.
+struct PathMarkers {
+    layout: ArrowLayout,
     sequence: Sequence,
     markers: Publisher<MarkerArray>,
     status: NodeStatus,
-    /// That of the arrows that are shown; none if there are none.
+    /// Frame of the published arrows; `None` if there are none.
     frame_id: Option<String>,
 }
 
-impl Program {
-    fn start(node: &RosNode, arguments: &Arguments) -> anyhow::Result<Self> {
-        let look = Look {
+impl PathMarkers {
+    fn start(node: &RosNode, arguments: &PathMarkersArguments) -> anyhow::Result<Self> {
+        let style = ArrowStyle {
             namespace: arguments.namespace.clone(),
             width_m: arguments.width,
             thickness_m: arguments.thickness,
@@ -141,19 +122,23 @@ impl Program {
             lifetime: Duration::from_secs_f64(arguments.lifetime),
         };
         Ok(Self {
-            layout: Layout { length_m: arguments.length, spacing_m: arguments.spacing, height_m: arguments.height },
-            sequence: Sequence::new(look),
+            layout: ArrowLayout {
+                length_m: arguments.length,
+                spacing_m: arguments.spacing,
+                height_m: arguments.height,
+            },
+            sequence: Sequence::new(style),
             markers: node.latched_publisher(&arguments.markers_topic, 1)?,
             status: NodeStatus::start(node, "path")?,
             frame_id: None,
         })
     }
 
-    /// Shows a plan in the place of the one before; one that cannot be shown takes the arrows away.
+    /// Replaces the arrows by those of a plan; an invalid plan deletes them.
     fn show(&mut self, path: &Path) -> anyhow::Result<()> {
         let frame_id = frame_of(path);
         let Some(poses) = poses(path) else {
-            self.status.set(Level::Error, "the plan has a pose that is not finite or not turned by a rotation", "");
+            self.status.set(Level::Error, "the plan has a pose with a non-finite number or an invalid quaternion", "");
             return self.delete_all();
         };
         if frame_id.is_empty() && !poses.is_empty() {
@@ -163,7 +148,7 @@ impl Program {
         let arrows = arrows::arrows(&poses, &self.layout);
         let (level, message) = match arrows.len() {
             0 => (Level::Ok, "the plan is empty"),
-            MOST_ARROWS => (Level::Warn, "the plan has more arrows than are shown: those at its end are"),
+            MOST_ARROWS => (Level::Warn, "the plan is too long: only its last arrows are shown"),
             _ => (Level::Ok, "the plan is shown"),
         };
         self.status.set(level, message, &format!("{} poses in {frame_id}, {} arrows", poses.len(), arrows.len()));
@@ -174,18 +159,18 @@ impl Program {
         Ok(())
     }
 
-    /// Deletes all arrows, and gives the message a moment to arrive.
+    /// Deletes all arrows and waits for the message to arrive.
     fn delete_all(&mut self) -> anyhow::Result<()> {
         self.status.value("arrows", &0);
         if let Some(frame_id) = self.frame_id.take() {
             self.markers.send(self.sequence.show(&[], &frame_id))?;
-            std::thread::sleep(LAST_MESSAGE);
+            std::thread::sleep(FLUSH_TIME);
         }
         Ok(())
     }
 }
 
-/// The path's frame; where only its poses name one, theirs.
+/// Frame of the path, or of its poses if only they name one.
 fn frame_of(path: &Path) -> &str {
     let of_poses = path.poses.first().map(|pose| pose.header.frame_id.as_str()).unwrap_or_default();
     if path.header.frame_id.is_empty() {
@@ -195,7 +180,7 @@ fn frame_of(path: &Path) -> &str {
     }
 }
 
-/// The poses of a path; none if one of them is no place.
+/// Poses of a path; `None` if one is invalid.
 fn poses(path: &Path) -> Option<Vec<Isometry3<f64>>> {
     path.poses.iter().map(|stamped| rigid_pose(&stamped.pose)).collect()
 }

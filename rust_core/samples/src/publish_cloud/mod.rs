@@ -28,7 +28,7 @@ Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 the file or the node f
 
 Example: publish_cloud objects.pcd --frame base_link cloud:=/objects"
 )]
-struct Arguments {
+struct PublishCloudArguments {
     /// The PCD file
     file: PathBuf,
     /// The topic; a remapping cloud:=/other does the same
@@ -53,16 +53,21 @@ fn rate(text: &str) -> Result<f64, String> {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    lifecycle::run_main(|arguments: Arguments| run(&arguments))
+    lifecycle::run_main(|arguments: PublishCloudArguments| run(&arguments))
 }
 
-fn run(arguments: &Arguments) -> anyhow::Result<()> {
+fn run(arguments: &PublishCloudArguments) -> anyhow::Result<()> {
     let message = read(&arguments.file, &arguments.frame)?;
     lifecycle::with_node("publish_cloud", |node, end| publish(node, end, arguments, &message))
 }
 
 /// Publishes the cloud at the rate until the shutdown is requested.
-fn publish(node: &RosNode, end: &EndRequest, arguments: &Arguments, message: &PointCloud2) -> anyhow::Result<()> {
+fn publish(
+    node: &RosNode,
+    end: &EndRequest,
+    arguments: &PublishCloudArguments,
+    message: &PointCloud2,
+) -> anyhow::Result<()> {
     let publisher = node.latched_publisher::<PointCloud2>(&arguments.topic, 1)?;
     let PointCloud2 { width, height, .. } = message;
     log::info!(

@@ -1,56 +1,52 @@
-//! The options that say what a node aims at.
+//! Options of a node's target.
 
 use std::time::Duration;
 
 use anyhow::bail;
 
-use rcs_node_support::node_options::number_within;
+use rcs_node_support::node_options::within;
 
-/// What is aimed at, one of four, and for how long.
+/// Source and timeout of the target; exactly one source is given.
 #[derive(clap::Args, Clone, Debug)]
 pub(crate) struct TargetArguments {
-    /// The target is the position of a geometry_msgs/PoseStamped on this topic
+    /// Take the target from a geometry_msgs/PoseStamped on this topic
     #[arg(long, value_name = "TOPIC", conflicts_with_all = ["target_point", "target_cloud", "target_frame"])]
     target_pose: Option<String>,
-    /// The target is a geometry_msgs/PointStamped on this topic
+    /// Take the target from a geometry_msgs/PointStamped on this topic
     #[arg(long, value_name = "TOPIC", conflicts_with_all = ["target_cloud", "target_frame"])]
     target_point: Option<String>,
-    /// The target is the centroid of a sensor_msgs/PointCloud2 on this topic
+    /// Take the centroid of a sensor_msgs/PointCloud2 on this topic
     #[arg(long, value_name = "TOPIC", conflicts_with = "target_frame")]
     target_cloud: Option<String>,
-    /// The target is the origin of this frame
+    /// Take the origin of this frame
     #[arg(long, value_name = "FRAME")]
     target_frame: Option<String>,
-    /// The target is gone when it was not received for so many seconds; 0: it stays until another one is received
-    #[arg(long, value_name = "SECS", default_value_t = 1.0, value_parser = timeout)]
+    /// Drop a target that was not received for this time [s; 0: keep it until the next]
+    #[arg(long, value_name = "SECS", default_value_t = 1.0, value_parser = within(0.0, 86_400.0))]
     target_timeout: f64,
-    /// The frame in which targets stand still: map or odom on a robot that drives
+    /// Fixed frame of the targets: map or odom on a mobile robot
     #[arg(long, value_name = "FRAME", default_value = "base_link")]
     pub(crate) fixed_frame: String,
 }
 
-/// Where a target comes from.
+/// Source of a target.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum TargetSource {
-    /// A topic with poses.
+    /// Topic of poses.
     Pose(String),
-    /// A topic with points.
+    /// Topic of points.
     Point(String),
-    /// A topic with clouds.
+    /// Topic of clouds.
     Cloud(String),
     /// A frame.
     Frame(String),
 }
 
-fn timeout(text: &str) -> Result<f64, String> {
-    number_within(text, 0.0, 86_400.0)
-}
-
 impl TargetArguments {
-    /// Where the target comes from.
+    /// The source.
     ///
     /// # Errors
-    /// When there is none.
+    /// None is given.
     pub(crate) fn source(&self) -> anyhow::Result<TargetSource> {
         let Self { target_pose, target_point, target_cloud, target_frame, .. } = self;
         Ok(match (target_pose, target_point, target_cloud, target_frame) {
@@ -64,7 +60,7 @@ impl TargetArguments {
         })
     }
 
-    /// After which time without a message it is gone; none: never.
+    /// Time without a message after which the target expires; `None`: never.
     pub(crate) fn timeout(&self) -> Option<Duration> {
         (self.target_timeout > 0.0).then(|| Duration::from_secs_f64(self.target_timeout))
     }

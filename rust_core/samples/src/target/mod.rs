@@ -1,8 +1,7 @@
-//! A thing that a node aims at: a pose, a point, a cloud's middle or a frame, placed where it stands still.
+//! The target of a node: a pose, a point, a cloud's centroid or a frame, in the fixed frame.
 //!
-//! What is received is placed in the fixed frame at its own stamp, as soon as the transforms for that are there, and
-//! stays there until the next message: a robot that drives, or a camera on the turret itself, does not take it along. A
-//! frame is looked up anew each time.
+//! A message is transformed to the fixed frame at its own stamp, as soon as its transform is known, and stays there until
+//! the next one, although the robot or a camera on the turret moves. A frame is looked up each time.
 
 mod arguments;
 mod waiting;
@@ -15,44 +14,44 @@ use rcs_ros::{NodeError, RosNode, TopicSubscription};
 use rcs_transforms::{Time, TransformTree};
 
 pub(crate) use arguments::{TargetArguments, TargetSource};
-use waiting::{Sighting, Waiting};
+use waiting::{PendingTargets, ReceivedTarget};
 
 /// A target over time.
 pub(crate) struct Target {
     source: TargetSource,
     fixed_frame: String,
-    /// None: it never becomes stale.
+    /// `None`: it never expires.
     timeout: Option<Duration>,
     subscription: Option<TopicSubscription>,
-    waiting: Waiting,
-    /// Its last place in the fixed frame.
+    pending: PendingTargets,
+    /// Last position in the fixed frame.
     known: Option<(Point3<f64>, Instant)>,
-    /// Why the last message gave none.
+    /// Error of the last message.
     fault: Option<String>,
 }
 
-/// Why a target has no place.
+/// Why the position of a target is unknown.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum NoTarget {
-    /// Nothing was received yet.
+    /// No message yet.
     #[error("no target yet on {0}")]
     Never(String),
-    /// What was received is too old.
-    #[error("the target on {0} is gone")]
+    /// The last message has expired.
+    #[error("the target on {0} has expired")]
     Stale(String),
-    /// What was received has no place.
-    #[error("the target on {topic} has no place: {reason}")]
+    /// The message is invalid, or its transform missing.
+    #[error("invalid target on {topic}: {reason}")]
     Fault {
-        /// Where it was received.
+        /// Its topic.
         topic: String,
-        /// What is wrong.
+        /// The reason.
         reason: String,
     },
-    /// The target's frame is not there, or not any more.
+    /// The target's frame is unknown.
     #[error("no target: {0}")]
     NoFrame(String),
-    /// The target's frame was not published for too long.
-    #[error("frame {0} is not published any more")]
+    /// The target's frame has expired.
+    #[error("frame {0} is stale")]
     StaleFrame(String),
 }
 
@@ -60,7 +59,7 @@ impl Target {
     /// Subscribes to the target's topic, if it has one.
     ///
     /// # Errors
-    /// [`NodeError`], if the topic's name is none.
+    /// [`NodeError`]: an invalid topic name.
     pub(crate) fn start(
         node: &RosNode,
         source: TargetSource,
@@ -75,27 +74,27 @@ impl Target {
             TargetSource::Frame(_) => None,
         };
         let fixed_frame = fixed_frame.to_owned();
-        let waiting = Waiting::default();
-        Ok(Self { source, fixed_frame, timeout, subscription, waiting, known: None, fault: None })
+        let pending = PendingTargets::default();
+        Ok(Self { source, fixed_frame, timeout, subscription, pending, known: None, fault: None })
     }
 
-    /// The frame in which targets stand still.
+    /// The frame in which targets are fixed.
     pub(crate) fn fixed_frame(&self) -> &str {
         &self.fixed_frame
     }
 
-    /// Takes a message if it is of the target's topic.
+    /// Handles a message of the target's topic.
     pub(crate) fn take(&mut self, topic: &str, message: &AnyMessage, received: Instant) {
         if self.subscription.as_ref().is_none_or(|own| &**own.topic() != topic) {
             return;
         }
-        match Sighting::of(message, received) {
-            Ok(sighting) => self.waiting.push(sighting),
+        match ReceivedTarget::of(message, received) {
+            Ok(sighting) => self.pending.push(sighting),
             Err(reason) => self.fault = Some(reason),
         }
     }
 
-    /// Where the target is in the fixed frame.
+    /// Position of the target in the fixed frame, metres.
     ///
     /// # Errors
     /// [`NoTarget`].
@@ -103,7 +102,7 @@ impl Target {
         if let TargetSource::Frame(frame) = &self.source {
             return self.position_of_frame(frame, tree, now);
         }
-        match self.waiting.place(tree, &self.fixed_frame) {
+        match self.pending.place(tree, &self.fixed_frame) {
             Some(Ok(place)) => (self.known, self.fault) = (Some(place), None),
             Some(Err(reason)) => self.fault = Some(reason),
             None => {}

@@ -1,4 +1,4 @@
-//! Targets that were received and wait for the transforms of their time.
+//! Received targets that wait for the transforms of their stamps.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -9,25 +9,25 @@ use rcs_messages::std_msgs::Header;
 use rcs_messages::{point_xyz, AnyMessage, PointCloud2};
 use rcs_transforms::{Time, TransformTree};
 
-/// How long a target waits for its transform.
-const PATIENCE: Duration = Duration::from_secs(2);
-/// So many wait at most; the oldest give way.
+/// Time that a target waits for its transform.
+const TRANSFORM_TIMEOUT: Duration = Duration::from_secs(2);
+/// Most waiting targets; the oldest is dropped.
 const MOST_WAITING: usize = 200;
 
-/// A target as it was received.
+/// A received target in its own frame.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Sighting {
+pub(super) struct ReceivedTarget {
     frame: String,
     stamp: Time,
     point: Point3<f64>,
     received: Instant,
 }
 
-impl Sighting {
-    /// The place that a message names.
+impl ReceivedTarget {
+    /// The position in a message.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why it has none.
     pub(super) fn of(message: &AnyMessage, received: Instant) -> Result<Self, String> {
         let (header, point) = match message {
             AnyMessage::PoseStamped(pose) => (&pose.header, point_xyz(&pose.pose.position).into()),
@@ -59,20 +59,20 @@ fn centroid(cloud: &PointCloud2) -> Result<Point3<f64>, String> {
     }
 }
 
-/// The targets that wait, the oldest first.
+/// PendingTargets targets, the oldest first.
 #[derive(Debug, Default)]
-pub(super) struct Waiting(VecDeque<Sighting>);
+pub(super) struct PendingTargets(VecDeque<ReceivedTarget>);
 
-impl Waiting {
-    pub(super) fn push(&mut self, sighting: Sighting) {
+impl PendingTargets {
+    pub(super) fn push(&mut self, sighting: ReceivedTarget) {
         if self.0.len() >= MOST_WAITING {
             self.0.pop_front();
         }
         self.0.push_back(sighting);
     }
 
-    /// The newest target that can be placed, with the moment when it was received. An error if none can be and one has
-    /// waited in vain. None while they wait.
+    /// The newest target whose transform is known, in the fixed frame, and when it was received; an error if none is known
+    /// and the oldest has timed out; `None` otherwise.
     pub(super) fn place(
         &mut self,
         tree: &TransformTree,
@@ -83,11 +83,11 @@ impl Waiting {
             Some((index, (fixed_from_target * waits.point, waits.received)))
         });
         if let Some((index, place)) = found {
-            // Those before it have lost their time.
+            // Older ones are superseded.
             self.0.drain(..=index);
             return Some(Ok(place));
         }
-        self.0.front().filter(|first| first.received.elapsed() > PATIENCE)?;
+        self.0.front().filter(|first| first.received.elapsed() > TRANSFORM_TIMEOUT)?;
         let late = self.0.pop_front()?;
         tree.lookup(fixed_frame, &late.frame, late.stamp).err().map(|error| Err(error.to_string()))
     }
@@ -121,11 +121,11 @@ mod tests {
 
     #[test]
     fn a_target_is_placed_where_its_frame_was_at_its_stamp() {
-        let (mut tree, mut waiting) = (TransformTree::new(), Waiting::default());
+        let (mut tree, mut waiting) = (TransformTree::new(), PendingTargets::default());
         let now = Instant::now();
         moved(&mut tree, 10, 1.0);
-        waiting.push(Sighting::of(&point(0.5, 11, "camera"), now).unwrap());
-        waiting.push(Sighting::of(&point(0.6, 13, "camera"), now).unwrap());
+        waiting.push(ReceivedTarget::of(&point(0.5, 11, "camera"), now).unwrap());
+        waiting.push(ReceivedTarget::of(&point(0.6, 13, "camera"), now).unwrap());
         assert_eq!(waiting.place(&tree, "map"), None, "its transform is still to come");
         moved(&mut tree, 12, 3.0);
         assert_eq!(waiting.place(&tree, "map"), Some(Ok((Point3::new(2.5, 0.0, 0.0), now))));
@@ -137,9 +137,9 @@ mod tests {
 
     #[test]
     fn what_waits_in_vain_is_reported() {
-        let (tree, mut waiting) = (TransformTree::new(), Waiting::default());
-        let Some(long_ago) = Instant::now().checked_sub(PATIENCE * 2) else { return };
-        waiting.push(Sighting::of(&point(0.5, 11, "camera"), long_ago).unwrap());
+        let (tree, mut waiting) = (TransformTree::new(), PendingTargets::default());
+        let Some(long_ago) = Instant::now().checked_sub(TRANSFORM_TIMEOUT * 2) else { return };
+        waiting.push(ReceivedTarget::of(&point(0.5, 11, "camera"), long_ago).unwrap());
         let error = waiting.place(&tree, "map").unwrap().unwrap_err();
         assert!(error.contains("map") && error.contains("camera"), "{error}");
         assert_eq!(waiting.place(&tree, "map"), None);
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn what_has_no_place_is_refused() {
-        let refused = |message: &AnyMessage| Sighting::of(message, Instant::now()).unwrap_err();
+        let refused = |message: &AnyMessage| ReceivedTarget::of(message, Instant::now()).unwrap_err();
         assert_eq!(refused(&point(f64::NAN, 0, "camera")), "it is not finite");
         assert_eq!(refused(&point(0.0, 0, "")), "it has no frame_id");
         assert!(refused(&AnyMessage::PointCloud2(PointCloud2::default().into())).contains("no field x"));

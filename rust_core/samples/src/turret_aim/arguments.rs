@@ -5,9 +5,9 @@ use clap::Parser;
 use super::beam::AimPixel;
 use super::command::CommandKind;
 use crate::target::TargetArguments;
-use rcs_node_support::node_options::number_within;
+use rcs_node_support::node_options::within;
 
-/// Turns a pan-tilt unit so that the light of a pixel meets a target.
+/// Aims a pan-tilt unit so that a pixel of the projector lights a target.
 ///
 /// The unit is any two turning joints between the robot's base and the projector's lens, as the robot's description has
 /// them, with their offsets, tilted axes and limits. What cannot be reached is approached as far as the limits allow,
@@ -25,61 +25,49 @@ Exit codes: 0 ended by SIGINT, SIGTERM or rosnode kill; 1 a parameter or the nod
 
 Example: turret_aim --target-cloud /widget/desired_object --pan-joint pan --tilt-joint tilt"
 )]
-pub(super) struct Arguments {
+pub(super) struct TurretArguments {
     #[command(flatten)]
     pub(super) target: TargetArguments,
-    /// The pixel whose light is to meet the target: 'center' of the picture, or U,V
+    /// Pixel that lights the target: 'center' of the image, or U,V
     #[arg(long, default_value = "center", value_name = "PIXEL", allow_hyphen_values = true)]
     pub(super) pixel: AimPixel,
-    /// The topic of the projector's CameraInfo
+    /// Topic of the projector's CameraInfo
     #[arg(long, value_name = "TOPIC", default_value = "/proj_view/camera_info")]
     pub(super) camera_info_topic: String,
-    /// The lens's optical frame [default: the CameraInfo's]
+    /// Optical frame of the lens [default: the CameraInfo's]
     #[arg(long, value_name = "FRAME")]
     pub(super) lens_frame: Option<String>,
-    /// The joint nearer to the base [default: the first of two that turn above the lens in the description]
+    /// Joint nearer to the base [default: the first of the two revolute joints above the lens in the description]
     #[arg(long, value_name = "JOINT", requires = "tilt_joint")]
     pub(super) pan_joint: Option<String>,
-    /// The joint nearer to the lens [default: the second of them]
+    /// Joint nearer to the lens [default: the second of them]
     #[arg(long, value_name = "JOINT", requires = "pan_joint")]
     pub(super) tilt_joint: Option<String>,
-    /// The parameter with the robot's description
+    /// Parameter with the robot description
     #[arg(long, value_name = "PARAM", default_value = "robot_description")]
     pub(super) robot_description: String,
-    /// The topic of the joints' positions
+    /// Topic of the joint states
     #[arg(long, value_name = "TOPIC", default_value = "/joint_states")]
     pub(super) joint_states_topic: String,
-    /// What the joints' controllers take
+    /// Message type of the joint controllers
     #[arg(long, value_enum, default_value_t = CommandKind::Float64)]
     pub(super) command: CommandKind,
-    /// The topic for the first joint's position, with --command float64
+    /// Topic of the first joint's command, with --command float64
     #[arg(long, value_name = "TOPIC", default_value = "/pan_controller/command")]
     pub(super) pan_topic: String,
-    /// The topic for the second joint's position, with --command float64
+    /// Topic of the second joint's command, with --command float64
     #[arg(long, value_name = "TOPIC", default_value = "/tilt_controller/command")]
     pub(super) tilt_topic: String,
-    /// The topic for both joints, with --command trajectory
+    /// Topic of both joints' command, with --command trajectory
     #[arg(long, value_name = "TOPIC", default_value = "/turret_controller/command")]
     pub(super) trajectory_topic: String,
-    /// Turns that are smaller than this in both joints are not commanded, radians
-    #[arg(long, value_name = "RAD", default_value_t = 0.002, value_parser = dead_band)]
+    /// Smallest commanded motion of either joint [rad]
+    #[arg(long, value_name = "RAD", default_value_t = 0.002, value_parser = within(0.0, 0.5))]
     pub(super) dead_band: f64,
-    /// The greatest speed of each joint, radians a second; that of the description if it is less
-    #[arg(long, value_name = "RAD_PER_SEC", default_value_t = 1.0, value_parser = speed)]
+    /// Speed limit of each joint, if the description has no lower one [rad/s]
+    #[arg(long, value_name = "RAD_PER_SEC", default_value_t = 1.0, value_parser = within(0.01, 50.0))]
     pub(super) speed: f64,
-    /// How often the joints are commanded, Hz
-    #[arg(long, value_name = "HZ", default_value_t = 20.0, value_parser = rate)]
+    /// Rate of the commands [Hz]
+    #[arg(long, value_name = "HZ", default_value_t = 20.0, value_parser = within(1.0, 200.0))]
     pub(super) rate: f64,
-}
-
-fn dead_band(text: &str) -> Result<f64, String> {
-    number_within(text, 0.0, 0.5)
-}
-
-fn speed(text: &str) -> Result<f64, String> {
-    number_within(text, 0.01, 50.0)
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    number_within(text, 1.0, 200.0)
 }

@@ -1,4 +1,4 @@
-//! The two ways in which units are commanded.
+//! Commands to the joint controllers: positions or trajectories.
 
 use std::io;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use rcs_messages::std_msgs::Float64;
 use rcs_messages::trajectory_msgs::{JointTrajectory, JointTrajectoryPoint};
 use rcs_ros::{NodeError, Publisher, RosNode};
 
-/// What the controllers of the joints take.
+/// Message type of the joint controllers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum CommandKind {
     /// A std_msgs/Float64 for each joint, as dynamixel_controllers and arbotix take them
@@ -17,19 +17,19 @@ pub(super) enum CommandKind {
     Trajectory,
 }
 
-/// Commands both joints.
+/// Publishers of the commands.
 pub(super) enum Commander {
-    /// Positions on the way, one topic for each joint.
+    /// Intermediate positions, one topic for each joint.
     Positions([Publisher<Float64>; 2]),
-    /// Goals with the time that they take.
+    /// Goals with their durations.
     Trajectories(Publisher<JointTrajectory>),
 }
 
-/// Old commands are of no use.
+/// Only the newest command counts.
 const QUEUE_SIZE: usize = 1;
 
 impl Commander {
-    /// A topic for each joint.
+    /// Advertises a topic for each joint.
     ///
     /// # Errors
     /// [`NodeError::Name`].
@@ -38,7 +38,7 @@ impl Commander {
         Ok(Self::Positions([node.publisher(pan, QUEUE_SIZE)?, node.publisher(tilt, QUEUE_SIZE)?]))
     }
 
-    /// One topic for both joints.
+    /// Advertises one topic for both joints.
     ///
     /// # Errors
     /// [`NodeError::Name`].
@@ -46,7 +46,7 @@ impl Commander {
         Ok(Self::Trajectories(node.publisher(topic, QUEUE_SIZE)?))
     }
 
-    /// The topics.
+    /// Names of the topics.
     pub(super) fn topics(&self) -> String {
         match self {
             Self::Positions([pan, tilt]) => format!("{}, {}", pan.topic(), tilt.topic()),
@@ -55,7 +55,7 @@ impl Commander {
     }
 }
 
-/// Sends both joints to where they are to be now.
+/// Commands the positions of both joints.
 ///
 /// # Errors
 /// See [`Publisher::send`].
@@ -66,7 +66,7 @@ pub(super) fn send_positions(topics: &[Publisher<Float64>; 2], positions: [f64; 
     Ok(())
 }
 
-/// Sends both joints to a goal.
+/// Commands both joints to reach a goal after `duration`.
 ///
 /// # Errors
 /// See [`Publisher::send`].
@@ -74,9 +74,9 @@ pub(super) fn send_goal(
     topic: &Publisher<JointTrajectory>,
     names: [&str; 2],
     goal: [f64; 2],
-    takes: Duration,
+    duration: Duration,
 ) -> io::Result<()> {
-    let nanos = i64::try_from(takes.as_nanos()).unwrap_or(i64::MAX);
+    let nanos = i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX);
     let point = JointTrajectoryPoint {
         positions: goal.to_vec(),
         velocities: vec![0.0; 2],

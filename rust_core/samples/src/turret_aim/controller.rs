@@ -1,25 +1,25 @@
-//! From an aim to commands, and what is reported of it.
+//! Commands the joints to an aim and reports it.
 
 use std::time::{Duration, Instant};
 
 use rcs_robot::Aim;
 use rcs_ros::RosNode;
 
-use super::arguments::Arguments;
+use super::arguments::TurretArguments;
 use super::command::{send_goal, send_positions, CommandKind, Commander};
-use super::knowledge::{Missing, Posture};
+use super::inputs::{MissingInput, Posture};
 use super::setpoint::{duration_of, Bounds, Setpoint};
 use rcs_node_support::node_status::{Level, NodeStatus};
 
-/// A goal that the joints do not come near is sent again after this time: a controller may have started late.
+/// Time after which a goal that was not reached is sent again, because a controller may have started late.
 const REPEAT_PERIOD: Duration = Duration::from_secs(1);
 
-/// Commands the unit.
+/// Controller of the pan-tilt unit.
 pub(super) struct Controller {
     commander: Commander,
     dead_band: f64,
     speed: f64,
-    /// The least time that a goal is given.
+    /// Shortest duration of a motion.
     period: Duration,
     setpoint: Setpoint,
     sent: Option<Instant>,
@@ -29,8 +29,8 @@ impl Controller {
     /// Opens the topics.
     ///
     /// # Errors
-    /// If a topic's name is none.
-    pub(super) fn start(node: &RosNode, arguments: &Arguments) -> anyhow::Result<Self> {
+    /// An invalid topic name.
+    pub(super) fn start(node: &RosNode, arguments: &TurretArguments) -> anyhow::Result<Self> {
         let commander = match arguments.command {
             CommandKind::Float64 => Commander::positions(node, [&arguments.pan_topic, &arguments.tilt_topic])?,
             CommandKind::Trajectory => Commander::trajectories(node, &arguments.trajectory_topic)?,
@@ -50,13 +50,13 @@ impl Controller {
         self.commander.topics()
     }
 
-    /// Commands the joints for one cycle, which took `elapsed`. Without a posture they stay where they are.
+    /// Commands the joints for one cycle of `elapsed`. Without a posture they stay.
     ///
     /// # Errors
-    /// If a command cannot be sent.
+    /// A command cannot be sent.
     pub(super) fn cycle(
         &mut self,
-        posture: &Result<Posture<'_>, Missing>,
+        posture: &Result<Posture<'_>, MissingInput>,
         elapsed: Duration,
         status: &mut NodeStatus,
     ) -> anyhow::Result<()> {
@@ -65,8 +65,8 @@ impl Controller {
             Err(missing) => {
                 self.setpoint.forget();
                 match missing {
-                    Missing::Awaited(what) => status.set(Level::Warn, what, ""),
-                    Missing::Unusable(what) => status.set(Level::Error, what, ""),
+                    MissingInput::Awaited(what) => status.set(Level::Warn, what, ""),
+                    MissingInput::Invalid(what) => status.set(Level::Error, what, ""),
                 }
                 return Ok(());
             }
@@ -98,8 +98,8 @@ impl Controller {
                 }
             }
             Commander::Trajectories(topic) if is_new || repeats => {
-                let takes = duration_of(posture.present, goal, bounds.speeds).max(self.period);
-                send_goal(topic, joints.each_ref().map(|joint| joint.name.as_str()), goal, takes)?;
+                let duration = duration_of(posture.present, goal, bounds.speeds).max(self.period);
+                send_goal(topic, joints.each_ref().map(|joint| joint.name.as_str()), goal, duration)?;
                 self.sent = Some(Instant::now());
             }
             Commander::Trajectories(_) => {}
@@ -108,7 +108,7 @@ impl Controller {
     }
 }
 
-/// What the aim is worth, and how far the light is from the target now.
+/// Reports the aim and the present angular error.
 fn report(posture: &Posture<'_>, aim: &Aim, status: &mut NodeStatus) {
     let joints = posture.unit.joints();
     for (key, (joint, position)) in ["first joint", "second joint"].into_iter().zip(joints.iter().zip(aim.positions)) {
@@ -117,8 +117,8 @@ fn report(posture: &Posture<'_>, aim: &Aim, status: &mut NodeStatus) {
     let now = posture.pan_tilt.miss_rad(&posture.beam, posture.target, posture.present);
     let degrees =
         |radians: Option<f64>| radians.map_or("-".to_owned(), |radians| format!("{:.2}", radians.to_degrees()));
-    status.value("light misses the target by, degrees", &degrees(now));
-    status.value("least miss within the limits, degrees", &degrees(Some(aim.miss_rad)));
+    status.value("aiming error, degrees", &degrees(now));
+    status.value("smallest error within the limits, degrees", &degrees(Some(aim.miss_rad)));
     if aim.meets() {
         status.set(Level::Ok, "aiming at the target", "");
         return;
@@ -127,7 +127,7 @@ fn report(posture: &Posture<'_>, aim: &Aim, status: &mut NodeStatus) {
         joint.limit_at(position).map(|limit| format!("joint {} is at its limit of {limit:.3}", joint.name))
     });
     let at_limits: Vec<String> = at_limits.collect();
-    let why = if at_limits.is_empty() { "no posture lights it".to_owned() } else { at_limits.join(", ") };
-    let miss = format!("the light misses it by {} degrees at least", degrees(Some(aim.miss_rad)));
+    let why = if at_limits.is_empty() { "no joint positions light it".to_owned() } else { at_limits.join(", ") };
+    let miss = format!("the smallest error is {} degrees", degrees(Some(aim.miss_rad)));
     status.set(Level::Warn, &format!("the target cannot be reached: {why}"), &miss);
 }

@@ -1,40 +1,40 @@
-//! Where the joints are sent next: not at all within the dead band, and no faster than they may turn.
+//! Set points of the joints, with a dead band and speed limits.
 
 use std::time::Duration;
 
-/// What bounds the commands.
+/// Limits of the commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
-    /// A goal that is nearer than this to where the unit was sent last is left, radians.
+    /// A goal closer than this to the last one is ignored, radians.
     pub(super) dead_band: f64,
-    /// The greatest speed of each joint, radians a second.
+    /// Speed limit of each joint, radians per second.
     pub(super) speeds: [f64; 2],
 }
 
-/// Where the unit was sent.
+/// Set points of both joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Setpoint {
-    /// The last goal that was accepted, and the last position on the way there; none before the first.
-    sent: Option<Sent>,
+    /// Last accepted goal and last commanded position; `None` before the first.
+    sent: Option<SentGoal>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Sent {
+struct SentGoal {
     goal: [f64; 2],
     position: [f64; 2],
 }
 
-/// How long a turn takes when both joints arrive together and neither is faster than it may be.
+/// Duration of a synchronised motion of both joints within their speed limits.
 pub(super) fn duration_of(from: [f64; 2], to: [f64; 2], speeds: [f64; 2]) -> Duration {
     let secs = (0..2).map(|joint| (to[joint] - from[joint]).abs() / speeds[joint]).fold(0.0, f64::max);
     Duration::try_from_secs_f64(secs).unwrap_or_default()
 }
 
 impl Setpoint {
-    /// Takes a goal. Returns whether it is a new one: outside of the dead band.
+    /// Accepts a goal outside the dead band; `true` if it did.
     pub(super) fn take_goal(&mut self, goal: [f64; 2], present: [f64; 2], bounds: &Bounds) -> bool {
         let Some(sent) = &mut self.sent else {
-            self.sent = Some(Sent { goal, position: present });
+            self.sent = Some(SentGoal { goal, position: present });
             return true;
         };
         let is_new = (0..2).any(|joint| (goal[joint] - sent.goal[joint]).abs() > bounds.dead_band);
@@ -44,12 +44,12 @@ impl Setpoint {
         is_new
     }
 
-    /// The goal that was taken last.
+    /// The last accepted goal.
     pub(super) fn goal(&self) -> Option<[f64; 2]> {
         self.sent.map(|sent| sent.goal)
     }
 
-    /// The next position on a straight way to the goal, after `elapsed`; none when it has been sent there.
+    /// The next position on a straight line to the goal after `elapsed`; `None` once the goal was commanded.
     pub(super) fn advance(&mut self, elapsed: Duration, bounds: &Bounds) -> Option<[f64; 2]> {
         let sent = self.sent.as_mut()?;
         if sent.position == sent.goal {
@@ -57,7 +57,7 @@ impl Setpoint {
         }
         let whole = duration_of(sent.position, sent.goal, bounds.speeds).as_secs_f64();
         let share = elapsed.as_secs_f64() / whole;
-        // Within rounding of the end is at the end.
+        // Within rounding of the goal.
         sent.position = if share >= 1.0 - 1e-9 || whole == 0.0 {
             sent.goal
         } else {
@@ -66,7 +66,7 @@ impl Setpoint {
         Some(sent.position)
     }
 
-    /// Forgets where the unit was sent.
+    /// Forgets the last goal.
     pub(super) fn forget(&mut self) {
         self.sent = None;
     }
@@ -85,10 +85,10 @@ mod tests {
     fn both_joints_arrive_together_at_no_more_than_their_speeds() {
         let mut setpoint = Setpoint::default();
         assert!(setpoint.take_goal([0.4, 0.2], [0.0, 0.0], &BOUNDS));
-        let way: Vec<[f64; 2]> = std::iter::from_fn(|| setpoint.advance(CYCLE, &BOUNDS)).collect();
-        assert_eq!(way.len(), 8, "0.4 s at 20 Hz: {way:?}");
-        assert_eq!(way[7], [0.4, 0.2]);
-        assert!(way.iter().all(|[pan, tilt]| (pan - 2.0 * tilt).abs() < 1e-12), "{way:?}");
+        let path: Vec<[f64; 2]> = std::iter::from_fn(|| setpoint.advance(CYCLE, &BOUNDS)).collect();
+        assert_eq!(path.len(), 8, "0.4 s at 20 Hz: {path:?}");
+        assert_eq!(path[7], [0.4, 0.2]);
+        assert!(path.iter().all(|[pan, tilt]| (pan - 2.0 * tilt).abs() < 1e-12), "{path:?}");
     }
 
     #[test]

@@ -1,20 +1,20 @@
-//! The unit that a robot's description and its frames make: two joints and the lens on them.
+//! The pan-tilt unit: two joints of the robot description and the lens above them.
 //!
-//! The description tells the joints; where nothing but fixed joints lies between two links, it tells their transform,
-//! too. All else comes from the frames: a lift or another joint in between, and a lens that is in no description.
+//! Transforms between links with only fixed joints between them come from the description, all others from TF: a lift in
+//! between, or a lens that the description lacks.
 
 use nalgebra::Isometry3;
 use rcs_robot::{ChainError, Hinge, PanTilt, Robot};
 use rcs_transforms::{Time, TransformTree};
 
-/// The joints to turn.
+/// A pan-tilt unit.
 #[derive(Clone, Debug)]
 pub(super) struct Unit {
     robot: Robot,
     joints: [NamedJoint; 2],
 }
 
-/// A joint of the description.
+/// A joint of the unit.
 #[derive(Clone, Debug)]
 pub(super) struct NamedJoint {
     pub(super) name: String,
@@ -22,7 +22,7 @@ pub(super) struct NamedJoint {
     parent_link: String,
     child_link: String,
     parent_from_child_at_zero: Isometry3<f64>,
-    /// Radians a second.
+    /// Radians per second.
     pub(super) greatest_speed: Option<f64>,
 }
 
@@ -39,7 +39,7 @@ impl NamedJoint {
         })
     }
 
-    /// The limit that a position is at, if it is at one.
+    /// The limit at a position, radians, if it is at one.
     pub(super) fn limit_at(&self, position: f64) -> Option<f64> {
         let travel = self.hinge.travel;
         [travel.lower, travel.upper].into_iter().find(|limit| (position - limit).abs() < 1e-6)
@@ -47,7 +47,7 @@ impl NamedJoint {
 }
 
 impl Unit {
-    /// The unit of two joints of these names; where none are given, of the two that turn above the lens.
+    /// The unit of the named joints, or of the two revolute joints above the lens.
     ///
     /// # Errors
     /// [`ChainError`].
@@ -57,7 +57,7 @@ impl Unit {
             _ => robot.two_turning_joints(lens_frame)?,
         };
         robot.check_order(&names[0], &names[1]).or_else(|error| {
-            // A name that is not there at all is the better reason.
+            // An unknown name is the better error.
             robot.turning_joint(&names[0]).and(robot.turning_joint(&names[1])).and(Err(error))
         })?;
         let [first, second] = &names;
@@ -70,10 +70,10 @@ impl Unit {
         &self.joints
     }
 
-    /// The two joints and the lens as they are now.
+    /// The kinematics of both joints and the lens.
     ///
     /// # Errors
-    /// Which frame is missing.
+    /// The missing frame.
     pub(super) fn pan_tilt(&self, tree: &TransformTree, lens_frame: &str) -> Result<PanTilt, String> {
         let [first, second] = &self.joints;
         let between = self.transform(tree, &first.child_link, &second.parent_link)?;
@@ -84,10 +84,10 @@ impl Unit {
         })
     }
 
-    /// Takes points of a frame to the base of the unit: the first joint's frame at zero.
+    /// Transform from a frame to the base of the unit, which is the first joint's frame at zero.
     ///
     /// # Errors
-    /// Which frame is missing.
+    /// The missing frame.
     pub(super) fn base_from(&self, tree: &TransformTree, frame: &str) -> Result<Isometry3<f64>, String> {
         let first = &self.joints[0];
         let parent_from_frame = self.transform(tree, &first.parent_link, frame)?;

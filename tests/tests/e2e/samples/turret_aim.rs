@@ -147,7 +147,7 @@ fn what_is_out_of_reach_is_approached_within_the_limits_and_reported() {
     turret.sample.python("latch('/target', point(0.1, 2.0, 1.0))");
     turret.sample.wait_for("any('cannot be reached: joint pan is at its limit of 1.200' in s.message for s in states)");
     turret.sample.wait_for("abs(joints['pan'] - 1.2) < 1e-3");
-    assert!(turret.sample.log().contains("the light misses it by"), "{}", turret.sample.log());
+    assert!(turret.sample.log().contains("the smallest error is"), "{}", turret.sample.log());
     turret.sample.python("latch('/target', point(1.5, 0.4, 0.7))");
     turret.lights("miss((1.5, 0.4, 0.7))", 0.3);
     turret.sample.wait_for("any(s.message == 'aiming at the target' for s in states)");

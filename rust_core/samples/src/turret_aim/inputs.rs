@@ -1,4 +1,4 @@
-//! What the node knows of the unit, its lens and its joints, and what is still missing.
+//! The received inputs of an aim, and which of them is missing.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,37 +10,37 @@ use rcs_messages::AnyMessage;
 use rcs_robot::{Beam, PanTilt, Robot};
 use rcs_transforms::{Time, TransformTree};
 
-use super::arguments::Arguments;
+use super::arguments::TurretArguments;
 use super::beam::{beam, AimPixel};
 use super::unit::Unit;
 use crate::target::Target;
 
-/// Joint states that are older tell nothing of the posture.
+/// Age at which joint states expire.
 const JOINTS_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Everything that an aim follows from.
+/// The inputs of an aim.
 #[derive(Clone, Debug)]
 pub(super) struct Posture<'a> {
     pub(super) unit: &'a Unit,
     pub(super) pan_tilt: PanTilt,
     pub(super) beam: Beam,
-    /// In the unit's base.
+    /// In the unit's base frame, metres.
     pub(super) target: Point3<f64>,
-    /// Where the joints are, radians.
+    /// Joint positions, radians.
     pub(super) present: [f64; 2],
 }
 
-/// Why there is nothing to aim.
+/// Why there is no aim.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Missing {
-    /// Something has not come yet, or not any more.
+pub(super) enum MissingInput {
+    /// An input was not received, or has expired.
     Awaited(String),
-    /// Something that came cannot be used.
-    Unusable(String),
+    /// An input is invalid.
+    Invalid(String),
 }
 
-/// What was received so far.
-pub(super) struct Knowledge {
+/// Received inputs.
+pub(super) struct TurretInputs {
     description: String,
     pixel: AimPixel,
     lens_frame: Option<String>,
@@ -49,13 +49,13 @@ pub(super) struct Knowledge {
     states_topic: String,
     robot: Option<Result<Robot, String>>,
     info: Option<Arc<CameraInfo>>,
-    /// The unit of the description and a lens's frame.
+    /// The lens frame and the unit made for it.
     unit: Option<(String, Result<Unit, String>)>,
     positions: BTreeMap<String, (f64, Instant)>,
 }
 
-impl Knowledge {
-    pub(super) fn new(arguments: &Arguments) -> Self {
+impl TurretInputs {
+    pub(super) fn new(arguments: &TurretArguments) -> Self {
         Self {
             description: arguments.robot_description.clone(),
             pixel: arguments.pixel,
@@ -70,12 +70,12 @@ impl Knowledge {
         }
     }
 
-    /// The whole names of the topics.
+    /// Sets the resolved names of the topics.
     pub(super) fn name_topics(&mut self, info: &str, states: &str) {
         (self.info_topic, self.states_topic) = (info.to_owned(), states.to_owned());
     }
 
-    /// Takes the robot's description; none while the parameter is not set.
+    /// Sets the robot description; `None` while the parameter is not set.
     pub(super) fn take_description(&mut self, text: Option<&str>) {
         self.unit = None;
         self.robot = text.map(|text| {
@@ -85,7 +85,7 @@ impl Knowledge {
         });
     }
 
-    /// Takes a message if it is of one of the topics.
+    /// Handles a message of one of the topics.
     pub(super) fn take(&mut self, topic: &str, message: &AnyMessage, received: Instant) {
         match message {
             AnyMessage::CameraInfo(info) if topic == self.info_topic => self.info = Some(Arc::clone(info)),
@@ -103,36 +103,38 @@ impl Knowledge {
         }
     }
 
-    /// Everything that an aim follows from, now.
+    /// The inputs of an aim now.
     ///
     /// # Errors
-    /// The first thing that is missing.
+    /// The first missing one.
     pub(super) fn posture(
         &mut self,
         tree: &TransformTree,
         target: &mut Target,
         now: Time,
-    ) -> Result<Posture<'_>, Missing> {
-        let info =
-            self.info.clone().ok_or_else(|| Missing::Awaited(format!("no CameraInfo yet on {}", self.info_topic)))?;
+    ) -> Result<Posture<'_>, MissingInput> {
+        let info = self
+            .info
+            .clone()
+            .ok_or_else(|| MissingInput::Awaited(format!("no CameraInfo yet on {}", self.info_topic)))?;
         let lens_frame = self.lens_frame.clone().unwrap_or_else(|| info.header.frame_id.clone());
         let beam = beam(&info, self.pixel)
-            .map_err(|reason| Missing::Unusable(format!("the CameraInfo on {}: {reason}", self.info_topic)))?;
+            .map_err(|reason| MissingInput::Invalid(format!("the CameraInfo on {}: {reason}", self.info_topic)))?;
         self.make_unit(&lens_frame);
-        // Asked for before anything else can fail, so that what waits for its frame is not kept too long.
-        let fixed = target.position(tree, now).map_err(|error| Missing::Awaited(error.to_string()));
+        // First, so that targets that wait for their transforms are handled whatever else is missing.
+        let fixed = target.position(tree, now).map_err(|error| MissingInput::Awaited(error.to_string()));
         let unit = self.unit()?;
         let mut present = [0.0; 2];
         for (position, joint) in present.iter_mut().zip(unit.joints()) {
             *position = self.position(&joint.name)?;
         }
         let fixed = fixed?;
-        let pan_tilt = unit.pan_tilt(tree, &lens_frame).map_err(Missing::Awaited)?;
-        let base_from_fixed = unit.base_from(tree, target.fixed_frame()).map_err(Missing::Awaited)?;
+        let pan_tilt = unit.pan_tilt(tree, &lens_frame).map_err(MissingInput::Awaited)?;
+        let base_from_fixed = unit.base_from(tree, target.fixed_frame()).map_err(MissingInput::Awaited)?;
         Ok(Posture { unit, pan_tilt, beam, target: base_from_fixed * fixed, present })
     }
 
-    /// Makes the unit of the description once that is there, and again for another lens.
+    /// Makes the unit once the description is known, and again for another lens frame.
     fn make_unit(&mut self, lens_frame: &str) {
         let Some(robot) = &self.robot else { return };
         if self.unit.as_ref().is_none_or(|(frame, _)| frame != lens_frame) {
@@ -142,19 +144,19 @@ impl Knowledge {
         }
     }
 
-    fn unit(&self) -> Result<&Unit, Missing> {
+    fn unit(&self) -> Result<&Unit, MissingInput> {
         match &self.unit {
-            None => Err(Missing::Awaited(format!("parameter {} is not set", self.description))),
-            Some((_, unit)) => unit.as_ref().map_err(|error| Missing::Unusable(error.clone())),
+            None => Err(MissingInput::Awaited(format!("parameter {} is not set", self.description))),
+            Some((_, unit)) => unit.as_ref().map_err(|error| MissingInput::Invalid(error.clone())),
         }
     }
 
-    fn position(&self, joint: &str) -> Result<f64, Missing> {
+    fn position(&self, joint: &str) -> Result<f64, MissingInput> {
         let topic = &self.states_topic;
         match self.positions.get(joint) {
             Some((position, at)) if at.elapsed() <= JOINTS_TIMEOUT => Ok(*position),
-            Some(_) => Err(Missing::Awaited(format!("the position of joint {joint} is not on {topic} any more"))),
-            None => Err(Missing::Awaited(format!("no position of joint {joint} yet on {topic}"))),
+            Some(_) => Err(MissingInput::Awaited(format!("the position of joint {joint} on {topic} has expired"))),
+            None => Err(MissingInput::Awaited(format!("no position of joint {joint} yet on {topic}"))),
         }
     }
 }
