@@ -55,7 +55,7 @@ const ALLOWED: [(&str, &str, &str); 11] = [
 /// blanks.
 const QUEUES: [(&str, &str); 24] = [
     ("app/src/camera_stream/scene/lazy_streams.rs", "arrivals.len()>=MESSAGES"),
-    ("app/src/camera_stream/runtime/scene_thread.rs", "in_flight.len()>=self.renderer.pictures_at_once()"),
+    ("app/src/camera_stream/runtime/scene_thread.rs", "in_flight.len()>=self.renderer.frames_at_once()"),
     ("app/src/logging/lines.rs", "self.lines.len()>=MOST_LINES"),
     ("app/src/projector_calibrate/clicks.rs", "waiting.len()==QUEUE_SIZE"),
     ("app/src/projector_calibrate/scan/compare.rs", "self.differences.len()>LIKE_DIFFERENCES"),

@@ -263,7 +263,7 @@ pub(crate) fn show(target: &str, data: &[u8]) {
     let mut shown = Shown::new(config);
     if flags & 2 != 0 {
         // As the node does it, if with more.
-        shown.stage.place_in_steps(2);
+        shown.stage.limit_markers_per_update(2);
     }
     let topics = shown.stage.topics();
     for record in Record::read_all(data) {

@@ -37,14 +37,14 @@ pub(crate) struct Latency {
     stages: StepTimes<3>,
     age_ms: RollingWindow<PICTURES>,
     /// From looking up frames to publishing, of predicted pictures; milliseconds of ROS time.
-    way_ms: RollingWindow<PICTURES>,
+    lookup_to_publish_ms: RollingWindow<PICTURES>,
 }
 
 impl Default for Latency {
     fn default() -> Self {
         let none = RollingWindow::new;
         let stages = StepTimes::default();
-        Self { messages: Vec::new(), transforms: None, stages, age_ms: none(), way_ms: none() }
+        Self { messages: Vec::new(), transforms: None, stages, age_ms: none(), lookup_to_publish_ms: none() }
     }
 }
 
@@ -52,7 +52,7 @@ impl Default for Latency {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Update<'a> {
     /// The displays that show another message.
-    pub(crate) shown: &'a [(DisplayId, ShownMessage)],
+    pub(crate) messages: &'a [(DisplayId, ShownMessage)],
     /// When the last transforms were received, if any were.
     pub(crate) transforms_received: Option<Instant>,
     /// When the scene was up to date.
@@ -61,19 +61,19 @@ pub(crate) struct Update<'a> {
 
 impl Latency {
     /// Records how long it took from looking up frames to publishing the picture that shows them.
-    pub(crate) fn record_way(&mut self, way: Duration) {
-        self.way_ms.push(way.as_secs_f64() * 1e3);
+    pub(crate) fn record_lookup_to_publish(&mut self, way: Duration) {
+        self.lookup_to_publish_ms.push(way.as_secs_f64() * 1e3);
     }
 
-    /// The median of what [`record_way`](Self::record_way) recorded.
-    pub(crate) fn way(&self) -> Option<Duration> {
-        self.way_ms.percentiles().map(|way| Duration::from_secs_f64(way.median / 1e3))
+    /// The median of what [`record_lookup_to_publish`](Self::record_lookup_to_publish) recorded.
+    pub(crate) fn lookup_to_publish(&self) -> Option<Duration> {
+        self.lookup_to_publish_ms.percentiles().map(|way| Duration::from_secs_f64(way.median / 1e3))
     }
 
     /// Records what the next picture will show.
     pub(crate) fn record_update(&mut self, update: &Update<'_>, visible: &DisplayMask) {
-        let Update { shown, transforms_received, decoded } = *update;
-        for (display, message) in shown.iter().filter(|(display, _)| visible.shows(*display)) {
+        let Update { messages, transforms_received, decoded } = *update;
+        for (display, message) in messages.iter().filter(|(display, _)| visible.shows(*display)) {
             let Some(received) = message.received else { continue };
             let new = (*display, Arrival { received, decoded }, message.stamp);
             match self.messages.iter_mut().find(|(known, ..)| known == display) {
@@ -146,12 +146,12 @@ mod tests {
             let shown = [(display, ShownMessage { stamp: Time::from_secs_nanos(stamp_secs, 0), received })];
             let mut visible = DisplayMask::all();
             visible.set(9, false);
-            self.latency.record_update(&Update { shown: &shown, transforms_received: None, decoded }, &visible);
+            self.latency.record_update(&Update { messages: &shown, transforms_received: None, decoded }, &visible);
         }
 
         fn move_frames(&mut self, received: u64, decoded: u64) {
             let (transforms_received, decoded) = (Some(self.at(received)), self.at(decoded));
-            self.latency.record_update(&Update { shown: &[], transforms_received, decoded }, &DisplayMask::all());
+            self.latency.record_update(&Update { messages: &[], transforms_received, decoded }, &DisplayMask::all());
         }
 
         /// A picture, published when it is 100 s.

@@ -1,35 +1,34 @@
-//! When the picture for a window is begun: as late as it can be and still be finished before the screen's next refresh.
+//! When the frame for a window is begun: as late as it can be and still be finished before the screen's next refresh.
 //!
-//! A picture that is finished long before the refresh only waits for it, while newer data arrive. Begun later, it shows
-//! them, and reaches the screen at the same refresh. How long a picture takes is what nearly all of the last ones took.
+//! A frame that is finished long before the refresh only waits for it, while newer data arrive. Begun later, it shows
+//! them, and reaches the screen at the same refresh. The time that a frame takes is estimated from the last ones.
 
 use std::time::{Duration, Instant};
 
 use rcs_camera::RollingWindow;
 use rcs_window::Refresh;
 
-/// How many pictures the time that one takes is known from.
-const PICTURES: usize = 30;
-/// How long before the refresh a picture is to be finished: the window and the display server copy it, and waking up
+/// Frames from which the time that one takes is estimated.
+const FRAMES: usize = 30;
+/// How long before the refresh a frame is to be finished: the window and the display server copy it, and waking up
 /// takes its time.
 const MARGIN: Duration = Duration::from_millis(3);
 
-/// How long a camera's pictures take.
+/// The time that a camera's frames take.
 #[derive(Debug)]
-pub(crate) struct Pacing {
-    took_secs: RollingWindow<PICTURES>,
-    begun: Option<Instant>,
+pub(super) struct Pacing {
+    took_secs: RollingWindow<FRAMES>,
 }
 
 impl Default for Pacing {
     fn default() -> Self {
-        Self { took_secs: RollingWindow::new(), begun: None }
+        Self { took_secs: RollingWindow::new() }
     }
 }
 
 impl Pacing {
-    /// How long to wait before a picture is begun; `None` if it is to be begun now.
-    pub(crate) fn wait(&self, refresh: Option<Refresh>, now: Instant) -> Option<Duration> {
+    /// Wait before a frame is begun; `None` if it is to be begun now.
+    pub(super) fn wait(&self, refresh: Option<Refresh>, now: Instant) -> Option<Duration> {
         let (refresh, took) = (refresh?, self.took_secs.percentiles()?);
         let secs = |secs: f64| Duration::try_from_secs_f64(secs).ok();
         let (usual, needed) = (secs(took.median)? + MARGIN / 2, secs(took.p95)? + MARGIN);
@@ -40,16 +39,9 @@ impl Pacing {
         Some(wait).filter(|wait| *wait > Duration::from_micros(200))
     }
 
-    /// A picture is begun.
-    pub(crate) fn begin(&mut self, now: Instant) {
-        self.begun = Some(now);
-    }
-
-    /// It is finished and handed on.
-    pub(crate) fn finish(&mut self, now: Instant) {
-        if let Some(begun) = self.begun.take() {
-            self.took_secs.push(now.saturating_duration_since(begun).as_secs_f64());
-        }
+    /// Records the time that a frame took from its beginning until it was handed on.
+    pub(super) fn record(&mut self, took: Duration) {
+        self.took_secs.push(took.as_secs_f64());
     }
 }
 
@@ -61,7 +53,7 @@ mod tests {
 
     const REFRESH: Duration = Duration::from_micros(16_733);
 
-    /// What a simulation has shown.
+    /// The result of a simulation.
     struct Outcome {
         /// The mean age of the newest data in a picture when the screen shows it first.
         age_ms: f64,
@@ -102,9 +94,8 @@ mod tests {
             }
             shown = newest;
             limit.take(now);
-            pacing.begin(now);
+            pacing.record(took(pictures));
             now += took(pictures);
-            pacing.finish(now);
             pictures += 1;
             // The window and the server need two milliseconds more.
             let at = refresh.next(now + Duration::from_millis(2));
@@ -132,8 +123,7 @@ mod tests {
         let now = Instant::now();
         let mut pacing = Pacing::default();
         assert_eq!(pacing.wait(Refresh::new(now, REFRESH), now), None);
-        pacing.begin(now);
-        pacing.finish(now + Duration::from_millis(5));
+        pacing.record(Duration::from_millis(5));
         assert_eq!(pacing.wait(None, now), None);
         let wait = pacing.wait(Refresh::new(now, REFRESH), now).unwrap();
         assert_eq!(wait, REFRESH - Duration::from_millis(5) - MARGIN);

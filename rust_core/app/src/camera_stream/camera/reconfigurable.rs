@@ -16,7 +16,7 @@ use crate::camera_stream::outputs::parameter_description::{choice_of, parameter}
 
 const FRAME_RATE: &str = "frame_rate";
 const BACKGROUND: [&str; 3] = ["background_red", "background_green", "background_blue"];
-pub(crate) const ENCODING: &str = "image_encoding";
+pub(super) const ENCODING: &str = "image_encoding";
 const NEAR_CLIP: &str = "near_clip";
 const VISIBILITY: &str = "visibility";
 /// The upper end of the frame rate's slider. A config may have more.
@@ -25,7 +25,7 @@ const NEAREST_CLIP_M: f64 = 0.01;
 
 /// What a camera's user may change while it runs.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Parameters {
+pub(super) struct Parameters {
     /// Pictures a second; below 0 on change, 0 on trigger.
     frame_rate_hz: f64,
     background: [u8; 3],
@@ -36,7 +36,7 @@ pub(crate) struct Parameters {
 
 /// The switch of a display.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Switch {
+pub(super) struct Switch {
     /// Its name as a parameter, unique in a config.
     name: String,
     /// The names of the groups around the display and its own.
@@ -45,7 +45,7 @@ pub(crate) struct Switch {
 }
 
 /// A name that is valid in ROS and Python: letters, digits and underscores, a letter first.
-pub(crate) fn ros_name(name: &str, prefix: &str) -> String {
+pub(super) fn ros_name(name: &str, prefix: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = name.chars().map(plain).collect();
     if name.starts_with(|c: char| c.is_ascii_alphabetic()) {
@@ -56,7 +56,7 @@ pub(crate) fn ros_name(name: &str, prefix: &str) -> String {
 }
 
 /// The name, or the first of `name_2`, `name_3`, … that is free; marks it as used.
-pub(crate) fn unique(name: String, used: &mut HashSet<String>) -> String {
+pub(super) fn unique(name: String, used: &mut HashSet<String>) -> String {
     let numbered = (2..).map(|number| format!("{name}_{number}"));
     let free = std::iter::once(name.clone()).chain(numbered).find(|name| !used.contains(name)).unwrap_or(name);
     used.insert(free.clone());
@@ -65,7 +65,7 @@ pub(crate) fn unique(name: String, used: &mut HashSet<String>) -> String {
 
 /// The switches of a config's displays: one for each path of a display that is drawn or of a group, as displays of the
 /// same path share their tick box.
-pub(crate) fn switches(config: &Config) -> Vec<Switch> {
+pub(super) fn switches(config: &Config) -> Vec<Switch> {
     let (mut names, mut paths, mut switches) = (HashSet::new(), HashSet::new(), Vec::new());
     for placed in config.placed_displays() {
         let display = placed.display;
@@ -108,7 +108,7 @@ fn groups() -> Vec<GroupState> {
 
 impl Parameters {
     /// Those of a config's camera.
-    pub(crate) fn of(settings: &CameraPubSettings) -> Self {
+    pub(super) fn of(settings: &CameraPubSettings) -> Self {
         Self {
             frame_rate_hz: decimal(settings.frame_rate_hz),
             background: settings.background_color,
@@ -119,7 +119,7 @@ impl Parameters {
     }
 
     /// Writes them to a camera's settings.
-    pub(crate) fn write_to(&self, settings: &mut CameraPubSettings) {
+    pub(super) fn write_to(&self, settings: &mut CameraPubSettings) {
         settings.frame_rate_hz = self.frame_rate_hz as f32;
         settings.background_color = self.background;
         settings.image_encoding = self.encoding;
@@ -128,7 +128,7 @@ impl Parameters {
     }
 
     /// These, with the new value wherever two states of a file differ.
-    pub(crate) fn with_changes(&self, before: &Self, after: &Self) -> Self {
+    pub(super) fn with_changes(&self, before: &Self, after: &Self) -> Self {
         fn pick<T: PartialEq + Clone>(own: &T, before: &T, after: &T) -> T {
             if before == after { own } else { after }.clone()
         }
@@ -142,7 +142,7 @@ impl Parameters {
     }
 
     /// Gives switches whose displays are gone the file's values.
-    pub(crate) fn forget<'s>(&mut self, gone: impl Iterator<Item = &'s Switch>, in_file: &Self) {
+    pub(super) fn forget<'s>(&mut self, gone: impl Iterator<Item = &'s Switch>, in_file: &Self) {
         for switch in gone {
             let path = switch.path();
             self.visibility.set(&path, in_file.visibility.is_ticked(&path));
@@ -150,7 +150,7 @@ impl Parameters {
     }
 
     /// Applies the values of a request, limited to the bounds of a description. Returns an encoding that is not known.
-    pub(crate) fn set<'r>(
+    pub(super) fn set<'r>(
         &mut self,
         request: &'r Values,
         switches: &[Switch],
@@ -189,7 +189,7 @@ impl Parameters {
     }
 
     /// All values, as dynamic_reconfigure publishes them.
-    pub(crate) fn values(&self, switches: &[Switch]) -> Values {
+    pub(super) fn values(&self, switches: &[Switch]) -> Values {
         let switch = |switch: &Switch| BoolParameter {
             name: switch.name.clone(),
             value: self.visibility.is_ticked(&switch.path()),
@@ -206,7 +206,7 @@ impl Parameters {
     }
 
     /// The parameters with their bounds; these values are the defaults.
-    pub(crate) fn description(&self, switches: &[Switch]) -> ConfigDescription {
+    pub(super) fn description(&self, switches: &[Switch]) -> ConfigDescription {
         // The smallest or the largest of all values.
         let bounds = |value: bool, channel: i32, frame_rate_hz: f64, near_clip_m: f64| {
             let mut values = self.values(switches);
@@ -238,7 +238,7 @@ impl Parameters {
 
 impl Switch {
     /// Whether both are of the same place in the tree of displays.
-    pub(crate) fn is_of_same_display(&self, other: &Self) -> bool {
+    pub(super) fn is_of_same_display(&self, other: &Self) -> bool {
         self.path == other.path
     }
 

@@ -6,38 +6,57 @@
 
 use std::sync::Arc;
 
+use rcs_displays::{CameraView, DisplaySet};
 use rcs_messages::dynamic_reconfigure::Config as Values;
 use rcs_ros::{ReconfigureServer, RosNode};
-use rcs_rviz_config::CameraPubSettings;
 
-use crate::camera_stream::camera::reconfigurable::{Parameters, Switch, ENCODING};
+use super::plan::CameraPlan;
+use super::reconfigurable::{Parameters, Switch, ENCODING};
 
 /// The settings of one camera that can be changed while it runs.
-pub(crate) struct RuntimeSettings {
+pub(super) struct RuntimeSettings {
+    /// Identifies the camera when the config is read again; its parameters are below this name.
+    id: String,
+    /// The camera with the settings of the next frame.
+    view: Arc<CameraView>,
     in_file: Parameters,
     current: Parameters,
     switches: Arc<[Switch]>,
     /// `None` where its services cannot be offered.
     server: Option<ReconfigureServer>,
+    /// `true` if `current` differs from what `view` has.
+    has_changed: bool,
 }
 
 impl RuntimeSettings {
-    /// The config's settings of a camera, offered as `~name`.
-    pub(crate) fn start(ros: &RosNode, name: &str, settings: &CameraPubSettings, switches: &Arc<[Switch]>) -> Self {
-        let current = Parameters::of(settings);
-        let server =
-            ros.serve_reconfigure(&format!("~{name}"), current.description(switches), current.values(switches));
+    /// The config's settings of a camera, offered as `~ID`.
+    pub(super) fn start(ros: &RosNode, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
+        let current = Parameters::of(&plan.view.settings);
+        let (id, view) = (plan.id.clone(), Arc::new(plan.view.clone()));
+        let server = ros.serve_reconfigure(&format!("~{id}"), current.description(switches), current.values(switches));
         let server = server.map_err(|error| log::error!("{error}")).ok();
-        Self { in_file: current.clone(), current, switches: Arc::clone(switches), server }
+        let (in_file, switches) = (current.clone(), Arc::clone(switches));
+        Self { id, view, in_file, current, switches, server, has_changed: true }
     }
 
-    /// Whether dynamic_reconfigure's server of this name is this one.
-    pub(crate) fn serves(&self, server: &str) -> bool {
+    /// Identifies the camera when the config is read again.
+    pub(super) fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// The camera with the settings of the next frame.
+    pub(super) fn view(&self) -> &Arc<CameraView> {
+        &self.view
+    }
+
+    /// `true` if this has the server of that name.
+    pub(super) fn serves(&self, server: &str) -> bool {
         self.server.as_ref().is_some_and(|own| &**own.name() == server)
     }
 
-    /// Applies a user's values. Returns the values that apply now.
-    pub(crate) fn set(&mut self, ros: &RosNode, request: &Values) -> Values {
+    /// Takes a user's values. Returns the values that apply from the next frame on.
+    pub(super) fn set(&mut self, ros: &RosNode, request: &Values) -> Values {
+        self.has_changed = true;
         let unknown = self.current.set(request, &self.switches, &self.in_file.description(&self.switches));
         if let Some(encoding) = unknown {
             let server = self.server.as_ref().map(|server| &**server.name()).unwrap_or_default();
@@ -51,8 +70,8 @@ impl RuntimeSettings {
     }
 
     /// Takes over the values that changed in the config.
-    pub(crate) fn update_from(&mut self, ros: &RosNode, settings: &CameraPubSettings, switches: &Arc<[Switch]>) {
-        let in_file = Parameters::of(settings);
+    pub(super) fn update_from(&mut self, ros: &RosNode, view: CameraView, switches: &Arc<[Switch]>) {
+        let in_file = Parameters::of(&view.settings);
         let mut current = self.current.with_changes(&self.in_file, &in_file);
         let is_gone = |known: &&Switch| !switches.iter().any(|switch| switch.is_of_same_display(known));
         current.forget(self.switches.iter().filter(is_gone), &in_file);
@@ -64,10 +83,17 @@ impl RuntimeSettings {
             }
         }
         (self.in_file, self.current, self.switches) = (in_file, current, Arc::clone(switches));
+        (self.view, self.has_changed) = (Arc::new(view), true);
     }
 
-    /// Writes the values that apply now to the camera's settings.
-    pub(crate) fn write_to(&self, settings: &mut CameraPubSettings) {
-        self.current.write_to(settings);
+    /// Applies the values that were taken since the last call. Returns `true` if there were some.
+    pub(super) fn apply_changes(&mut self, displays: &DisplaySet) -> bool {
+        if !std::mem::take(&mut self.has_changed) {
+            return false;
+        }
+        let view = Arc::make_mut(&mut self.view);
+        self.current.write_to(&mut view.settings);
+        view.visible = displays.mask(&view.settings.visibility);
+        true
     }
 }

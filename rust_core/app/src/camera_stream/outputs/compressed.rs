@@ -77,7 +77,7 @@ impl CompressedOutput {
     }
 
     /// Takes over the settings that the parameter server had, and offers them, once they have come.
-    pub(super) fn attend(&mut self, ros: &RosNode) {
+    pub(super) fn poll_settings(&mut self, ros: &RosNode) {
         let Some(settings) = self.start.as_ref().and_then(|start| start.try_recv().ok()) else { return };
         self.start = None;
         self.shared.work().settings = settings;
@@ -143,7 +143,7 @@ fn encode_all(shared: &Shared) {
             drop(picture);
             publisher.send_compressed(header, &format, data).map_err(|error| error.to_string())
         });
-        task.rest();
+        task.wait_for_work();
         match result {
             Ok(()) => is_failure_logged = false,
             Err(error) if !is_failure_logged => {

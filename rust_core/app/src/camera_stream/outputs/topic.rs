@@ -63,8 +63,8 @@ impl TopicOutput {
     }
 
     /// Takes over what has come from the parameter server.
-    pub fn attend(&mut self, ros: &RosNode) {
-        self.compressed.attend(ros);
+    pub fn poll_settings(&mut self, ros: &RosNode) {
+        self.compressed.poll_settings(ros);
     }
 
     /// Whether dynamic_reconfigure's server of this name has its settings.

@@ -106,13 +106,13 @@ fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake:
         opening.begin();
         let result = run_with(options, sink, |event, _| {
             if let UserEvent::Opened(_) = event {
-                opening.rest();
+                opening.wait_for_work();
                 viewer.is_new.store(true, Ordering::Release);
                 viewer.is_there.store(true, Ordering::Release);
                 wake();
             }
         });
-        opening.rest();
+        opening.wait_for_work();
         let was_open = viewer.is_there.swap(false, Ordering::AcqRel);
         match result {
             Ok(()) => {
@@ -162,7 +162,7 @@ pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermi
     WindowPermit {
         paused: light(permit.paused, permit, drawn_px),
         test: test_light(permit, drawn_px),
-        scene: permit.scene,
+        scene: permit.epoch,
     }
 }
 

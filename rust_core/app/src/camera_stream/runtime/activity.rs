@@ -18,7 +18,7 @@ pub(crate) enum Step {
     /// Brings the displays up to date.
     Displays,
     /// Draws a picture of the camera of this name.
-    Picture(String),
+    Frame(String),
     /// Collects and reports statuses.
     Statuses,
 }
@@ -30,7 +30,7 @@ impl fmt::Display for Step {
             Self::Event => f.write_str("taking transforms"),
             Self::Config => f.write_str("applying the config"),
             Self::Displays => f.write_str("updating the displays"),
-            Self::Picture(camera) => write!(f, "drawing camera {camera}"),
+            Self::Frame(camera) => write!(f, "drawing camera {camera}"),
             Self::Statuses => f.write_str("collecting the statuses"),
         }
     }
@@ -67,7 +67,7 @@ impl Activity {
     }
 
     /// The thread is about to wait for events.
-    pub(crate) fn rest(&self) {
+    pub(crate) fn wait_for_work(&self) {
         *self.lock() = None;
     }
 
@@ -97,12 +97,12 @@ mod tests {
         assert!(activity.busy_for(Duration::ZERO).is_none());
         activity.begin(Step::Displays);
         let first = activity.busy_for(Duration::ZERO).unwrap();
-        activity.begin(Step::Picture("eye".to_owned()));
+        activity.begin(Step::Frame("eye".to_owned()));
         let second = activity.busy_for(Duration::ZERO).unwrap();
         assert_eq!((second.since, second.step.to_string()), (first.since, "drawing camera eye".to_owned()));
         assert!(second.step_since >= first.step_since);
         assert!(activity.busy_for(Duration::from_secs(60)).is_none());
-        activity.rest();
+        activity.wait_for_work();
         assert!(activity.busy_for(Duration::ZERO).is_none());
     }
 }

@@ -95,7 +95,7 @@ impl Control {
             self.answer_late_reload();
             rcs_logging::report_suppressed();
             let sleep = if busy.is_some() { STAND_IN_SLEEP } else { LONGEST_SLEEP };
-            self.task.rest();
+            self.task.wait_for_work();
             let calls = shared.ros.calls().wait(sleep);
             self.task.begin();
             for call in calls {
@@ -117,8 +117,9 @@ impl Control {
     fn stand_in(&self, busy: Option<&Busy>) {
         let Some(busy) = busy else { return };
         for camera in self.shared.cameras().iter_mut() {
-            let repeated = camera.repeat_if_due(&self.shared.ros);
-            camera.record_result(repeated);
+            if let Err(error) = camera.repeat_if_due() {
+                camera.record_error(&error);
+            }
         }
         let busy_for = busy.since.elapsed();
         if busy_for >= REPORT_AFTER {
@@ -139,7 +140,7 @@ impl Control {
             ServiceCall::Reconfigure { server, request, reply } => {
                 // Without an answer, the caller gets an error.
                 if let Some(camera) = self.shared.cameras().iter_mut().find(|camera| camera.has_parameters(&server)) {
-                    reply.answer(camera.reconfigure(&server, &request, &self.shared.ros));
+                    reply.answer(camera.reconfigure(&server, &request));
                 }
             }
         }
@@ -193,7 +194,7 @@ impl Control {
     /// # Errors
     /// What is wrong with it; nothing has changed then.
     fn check(&mut self, config: Config) -> Result<Option<Config>> {
-        self.shared.retry_resources();
+        self.shared.request_retry();
         self.shared.ros.events().wake();
         plan::plans(&self.shared.ros, &config).with_context(|| config.source.clone())?;
         if config == self.config {
@@ -206,7 +207,7 @@ impl Control {
 
     /// Gives the scene's thread another config. One that it has not applied yet is obsolete.
     fn hand_over(&mut self, reload: Reload) {
-        let obsolete = self.shared.reload().replace(reload);
+        let obsolete = self.shared.request_reload(reload);
         if let Some(reply) = obsolete.and_then(|obsolete| obsolete.reply) {
             reply.send(true, READ_AGAIN);
         }
@@ -223,8 +224,7 @@ impl Control {
         if let Some(reply) = self.reload_reply.take() {
             reply.send(false, format!("{source}: still being read; it is applied when it was"));
         }
-        let late = self.shared.reload().as_mut().and_then(|reload| reload.reply.take());
-        if let Some(reply) = late {
+        if let Some(reply) = self.shared.take_reload_reply() {
             reply.send(true, format!("{source}: read; it is applied after the picture that is being drawn"));
         }
     }

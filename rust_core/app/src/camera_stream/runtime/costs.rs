@@ -43,7 +43,7 @@ impl Costs {
     }
 
     /// What took so long, if the picture that is finished now was slow.
-    pub(crate) fn slow_picture(&self, renderer: &dyn Renderer, displays: &DisplaySet) -> Option<String> {
+    pub(crate) fn slow_frame(&self, renderer: &dyn Renderer, displays: &DisplaySet) -> Option<String> {
         let took = self.begun.elapsed();
         (took >= SLOW_AFTER).then(|| self.describe(took, renderer.costs(), |id| displays.path(id).map(path_text)))
     }

@@ -19,6 +19,7 @@ mod control_thread;
 mod costs;
 mod diagnostics;
 mod file_watch;
+mod frame_renderer;
 mod scene_thread;
 mod shared;
 pub(crate) mod watchdog;
@@ -30,12 +31,11 @@ use anyhow::{Context, Result};
 use rcs_rviz_config::Config;
 
 use crate::camera_stream::cli::Cli;
-use crate::camera_stream::runtime::watchdog::Watchdog;
 use crate::camera_stream::{log_findings, NODE_NAME};
 use control_thread::Control;
-use rcs_node_support::lifecycle::{self, EndRequest};
-use scene_thread::SceneLoop;
+use scene_thread::SceneThread;
 use shared::Shared;
+use watchdog::Watchdog;
 
 /// Runs the node until it is asked to end. Where it fails, [`lifecycle::finish`] is to end it.
 ///
@@ -56,7 +56,7 @@ fn run_threads(cli: &Cli, config: &Config, shared: &Arc<Shared>, end: &EndReques
     // First, while little is in use.
     let _memory = rcs_memory::Keeper::start(rcs_messages::free_unused_bytes)
         .context("cannot start the thread that gives memory back")?;
-    let scene = SceneLoop::start(cli, config, shared)?;
+    let scene = SceneThread::start(cli, config, shared)?;
     let control = Control::start(cli, config, shared)?;
     let _watchdog = Watchdog::start().context("cannot start the watchdog's thread")?;
     let thread = std::thread::Builder::new().name("scene".to_owned()).spawn(move || scene.run());

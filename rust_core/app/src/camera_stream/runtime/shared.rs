@@ -1,36 +1,41 @@
-//! What the node's two threads share.
+//! The state that the scene's thread and the control thread share.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rcs_ros::{RosNode, TriggerReply};
 use rcs_rviz_config::Config;
 
+use super::activity::Activity;
+use super::diagnostics::Diagnostics;
+use super::watchdog;
 use crate::camera_stream::camera::output::CameraOutput;
-use crate::camera_stream::runtime::activity::Activity;
-use crate::camera_stream::runtime::diagnostics::Diagnostics;
-use crate::camera_stream::runtime::watchdog;
 
 /// Shared by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
-/// displays are updated or pictures are drawn.
-pub(crate) struct Shared {
-    pub(crate) ros: Arc<RosNode>,
-    /// What the scene's thread is doing.
-    pub(crate) activity: Arc<Activity>,
+/// displays are updated or images are drawn.
+pub(super) struct Shared {
+    pub(super) ros: Arc<RosNode>,
+    /// The step of the scene's thread.
+    pub(super) activity: Arc<Activity>,
     cameras: Mutex<Vec<CameraOutput>>,
     diagnostics: Mutex<Diagnostics>,
-    /// A config that the scene's thread is to apply.
-    reload: Mutex<Option<Reload>>,
-    /// Meshes and textures that could not be used are to be looked at again.
-    retry: AtomicBool,
-    end: AtomicBool,
+    requests: Mutex<Requests>,
+}
+
+/// Requests of the control thread to the scene's thread.
+#[derive(Default)]
+struct Requests {
+    /// A config to apply.
+    reload: Option<Reload>,
+    /// Load meshes and textures again that could not be used.
+    retry_resources: bool,
+    end: bool,
 }
 
 /// Another config, which was read without an error.
-pub(crate) struct Reload {
-    pub(crate) config: Config,
+pub(super) struct Reload {
+    pub(super) config: Config,
     /// Answers who asked for it; `None` if the file changed, or if the answer could not wait.
-    pub(crate) reply: Option<TriggerReply>,
+    pub(super) reply: Option<TriggerReply>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -39,46 +44,52 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Shared {
     /// Without cameras.
-    pub(crate) fn new(ros: Arc<RosNode>) -> Self {
+    pub(super) fn new(ros: Arc<RosNode>) -> Self {
         let diagnostics = Mutex::new(Diagnostics::start(&ros));
-        let (activity, cameras, reload) = (Arc::<Activity>::default(), Mutex::default(), Mutex::default());
+        let activity = Arc::<Activity>::default();
         watchdog::watch(&activity);
-        Self { ros, activity, cameras, diagnostics, reload, retry: AtomicBool::new(false), end: AtomicBool::new(false) }
+        Self { ros, activity, cameras: Mutex::default(), diagnostics, requests: Mutex::default() }
     }
 
     /// The cameras, in the config's order. Only the scene's thread adds and removes some.
-    pub(crate) fn cameras(&self) -> MutexGuard<'_, Vec<CameraOutput>> {
+    pub(super) fn cameras(&self) -> MutexGuard<'_, Vec<CameraOutput>> {
         lock(&self.cameras)
     }
 
     /// The statuses' log and topic.
-    pub(crate) fn diagnostics(&self) -> MutexGuard<'_, Diagnostics> {
+    pub(super) fn diagnostics(&self) -> MutexGuard<'_, Diagnostics> {
         lock(&self.diagnostics)
     }
 
-    /// The place of the next config.
-    pub(crate) fn reload(&self) -> MutexGuard<'_, Option<Reload>> {
-        lock(&self.reload)
+    /// Has the scene's thread apply another config. Returns one that it has not applied yet, which is obsolete.
+    pub(super) fn request_reload(&self, reload: Reload) -> Option<Reload> {
+        lock(&self.requests).reload.replace(reload)
     }
 
-    /// Has the scene's thread look again at meshes and textures that could not be used.
-    pub(crate) fn retry_resources(&self) {
-        self.retry.store(true, Ordering::Release);
+    /// The reply of a config that is not applied yet, for an earlier answer.
+    pub(super) fn take_reload_reply(&self) -> Option<TriggerReply> {
+        lock(&self.requests).reload.as_mut()?.reply.take()
     }
 
-    /// Whether it is to do so; once for each request.
-    pub(crate) fn take_retry(&self) -> bool {
-        self.retry.swap(false, Ordering::AcqRel)
+    /// Has the scene's thread load meshes and textures again that could not be used.
+    pub(super) fn request_retry(&self) {
+        lock(&self.requests).retry_resources = true;
+    }
+
+    /// The config to apply, and whether to load resources again; once for each request.
+    pub(super) fn take_requests(&self) -> (Option<Reload>, bool) {
+        let mut requests = lock(&self.requests);
+        (requests.reload.take(), std::mem::take(&mut requests.retry_resources))
     }
 
     /// Asks the scene's thread to end.
-    pub(crate) fn end(&self) {
-        self.end.store(true, Ordering::Release);
+    pub(super) fn end(&self) {
+        lock(&self.requests).end = true;
         self.ros.events().wake();
     }
 
-    /// Whether the scene's thread is to end.
-    pub(crate) fn is_ending(&self) -> bool {
-        self.end.load(Ordering::Acquire)
+    /// `true` if the scene's thread is to end.
+    pub(super) fn is_ending(&self) -> bool {
+        lock(&self.requests).end
     }
 }

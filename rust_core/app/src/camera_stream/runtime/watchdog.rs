@@ -47,7 +47,7 @@ impl Task {
     }
 
     /// The task waits for work.
-    pub(crate) fn rest(&self) {
+    pub(crate) fn wait_for_work(&self) {
         *lock(&self.since) = None;
     }
 }
@@ -140,7 +140,7 @@ mod tests {
         assert_eq!(after(10), ["drawing has taken 10 s so far"]);
         assert!(after(19).is_empty());
         assert_eq!(after(21), ["drawing has taken 21 s so far"]);
-        task.rest();
+        task.wait_for_work();
         assert!(after(50).is_empty());
         // Another hang is logged as the first one was.
         *lock(&task.since) = Some(begun + Duration::from_secs(60));

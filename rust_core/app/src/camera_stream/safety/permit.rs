@@ -26,14 +26,14 @@ pub struct Permit {
     /// Test pictures.
     pub test: Allowance,
     /// Images of one number may be held in each other's place: they leave out the same data, of the same config.
-    pub scene: u64,
+    pub epoch: u64,
     /// Post-processing, with masks and keep-out frames.
     pub post: Arc<LastStep>,
 }
 
 impl Permit {
     /// The permit of an image that is dark for a reason, or lit.
-    pub fn new(dark: Option<&Dark>, protects_eyes: bool, scene: u64, post: &Arc<LastStep>) -> Self {
+    pub fn new(dark: Option<&Dark>, protects_eyes: bool, epoch: u64, post: &Arc<LastStep>) -> Self {
         let post = Arc::clone(post);
         let masked = if protects_eyes { Allowance::Masked } else { Allowance::All };
         let is_dark_in_tests = dark.is_some_and(|dark| dark.cause.beats_test_pictures(protects_eyes));
@@ -42,7 +42,7 @@ impl Permit {
             false if post.painted_mask.is_some() => Allowance::Masked,
             false => masked,
         };
-        Self { paused: if dark.is_some() { Allowance::Nothing } else { masked }, test, scene, post }
+        Self { paused: if dark.is_some() { Allowance::Nothing } else { masked }, test, epoch, post }
     }
 
     /// The permit of an image on a topic of which nothing is known but its pixels.

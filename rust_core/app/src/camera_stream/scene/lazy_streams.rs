@@ -87,7 +87,7 @@ impl LazyStreams {
     }
 
     /// Decides what is paused and resumed. `may_pause`: whether that loses nothing.
-    pub(crate) fn attend(&mut self, is_watched: bool, now: Instant, may_pause: impl Fn(&Key) -> bool) -> Orders {
+    pub(crate) fn update(&mut self, is_watched: bool, now: Instant, may_pause: impl Fn(&Key) -> bool) -> Orders {
         let mut orders = Orders::default();
         let unwatched_since = match is_watched {
             true => None,
@@ -167,8 +167,8 @@ mod tests {
             times.for_each(|millis| self.streams.note_message(&key(name), self.at(millis)));
         }
 
-        fn attend(&mut self, is_watched: bool, millis: u64) -> Orders {
-            self.streams.attend(is_watched, self.at(millis), |(name, _)| !name.contains("precious"))
+        fn update(&mut self, is_watched: bool, millis: u64) -> Orders {
+            self.streams.update(is_watched, self.at(millis), |(name, _)| !name.contains("precious"))
         }
     }
 
@@ -184,17 +184,17 @@ mod tests {
     fn a_stream_is_paused_a_while_after_the_last_viewer_left_and_resumed_with_the_next() {
         let mut bench = Bench::new();
         bench.send("/cloud", (0..60).map(|i| i * 33));
-        assert_eq!(bench.attend(true, 1950), Orders::default());
-        assert_eq!(bench.attend(false, 2000), Orders::default());
+        assert_eq!(bench.update(true, 1950), Orders::default());
+        assert_eq!(bench.update(false, 2000), Orders::default());
         bench.send("/cloud", (60..120).map(|i| i * 33));
-        assert_eq!(bench.attend(false, 3900), Orders::default());
-        assert_eq!(bench.attend(true, 3950), Orders::default(), "somebody watches again");
-        assert_eq!(bench.attend(false, 3960), Orders::default());
+        assert_eq!(bench.update(false, 3900), Orders::default());
+        assert_eq!(bench.update(true, 3950), Orders::default(), "somebody watches again");
+        assert_eq!(bench.update(false, 3960), Orders::default());
         bench.send("/cloud", (120..200).map(|i| i * 33));
-        assert_eq!(bench.attend(false, 6500), pause("/cloud"));
+        assert_eq!(bench.update(false, 6500), pause("/cloud"));
         assert!(bench.streams.is_paused("/cloud") && !bench.streams.is_paused("/other"));
-        assert_eq!(bench.attend(false, 7000), Orders::default());
-        assert_eq!(bench.attend(true, 9000), resume("/cloud"));
+        assert_eq!(bench.update(false, 7000), Orders::default());
+        assert_eq!(bench.update(true, 9000), resume("/cloud"));
         let left = bench.streams.waits(bench.at(9010));
         assert_eq!(left, Some(CONNECTION_TIME + Duration::from_millis(33 - 10)));
         bench.send("/cloud", std::iter::once(9040));
@@ -204,10 +204,10 @@ mod tests {
     #[test]
     fn a_picture_does_not_wait_for_ever() {
         let mut bench = Bench::new();
-        bench.attend(false, 0);
+        bench.update(false, 0);
         bench.send("/cloud", (0..100).map(|i| i * 33));
-        assert_eq!(bench.attend(false, 3300), pause("/cloud"));
-        assert_eq!(bench.attend(true, 4000), resume("/cloud"));
+        assert_eq!(bench.update(false, 3300), pause("/cloud"));
+        assert_eq!(bench.update(true, 4000), resume("/cloud"));
         assert!(bench.streams.waits(bench.at(4500)).is_some());
         assert_eq!(bench.streams.waits(bench.at(4600)), None);
     }
@@ -216,9 +216,9 @@ mod tests {
     fn what_is_rare_or_uneven_or_has_ended_or_must_not_be_lost_is_received() {
         let paused = |name: &str, times: Vec<u64>, at: u64| {
             let mut bench = Bench::new();
-            bench.attend(false, 0);
+            bench.update(false, 0);
             bench.send(name, times.into_iter());
-            !bench.attend(false, at).pause.is_empty()
+            !bench.update(false, at).pause.is_empty()
         };
         assert!(paused("/stream", (0..40).map(|i| i * 100).collect(), 3950));
         assert!(paused("/slow stream", (0..20).map(|i| i * 1000).collect(), 19_500));
@@ -232,10 +232,10 @@ mod tests {
     #[test]
     fn a_stream_that_must_not_be_lost_any_more_is_resumed_unwatched() {
         let mut bench = Bench::new();
-        bench.attend(false, 0);
+        bench.update(false, 0);
         bench.send("/cloud", (0..100).map(|i| i * 33));
-        assert_eq!(bench.attend(false, 3300), pause("/cloud"));
-        let orders = bench.streams.attend(false, bench.at(3400), |_| false);
+        assert_eq!(bench.update(false, 3300), pause("/cloud"));
+        let orders = bench.streams.update(false, bench.at(3400), |_| false);
         assert_eq!(orders, resume("/cloud"));
         bench.streams.retain(|_| false);
         assert_eq!(bench.streams.waits(bench.at(3410)), None);

@@ -2,6 +2,7 @@
 
 pub mod camera_pose;
 pub(crate) mod lazy_streams;
+pub(crate) mod live;
 mod state;
 pub(crate) mod status_log;
 pub(crate) mod status_tree;

@@ -115,7 +115,7 @@ impl SceneState {
     }
 
     /// Has displays place so many markers in one update at most, as in [`World::step`]: another update follows at once.
-    pub fn place_in_steps(&mut self, step: usize) {
+    pub fn limit_markers_per_update(&mut self, step: usize) {
         self.around.step = Some(step);
     }
 

@@ -60,14 +60,14 @@ impl Subscriptions {
 
     /// Stops receiving streams that nobody watches, and receives them again as soon as somebody does; see
     /// [`LazyStreams`]. Returns whether the scene changed: what a stream sent before it was paused is old.
-    pub(crate) fn attend(&mut self, is_watched: bool, stage: &mut SceneState) -> bool {
+    pub(crate) fn pause_streams(&mut self, is_watched: bool, stage: &mut SceneState) -> bool {
         let Self { subscribed, names, lazy } = self;
         let may_pause = |key: &Key| {
             let is_replaced = |name: &String| stage.is_replaced_by_newest(name, key.1);
             subscribed.get(key).is_some_and(|subscription| !subscription.is_latched())
                 && names.get(key).is_some_and(|names| names.iter().all(is_replaced))
         };
-        let orders = lazy.attend(is_watched, Instant::now(), may_pause);
+        let orders = lazy.update(is_watched, Instant::now(), may_pause);
         for (keys, is_paused) in [(&orders.pause, true), (&orders.resume, false)] {
             for (key, subscription) in keys.iter().filter_map(|key| Some((key, subscribed.get(key)?))) {
                 log::debug!(
