@@ -33,6 +33,7 @@ use rcs_rviz_config::Config;
 use crate::camera_stream::cli::Cli;
 use crate::camera_stream::{log_findings, NODE_NAME};
 use control_thread::Control;
+use rcs_node_support::lifecycle::{self, EndRequest};
 use scene_thread::SceneThread;
 use shared::Shared;
 use watchdog::Watchdog;
