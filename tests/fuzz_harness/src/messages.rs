@@ -2,7 +2,6 @@
 //! of its light, clouds also as surfaces that projectors light.
 
 use rcs_app::camera_stream::safety::light_mask;
-use rcs_app::projector_blend::points::points;
 use rcs_messages::{dynamic_reconfigure, roscpp, std_srvs, AnyMessage, Image, MessageKind, RosMsg, ServicePair};
 use rcs_window::{ReceivedPicture, ScreenPicture};
 
@@ -44,8 +43,8 @@ fn message(kind: MessageKind, bytes: &[u8]) {
             }
         }
         AnyMessage::PointCloud2(cloud) => {
-            if let Ok(points) = points(cloud) {
-                assert!(4 * points.len() <= cloud.data().len());
+            if let Ok(points) = cloud.positions() {
+                assert!(4 * points.count() <= cloud.data().len());
             }
         }
         _ => {}

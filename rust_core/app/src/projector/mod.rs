@@ -99,7 +99,7 @@ fn file_parameter(node: &RosNode) -> anyhow::Result<PathBuf> {
     }
 }
 
-/// Both topics, published until this is dropped.
+/// Publishers of both topics.
 struct Publishers {
     camera_info: Publisher<CameraInfo>,
     tf_static: Option<Publisher<TFMessage>>,
@@ -119,7 +119,7 @@ impl Publishers {
         Ok(Self { camera_info, tf_static })
     }
 
-    /// Publishes everything, latched for later subscribers.
+    /// Publishes both messages.
     fn publish(&self, file: &ProjectorFile, stamp: Time) -> anyhow::Result<()> {
         let mut info = file.camera_info.clone();
         info.header.stamp = stamp;

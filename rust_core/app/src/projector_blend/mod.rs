@@ -1,7 +1,5 @@
-//! `projector_blend`: the shares that several projectors have of the light on one surface, as files for
-//! `camera_stream --blend`.
+//! `projector_blend`: blending weights of several projectors on one surface, as files for `camera_stream --blend`.
 
-pub mod points;
 mod surface;
 
 use std::collections::BTreeSet;
@@ -18,18 +16,17 @@ use rcs_files::projector::ProjectorFile;
 use rcs_scene::{Encoding, Picture};
 
 use rcs_node_support::lifecycle;
-use surface::Surface;
+use surface::SharedSurface;
 
-/// The most of its full light that a projector leaks where its picture is black.
+/// Highest black level, as a share of full light.
 const MOST_BLACK: f64 = 0.1;
-/// Seen less than that, a surface is mostly guessed.
+/// Share of a projector's image with cloud points below which there is a warning.
 const LITTLE_SEEN: f64 = 0.5;
 /// Width of each projector in the preview, pixels, and the gap between two.
 const PREVIEW_PX: usize = 480;
 const GAP_PX: usize = 8;
 
-/// Computes which share several projectors have of the light on one surface, so that the picture is as bright where
-/// they overlap as elsewhere.
+/// Computes blending weights, so that the image is as bright where projectors overlap as elsewhere.
 ///
 /// For each projector's file NAME.yaml it writes NAME.blend.png, for camera_stream's --blend on the machine of that
 /// projector. The surface is a PCD file or the next cloud on a topic; frames that the files do not place are asked for
@@ -60,11 +57,10 @@ struct BlendArguments {
     /// The folder to write to
     #[arg(short = 'o', long, value_name = "DIR", default_value = ".")]
     output: PathBuf,
-    /// The light that a projector leaks where its picture is black, as a share of its full light, 0 to 0.1: black is
-    /// lifted where fewer overlap, so that it is the same everywhere
+    /// Light of a black pixel as a share of full light, 0 to 0.1; black is lifted where fewer projectors overlap
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = black_level)]
     black_level: f64,
-    /// Write all weights side by side into this picture
+    /// Write all weights side by side to this image
     #[arg(long, value_name = "FILE.png")]
     preview: Option<PathBuf>,
 }
@@ -84,8 +80,8 @@ fn run(arguments: &BlendArguments) -> Result<()> {
         arguments.files.iter().map(|path| Ok((path.as_path(), ProjectorFile::read(path)?))).collect::<Result<_>>()?;
     let outputs = output_names(&arguments.files, &arguments.output)?;
     let surface = match (&arguments.cloud, &arguments.topic) {
-        (Some(path), _) => Surface::from_file(path, arguments.frame.as_deref(), &files)?,
-        (None, Some(topic)) => Surface::from_topic(topic, &files)?,
+        (Some(path), _) => SharedSurface::from_file(path, arguments.frame.as_deref(), &files)?,
+        (None, Some(topic)) => SharedSurface::from_topic(topic, &files)?,
         (None, None) => bail!("no surface: give --cloud FILE.pcd or --topic TOPIC"),
     };
     rcs_scene::name_threads();
@@ -108,7 +104,7 @@ fn run(arguments: &BlendArguments) -> Result<()> {
     Ok(())
 }
 
-/// Where the weights of each file go: NAME.blend.png in the folder.
+/// Output path of each file: NAME.blend.png in the folder.
 fn output_names(files: &[PathBuf], folder: &Path) -> Result<Vec<PathBuf>> {
     let mut known = BTreeSet::new();
     let name = |file: &PathBuf| {
@@ -125,8 +121,8 @@ fn output_names(files: &[PathBuf], folder: &Path) -> Result<Vec<PathBuf>> {
     files.iter().map(name).collect()
 }
 
-/// A projector's lens, and its pose in the surface's frame.
-fn place(path: &Path, file: &ProjectorFile, surface: &Surface) -> Result<PlacedProjector> {
+/// A projector's lens and its pose in the surface's frame.
+fn place(path: &Path, file: &ProjectorFile, surface: &SharedSurface) -> Result<PlacedProjector> {
     let lens = file.lens().with_context(|| path.display().to_string())?;
     let cloud_from_projector: Isometry3<f64> =
         surface.pose_of(&file.camera_info.header.frame_id).with_context(|| path.display().to_string())?;
@@ -145,14 +141,17 @@ fn report(file: &Path, output: &Path, weights: &BlendWeights) {
         output.display()
     );
     if weights.seen < LITTLE_SEEN {
-        log::warn!("{}: most of the surface is guessed; take a cloud of all that it lights", file.display());
+        log::warn!(
+            "{}: most of its image has no cloud points and is extrapolated; use a cloud of all that it lights",
+            file.display()
+        );
     }
     if weights.overlap == 0.0 {
-        log::warn!("{}: it overlaps with no other; check poses and frames", file.display());
+        log::warn!("{}: overlaps no other projector; check poses and frames", file.display());
     }
 }
 
-/// The weights side by side.
+/// The weights side by side, as grey levels.
 fn preview(all: &[BlendWeights]) -> Picture {
     let scaled: Vec<(usize, Vec<u8>)> = all.iter().map(scaled).collect();
     let height = scaled.iter().map(|(height, _)| *height).max().unwrap_or(1);
@@ -171,7 +170,7 @@ fn preview(all: &[BlendWeights]) -> Picture {
     picture
 }
 
-/// The weights as levels, in the preview's width, and the height.
+/// A projector's weights scaled to the preview's width: height and grey levels.
 fn scaled(weights: &BlendWeights) -> (usize, Vec<u8>) {
     let [width, height] = weights.size_px.map(|side| side as usize);
     let rows = (height * PREVIEW_PX / width.max(1)).max(1);

@@ -1,4 +1,4 @@
-//! The surface that projectors light: a cloud, and the frames around it.
+//! The surface that projectors share: a cloud and the transforms around it.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -7,37 +7,36 @@ use anyhow::{anyhow, bail, Context, Result};
 use nalgebra::{Isometry3, Point3};
 use rcs_files::projector::ProjectorFile;
 use rcs_messages::tf2_msgs::TFMessage;
-use rcs_messages::{AnyMessage, MessageKind, PointCloud2};
+use rcs_messages::{AnyMessage, MessageKind, NoPositions, PointCloud2};
 use rcs_ros::{NodeEvent, RosNode};
 use rcs_transforms::{Time, TransformTree};
 
-use super::points::points;
 use rcs_node_support::frames::insert_transforms;
 use rcs_node_support::lifecycle::EndRequest;
 use rcs_samples::publish_cloud;
 
-/// How long a cloud and its frames are waited for.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// Time to wait for a cloud and its transforms.
+const TIMEOUT: Duration = Duration::from_secs(10);
 
-/// A cloud and the frames around it.
-pub(super) struct Surface {
-    /// In the cloud's frame, metres.
+/// Points of the surface and the transforms around them.
+pub(super) struct SharedSurface {
+    /// Finite points in the cloud's frame, metres.
     pub(super) points: Vec<Point3<f64>>,
     frame: String,
     frames: TransformTree,
 }
 
-impl Surface {
-    /// That of a PCD file, whose points are in a frame: by default the parent of the first projector.
+impl SharedSurface {
+    /// The surface of a PCD file, whose frame defaults to the parent of the first projector.
     pub(super) fn from_file(path: &Path, frame: Option<&str>, files: &[(&Path, ProjectorFile)]) -> Result<Self> {
         let parent = files.first().and_then(|(_, file)| file.frames.first()).map(|placed| placed.parent.as_str());
         let frame = frame.or(parent).context("which frame are the points in? Give --frame FRAME")?.to_owned();
         let cloud = publish_cloud::read(path, &frame)?;
-        let points = points(&cloud).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+        let points = finite_points(&cloud).map_err(|error| anyhow!("{}: {error}", path.display()))?;
         Ok(Self { points, frame, frames: frames_of(files) })
     }
 
-    /// That of the next cloud on a topic, once the frames of all projectors are known in its frame.
+    /// The surface of the next cloud on a topic, once all projectors can be transformed to its frame.
     pub(super) fn from_topic(topic: &str, files: &[(&Path, ProjectorFile)]) -> Result<Self> {
         let end = EndRequest::watch_signals().context("cannot handle signals")?;
         let node = RosNode::connect_now("projector_blend", &|| end.is_requested())?;
@@ -46,10 +45,10 @@ impl Surface {
         received
     }
 
-    /// Where a projector's frame is in the cloud's.
+    /// Pose of a projector's frame in the cloud's.
     ///
     /// # Errors
-    /// Which frame is missing.
+    /// The missing frame.
     pub(super) fn pose_of(&self, frame: &str) -> Result<Isometry3<f64>> {
         if frame.is_empty() {
             bail!("no frame: the file needs frame_id (or header.frame_id)");
@@ -60,7 +59,15 @@ impl Surface {
     }
 }
 
-/// The frames that files place.
+/// The finite points of a cloud, metres.
+///
+/// # Errors
+/// [`NoPositions`].
+fn finite_points(cloud: &PointCloud2) -> Result<Vec<Point3<f64>>, NoPositions> {
+    Ok(cloud.positions()?.map(Point3::from).filter(|point| point.iter().all(|value| value.is_finite())).collect())
+}
+
+/// The transforms of projector files.
 fn frames_of(files: &[(&Path, ProjectorFile)]) -> TransformTree {
     let mut frames = TransformTree::new();
     for (path, file) in files {
@@ -70,12 +77,13 @@ fn frames_of(files: &[(&Path, ProjectorFile)]) -> TransformTree {
     frames
 }
 
-fn receive(node: &RosNode, end: &EndRequest, topic: &str, files: &[(&Path, ProjectorFile)]) -> Result<Surface> {
+/// Waits for the cloud and the transforms of all projectors.
+fn receive(node: &RosNode, end: &EndRequest, topic: &str, files: &[(&Path, ProjectorFile)]) -> Result<SharedSurface> {
     let _subscription = node.subscribe(topic, MessageKind::PointCloud2, 1)?;
     node.subscribe_transforms()?;
     let mut frames = frames_of(files);
     let mut last: Option<std::sync::Arc<PointCloud2>> = None;
-    let until = Instant::now() + PATIENCE;
+    let until = Instant::now() + TIMEOUT;
     loop {
         for event in node.events().wait(Duration::from_millis(100)) {
             match event {
@@ -90,17 +98,17 @@ fn receive(node: &RosNode, end: &EndRequest, topic: &str, files: &[(&Path, Proje
             let frame = &cloud.header.frame_id;
             let is_placed =
                 |file: &ProjectorFile| frames.can_transform(frame, &file.camera_info.header.frame_id, Time::ZERO);
-            // What is missing in the end is reported for the projector that misses it.
+            // After the timeout, `pose_of` reports what is missing.
             if files.iter().all(|(_, file)| is_placed(file)) || Instant::now() > until {
-                let points = points(cloud).map_err(|error| anyhow!("{topic}: {error}"))?;
-                return Ok(Surface { points, frame: frame.clone(), frames });
+                let points = finite_points(cloud).map_err(|error| anyhow!("{topic}: {error}"))?;
+                return Ok(SharedSurface { points, frame: frame.clone(), frames });
             }
         }
         if end.is_requested() {
             bail!("interrupted");
         }
         if last.is_none() && Instant::now() > until {
-            bail!("no cloud on {topic} for {} s", PATIENCE.as_secs());
+            bail!("no cloud on {topic} for {} s", TIMEOUT.as_secs());
         }
     }
 }

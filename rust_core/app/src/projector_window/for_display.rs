@@ -29,27 +29,27 @@ pub(super) fn for_display(image: &Image) -> Result<Cow<'_, Image>, String> {
         "8UC4" => renamed("bgra8"),
         "16UC1" => {
             let levels = image.rows(2)?.flat_map(|row| row.as_chunks().0).map(|pixel| f32::from(image.u16_of(*pixel)));
-            Ok(made(image, "mono8", levels.map(|millimetres| grey(millimetres, 0.0, WHITE_MM)).collect()))
+            Ok(with_pixels(image, "mono8", levels.map(|millimetres| grey(millimetres, 0.0, WHITE_MM)).collect()))
         }
         "32FC1" => {
             let values =
                 || Ok::<_, String>(image.rows(4)?.flat_map(|row| row.as_chunks().0).map(|pixel| image.f32_of(*pixel)));
             let (least, greatest) = range(values()?);
-            Ok(made(image, "mono8", values()?.map(|value| grey(value, least, greatest)).collect()))
+            Ok(with_pixels(image, "mono8", values()?.map(|value| grey(value, least, greatest)).collect()))
         }
         "rgb16" | "bgr16" => narrowed::<3>(image),
         "rgba16" | "bgra16" => narrowed::<4>(image),
         "yuv422" => yuv422(image, |[u, y0, v, y1]| ([y0, y1], u, v)),
         "yuv422_yuy2" => yuv422(image, |[y0, u, y1, v]| ([y0, y1], u, v)),
         _ => match image.demosaic() {
-            Some(colors) => Ok(made(image, "rgb8", colors?)),
+            Some(colors) => Ok(with_pixels(image, "rgb8", colors?)),
             None => Ok(Cow::Borrowed(image)),
         },
     }
 }
 
 /// The image with other pixels, without padding between rows.
-fn made(image: &Image, encoding: &str, pixels: Vec<u8>) -> Cow<'static, Image> {
+fn with_pixels(image: &Image, encoding: &str, pixels: Vec<u8>) -> Cow<'static, Image> {
     let step = pixels.len().checked_div(image.height as usize).and_then(|bytes| u32::try_from(bytes).ok()).unwrap_or(0);
     Cow::Owned(Image::new(image.header.clone(), [image.width, image.height], encoding, step, Arc::new(pixels)))
 }
@@ -60,8 +60,7 @@ fn range(values: impl Iterator<Item = f32>) -> (f32, f32) {
     finite.reduce(|(least, greatest), (value, _)| (least.min(value), greatest.max(value))).unwrap_or((0.0, 0.0))
 }
 
-/// A number as grey between black at `least` and white at `greatest`; NaN is black. Where both are the same, all is
-/// grey.
+/// Grey level of a number between black at `least` and white at `greatest`; NaN is black, and 128 if both are equal.
 fn grey(value: f32, least: f32, greatest: f32) -> u8 {
     if least == greatest {
         return 128;
@@ -70,21 +69,21 @@ fn grey(value: f32, least: f32, greatest: f32) -> u8 {
     ((f64::from(value) - f64::from(least)) * 255.0 / (f64::from(greatest) - f64::from(least))).round_ties_even() as u8
 }
 
-/// Channels of sixteen bits as eight, rounded.
+/// Rounds 16-bit channels to 8 bits.
 fn narrowed<const CHANNELS: usize>(image: &Image) -> Result<Cow<'_, Image>, String> {
     let channels = image.rows(2 * CHANNELS)?.flat_map(|row| row.as_chunks().0);
     let levels = channels.map(|channel| ((u32::from(image.u16_of(*channel)) + 128) / 257) as u8).collect();
-    Ok(made(image, &image.encoding.replace("16", "8"), levels))
+    Ok(with_pixels(image, &image.encoding.replace("16", "8"), levels))
 }
 
-/// Two pixels of four bytes each time, which share their colour.
+/// Converts YUV 4:2:2, two pixels per four bytes.
 fn yuv422(image: &Image, split: impl Fn([u8; 4]) -> ([u8; 2], u8, u8)) -> Result<Cow<'_, Image>, String> {
     if !image.width.is_multiple_of(2) {
         return Err(format!("a {} image has an even width, not {}", image.encoding, image.width));
     }
     let pairs = image.rows(2)?.flat_map(|row| row.as_chunks().0).map(|pair| split(*pair));
     let pixels = pairs.flat_map(|([y0, y1], u, v)| [rgb(y0, u, v), rgb(y1, u, v)]).flatten().collect();
-    Ok(made(image, "rgb8", pixels))
+    Ok(with_pixels(image, "rgb8", pixels))
 }
 
 /// ITU-R BT.601 with luma from 16 to 235, in OpenCV's fixed point.

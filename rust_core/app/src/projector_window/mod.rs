@@ -44,7 +44,7 @@ struct WindowArguments {
     /// The image topic [default: the remapping of image:=, else /proj_view/image]
     #[arg(long)]
     topic: Option<String>,
-    /// Become black when no picture came for so long; 0: never [default: ~stale_timeout, else 0]
+    /// Black out when no image came for this time [s; 0: never] [default: ~stale_timeout, else 0]
     #[arg(long, value_name = "SECS", value_parser = stale_secs)]
     stale_timeout: Option<Duration>,
     /// Instead of showing a topic, keep the window of another program, which has this title, over the monitor
@@ -54,10 +54,10 @@ struct WindowArguments {
     monitor: MonitorArguments,
 }
 
-/// A time after which pictures are stale; zero for never.
+/// Parses a timeout in seconds; zero for never.
 fn stale_secs(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.0..=86400.0).contains(seconds));
-    seconds.map(Duration::from_secs_f64).ok_or_else(|| "it is a number of seconds from 0 to 86400".to_owned())
+    seconds.map(Duration::from_secs_f64).ok_or_else(|| "not a number of seconds from 0 to 86400".to_owned())
 }
 
 /// Runs the program with the process's arguments.
@@ -97,14 +97,14 @@ fn run(arguments: WindowArguments) -> anyhow::Result<()> {
         }
     });
     drop(watch);
-    // Whatever the window's end was: the node unregisters. One that was never started has hung up.
+    // The node unregisters however the window ended.
     end.request();
     let node_result = node_outcome.recv_timeout(Duration::from_secs(4)).unwrap_or(Ok(()));
     shown?;
     node_result
 }
 
-/// Hands the topic's pictures to the window until the shutdown is requested.
+/// Shows the topic's images until the shutdown is requested.
 fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &PictureSink) -> anyhow::Result<()> {
     let Some(node) = lifecycle::connect("projector_window", end)? else {
         return Ok(());
@@ -131,7 +131,7 @@ fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &Picture
                     picture.into_iter().for_each(|picture| show(sink, picture));
                     last_error = None;
                 }
-                // Each kind of error is logged once, however many pictures arrive.
+                // An error that repeats is logged once.
                 Err(error) if last_error.as_ref() == Some(&error) => {}
                 Err(error) => {
                     log::error!("topic {}: {error}", subscription.topic());
@@ -146,14 +146,13 @@ fn follow_topic(topic: &str, has_timeout: bool, end: &EndRequest, sink: &Picture
     Ok(())
 }
 
-/// Shows a picture. Whoever publishes a black one has a reason, of which nothing else is known here, so that it ends
-/// what a pause holds.
+/// Shows an image. A black one also ends a pause, because its publisher has a reason that is not known here.
 fn show(sink: &PictureSink, picture: ScreenPicture) {
     let permit = window_permit(&Permit::of_topic(picture.is_black()), None);
     sink.show_permitted(picture, permit);
 }
 
-/// The picture of a message; `None` for messages of other types.
+/// The image of a message; `None` for other types.
 fn picture(topic: &str, message: &AnyMessage) -> Result<Option<ScreenPicture>, String> {
     match message {
         AnyMessage::Image(image) => read(image).map(Some),
