@@ -1,18 +1,24 @@
 //! A whole `.rviz` file.
 //!
-//! Of the file's sections only `Visualization Manager` decides the picture. The others lay out rviz's windows and are
-//! passed over, except for the Time panel's synchronization, as are the mouse tools but for which is the first.
+//! Only the section `Visualization Manager` decides what is drawn. The others lay out rviz's windows and are skipped,
+//! except for the Time panel's synchronization. Of the mouse tools only the first counts.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 
 use crate::displays::{self, DisplayConfig, DisplaySettings};
-use crate::error::ConfigError;
-use crate::finding::{one_line, Finding};
+use crate::error::{ConfigError, MAX_FILE_BYTES};
+use crate::finding::Finding;
 use crate::global_options::GlobalOptions;
 use crate::node::{self, Content, Node};
-use crate::section::{Report, Section};
-use crate::time_panel;
+use crate::one_line::one_line;
+use crate::report::Report;
+use crate::section::Section;
 use crate::view::ViewConfig;
+use crate::{time_panel, unknown_displays};
 
-/// The part of a `.rviz` file that decides the picture.
+/// The part of a `.rviz` file that decides what is drawn.
 ///
 /// ```
 /// let text = "
@@ -33,15 +39,15 @@ use crate::view::ViewConfig;
 pub struct Config {
     /// Name of the file, for messages.
     pub source: String,
-    /// What holds for the whole scene.
+    /// The settings of the whole scene.
     pub global: GlobalOptions,
-    /// Whether the tree of displays is enabled at all. True unless someone unticked its root.
+    /// `true` unless the root of the tree of displays is unticked.
     pub enabled: bool,
-    /// The displays in the file's order. Those inside groups are inside their group's settings.
+    /// The displays in the file's order; displays inside groups are in their group's settings.
     pub displays: Vec<DisplayConfig>,
     /// rviz's main view, which the default light follows.
     pub view: ViewConfig,
-    /// What was not understood, in the order of lines.
+    /// Problems in the file, in the order of lines.
     pub findings: Vec<Finding>,
 }
 
@@ -50,10 +56,10 @@ pub struct Config {
 pub struct PlacedDisplay<'a> {
     /// The display.
     pub display: &'a DisplayConfig,
-    /// The names of the groups around it from the outermost in, then its own: what
-    /// [`Visibility::shows`](crate::Visibility::shows) asks for.
+    /// The names of the groups around it from the outermost in, then its own, as
+    /// [`Visibility::shows`](crate::Visibility::shows) takes it.
     pub path: Vec<&'a str>,
-    /// Whether the display, all groups around it and the tree itself are enabled.
+    /// `true` if the display, all groups around it and the tree itself are enabled.
     pub enabled: bool,
 }
 
@@ -83,14 +89,14 @@ fn place<'a>(
     }
 }
 
-/// The sections that are about rviz's windows, of the present and of old versions.
+/// The sections about rviz's windows, of present and old versions.
 const WINDOW_SECTIONS: [&str; 5] = ["Panels", "Custom Panels", "Preferences", "Toolbars", "Window Geometry"];
 
 const MANAGER: &str = "Visualization Manager";
 
-/// The beginnings of ROS 2's names of rviz's own classes.
+/// Prefixes of rviz's own classes in ROS 2.
 const ROS2_PACKAGES: [&str; 2] = ["rviz_default_plugins/", "rviz_common/"];
-/// The beginning of ROS 1's.
+/// Prefix of rviz's own classes in ROS 1.
 const ROS1_PACKAGE: &str = "rviz/";
 
 /// The first class of ROS 2's rviz, if the file has such classes and none of ROS 1's rviz.
@@ -111,9 +117,70 @@ fn ros2_class<'a>(root: &'a Node, manager: &'a Node) -> Option<&'a str> {
     (!classes.iter().any(|class| class.starts_with(ROS1_PACKAGE))).then_some(found)
 }
 
-/// Reads a file's text; see [`parse`](crate::parse).
-pub(crate) fn read(text: &str, source: &str) -> Result<Config, ConfigError> {
-    let file = || source.to_owned();
+/// Reads the `.rviz` file at `path`.
+///
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let file = folder.path().join("scene.rviz");
+/// std::fs::write(&file, "Visualization Manager: {Global Options: {Fixed Frame: map}}")?;
+/// let config = rcs_rviz_config::load(&file)?;
+/// assert_eq!(config.global.fixed_frame, "map");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// [`ConfigError`], which names the file.
+pub fn load(path: &Path) -> Result<Config, ConfigError> {
+    let source = path.display().to_string();
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes));
+    read.map_err(|error| ConfigError::Unreadable { file: source.clone(), error })?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(ConfigError::TooLarge { file: source });
+    }
+    parse_bytes(&bytes, &source)
+}
+
+/// Reads the bytes of a `.rviz` file, as [`parse`] does its text.
+///
+/// # Errors
+///
+/// [`ConfigError::NotUtf8`] and those of [`parse`].
+pub fn parse_bytes(bytes: &[u8], source_name: &str) -> Result<Config, ConfigError> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => parse(text, source_name),
+        Err(error) => {
+            let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
+            let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
+            Err(ConfigError::NotUtf8 { file: source_name.to_owned(), line })
+        }
+    }
+}
+
+/// Reads the text of a `.rviz` file; `source_name` names it in errors and in [`Config::source`].
+///
+/// ```
+/// use rcs_rviz_config::DisplaySettings;
+///
+/// let text = "
+/// Visualization Manager:
+///   Displays:
+///   - {Class: rviz/Grid, Name: floor, Enabled: true, Cell Size: 0.5, Colour: red}
+/// ";
+/// let config = rcs_rviz_config::parse(text, "scene.rviz")?;
+/// let DisplaySettings::Grid(grid) = &config.displays[0].settings else { panic!("a grid") };
+/// assert_eq!(grid.cell_size_m, 0.5);
+/// // rviz spells it Color.
+/// assert_eq!(config.findings[0].to_string(), "line 4: Displays / floor / Colour: unknown key");
+/// # Ok::<(), rcs_rviz_config::ConfigError>(())
+/// ```
+///
+/// # Errors
+///
+/// [`ConfigError::NotYaml`] and [`ConfigError::NoVisualizationManager`].
+pub fn parse(text: &str, source_name: &str) -> Result<Config, ConfigError> {
+    let file = || source_name.to_owned();
     let root = node::parse(text).map_err(|error| ConfigError::NotYaml {
         file: file(),
         line: error.line,
@@ -134,16 +201,17 @@ pub(crate) fn read(text: &str, source: &str) -> Result<Config, ConfigError> {
     top.skip(&[MANAGER]);
     top.finish();
 
-    // What is reported inside the manager goes by paths without it: "Displays / cloud / Style".
+    // Paths inside the manager leave it out: "Displays / cloud / Style".
     let mut manager = Section::new(manager, String::new(), &report);
     manager.skip(&["Class", "Name"]);
     let mut enabled = true;
     manager.bool("Value", &mut enabled);
     manager.bool("Enabled", &mut enabled);
-    let global = GlobalOptions::read(manager.child("Global Options"));
+    let mut global = GlobalOptions::default();
+    manager.inside("Global Options", &mut global);
     let mut displays = displays::read_list(&mut manager, "Displays");
-    displays::interactive_markers::apply_tools(&mut displays, manager.node("Tools"));
-    displays::check_visibilities(manager.node("Displays"), &displays, &displays, "Displays", &report);
+    apply_tools(&mut displays, manager.node("Tools"));
+    unknown_displays::check_visibilities(manager.node("Displays"), &displays, &displays, "Displays", &report);
     let mut views = manager.child("Views");
     let view = ViewConfig::read(views.child("Current"));
     views.skip(&["Saved"]);
@@ -151,5 +219,31 @@ pub(crate) fn read(text: &str, source: &str) -> Result<Config, ConfigError> {
     report.with_notes(true, || views.finish());
     manager.finish();
 
-    Ok(Config { source: source.to_owned(), global, enabled, displays, view, findings: report.into_findings() })
+    Ok(Config { source: source_name.to_owned(), global, enabled, displays, view, findings: report.into_findings() })
+}
+
+/// The mouse tool with which rviz shows all controls.
+const INTERACT: &str = "rviz/Interact";
+
+/// Tells the InteractiveMarkers displays whether rviz starts with its Interact tool, by the list under `Tools`.
+fn apply_tools(displays: &mut [DisplayConfig], tools: Option<&Node>) {
+    let class_of = |tool: &Node| match tool.get("Class").map(|class| &class.content) {
+        Some(Content::Scalar(class)) => Some(class.clone()),
+        _ => None,
+    };
+    let class = match tools.map(|tools| &tools.content) {
+        Some(Content::List(items)) => items.iter().find_map(|tool| class_of(tool)),
+        _ => None,
+    };
+    set_interaction(displays, class.as_deref() == Some(INTERACT));
+}
+
+fn set_interaction(displays: &mut [DisplayConfig], enabled: bool) {
+    for display in displays {
+        match &mut display.settings {
+            DisplaySettings::InteractiveMarkers(settings) => settings.interaction_enabled = enabled,
+            DisplaySettings::Group(group) => set_interaction(&mut group.displays, enabled),
+            _ => {}
+        }
+    }
 }

@@ -1,7 +1,9 @@
-//! Why a file could not be read as a `.rviz` file at all.
+//! Errors of files that are no readable `.rviz` files.
 
-/// A file that is no readable `.rviz` file. Whatever is merely not understood inside one is a
-/// [`Finding`](crate::Finding) instead.
+/// Largest file that is read, in bytes: a hundred times the size of usual configs.
+pub const MAX_FILE_BYTES: u64 = 8 << 20;
+
+/// A file that is no readable `.rviz` file. Problems inside of one are [`Finding`](crate::Finding)s.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
     /// The file is missing, a directory, or not permitted to be read.
@@ -13,8 +15,8 @@ pub enum ConfigError {
         #[source]
         error: std::io::Error,
     },
-    /// The file is larger than [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES).
-    #[error("{file}: larger than {} MB, so this is not a .rviz file", crate::MAX_FILE_BYTES >> 20)]
+    /// The file is larger than [`MAX_FILE_BYTES`].
+    #[error("{file}: larger than {} MB, so this is not a .rviz file", MAX_FILE_BYTES >> 20)]
     TooLarge {
         /// The file's path as it was given.
         file: String,
@@ -36,7 +38,7 @@ pub enum ConfigError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What the parser expected.
+        /// The parser's message.
         reason: String,
     },
     /// The file was written by ROS 2's rviz, whose classes have other names.
@@ -44,7 +46,7 @@ pub enum ConfigError {
     Ros2 {
         /// The file's name.
         file: String,
-        /// A class that tells.
+        /// A class of ROS 2's rviz in the file.
         class: String,
     },
     /// The YAML has no map `Visualization Manager`, so it is not a `.rviz` file.

@@ -1,19 +1,20 @@
-//! What was not understood in a `.rviz` file, and where.
+//! Problems in a `.rviz` file, with their lines.
 
 use std::fmt;
 
+use crate::one_line::one_line;
 use crate::plugin_displays::needs;
 
-/// One thing in the file that does not do what its author may expect.
+/// A problem in the file: text that does not do what its author may expect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
     /// Line in the file, from 1.
     pub line: usize,
-    /// Where it is: names of sections and displays, then the key, as in `Displays / cloud / Style`.
+    /// Names of sections and displays, then the key, as in `Displays / cloud / Style`.
     pub path: String,
-    /// Whether it changes no picture, as in a display that is disabled.
+    /// `true` if no image changes by it, as in a disabled display.
     pub is_note: bool,
-    /// What it is.
+    /// The problem.
     pub kind: FindingKind,
 }
 
@@ -24,7 +25,7 @@ pub enum FindingKind {
     UnknownKey,
     /// A key that older versions of rviz wrote, and that 1.14 ignores.
     OldKey {
-        /// The keys that stand for it now.
+        /// The keys that replace it.
         now: &'static str,
     },
     /// The links of a robot in another Link Tree Style than the one that rviz reads.
@@ -34,33 +35,33 @@ pub enum FindingKind {
     },
     /// Synchronization that the Time panel asks for.
     TimeSync {
-        /// How rviz's window calls it.
+        /// The mode's name in rviz's window.
         mode: &'static str,
         /// The display whose messages set the time; empty for none.
         source: String,
     },
-    /// A view class that is not known, or a display without one. Its keys are not read.
+    /// An unknown view class, or a display without a class. Its keys are not read.
     UnknownClass {
         /// The class as the file names it; empty when there is none.
         class: String,
     },
-    /// A display of a class that is not rviz's own. It is not drawn and its keys are not read, but for its topics.
+    /// A display of a class that is not rviz's own. It is not drawn, and of its keys only topics are read.
     PluginDisplay {
         /// The class as the file names it.
         class: String,
         /// The topics that it names.
         topics: Vec<String>,
     },
-    /// A name below a camera's Visibility that no display has at this place. It shows and hides nothing.
+    /// A name below a camera's Visibility that no display has at this place. It has no effect.
     UnknownDisplay {
         /// The names that displays have at this place.
         present: Vec<String>,
     },
-    /// A value that cannot be taken as it stands.
+    /// An invalid value.
     InvalidValue {
         /// The value in the file.
         value: String,
-        /// What is used in its place, as rviz would.
+        /// The value that is used instead, as rviz would.
         used: String,
     },
 }
@@ -103,25 +104,6 @@ impl fmt::Display for Finding {
             }
         }
     }
-}
-
-/// Longest part of a path or value that a message repeats, in characters.
-const MAX_QUOTED_CHARS: usize = 120;
-
-pub(crate) fn one_line(text: &str) -> String {
-    let mut line = String::new();
-    for (index, c) in text.chars().enumerate() {
-        if index == MAX_QUOTED_CHARS {
-            line.push('…');
-            break;
-        }
-        if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') {
-            line.extend(c.escape_default());
-        } else {
-            line.push(c);
-        }
-    }
-    line
 }
 
 #[cfg(test)]

@@ -1,14 +1,12 @@
 //! Regular expressions that choose frames by their names.
 //!
-//! rviz compiles them with C++'s `std::regex`: ECMAScript's grammar, and the expression is searched for anywhere in the
-//! name. `regress` speaks that grammar as browsers do, so the few places where `libstdc++` reads an expression
-//! otherwise are settled here: names of character classes such as `[[:digit:]]` become ranges, and what it refuses
-//! (`(?<=…)`,
-//! `(?i)`, a `{` that begins no count) is refused.
+//! rviz searches names with C++'s `std::regex`, whose grammar is ECMAScript's, as that of `regress`. The differences
+//! are handled here: names of character classes such as `[[:digit:]]` become ranges, and expressions that `libstdc++`
+//! refuses (`(?<=…)`, `(?i)`, a `{` that begins no count) are refused.
 
 use regress::Regex;
 
-/// Longest expression that is taken, in bytes.
+/// Longest expression, in bytes.
 const MAX_BYTES: usize = 4096;
 
 /// The names of character classes inside brackets, with their ASCII characters.
@@ -30,7 +28,7 @@ const CLASSES: [(&str, &str); 15] = [
     ("xdigit", "0-9A-Fa-f"),
 ];
 
-/// A regular expression that a frame's name may contain. An empty one is none.
+/// A regular expression that is searched for in frames' names; an empty text is none.
 #[derive(Debug, Clone, Default)]
 pub struct FrameFilter {
     text: String,
@@ -41,7 +39,7 @@ pub struct FrameFilter {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{reason}")]
 pub struct FilterError {
-    /// Why it cannot be used.
+    /// The reason.
     pub reason: String,
 }
 
@@ -68,11 +66,11 @@ impl FrameFilter {
             return Ok(Self::default());
         }
         let regex =
-            Regex::new(&as_browsers_read_it(text)?).map_err(|error| FilterError { reason: error.to_string() })?;
+            Regex::new(&without_class_names(text)?).map_err(|error| FilterError { reason: error.to_string() })?;
         Ok(Self { text: text.to_owned(), regex: Some(regex) })
     }
 
-    /// Whether the name contains the expression; `None` without one.
+    /// `true` if the name contains the expression; `None` without an expression.
     pub fn matches(&self, frame: &str) -> Option<bool> {
         self.regex.as_ref().map(|regex| regex.find(frame).is_some())
     }
@@ -84,11 +82,11 @@ impl PartialEq for FrameFilter {
     }
 }
 
-/// The expression with classes by their characters.
+/// The expression with character classes as ranges.
 ///
 /// # Errors
-/// [`FilterError`] for what browsers take and `std::regex` does not.
-fn as_browsers_read_it(text: &str) -> Result<String, FilterError> {
+/// [`FilterError`] for syntax that `std::regex` does not know.
+fn without_class_names(text: &str) -> Result<String, FilterError> {
     let refused = |what: &str| Err(FilterError { reason: format!("unsupported {what}") });
     let mut read = String::new();
     let mut rest = text;
@@ -120,7 +118,7 @@ fn as_browsers_read_it(text: &str) -> Result<String, FilterError> {
     Ok(read)
 }
 
-/// Whether a count, such as `2}`, `2,}` or `2,3}`, follows.
+/// `true` if a count, such as `2}`, `2,}` or `2,3}`, follows.
 fn begins_count(after_brace: &str) -> bool {
     let Some((count, _)) = after_brace.split_once('}') else { return false };
     let (least, most) = count.split_once(',').unwrap_or((count, ""));
@@ -132,7 +130,7 @@ fn begins_count(after_brace: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// What `std::regex_search` of libstdc++ 12 answered; `None` where it could not compile the expression.
+    /// Results of `std::regex_search` in libstdc++ 12; `None` where it could not compile the expression.
     const BY_STD_REGEX: [(&str, &str, Option<bool>); 42] = [
         ("lamp", "my_lamp_1", Some(true)),
         ("^lamp", "my_lamp_1", Some(false)),

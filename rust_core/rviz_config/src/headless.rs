@@ -1,11 +1,13 @@
-//! A config that is drawn without rviz: what the node leaves out of it, and how to start the node.
+//! Drawing a config without rviz: differences between the node and rviz, and the command that starts the node.
 //!
-//! The launch file is the package's own `projection.launch`, with what it adds to rviz's picture switched off.
+//! The launch file is the package's own `projection.launch`, with its additions to rviz's image switched off.
 
-use crate::{camera_problems, CameraPubSettings, Config, DisplaySettings, PlacedDisplay, Role};
+use crate::config::{Config, PlacedDisplay};
+use crate::displays::{CameraPubSettings, DisplaySettings, Role};
+use crate::problems::camera_problems;
 
 /// One line for each display or setting that the node does not draw as rviz does, in the words of `camera_stream
-/// check`; what changes no picture is left out.
+/// check`, without notes.
 ///
 /// ```
 /// let text = "
@@ -29,14 +31,14 @@ pub fn report(config: &Config) -> Vec<String> {
     lines
 }
 
-/// How many enabled displays the node does not draw because their class is not known.
+/// Number of enabled displays that the node does not draw because their class is unknown.
 pub fn displays_not_drawn(config: &Config) -> u32 {
     let placed = config.placed_displays();
     let left_out = placed.iter().filter(|placed| placed.enabled && placed.display.settings.role() == Role::Unknown);
     u32::try_from(left_out.count()).unwrap_or(u32::MAX)
 }
 
-/// The roslaunch command that draws the config as rviz does, without rviz: its pictures on their topics, and no window.
+/// The roslaunch command that draws the config as rviz does, without rviz: its images on their topics, and no window.
 ///
 /// ```
 /// let config = rcs_rviz_config::parse("Visualization Manager: {}", "/home/me/my scene.rviz")?;
@@ -69,7 +71,7 @@ fn enabled_cameras<'a>(config: &'a Config) -> Vec<(usize, String, &'a CameraPubS
     placed.filter_map(camera).collect()
 }
 
-/// Settings of the plugin's cameras that the node takes otherwise: one line for each.
+/// Settings of the plugin's cameras that the node does not follow, a line each.
 fn settings_not_followed(config: &Config) -> Vec<String> {
     let cameras = enabled_cameras(config);
     let mut lines = Vec::new();
@@ -93,13 +95,13 @@ fn settings_not_followed(config: &Config) -> Vec<String> {
     lines
 }
 
-/// Whether a word needs no quotes.
+/// `true` for a word that needs no quotes.
 fn is_plain(word: &str) -> bool {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-:=+,@%~".contains(c);
     !word.is_empty() && word.chars().all(is_plain)
 }
 
-/// A word that roslaunch's splitting of arguments leaves whole.
+/// Quotes a word for roslaunch's splitting of arguments.
 fn for_roslaunch(word: &str) -> String {
     if is_plain(word) {
         return word.to_owned();
@@ -109,7 +111,7 @@ fn for_roslaunch(word: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-/// A word that a POSIX shell leaves whole.
+/// Quotes a word for a POSIX shell.
 fn for_shell(word: &str) -> String {
     if is_plain(word) {
         return word.to_owned();

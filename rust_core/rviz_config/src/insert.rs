@@ -1,14 +1,15 @@
-//! Adding a camera to the text of a config, of which everything else keeps its bytes.
+//! Adding a camera to the text of a config; all other bytes stay.
 //!
 //! The parser's events tell where the list of displays begins. The camera is written there in the style of its
 //! surroundings: as a block with the list's indentation, or between braces where the list is in brackets.
 
 use saphyr_parser::{Event, Parser, ScalarStyle, Span};
 
+use crate::config::{parse, Config};
 use crate::displays::DisplaySettings;
 use crate::error::ConfigError;
-use crate::finding::{one_line, FindingKind};
-use crate::{parse, Config};
+use crate::finding::FindingKind;
+use crate::one_line::one_line;
 
 /// A camera for a config.
 ///
@@ -29,21 +30,21 @@ use crate::{parse, Config};
 pub struct NewCamera {
     /// The display's name.
     pub name: String,
-    /// "Camera Info Topic".
+    /// The property "Camera Info Topic".
     pub camera_info_topic: String,
-    /// "Image Topic".
+    /// The property "Image Topic".
     pub image_topic: String,
-    /// "Display namespace".
+    /// The property "Display namespace".
     pub display_namespace: String,
 }
 
-/// Why no camera is added.
+/// Error of [`insert_camera`].
 #[derive(Debug, thiserror::Error)]
 pub enum InsertError {
     /// The text is no config.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// A camera of the config has the same value for something that tells cameras apart.
+    /// A camera of the config has the same name, image topic or namespace.
     #[error(
         "{file}: line {line}: the CameraPub {camera} has the {what} {value} already; choose another with {option}"
     )]
@@ -54,9 +55,9 @@ pub enum InsertError {
         line: usize,
         /// The camera's name, in one line.
         camera: String,
-        /// What both have.
+        /// The property.
         what: &'static str,
-        /// Its value, in one line.
+        /// The value, in one line.
         value: String,
         /// The option that gives another.
         option: &'static str,
@@ -66,13 +67,13 @@ pub enum InsertError {
     Place {
         /// The file's name.
         file: String,
-        /// What is in the way.
+        /// The obstacle.
         reason: &'static str,
     },
 }
 
 impl NewCamera {
-    /// Keys and values, as a YAML text each.
+    /// Keys and values, each value as YAML.
     fn entries(&self) -> Vec<(&'static str, String)> {
         vec![
             ("Class", "rviz_camera_stream/CameraPub".to_owned()),
@@ -89,7 +90,7 @@ impl NewCamera {
         ]
     }
 
-    /// The display as an entry of a list, each line with this indentation and this end.
+    /// The display as an entry of a block list.
     pub fn block(&self, indentation: usize, line_end: &str) -> String {
         let indent = " ".repeat(indentation);
         let mut lines: Vec<String> = self.entries().iter().map(|(key, value)| format!("  {key}: {value}")).collect();
@@ -100,14 +101,14 @@ impl NewCamera {
         lines.iter().map(|line| format!("{indent}{line}{line_end}")).collect()
     }
 
-    /// The same between braces. Everything that may hold a comma is quoted already.
+    /// The display as a YAML flow map. Values that may hold a comma are quoted already.
     fn flow(&self) -> String {
         let entries: Vec<String> = self.entries().iter().map(|(key, value)| format!("{key}: {value}")).collect();
         format!("{{{}, Visibility: {{Value: true}}}}", entries.join(", "))
     }
 }
 
-/// A text as a YAML value: plain if it cannot be taken for anything else, else in double quotes.
+/// A text as a YAML value, in double quotes unless it can only be a text.
 fn yaml_text(text: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '/' | '.' | '-' | ' ');
     let begins_well = text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '/');
@@ -129,7 +130,7 @@ fn yaml_text(text: &str) -> String {
     quoted + "\""
 }
 
-/// The text of a config with one camera more, as the first of its displays. `source_name` is what errors call the text.
+/// The text of a config with the camera added as the first of its displays. `source_name` names the text in errors.
 ///
 /// # Errors
 /// [`InsertError`]; a camera's name, image topic and namespace must be its own.
@@ -138,7 +139,7 @@ pub fn insert_camera(text: &str, source_name: &str, camera: &NewCamera) -> Resul
     check_is_own(&before, camera)?;
     let failed = |reason| InsertError::Place { file: source_name.to_owned(), reason };
     let extended = extend(text, camera).map_err(failed)?;
-    // Whatever the text is like: what the camera was added to is otherwise what it was.
+    // Everything but the camera must be as before.
     let after = parse(&extended, source_name).map_err(|_| failed("its YAML is written in an unusual way"))?;
     if is_extended(&before, &after, camera) {
         Ok(extended)
@@ -171,7 +172,7 @@ fn check_is_own(config: &Config, camera: &NewCamera) -> Result<(), InsertError> 
     Ok(())
 }
 
-/// Whether the second config is the first with the camera in front.
+/// `true` if the second config is the first with the camera in front.
 fn is_extended(before: &Config, after: &Config, camera: &NewCamera) -> bool {
     let Some((first, rest)) = after.displays.split_first() else { return false };
     let DisplaySettings::CameraPub(settings) = &first.settings else { return false };
@@ -180,12 +181,12 @@ fn is_extended(before: &Config, after: &Config, camera: &NewCamera) -> bool {
         && settings.image_topic == camera.image_topic
         && settings.camera_info_topic == camera.camera_info_topic
         && settings.display_namespace == camera.display_namespace;
-    // Lines, also those of displays in groups, are others.
+    // Without lines, which differ.
     let placed = |config: &Config| -> Vec<(String, String, bool)> {
         let all = config.placed_displays();
         all.iter().map(|placed| (placed.path.join("\n"), placed.display.class.clone(), placed.enabled)).collect()
     };
-    // Names in a Visibility that no display had may be the camera's.
+    // Without unknown names in a Visibility: they may be the camera's.
     let findings = |config: &Config| -> Vec<(bool, String, FindingKind)> {
         let others =
             config.findings.iter().filter(|finding| !matches!(finding.kind, FindingKind::UnknownDisplay { .. }));
@@ -200,12 +201,12 @@ fn is_extended(before: &Config, after: &Config, camera: &NewCamera) -> bool {
         && before.view == after.view
 }
 
-/// The parts of a text that matter, as the parser finds them.
+/// The parts of a config that the insertion depends on.
 #[derive(Default)]
-struct Places {
+struct ConfigLayout {
     /// The first event inside the map of the manager.
     manager: Option<Span>,
-    /// The key of the list.
+    /// The key `Displays`.
     key: Option<Span>,
     list: Option<List>,
 }
@@ -213,20 +214,19 @@ struct Places {
 enum List {
     /// `- ` at the beginning of lines, or `[`.
     Sequence(Span),
-    /// A plain or quoted text, which may be empty. It has no tag and no anchor: those of an empty one may be lines
-    /// away.
+    /// A plain or quoted text, which may be empty, without tag and anchor: an empty text's may be lines away.
     Scalar(Span, ScalarStyle, String),
     Other,
 }
 
-/// Byte offsets in a text of characters, which the parser counts.
-struct Text<'a> {
+/// A text with the byte offsets of its characters: the parser counts characters.
+struct IndexedText<'a> {
     text: &'a str,
-    /// The byte at which each character begins, and the length.
+    /// The byte offset of each character, and the length.
     bytes: Vec<usize>,
 }
 
-impl<'a> Text<'a> {
+impl<'a> IndexedText<'a> {
     fn new(text: &'a str) -> Self {
         let bytes = text.char_indices().map(|(byte, _)| byte).chain([text.len()]).collect();
         Self { text, bytes }
@@ -259,7 +259,7 @@ fn extend(text: &str, camera: &NewCamera) -> Result<String, &'static str> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let line_end = if text.contains("\r\n") { "\r\n" } else { "\n" };
     let places = places(text).ok_or("the text cannot be parsed")?;
-    let text = Text::new(text);
+    let text = IndexedText::new(text);
     let extended = match (places.key, places.list) {
         (Some(key), Some(List::Sequence(span))) => extend_list(&text, &key, &span, camera, line_end)?,
         (Some(key), Some(List::Scalar(span, ScalarStyle::Plain, value))) if matches!(&*value, "" | "~" | "null") => {
@@ -273,7 +273,7 @@ fn extend(text: &str, camera: &NewCamera) -> Result<String, &'static str> {
 
 /// Adds to a list that has entries, or to an empty one in brackets.
 fn extend_list(
-    text: &Text<'_>,
+    text: &IndexedText<'_>,
     key: &Span,
     list: &Span,
     camera: &NewCamera,
@@ -300,9 +300,9 @@ fn extend_list(
     }
 }
 
-/// Fills a list that is only a key, or `~`.
+/// Fills a list that is a key without value, or `~`.
 fn fill(
-    text: &Text<'_>,
+    text: &IndexedText<'_>,
     key: &Span,
     value_span: &Span,
     value: &str,
@@ -326,7 +326,7 @@ fn fill(
 }
 
 /// Adds a list as the first entry of the section.
-fn add_list(text: &Text<'_>, first: &Span, camera: &NewCamera, line_end: &str) -> Result<String, &'static str> {
+fn add_list(text: &IndexedText<'_>, first: &Span, camera: &NewCamera, line_end: &str) -> Result<String, &'static str> {
     let at = text.byte(first.start.index());
     let start = text.line_start(at);
     let indentation = text.text.get(start..at).ok_or("its indentation")?;
@@ -339,9 +339,9 @@ fn add_list(text: &Text<'_>, first: &Span, camera: &NewCamera, line_end: &str) -
     Ok(text.with(at, 0, &format!("Displays: [{}]{comma}", camera.flow())))
 }
 
-/// Walks through the events down to the list of displays; `None` where the text is no YAML.
-fn places(text: &str) -> Option<Places> {
-    let mut found = Places::default();
+/// Finds the list of displays among the parser's events; `None` where the text is no YAML.
+fn places(text: &str) -> Option<ConfigLayout> {
+    let mut found = ConfigLayout::default();
     let mut depth = 0_usize;
     // The keys of the maps that lead here: the root's, and the manager's.
     let mut keys: [Option<String>; 2] = [None, None];
@@ -395,7 +395,7 @@ fn places(text: &str) -> Option<Places> {
     Some(found)
 }
 
-/// A key or a value of a map at this depth is read: the other comes next.
+/// Toggles between key and value of the map at this depth.
 fn step(depth: usize, is_key: &mut [bool; 2]) {
     if let Some(state) = depth.checked_sub(1).and_then(|index| is_key.get_mut(index)) {
         *state = !*state;

@@ -12,10 +12,10 @@ use std::rc::Rc;
 
 use saphyr_parser::{Event, Marker, Parser, ScalarStyle};
 
-/// Deepest nesting that is read; yaml-cpp stops at 500 too.
+/// Deepest nesting that is read, as in yaml-cpp.
 pub(crate) const MAX_DEPTH: usize = 500;
 
-/// Most values that a text may describe once its aliases are expanded.
+/// Most values of a text with its aliases expanded.
 pub(crate) const MAX_VALUES: usize = 1_000_000;
 
 /// A YAML value and where it begins.
@@ -30,25 +30,25 @@ pub(crate) struct Node {
     size: usize,
 }
 
-/// What a [`Node`] holds.
+/// The value of a [`Node`].
 #[derive(Debug)]
 pub(crate) enum Content {
     Null,
     Scalar(String),
     List(Vec<Rc<Node>>),
-    Map(Vec<Entry>),
+    Map(Vec<MapEntry>),
 }
 
 /// A key of a map with its value.
 #[derive(Debug)]
-pub(crate) struct Entry {
+pub(crate) struct MapEntry {
     pub(crate) key: String,
     /// Line of the key, from 1.
     pub(crate) line: usize,
     pub(crate) value: Rc<Node>,
 }
 
-/// Where and why a text is not a YAML tree that can be used; line and column from 1.
+/// Error of a text that is no usable YAML tree; line and column from 1.
 #[derive(Debug)]
 pub(crate) struct SyntaxError {
     pub(crate) line: usize,
@@ -57,7 +57,7 @@ pub(crate) struct SyntaxError {
 }
 
 impl Node {
-    /// A key's value where there is none.
+    /// The value of a key without one.
     pub(crate) const NO_VALUE: Node = Node { line: 0, content: Content::Null, height: 0, size: 1 };
 
     fn leaf(line: usize, content: Content) -> Node {
@@ -73,7 +73,7 @@ impl Node {
     }
 }
 
-/// A list or map whose end has not been seen.
+/// A list or map that is not complete yet.
 struct Open {
     anchor: usize,
     node: Node,
@@ -93,14 +93,14 @@ impl Open {
             Content::List(items) => items.push(child),
             Content::Map(entries) => match self.key.take() {
                 None => self.key = Some((key_text(&child), line)),
-                Some((key, line)) => entries.push(Entry { key, line, value: child }),
+                Some((key, line)) => entries.push(MapEntry { key, line, value: child }),
             },
             Content::Null | Content::Scalar(_) => {}
         }
     }
 }
 
-/// A map's key as text. rviz knows no key that is a list or a map, so such a key only needs a name to be reported by.
+/// A map's key as text. rviz reads no key that is a list or a map; the name is for the report.
 fn key_text(key: &Node) -> String {
     match &key.content {
         Content::Scalar(text) => text.clone(),
@@ -114,7 +114,7 @@ fn is_null(text: &str) -> bool {
     matches!(text, "" | "~" | "null" | "Null" | "NULL")
 }
 
-/// Number of lines, that after a last line break included. A break is `\n`, `\r` or both.
+/// Number of lines, including the empty one after a last line break. A break is `\n`, `\r` or both.
 fn count_lines(text: &str) -> usize {
     let breaks = text.matches(['\n', '\r']).count() - text.matches("\r\n").count();
     breaks + 1

@@ -1,17 +1,17 @@
-//! Displays of other packages: which package a class comes from, and what shows the same without its plugin.
+//! Displays of other packages: the package of a class, and what draws the same without its plugin.
 //!
-//! rviz loads such classes at run time; this program cannot. What their packages publish beside, as messages that
-//! rviz's own displays show, is in their documentation on wiki.ros.org.
+//! rviz loads such classes at run time; this program cannot. Messages for rviz's own displays that their packages
+//! publish are listed in their documentation on wiki.ros.org.
 
-use crate::finding::one_line;
+use crate::one_line::one_line;
 
 /// A family of classes.
 struct Family {
-    /// What stands before the slash of their names, or the whole name of one that has none.
+    /// The part of their names before the slash, or the whole name of a class without one.
     prefix: &'static str,
     /// The package to install.
     package: &'static str,
-    /// What shows the same, or much of it, without the plugin; empty where nothing is known.
+    /// Messages and displays with the same content, or much of it; empty where none is known.
     instead: &'static str,
 }
 
@@ -61,7 +61,7 @@ const FAMILIES: [Family; 13] = [
 
 const RTABMAP: &str = "rtabmap's cloud_map (rviz/PointCloud2)";
 
-/// What a display of another package needs, and the two ways out, after the class's name: one line.
+/// One line, after the class's name: the plugin that a display of another package needs, and the two ways out.
 pub(crate) fn needs(class: &str, topics: &[String]) -> String {
     let prefix = class.split('/').next().unwrap_or(class);
     let family = FAMILIES.iter().find(|family| family.prefix == prefix);

@@ -3,8 +3,20 @@
 //! rviz keeps every scalar of a config as text and asks Qt's `QVariant` for the number, bool or colour. The rules
 //! differ from YAML's: `no` is true, `10.0` is no integer, white space around a number is allowed.
 
-/// A bool as `QVariant::toBool` sees it: nothing, `0` and `false` are false and all else is true. The second value
-/// is whether the text is one that people mean so.
+/// The colour of a text, red, green and blue: `r; g; b` with each from 0 to 255, `#rrggbb`, or a name of SVG's. `None`
+/// for any other text.
+///
+/// ```
+/// assert_eq!(rcs_rviz_config::color("0; 120; 255"), Some([0, 120, 255]));
+/// assert_eq!(rcs_rviz_config::color("steelblue"), rcs_rviz_config::color("#4682b4"));
+/// assert_eq!(rcs_rviz_config::color("0; 0; 300"), None);
+/// ```
+pub fn color(text: &str) -> Option<[u8; 3]> {
+    to_color(text).filter(|(_, is_in_range)| *is_in_range).map(|(rgb, _)| rgb)
+}
+
+/// A bool as `QVariant::toBool` reads it: empty text, `0` and `false` are false and all else is true. The second value
+/// is `false` for text that is not meant as this bool.
 pub(crate) fn to_bool(text: &str) -> (bool, bool) {
     let lower = text.to_lowercase();
     match lower.as_str() {
@@ -38,7 +50,7 @@ pub(crate) fn to_f64_or_german(text: &str) -> Option<f64> {
 }
 
 /// A colour: `r; g; b` with each 0 to 255, `#rgb` or `#rrggbb` (also with alpha or more digits, as Qt reads them), or
-/// a name of SVG's. The second value is whether all components were in range.
+/// a name of SVG's. The second value is `true` if all components were in range.
 pub(crate) fn to_color(text: &str) -> Option<([u8; 3], bool)> {
     if text.contains(';') {
         let mut parts = text.split(';');

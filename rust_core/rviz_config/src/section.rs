@@ -1,90 +1,34 @@
-//! A map of the file being read into settings, key by key.
+//! The keys of a map, read into settings as rviz's properties load.
 //!
-//! The readers of a [`Section`] do what rviz's properties do when they load: a missing key or a null leaves the
-//! setting as it is, a property may be written as `key: value` or as `key: {Value: value}`, text is converted by Qt's
-//! rules and numbers are clamped. Each reader marks its key as read; [`Section::finish`] reports all the others.
-//!
-//! A [`Report::recording`] notes each property that is read with its default. A class's reader, run over a section
-//! without keys, so lists the class's properties.
+//! A missing key or a null leaves the setting as it is, a property may be written as `key: value` or as
+//! `key: {Value: value}`, text is converted by Qt's rules, and numbers are clamped. Each reader marks its key as read;
+//! [`Section::finish`] reports all the others.
 
-use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
-use crate::finding::{Finding, FindingKind};
+use crate::finding::FindingKind;
 use crate::node::{Content, Node};
 use crate::qt_value;
+use crate::report::{Report, ENTRY};
 
-/// A property that a display class reads.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Property {
-    /// The keys that lead to it in the display's section, as in `Line Style / Line Width`. Where the keys are names of
-    /// joints, links and the like, [`ENTRY`] stands for any of them.
-    pub key: String,
-    /// The text with which a file would set it to its default; empty where that is no text at all.
-    pub default: String,
-}
+/// Settings that are read from the keys of a section; [`properties!`] implements it for tables of properties.
+pub(crate) trait Properties: Default {
+    /// Reads the properties that the section has; the others stay as they are.
+    fn read_properties(&mut self, section: &mut Section<'_>);
 
-/// Stands for any name in the key of a [`Property`].
-pub const ENTRY: &str = "(name)";
-
-/// What reading a file brings to light, in the order of reading.
-#[derive(Debug, Default)]
-pub(crate) struct Report {
-    findings: RefCell<Vec<Finding>>,
-    /// Whether what is read now changes no picture.
-    notes_only: Cell<bool>,
-    /// The properties that are read; `None` unless they are recorded.
-    properties: Option<RefCell<Vec<Property>>>,
-}
-
-impl Report {
-    /// One that records which properties are read.
-    pub(crate) fn recording() -> Self {
-        Self { properties: Some(RefCell::default()), ..Self::default() }
-    }
-
-    /// The properties that were read, in the order of reading.
-    pub(crate) fn into_properties(self) -> Vec<Property> {
-        self.properties.map(RefCell::into_inner).unwrap_or_default()
-    }
-
-    pub(crate) fn add(&self, line: usize, path: &str, kind: FindingKind) {
-        let is_note = self.notes_only.get();
-        self.findings.borrow_mut().push(Finding { line, path: path.to_owned(), is_note, kind });
-    }
-
-    /// Reports what changes no picture.
-    pub(crate) fn add_note(&self, line: usize, path: &str, kind: FindingKind) {
-        self.with_notes(true, || self.add(line, path, kind));
-    }
-
-    /// Calls `read`; what it finds is a note if `is_note` says so, or if it is inside of another such call.
-    pub(crate) fn with_notes<T>(&self, is_note: bool, read: impl FnOnce() -> T) -> T {
-        let outer = self.notes_only.replace(is_note || self.notes_only.get());
-        let result = read();
-        self.notes_only.set(outer);
-        result
-    }
-
-    /// Reports a value that cannot be taken as it stands, and what counts instead.
-    pub(crate) fn add_invalid(&self, line: usize, path: &str, value: &str, used: &str) {
-        let kind = FindingKind::InvalidValue { value: value.to_owned(), used: used.to_owned() };
-        self.add(line, path, kind);
-    }
-
-    /// All findings in the order of their lines.
-    pub(crate) fn into_findings(self) -> Vec<Finding> {
-        let mut findings = self.findings.into_inner();
-        findings.sort_by_key(|finding| finding.line);
-        findings
+    /// The settings of a section: the defaults, overwritten by its keys.
+    fn read(section: &mut Section<'_>) -> Self {
+        let mut settings = Self::default();
+        settings.read_properties(section);
+        settings
     }
 }
 
-/// The smallest and largest value of a property without bounds of its own.
+/// The range of a property without bounds.
 pub(crate) const ANY: RangeInclusive<f32> = f32::MIN..=f32::MAX;
 
-/// The range of a property that has only a smallest value.
+/// The range of a property with only a smallest value.
 pub(crate) fn at_least(min: f32) -> RangeInclusive<f32> {
     min..=f32::MAX
 }
@@ -93,7 +37,7 @@ pub(crate) fn at_least(min: f32) -> RangeInclusive<f32> {
 pub(crate) const MAX_HISTORY: u32 = 100_000;
 
 /// The key that holds a property's own value where the property is written as a map.
-const OWN_VALUE: &str = "Value";
+pub(crate) const OWN_VALUE: &str = "Value";
 
 struct Item<'a> {
     key: &'a str,
@@ -105,7 +49,7 @@ struct Item<'a> {
 /// The keys of a map and which of them have been read.
 pub(crate) struct Section<'a> {
     items: Vec<Item<'a>>,
-    /// Of repeated keys, the index of the last, which is the one that counts.
+    /// The last of repeated keys counts.
     index_of: HashMap<&'a str, usize>,
     path: String,
     report: &'a Report,
@@ -128,7 +72,7 @@ impl<'a> Section<'a> {
         match &node.content {
             Content::Null => {}
             Content::Scalar(_) => section.push(OWN_VALUE, node.line, node),
-            Content::List(_) => section.invalid(node.line, &section.path, "a list", "the defaults"),
+            Content::List(_) => report.add_invalid(node.line, &section.path, "a list", "the defaults"),
             Content::Map(entries) => {
                 for entry in entries {
                     section.push(&entry.key, entry.line, &entry.value);
@@ -148,8 +92,8 @@ impl<'a> Section<'a> {
         if let Some(earlier) = self.index_of.insert(key, index) {
             if let Some(item) = self.items.get_mut(earlier) {
                 item.read = true;
-                let (line, path) = (item.line, join(&self.path, key));
-                self.invalid(line, &path, "repeated key", "the last one");
+                let line = item.line;
+                self.invalid(line, key, "repeated key", "the last one");
             }
         }
         self.items.push(Item { key, line, value, read: false });
@@ -172,17 +116,14 @@ impl<'a> Section<'a> {
         self.report
     }
 
-    /// Notes that a property is read, with its default. A property's own value inside a section of its own goes by the
-    /// section's path.
+    /// Records a property with its default. The own value of a property that is a section goes by the section's path.
     pub(crate) fn record(&self, key: &str, default: impl FnOnce() -> String) {
-        if let Some(properties) = &self.report.properties {
-            let key = if key == OWN_VALUE { self.path.clone() } else { join(&self.path, key) };
-            properties.borrow_mut().push(Property { key, default: default() });
-        }
+        self.report.record(|| if key == OWN_VALUE { self.path.clone() } else { join(&self.path, key) }, default);
     }
 
-    fn invalid(&self, line: usize, path: &str, value: &str, used: &str) {
-        self.report.add_invalid(line, path, value, used);
+    /// Reports an invalid value of `key` and the value used instead.
+    fn invalid(&self, line: usize, key: &str, value: &str, used: &str) {
+        self.report.add_invalid(line, &join(&self.path, key), value, used);
     }
 
     /// The value under `key`, marked as read.
@@ -192,14 +133,14 @@ impl<'a> Section<'a> {
         Some(item.value)
     }
 
-    /// Marks keys as read that have no bearing on the picture.
+    /// Marks keys as read that do not change the image.
     pub(crate) fn skip(&mut self, keys: &[&str]) {
         for key in keys {
             self.node(key);
         }
     }
 
-    /// Marks keys as read that older versions of rviz wrote; `now` are the keys that it reads in their place.
+    /// Marks keys as read that older versions of rviz wrote; `now` names their replacements.
     pub(crate) fn skip_old(&mut self, keys: &[&str], now: &'static str) {
         for item in self.items.iter_mut().filter(|item| !item.read && keys.contains(&item.key)) {
             item.read = true;
@@ -223,15 +164,15 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// All keys with their values and lines, each marked as read: names of joints, links and the like. Where properties
-    /// are recorded, one [`ENTRY`], but none inside of another.
-    pub(crate) fn all(&mut self) -> Vec<(&'a str, &'a Node, usize)> {
-        if self.report.properties.is_some() && !self.path.ends_with(ENTRY) {
-            return vec![(ENTRY, &Node::NO_VALUE, 0)];
+    /// All keys with their values, each marked as read: names of joints, links and the like. Where properties are
+    /// recorded, one [`ENTRY`], but none inside of another.
+    pub(crate) fn all(&mut self) -> Vec<(&'a str, &'a Node)> {
+        if self.report.is_recording() && !self.path.ends_with(ENTRY) {
+            return vec![(ENTRY, &Node::NO_VALUE)];
         }
         self.skip_rest();
         let last = |(index, item): (usize, &Item<'a>)| {
-            (self.index_of.get(item.key) == Some(&index)).then_some((item.key, item.value, item.line))
+            (self.index_of.get(item.key) == Some(&index)).then_some((item.key, item.value))
         };
         self.items.iter().enumerate().filter_map(last).collect()
     }
@@ -251,8 +192,7 @@ impl<'a> Section<'a> {
             Content::Scalar(text) => Some((text, node.line)),
             Content::Null => None,
             Content::List(_) => {
-                let path = join(&self.path, key);
-                self.invalid(node.line, &path, "a list", "the default");
+                self.invalid(node.line, key, "a list", "the default");
                 None
             }
             Content::Map(_) => {
@@ -267,12 +207,22 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Reads a topic and how many of its messages may wait, at least `min_queue_size`. That UDP is preferred makes no
-    /// difference: all connections are TCP.
-    pub(crate) fn subscription(&mut self, topic: &mut String, min_queue_size: u32, queue_size: &mut u32) {
-        self.text("Topic", topic);
+    /// Reads settings from the keys of this section.
+    pub(crate) fn properties(&mut self, settings: &mut impl Properties) {
+        settings.read_properties(self);
+    }
+
+    /// Reads settings from the keys inside `key`.
+    pub(crate) fn inside(&mut self, key: &str, settings: &mut impl Properties) {
+        let mut inside = self.child(key);
+        inside.properties(settings);
+        inside.finish();
+    }
+
+    /// Reads a topic. Whether UDP is preferred makes no difference: all connections are TCP.
+    pub(crate) fn topic(&mut self, key: &str, topic: &mut String) {
+        self.text(key, topic);
         self.skip(&["Unreliable"]);
-        self.count("Queue Size", min_queue_size, queue_size);
     }
 
     /// Reads a text.
@@ -290,22 +240,22 @@ impl<'a> Section<'a> {
             let (value, meant) = qt_value::to_bool(text);
             *setting = value;
             if !meant {
-                self.invalid(line, &join(&self.path, key), text, &value.to_string());
+                self.invalid(line, key, text, &value.to_string());
             }
         }
     }
 
-    /// Reads an integer; what is none counts as 0.
+    /// Reads an integer; any other text counts as 0.
     pub(crate) fn int(&mut self, key: &str, setting: &mut i32) {
         self.int_in(key, i32::MIN..=i32::MAX, setting);
     }
 
-    /// Reads a count, clamped to at least `min`; what is no integer counts as 0.
+    /// Reads a count, clamped to at least `min`; text that is no integer counts as 0.
     pub(crate) fn count(&mut self, key: &str, min: u32, setting: &mut u32) {
         self.count_in(key, min..=u32::MAX, setting);
     }
 
-    /// Reads a count, clamped to `range`; what is no integer counts as 0.
+    /// Reads a count, clamped to `range`; text that is no integer counts as 0.
     pub(crate) fn count_in(&mut self, key: &str, range: RangeInclusive<u32>, setting: &mut u32) {
         let int = |count: u32| i32::try_from(count).unwrap_or(i32::MAX);
         let mut value = int(*setting);
@@ -319,12 +269,12 @@ impl<'a> Section<'a> {
             let read = qt_value::to_int(text);
             *setting = read.unwrap_or(0).clamp(*range.start(), *range.end());
             if read != Some(*setting) {
-                self.invalid(line, &join(&self.path, key), text, &setting.to_string());
+                self.invalid(line, key, text, &setting.to_string());
             }
         }
     }
 
-    /// Reads a number, clamped to `range`; what is no number counts as 0. Whatever the text, the setting is finite.
+    /// Reads a number, clamped to `range`; text that is no number counts as 0. The setting is always finite.
     pub(crate) fn float(&mut self, key: &str, range: RangeInclusive<f32>, setting: &mut f32) {
         self.record(key, || setting.to_string());
         if let Some((text, line)) = self.scalar(key) {
@@ -335,12 +285,12 @@ impl<'a> Section<'a> {
                 _ => {}
             }
             if !read.is_some_and(|value| is_same_in_five_digits(value, *setting)) {
-                self.invalid(line, &join(&self.path, key), text, &setting.to_string());
+                self.invalid(line, key, text, &setting.to_string());
             }
         }
     }
 
-    /// Reads a colour; what is none leaves the setting.
+    /// Reads a colour; any other text leaves the setting.
     pub(crate) fn color(&mut self, key: &str, setting: &mut [u8; 3]) {
         self.record(key, || numbers(setting));
         if let Some((text, line)) = self.scalar(key) {
@@ -349,7 +299,7 @@ impl<'a> Section<'a> {
                 *setting = color;
             }
             if !matches!(read, Some((_, true))) {
-                self.invalid(line, &join(&self.path, key), text, &numbers(setting));
+                self.invalid(line, key, text, &numbers(setting));
             }
         }
     }
@@ -362,12 +312,12 @@ impl<'a> Section<'a> {
                 *setting = *value;
             } else if let Some((name, value)) = choices.first() {
                 *setting = *value;
-                self.invalid(line, &join(&self.path, key), text, name);
+                self.invalid(line, key, text, name);
             }
         }
     }
 
-    /// Reads one of `choices` where rviz finds a value of its own for a name that is unknown or empty: `None`.
+    /// Reads one of `choices`; `None`, for a name that is unknown or empty, lets rviz choose by the message.
     pub(crate) fn choice_or_automatic<T: Copy + PartialEq>(
         &mut self,
         key: &str,
@@ -379,8 +329,7 @@ impl<'a> Section<'a> {
             let found = choices.iter().find(|(name, _)| *name == text);
             *setting = found.map(|(_, value)| *value);
             if found.is_none() && !text.is_empty() {
-                let path = join(&self.path, key);
-                self.invalid(line, &path, text, "what fits the message");
+                self.invalid(line, key, text, "what fits the message");
             }
         }
     }
@@ -422,14 +371,14 @@ impl<'a> Section<'a> {
             *setting = [x, y, z];
         } else {
             inside.skip(&[OWN_VALUE]);
-            self.invalid(node.line, &inside.path, "not three numbers X, Y, Z", &numbers(setting));
+            self.invalid(node.line, key, "not three numbers X, Y, Z", &numbers(setting));
         }
         inside.skip_old(&[OWN_VALUE], "X, Y and Z");
         inside.finish();
     }
 }
 
-/// Whether two numbers are the same in the five digits that older versions of rviz wrote: the largest pitch of a view,
+/// `true` for numbers equal in the five digits that older versions of rviz wrote: the largest pitch of a view,
 /// 1.5697963, stands in their files as 1.5698, which is above it.
 fn is_same_in_five_digits(a: f32, b: f32) -> bool {
     a == b || (a - b).abs() <= 5e-5 * a.abs().min(b.abs())

@@ -1,15 +1,15 @@
 //! rviz's Time panel, which may synchronize frames with the messages of a display.
 //!
 //! With a `SyncMode` other than 0, rviz looks frames up at another time than their latest: at the stamp of the source's
-//! last message (exact), as long ago as these messages come late (approximate), or now (frame). That is not followed,
-//! and so reported.
+//! last message (exact), earlier by these messages' delay (approximate), or now (frame). This is unsupported, and
+//! reported.
 
 use crate::finding::FindingKind;
 use crate::node::{Content, Node};
 use crate::qt_value;
-use crate::section::Report;
+use crate::report::Report;
 
-/// The names of the modes from 1 on in rviz's window. Other numbers are as good as 0.
+/// The names of the modes from 1 on in rviz's window. Other numbers count as 0.
 const MODES: [&str; 3] = ["Exact", "Approximate", "Frame"];
 
 /// Reports the synchronization of a Time panel among `panels`.

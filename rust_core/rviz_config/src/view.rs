@@ -1,26 +1,27 @@
 //! The view of rviz's main window, section `Views: Current`.
 //!
-//! The virtual cameras do not see through it, but the default light shines where it looks. Each view controller of
-//! rviz 1.14 is read with the properties that place its camera; [`ViewConfig::direction_in_target_frame`] is
-//! the direction in which it looks.
+//! Virtual cameras do not use it, but the default light shines in its direction,
+//! [`ViewConfig::direction_in_target_frame`]. Each view controller of rviz 1.14 is read with the properties that place
+//! its camera.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::ops::RangeInclusive;
 
 use crate::finding::FindingKind;
-use crate::section::{at_least, Section, ANY};
+use crate::section::{at_least, Properties, Section, ANY};
 
 /// The main view of a config.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ViewConfig {
     /// The frame that the view follows; `None` is the fixed frame.
     pub target_frame: Option<String>,
-    /// Whether the view is for worlds whose Z points down. Orbiting views look from the mirrored side then.
+    /// `true` for worlds whose Z points down. Orbiting views look from the mirrored side then.
     pub invert_z: bool,
     /// The class of the view and where it puts its camera. An unknown class is an Orbit with its defaults.
     pub controller: ViewController,
 }
 
-/// A view controller by class, with what places its camera in the view's frame.
+/// A view controller by class, with the pose of its camera in the view's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ViewController {
     /// `rviz/Orbit`: around a focal point.
@@ -66,19 +67,6 @@ pub enum ViewController {
     },
 }
 
-/// The camera of a view that orbits.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OrbitView {
-    /// From the focal point to the camera in metres; at least 0.001.
-    pub distance_m: f32,
-    /// The point that the camera looks at, in metres.
-    pub focal_point_m: [f32; 3],
-    /// Radians around Z from X to where the camera stands, as seen from the focal point.
-    pub yaw_rad: f32,
-    /// Radians upwards from the horizon to where the camera stands, as seen from the focal point; short of ±π/2.
-    pub pitch_rad: f32,
-}
-
 /// An axis of a frame, or minus one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameAxis {
@@ -96,8 +84,8 @@ pub enum FrameAxis {
     MinusZ,
 }
 
-/// The names of axes in a config. An axis that the user left by turning the camera is saved as "arbitrary", and rviz
-/// starts from -Z then, as it does for a name it does not know.
+/// The names of axes in a config. Once the user has turned the camera, the axis is saved as "arbitrary", and rviz starts
+/// from -Z, as it does for an unknown name.
 const FRAME_AXES: [(&str, FrameAxis); 7] = [
     ("-z axis", FrameAxis::MinusZ),
     ("arbitrary", FrameAxis::MinusZ),
@@ -122,26 +110,27 @@ impl FrameAxis {
     }
 }
 
-/// How close an orbit's pitch may come to straight up or down, in radians.
+/// Smallest angle between an orbit's pitch and straight up or down, in radians.
 const PITCH_MARGIN_RAD: f64 = 0.001;
 
-impl Default for OrbitView {
-    fn default() -> Self {
-        OrbitView { distance_m: 10.0, focal_point_m: [0.0; 3], yaw_rad: FRAC_PI_4, pitch_rad: FRAC_PI_4 }
-    }
+fn orbit_pitches() -> RangeInclusive<f32> {
+    let max = (f64::from(FRAC_PI_2) - PITCH_MARGIN_RAD) as f32;
+    -max..=max
 }
 
-impl OrbitView {
-    fn read(section: &mut Section<'_>) -> Self {
-        let mut view = OrbitView::default();
-        let max_pitch = (f64::from(FRAC_PI_2) - PITCH_MARGIN_RAD) as f32;
-        section.float("Distance", at_least(0.001), &mut view.distance_m);
-        section.vector("Focal Point", &mut view.focal_point_m);
-        section.float("Yaw", ANY, &mut view.yaw_rad);
-        section.float("Pitch", -max_pitch..=max_pitch, &mut view.pitch_rad);
-        section.skip(&["Focal Shape Size", "Focal Shape Fixed Size", "Field of View"]);
-        view
+properties! {
+    /// The camera of a view that orbits.
+    pub struct OrbitView {
+        /// Metres from the focal point to the camera; at least 0.001.
+        distance_m: f32 = 10.0 => float("Distance", at_least(0.001));
+        /// The point that the camera looks at, in metres.
+        focal_point_m: [f32; 3] = [0.0; 3] => vector("Focal Point");
+        /// Radians around Z from X to the camera, as seen from the focal point.
+        yaw_rad: f32 = FRAC_PI_4 => float("Yaw", ANY);
+        /// Radians upwards from the horizon to the camera, as seen from the focal point; short of ±π/2.
+        pitch_rad: f32 = FRAC_PI_4 => float("Pitch", orbit_pitches());
     }
+    skip ["Focal Shape Size", "Focal Shape Fixed Size", "Field of View"];
 }
 
 impl Default for ViewController {
@@ -181,7 +170,7 @@ impl ViewController {
     }
 }
 
-/// Position in metres and yaw, pitch and roll in radians of a camera that is free in space.
+/// Position in metres, and yaw, pitch and roll in radians, of a free camera.
 fn read_free(section: &mut Section<'_>, yaw_pitch_rad: [f32; 2]) -> ([f32; 3], [f32; 3]) {
     let (mut position_m, [mut yaw, mut pitch], mut roll) = ([0.0; 3], yaw_pitch_rad, 0.0);
     section.vector("Position", &mut position_m);
@@ -192,11 +181,6 @@ fn read_free(section: &mut Section<'_>, yaw_pitch_rad: [f32; 2]) -> ([f32; 3], [
 }
 
 impl ViewConfig {
-    /// The frame that the view follows; `None` is the fixed frame.
-    pub fn target_frame(&self) -> Option<&str> {
-        self.target_frame.as_deref()
-    }
-
     pub(crate) fn read(mut section: Section<'_>) -> Self {
         let mut view = ViewConfig::default();
         if section.is_empty() {
@@ -211,7 +195,7 @@ impl ViewConfig {
             section.skip(&["Name", "Value", "Near Clip Distance", "Enable Stereo Rendering"]);
         } else {
             let kind = FindingKind::UnknownClass { class };
-            // Navigating is not what the picture is about; only the default light comes from another side.
+            // Only the default light depends on the view.
             section.report().with_notes(true, || section.report().add(section.line(), section.path(), kind));
             section.skip_rest();
         }

@@ -1,7 +1,7 @@
-//! Where rviz's main camera looks.
+//! Direction of rviz's main camera.
 //!
-//! An Ogre camera looks along its own -Z, and rviz hangs it on a node at the target frame. What that node takes over
-//! of the frame differs: its position always, its rotation only in some views ([`FollowedRotation`]).
+//! An Ogre camera looks along its own -Z, and rviz attaches it to a node at the target frame. The node follows the
+//! frame's position, and in some views its rotation ([`FollowedRotation`]).
 //!
 //! ```text
 //! orbits:  camera at  focal + d·(cos yaw·cos pitch, sin yaw·cos pitch, sin pitch), looking back at the focal point
@@ -11,20 +11,20 @@
 
 use crate::view::{OrbitView, ViewConfig, ViewController};
 
-/// How much of the target frame's rotation a view takes over.
+/// The part of the target frame's rotation that a view follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FollowedRotation {
-    /// None: the view's axes are those of the fixed frame.
+    /// None: the view has the axes of the fixed frame.
     None,
-    /// Its heading around Z.
+    /// The heading around Z.
     Heading,
-    /// All of it.
+    /// The whole rotation.
     Full,
 }
 
 impl ViewConfig {
-    /// The unit vector along which the camera looks, in the axes of the view: those of the fixed frame, turned as far
-    /// as [`Self::followed_rotation`] says. [`Self::direction_in_fixed_frame`] does that turning.
+    /// Unit vector along which the camera looks, in the axes of the view: the fixed frame's, rotated by the followed
+    /// part of the target frame's rotation, as in [`Self::direction_in_fixed_frame`].
     pub fn direction_in_target_frame(&self) -> [f64; 3] {
         match &self.controller {
             ViewController::Orbit(orbit)
@@ -50,7 +50,7 @@ impl ViewConfig {
         [-yaw.cos() * pitch.cos(), -yaw.sin() * pitch.cos(), -pitch.sin()]
     }
 
-    /// How much of the target frame's rotation the view takes over.
+    /// The part of the target frame's rotation that the view follows.
     pub fn followed_rotation(&self) -> FollowedRotation {
         match &self.controller {
             ViewController::ThirdPersonFollower(_) => FollowedRotation::Heading,
@@ -62,9 +62,8 @@ impl ViewConfig {
         }
     }
 
-    /// The unit vector along which the camera looks, in the fixed frame. `fixed_from_target` is the rotation of the
-    /// target frame as a unit quaternion x, y, z, w; the identity when the target frame is the fixed frame or is not
-    /// known.
+    /// Unit vector along which the camera looks, in the fixed frame. `fixed_from_target` is the rotation of the target
+    /// frame as a unit quaternion x, y, z, w; the identity when it is the fixed frame or unknown.
     pub fn direction_in_fixed_frame(&self, fixed_from_target: [f64; 4]) -> [f64; 3] {
         let direction = self.direction_in_target_frame();
         let [x, y, z, w] = fixed_from_target;

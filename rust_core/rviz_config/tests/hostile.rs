@@ -117,7 +117,7 @@ fn check_display(display: &DisplayConfig) {
         }
         DisplaySettings::Path(path) => {
             assert!(path.buffer_length >= 1 && path.line_width_m >= 0.001);
-            assert!(path.alpha.is_finite() && path.head_length_m.is_finite());
+            assert!(path.alpha.is_finite() && path.arrow.head_length_m.is_finite());
         }
         DisplaySettings::WrenchStamped(screw)
         | DisplaySettings::TwistStamped(screw)

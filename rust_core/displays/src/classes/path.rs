@@ -88,12 +88,13 @@ impl PathDisplay {
                 all_axes(self.display, length_m, diameter_m, poses.iter().copied())
             }
             PoseStyle::Arrows => {
-                let color = Rgba::from_rgb8(settings.arrow_color, 1.0);
+                let arrow = &settings.arrow;
+                let color = Rgba::from_rgb8(arrow.color, 1.0);
                 let size = ArrowSize {
-                    shaft_length_m: settings.shaft_length_m.into(),
-                    shaft_diameter_m: settings.shaft_diameter_m.into(),
-                    head_length_m: settings.head_length_m.into(),
-                    head_diameter_m: settings.head_diameter_m.into(),
+                    shaft_length_m: arrow.shaft_length_m.into(),
+                    shaft_diameter_m: arrow.shaft_diameter_m.into(),
+                    head_length_m: arrow.head_length_m.into(),
+                    head_diameter_m: arrow.head_diameter_m.into(),
                 };
                 let pose = |(pose, stamped): (&Isometry3<f64>, &PoseStamped)| {
                     arrow_pose(pose.translation.vector, &direction(pose, &PlainTransform::from(&stamped.pose)))

@@ -1,21 +1,18 @@
-//! The displays that show their messages as clouds of points: PointCloud2, PointCloud, LaserScan, and those of single
-//! values (FluidPressure, Illuminance, RelativeHumidity, Temperature). Points are drawn in one of five styles and
-//! coloured in one of six ways.
+//! Displays that draw their messages as clouds of points: PointCloud2, PointCloud, LaserScan, and those of single values
+//! (FluidPressure, Illuminance, RelativeHumidity, Temperature), which have other defaults. Points are drawn in one of
+//! five styles and coloured in one of six ways.
 //!
-//! All of them have the same properties; those of single values begin with other bounds and name their own channel.
-//!
-//! rviz keeps the settings of every colour transformer at all times, because a cloud that does not fit the chosen
-//! one is coloured by another; so they stand side by side here. The only position transformer that rviz has is
-//! `XYZ`, which every cloud that can be drawn fits, so there is nothing to keep of that choice.
+//! A cloud that does not fit the chosen colour transformer is coloured by another, so the settings of all of them are
+//! read. The only position transformer of rviz is `XYZ`, which every cloud that can be drawn fits.
 
 use rcs_scene::PointStyle;
 
 use crate::section::{at_least, Section, ANY};
 
-/// The sizes with which a display of clouds begins: of points in pixels, of all other styles in metres.
+/// Default sizes: of points in pixels, of all other styles in metres.
 const DEFAULT_SIZES: (f32, f32) = (3.0, 0.01);
 
-/// The names of styles in a config, each with the style in the size that belongs to it.
+/// The styles by their names in a config, in these sizes.
 fn styles(diameter_px: f32, side_m: f32) -> [(&'static str, PointStyle); 5] {
     [
         ("Points", PointStyle::Points { diameter_px }),
@@ -26,7 +23,7 @@ fn styles(diameter_px: f32, side_m: f32) -> [(&'static str, PointStyle); 5] {
     ]
 }
 
-/// Where the colour of a point comes from.
+/// Source of a point's colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorTransformer {
     /// A channel's value, by [`IntensitySettings`].
@@ -53,7 +50,7 @@ const COLOR_TRANSFORMERS: [(&str, ColorTransformer); 6] = [
 ];
 
 impl ColorTransformer {
-    /// Its name in a config.
+    /// The name in a config.
     pub fn name(self) -> &'static str {
         COLOR_TRANSFORMERS.iter().find(|(_, transformer)| *transformer == self).map_or("", |(name, _)| name)
     }
@@ -74,131 +71,78 @@ pub enum Axis {
 
 const AXES: [(&str, Axis); 3] = [("X", Axis::X), ("Y", Axis::Y), ("Z", Axis::Z)];
 
-/// The settings of [`ColorTransformer::Intensity`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct IntensitySettings {
-    /// The field that holds the value. For `intensity` a cloud may have `intensities` instead.
-    pub channel_name: String,
-    /// Whether colours run through the rainbow or from `min_color` to `max_color`.
-    pub use_rainbow: bool,
-    /// Whether the rainbow runs the other way.
-    pub invert_rainbow: bool,
-    /// Colour of the smallest value, as red, green and blue.
-    pub min_color: [u8; 3],
-    /// Colour of the largest value, as red, green and blue.
-    pub max_color: [u8; 3],
-    /// Whether the bounds are those of each cloud or `min` and `max`.
-    pub auto_bounds: bool,
-    /// Smallest value.
-    pub min: f32,
-    /// Largest value.
-    pub max: f32,
-}
-
-impl Default for IntensitySettings {
-    fn default() -> Self {
-        IntensitySettings {
-            channel_name: "intensity".to_owned(),
-            use_rainbow: true,
-            invert_rainbow: false,
-            min_color: [0, 0, 0],
-            max_color: [255, 255, 255],
-            auto_bounds: true,
-            min: 0.0,
-            max: 4096.0,
-        }
+properties! {
+    /// The settings of [`ColorTransformer::Intensity`].
+    pub struct IntensitySettings {
+        /// The field that holds the value. For `intensity` a cloud may have `intensities` instead.
+        channel_name: String = "intensity".to_owned() => text("Channel Name");
+        /// `true` for the colours of the rainbow, else from `min_color` to `max_color`.
+        use_rainbow: bool = true => bool("Use rainbow");
+        /// `true` if the rainbow is reversed.
+        invert_rainbow: bool = false => bool("Invert Rainbow");
+        /// Colour of the smallest value, as red, green and blue.
+        min_color: [u8; 3] = [0, 0, 0] => color("Min Color");
+        /// Colour of the largest value, as red, green and blue.
+        max_color: [u8; 3] = [255, 255, 255] => color("Max Color");
+        /// `true` for the bounds of each cloud, else `min` and `max`.
+        auto_bounds: bool = true => bool("Autocompute Intensity Bounds");
+        /// Smallest value.
+        min: f32 = 0.0 => float("Min Intensity", ANY);
+        /// Largest value.
+        max: f32 = 4096.0 => float("Max Intensity", ANY);
     }
 }
 
-impl IntensitySettings {
-    fn read(&mut self, section: &mut Section<'_>) {
-        section.text("Channel Name", &mut self.channel_name);
-        section.bool("Use rainbow", &mut self.use_rainbow);
-        section.bool("Invert Rainbow", &mut self.invert_rainbow);
-        section.color("Min Color", &mut self.min_color);
-        section.color("Max Color", &mut self.max_color);
-        section.bool("Autocompute Intensity Bounds", &mut self.auto_bounds);
-        section.float("Min Intensity", ANY, &mut self.min);
-        section.float("Max Intensity", ANY, &mut self.max);
+properties! {
+    /// The settings of [`ColorTransformer::AxisColor`].
+    pub struct AxisColorSettings {
+        /// The axis along which colours run through the rainbow.
+        axis: Axis = Axis::Z => choice("Axis", &AXES);
+        /// `true` for positions in the fixed frame, else in the cloud's own frame.
+        use_fixed_frame: bool = true => bool("Use Fixed Frame");
+    }
+    inside "Autocompute Value Bounds" {
+        /// `true` for the bounds of each cloud, else `min` and `max`.
+        auto_bounds: bool = true => bool("Value");
+        /// Smallest position in metres.
+        min: f32 = -10.0 => float("Min Value", ANY);
+        /// Largest position in metres.
+        max: f32 = 10.0 => float("Max Value", ANY);
     }
 }
 
-/// The settings of [`ColorTransformer::AxisColor`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct AxisColorSettings {
-    /// The axis along which colours run through the rainbow.
-    pub axis: Axis,
-    /// Whether the bounds are those of each cloud or `min` and `max`.
-    pub auto_bounds: bool,
-    /// Smallest position in metres.
-    pub min: f32,
-    /// Largest position in metres.
-    pub max: f32,
-    /// Whether positions are those in the fixed frame or in the cloud's own frame.
-    pub use_fixed_frame: bool,
-}
-
-impl Default for AxisColorSettings {
-    fn default() -> Self {
-        AxisColorSettings { axis: Axis::Z, auto_bounds: true, min: -10.0, max: 10.0, use_fixed_frame: true }
+properties! {
+    /// The properties of a display of clouds. Topic and queue size are not read with the others, because a DepthCloud
+    /// has its own.
+    pub struct CloudSettings {
+        /// Topic of the class's messages; empty when none is chosen.
+        topic: String = String::new();
+        /// Most messages that wait for their transform.
+        queue_size: u32 = 10;
+        /// Style and size of a point: at least 1 pixel for [`PointStyle::Points`], at least 0.0001 m for all other
+        /// styles. Never [`PointStyle::Tiles`].
+        style: PointStyle = PointStyle::FlatSquares { side_m: DEFAULT_SIZES.1 };
+        /// Settings of [`ColorTransformer::Intensity`].
+        intensity: IntensitySettings = IntensitySettings::default() => properties();
+        /// Settings of [`ColorTransformer::AxisColor`].
+        axis_color: AxisColorSettings = AxisColorSettings::default() => properties();
+        /// Opacity, 0 to 1.
+        alpha: f32 = 1.0 => float("Alpha", 0.0..=1.0);
+        /// Seconds until a cloud disappears; 0 keeps only the latest.
+        decay_time_secs: f32 = 0.0 => float("Decay Time", at_least(0.0));
+        /// The chosen source of colour. `None`, or a source that a cloud does not fit: `Rgb8` if the cloud fits that,
+        /// else `Intensity`, and that choice then stays for later clouds.
+        color_transformer: Option<ColorTransformer> = None
+            => choice_or_automatic("Color Transformer", &COLOR_TRANSFORMERS);
+        /// The colour of [`ColorTransformer::FlatColor`], as red, green and blue.
+        flat_color: [u8; 3] = [255, 255, 255] => color("Color");
     }
-}
-
-impl AxisColorSettings {
-    fn read(&mut self, section: &mut Section<'_>) {
-        section.choice("Axis", &AXES, &mut self.axis);
-        let mut bounds = section.child("Autocompute Value Bounds");
-        bounds.bool("Value", &mut self.auto_bounds);
-        bounds.float("Min Value", ANY, &mut self.min);
-        bounds.float("Max Value", ANY, &mut self.max);
-        bounds.finish();
-        section.bool("Use Fixed Frame", &mut self.use_fixed_frame);
-    }
-}
-
-/// The properties of a display of clouds.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CloudSettings {
-    /// Topic of the class's messages; empty when none is chosen.
-    pub topic: String,
-    /// How many messages may wait for their transform.
-    pub queue_size: u32,
-    /// How a point is drawn, and how large: at least 1 pixel for [`PointStyle::Points`], at least 0.0001 m for all
-    /// other styles. Never [`PointStyle::Tiles`].
-    pub style: PointStyle,
-    /// Opacity, 0 to 1.
-    pub alpha: f32,
-    /// How long a cloud stays, in seconds; 0 keeps only the latest.
-    pub decay_time_secs: f32,
-    /// The chosen source of colour. `None`, or a source that a cloud does not fit: `Rgb8` if the cloud fits that, else
-    /// `Intensity`, and that choice then stays for later clouds.
-    pub color_transformer: Option<ColorTransformer>,
-    /// Settings of [`ColorTransformer::Intensity`].
-    pub intensity: IntensitySettings,
-    /// The colour of [`ColorTransformer::FlatColor`], as red, green and blue.
-    pub flat_color: [u8; 3],
-    /// Settings of [`ColorTransformer::AxisColor`].
-    pub axis_color: AxisColorSettings,
-}
-
-impl Default for CloudSettings {
-    fn default() -> Self {
-        CloudSettings {
-            topic: String::new(),
-            queue_size: 10,
-            style: PointStyle::FlatSquares { side_m: DEFAULT_SIZES.1 },
-            alpha: 1.0,
-            decay_time_secs: 0.0,
-            color_transformer: None,
-            intensity: IntensitySettings::default(),
-            flat_color: [255, 255, 255],
-            axis_color: AxisColorSettings::default(),
-        }
-    }
+    skip ["Selectable"];
+    then read_style;
 }
 
 impl CloudSettings {
-    /// The defaults of a display of single values, which colours by their channel between fixed bounds.
+    /// The defaults of a display of single values, which are coloured by their channel between fixed bounds.
     fn of_values(channel_name: &str, min: f32, max: f32) -> Self {
         let channel_name = channel_name.to_owned();
         let intensity =
@@ -229,52 +173,40 @@ impl CloudSettings {
     }
 
     /// Reads the properties of PointCloud2, PointCloud and LaserScan.
-    pub(crate) fn read(section: &mut Section<'_>) -> Self {
+    pub(crate) fn read_cloud(section: &mut Section<'_>) -> Self {
         Self::read_over(section, Self::default())
     }
 
-    /// Reads the properties of FluidPressure.
+    /// Reads the properties of FluidPressure, as the next ones do those of their classes.
     pub(crate) fn read_fluid_pressure(section: &mut Section<'_>) -> Self {
         Self::read_over(section, Self::fluid_pressure_default())
     }
 
-    /// Reads the properties of Illuminance.
     pub(crate) fn read_illuminance(section: &mut Section<'_>) -> Self {
         Self::read_over(section, Self::illuminance_default())
     }
 
-    /// Reads the properties of RelativeHumidity.
     pub(crate) fn read_relative_humidity(section: &mut Section<'_>) -> Self {
         Self::read_over(section, Self::relative_humidity_default())
     }
 
-    /// Reads the properties of Temperature.
     pub(crate) fn read_temperature(section: &mut Section<'_>) -> Self {
         Self::read_over(section, Self::temperature_default())
     }
 
-    /// Reads the properties; what the section lacks is as in `defaults`.
-    fn read_over(section: &mut Section<'_>, defaults: Self) -> Self {
-        let mut settings = defaults;
-        settings.read_points(section);
-        section.subscription(&mut settings.topic, 0, &mut settings.queue_size);
+    fn read_over(section: &mut Section<'_>, mut settings: Self) -> Self {
+        section.properties(&mut settings);
+        section.topic("Topic", &mut settings.topic);
+        section.count("Queue Size", 0, &mut settings.queue_size);
         settings
     }
 
-    /// Reads how points are drawn, without the topic that they come from.
-    pub(crate) fn read_points(&mut self, section: &mut Section<'_>) {
-        self.intensity.read(section);
-        self.axis_color.read(section);
-        section.skip(&["Selectable"]);
+    fn read_style(&mut self, section: &mut Section<'_>) {
         let (mut size_px, mut size_m) = DEFAULT_SIZES;
         section.float("Size (Pixels)", at_least(1.0), &mut size_px);
         section.float("Size (m)", at_least(0.0001), &mut size_m);
         self.style = PointStyle::FlatSquares { side_m: size_m };
         section.choice("Style", &styles(size_px, size_m), &mut self.style);
-        section.float("Alpha", 0.0..=1.0, &mut self.alpha);
-        section.float("Decay Time", at_least(0.0), &mut self.decay_time_secs);
         section.choice_or_automatic("Position Transformer", &POSITION_TRANSFORMERS, &mut None);
-        section.choice_or_automatic("Color Transformer", &COLOR_TRANSFORMERS, &mut self.color_transformer);
-        section.color("Color", &mut self.flat_color);
     }
 }

@@ -1,19 +1,19 @@
 //! The `Covariance` section of PoseWithCovariance and Odometry.
 
-use crate::section::{at_least, Section};
+use crate::section::{at_least, Properties, Section};
 
-/// Whose axes the orientation's covariance is drawn along.
+/// The axes along which the orientation's covariance is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CovarianceFrame {
-    /// Those of the pose.
+    /// The axes of the pose.
     Local,
-    /// Those of the message's frame.
+    /// The axes of the message's frame.
     Fixed,
 }
 
 const FRAMES: [(&str, CovarianceFrame); 2] = [("Local", CovarianceFrame::Local), ("Fixed", CovarianceFrame::Fixed)];
 
-/// How the orientation's covariance is coloured.
+/// Colours of the orientation's covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CovarianceColorStyle {
     /// All axes in one colour.
@@ -25,7 +25,7 @@ pub enum CovarianceColorStyle {
 const COLOR_STYLES: [(&str, CovarianceColorStyle); 2] =
     [("Unique", CovarianceColorStyle::Unique), ("RGB", CovarianceColorStyle::Rgb)];
 
-/// What is shown of the covariance of a pose.
+/// How the covariance of a pose is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CovarianceSettings {
     /// The ellipsoid of the position; `None` when it is switched off.
@@ -34,102 +34,58 @@ pub struct CovarianceSettings {
     pub orientation: Option<OrientationCovarianceSettings>,
 }
 
-/// How the covariance of a position is drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PositionCovarianceSettings {
-    /// Red, green and blue.
-    pub color: [u8; 3],
-    /// Opacity, 0 to 1.
-    pub alpha: f32,
-    /// How many standard deviations the ellipsoid reaches; at least 0.
-    pub scale: f32,
+properties! {
+    /// How the covariance of a position is drawn.
+    pub struct PositionCovarianceSettings {
+        /// Red, green and blue.
+        color: [u8; 3] = [204, 51, 204] => color("Color");
+        /// Opacity, 0 to 1.
+        alpha: f32 = 0.3 => float("Alpha", 0.0..=1.0);
+        /// Radius of the ellipsoid in standard deviations; at least 0.
+        scale: f32 = 1.0 => float("Scale", at_least(0.0));
+    }
 }
 
-/// How the covariance of an orientation is drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OrientationCovarianceSettings {
-    /// Along whose axes.
-    pub frame: CovarianceFrame,
-    /// How the axes are coloured.
-    pub color_style: CovarianceColorStyle,
-    /// Red, green and blue of [`CovarianceColorStyle::Unique`].
-    pub color: [u8; 3],
-    /// Opacity, 0 to 1.
-    pub alpha: f32,
-    /// How far from the pose the discs stand, or how long the cone of a 2D pose is, in metres; at least 0.
-    pub offset_m: f32,
-    /// How many standard deviations are shown; at least 0.
-    pub scale: f32,
+properties! {
+    /// How the covariance of an orientation is drawn.
+    pub struct OrientationCovarianceSettings {
+        /// The axes along which it is drawn.
+        frame: CovarianceFrame = CovarianceFrame::Local => choice("Frame", &FRAMES);
+        /// How the axes are coloured.
+        color_style: CovarianceColorStyle = CovarianceColorStyle::Unique => choice("Color Style", &COLOR_STYLES);
+        /// Red, green and blue of [`CovarianceColorStyle::Unique`].
+        color: [u8; 3] = [255, 255, 127] => color("Color");
+        /// Opacity, 0 to 1.
+        alpha: f32 = 0.5 => float("Alpha", 0.0..=1.0);
+        /// Distance of the discs from the pose, or length of the cone of a 2D pose, in metres; at least 0.
+        offset_m: f32 = 1.0 => float("Offset", at_least(0.0));
+        /// Standard deviations that are drawn; at least 0.
+        scale: f32 = 1.0 => float("Scale", at_least(0.0));
+    }
 }
 
 impl Default for CovarianceSettings {
     fn default() -> Self {
-        CovarianceSettings {
-            position: Some(PositionCovarianceSettings::default()),
-            orientation: Some(OrientationCovarianceSettings::default()),
-        }
+        CovarianceSettings { position: Some(Default::default()), orientation: Some(Default::default()) }
     }
 }
 
-impl Default for PositionCovarianceSettings {
-    fn default() -> Self {
-        PositionCovarianceSettings { color: [204, 51, 204], alpha: 0.3, scale: 1.0 }
+impl Properties for CovarianceSettings {
+    fn read_properties(&mut self, section: &mut Section<'_>) {
+        let parts = if_enabled(section, "Covariance", |inside| CovarianceSettings {
+            position: if_enabled(inside, "Position", Properties::read),
+            orientation: if_enabled(inside, "Orientation", Properties::read),
+        });
+        *self = parts.unwrap_or(CovarianceSettings { position: None, orientation: None });
     }
 }
 
-impl Default for OrientationCovarianceSettings {
-    fn default() -> Self {
-        OrientationCovarianceSettings {
-            frame: CovarianceFrame::Local,
-            color_style: CovarianceColorStyle::Unique,
-            color: [255, 255, 127],
-            alpha: 0.5,
-            offset_m: 1.0,
-            scale: 1.0,
-        }
-    }
-}
-
-impl CovarianceSettings {
-    /// Reads the key `Covariance` of a display.
-    pub(crate) fn read(section: &mut Section<'_>) -> Self {
-        let mut inside = section.child("Covariance");
-        let mut shown = true;
-        inside.bool("Value", &mut shown);
-        let position = PositionCovarianceSettings::read(&mut inside);
-        let orientation = OrientationCovarianceSettings::read(&mut inside);
-        inside.finish();
-        CovarianceSettings { position: position.filter(|_| shown), orientation: orientation.filter(|_| shown) }
-    }
-}
-
-impl PositionCovarianceSettings {
-    fn read(section: &mut Section<'_>) -> Option<Self> {
-        let mut settings = PositionCovarianceSettings::default();
-        let mut inside = section.child("Position");
-        let mut shown = true;
-        inside.bool("Value", &mut shown);
-        inside.color("Color", &mut settings.color);
-        inside.float("Alpha", 0.0..=1.0, &mut settings.alpha);
-        inside.float("Scale", at_least(0.0), &mut settings.scale);
-        inside.finish();
-        shown.then_some(settings)
-    }
-}
-
-impl OrientationCovarianceSettings {
-    fn read(section: &mut Section<'_>) -> Option<Self> {
-        let mut settings = OrientationCovarianceSettings::default();
-        let mut inside = section.child("Orientation");
-        let mut shown = true;
-        inside.bool("Value", &mut shown);
-        inside.choice("Frame", &FRAMES, &mut settings.frame);
-        inside.choice("Color Style", &COLOR_STYLES, &mut settings.color_style);
-        inside.color("Color", &mut settings.color);
-        inside.float("Alpha", 0.0..=1.0, &mut settings.alpha);
-        inside.float("Offset", at_least(0.0), &mut settings.offset_m);
-        inside.float("Scale", at_least(0.0), &mut settings.scale);
-        inside.finish();
-        shown.then_some(settings)
-    }
+/// Reads the section under `key`; `None` if it is switched off.
+fn if_enabled<T>(section: &mut Section<'_>, key: &str, read: impl FnOnce(&mut Section<'_>) -> T) -> Option<T> {
+    let mut inside = section.child(key);
+    let mut is_enabled = true;
+    inside.bool("Value", &mut is_enabled);
+    let settings = read(&mut inside);
+    inside.finish();
+    is_enabled.then_some(settings)
 }

@@ -1,24 +1,22 @@
 //! `rviz/Image` and `rviz/Camera`: an image in a panel of rviz's window, a Camera's with the scene over it.
 //!
-//! Neither puts anything into the scene, so a virtual camera does not see them. Their properties are known and have no
-//! effect, but for the topic, which is listed.
+//! Neither is part of the scene, so a virtual camera does not see them: of their properties, only the topic is kept.
 
-use crate::section::Section;
+use crate::section::{Properties, Section};
 
-/// The properties that both have.
-const OF_BOTH: [&str; 4] = ["Transport Hint", "Queue Size", "Unreliable", "Timeout"];
-
-/// The properties of an Image display alone.
+/// The keys of an Image display alone.
 const OF_IMAGE: [&str; 4] = ["Normalize Range", "Min Value", "Max Value", "Median window"];
 
-/// The properties of a Camera display alone.
+/// The keys of a Camera display alone.
 const OF_CAMERA: [&str; 4] = ["Image Rendering", "Overlay Alpha", "Zoom Factor", "Visibility"];
 
-/// What is kept of an Image or a Camera display.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ImageSettings {
-    /// Topic of `sensor_msgs/Image`; empty when none is chosen.
-    pub topic: String,
+properties! {
+    /// The properties of an Image or a Camera display.
+    pub struct ImageSettings {
+        /// Topic of `sensor_msgs/Image`; empty when none is chosen.
+        topic: String = String::new() => topic("Image Topic");
+    }
+    skip ["Transport Hint", "Queue Size", "Timeout"];
 }
 
 impl ImageSettings {
@@ -30,12 +28,5 @@ impl ImageSettings {
     pub(crate) fn read_camera(section: &mut Section<'_>) -> Self {
         section.skip(&OF_CAMERA);
         Self::read(section)
-    }
-
-    fn read(section: &mut Section<'_>) -> Self {
-        let mut settings = ImageSettings::default();
-        section.text("Image Topic", &mut settings.topic);
-        section.skip(&OF_BOTH);
-        settings
     }
 }

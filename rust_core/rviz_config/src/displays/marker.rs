@@ -1,30 +1,26 @@
 //! `rviz/Marker` and `rviz/MarkerArray`: the same display, subscribing to another kind of message.
 //!
-//! A Marker display shows the markers of its topic and also the arrays of the topic's name with `_array` after it. A
-//! MarkerArray display shows only the arrays of its topic.
+//! A Marker display draws the markers of its topic and also the arrays of the topic's name with `_array` after it. A
+//! MarkerArray display draws only the arrays of its topic.
 
 use std::collections::BTreeMap;
 
 use crate::node::Content;
 use crate::qt_value;
-use crate::section::{Section, ENTRY};
+use crate::report::ENTRY;
+use crate::section::Section;
 
-/// The properties of a Marker or MarkerArray display.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MarkerSettings {
-    /// Topic of `visualization_msgs/Marker` or `visualization_msgs/MarkerArray`.
-    pub topic: String,
-    /// How many messages may wait for their transform.
-    pub queue_size: u32,
-    /// The namespaces that the config names, and whether each is shown.
-    pub namespaces: BTreeMap<String, bool>,
-}
-
-impl Default for MarkerSettings {
-    /// The defaults of a Marker display.
-    fn default() -> Self {
-        MarkerSettings { topic: "visualization_marker".to_owned(), queue_size: 100, namespaces: BTreeMap::new() }
+properties! {
+    /// The properties of a Marker or MarkerArray display; the defaults are a Marker's.
+    pub struct MarkerSettings {
+        /// Topic of `visualization_msgs/Marker` or `visualization_msgs/MarkerArray`.
+        topic: String = "visualization_marker".to_owned() => text("Marker Topic");
+        /// Most messages that wait for their transform.
+        queue_size: u32 = 100 => count("Queue Size", 0);
+        /// The namespaces in the config; `true` for those that are drawn.
+        namespaces: BTreeMap<String, bool> = BTreeMap::new();
     }
+    then read_namespaces;
 }
 
 impl MarkerSettings {
@@ -33,35 +29,28 @@ impl MarkerSettings {
         MarkerSettings { topic: "visualization_marker_array".to_owned(), ..MarkerSettings::default() }
     }
 
-    /// Whether the markers of `namespace` are shown: yes, unless the config switches it off.
+    /// `true` if the markers of `namespace` are drawn: unless the config switches it off.
     pub fn shows_namespace(&self, namespace: &str) -> bool {
         self.namespaces.get(namespace).copied().unwrap_or(true)
     }
 
-    /// Reads the properties of a Marker display.
-    pub(crate) fn read(section: &mut Section<'_>) -> Self {
-        Self::read_over(section, Self::default())
-    }
-
     /// Reads the properties of a MarkerArray display.
     pub(crate) fn read_array(section: &mut Section<'_>) -> Self {
-        Self::read_over(section, Self::array_default())
+        let mut settings = Self::array_default();
+        section.properties(&mut settings);
+        settings
     }
 
-    fn read_over(section: &mut Section<'_>, defaults: MarkerSettings) -> Self {
-        let mut settings = defaults;
-        section.text("Marker Topic", &mut settings.topic);
-        section.count("Queue Size", 0, &mut settings.queue_size);
+    fn read_namespaces(&mut self, section: &mut Section<'_>) {
         let mut namespaces = section.child("Namespaces");
         namespaces.record(ENTRY, || true.to_string());
-        for (namespace, node, _) in namespaces.all() {
-            // What is no scalar has no value, and rviz takes no value for false.
+        for (namespace, node) in namespaces.all() {
+            // Only a scalar has a value, and rviz takes no value for false.
             let shown = match &node.content {
                 Content::Scalar(text) => qt_value::to_bool(text).0,
                 Content::Null | Content::List(_) | Content::Map(_) => false,
             };
-            settings.namespaces.insert(namespace.to_owned(), shown);
+            self.namespaces.insert(namespace.to_owned(), shown);
         }
-        settings
     }
 }

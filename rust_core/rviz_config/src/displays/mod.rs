@@ -1,16 +1,18 @@
-//! The displays of a config: which class each is, what every display has, and the reader of each class.
+//! The displays of a config: their class, the properties that all have, and the reader of each class.
 //!
-//! A display class has a file here with its settings, their defaults and their reading, and one row in the table
+//! A display class has a file here with its settings, and one row in the table
 //! [`display_classes`](crate::display_classes). The modules of this folder, [`DisplaySettings`], the readers by class
 //! name and the list [`classes`] are made from that table, and so are the displays that draw the classes.
 
 pub(crate) mod covariance;
+pub(crate) mod line_style;
 pub(crate) mod pose_symbol;
 pub(crate) mod visibility;
 
 use crate::finding::FindingKind;
 use crate::node::{Content, Node};
-use crate::section::{join, Property, Report, Section};
+use crate::report::{Property, Report};
+use crate::section::{join, Properties, Section};
 
 /// The table of display classes: `display_classes!(callback)` calls the macro `callback` with its rows.
 ///
@@ -23,7 +25,7 @@ use crate::section::{join, Property, Report, Section};
 /// - its [`Role`], and in parentheses its module in `displays/src/classes`, which has the function
 ///   `create(DisplayId, &Settings) -> Box<dyn Display>`.
 ///
-/// So a new class needs three things: its settings, its display, and its row here.
+/// A new class needs its settings, its display, and its row here.
 #[rustfmt::skip]
 #[macro_export]
 macro_rules! display_classes {
@@ -37,18 +39,18 @@ macro_rules! display_classes {
             FluidPressure      "rviz/FluidPressure"           mod cloud::CloudSettings::read_fluid_pressure              [topic]        Scene(fluid_pressure);
             Grid               "rviz/Grid"                    mod grid::GridSettings::read                               []             Scene(grid);
             GridCells          "rviz/GridCells"               mod plain_color::PlainColorSettings::read                  [topic]        Scene(grid_cells);
-            Group              "rviz/Group"                   mod group::GroupSettings::read                             []             Group;
+            Group              "rviz/Group"                   use self::GroupSettings::read                              []             Group;
             Illuminance        "rviz/Illuminance"             use cloud::CloudSettings::read_illuminance                 [topic]        Scene(illuminance);
             Image              "rviz/Image"                   use image::ImageSettings::read_image                       [topic]        Window(image);
             InteractiveMarkers "rviz/InteractiveMarkers"      mod interactive_markers::InteractiveMarkersSettings::read  [update_topic] Scene(interactive_markers);
-            LaserScan          "rviz/LaserScan"               use cloud::CloudSettings::read                             [topic]        Scene(laser_scan);
+            LaserScan          "rviz/LaserScan"               use cloud::CloudSettings::read_cloud                       [topic]        Scene(laser_scan);
             Map                "rviz/Map"                     mod map::MapSettings::read                                 [topic]        Scene(map);
             Marker             "rviz/Marker"                  mod marker::MarkerSettings::read                           [topic]        Scene(marker);
             MarkerArray        "rviz/MarkerArray"             use marker::MarkerSettings::read_array                     [topic]        Scene(marker_array);
             Odometry           "rviz/Odometry"                mod odometry::OdometrySettings::read                       [topic]        Scene(odometry);
             Path               "rviz/Path"                    mod path::PathSettings::read                               [topic]        Scene(path);
-            PointCloud         "rviz/PointCloud"              use cloud::CloudSettings::read                             [topic]        Scene(point_cloud);
-            PointCloud2        "rviz/PointCloud2"             use cloud::CloudSettings::read                             [topic]        Scene(point_cloud2);
+            PointCloud         "rviz/PointCloud"              use cloud::CloudSettings::read_cloud                       [topic]        Scene(point_cloud);
+            PointCloud2        "rviz/PointCloud2"             use cloud::CloudSettings::read_cloud                       [topic]        Scene(point_cloud2);
             PointStamped       "rviz/PointStamped"            mod point_stamped::PointStampedSettings::read              [topic]        Scene(point_stamped);
             Polygon            "rviz/Polygon"                 use plain_color::PlainColorSettings::read                  [topic]        Scene(polygon);
             Pose               "rviz/Pose"                    mod pose::PoseSettings::read                               [topic]        Scene(pose);
@@ -81,13 +83,13 @@ macro_rules! define_classes {
             )*
             /// A class that is not known, and not drawn.
             Unknown {
-                /// The topics that the display names, that of the key `Topic` first.
+                /// The topics that the display names, the value of `Topic` first.
                 topics: Vec<String>,
             },
         }
 
         impl DisplaySettings {
-            /// What a display of the class is for the scene.
+            /// Role of the class in the scene.
             pub fn role(&self) -> Role {
                 match self {
                     $(Self::$variant(_) => Role::$role,)*
@@ -135,12 +137,12 @@ macro_rules! declare_module {
 
 display_classes!(define_classes);
 
-/// What a display of a class is for the scene.
+/// Role of a display class in the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Drawn.
     Scene,
-    /// Shown in a panel of rviz's window, and not in the scene.
+    /// A panel of rviz's window, not part of the scene.
     Window,
     /// Holds other displays.
     Group,
@@ -153,15 +155,14 @@ pub enum Role {
 /// A display class.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ClassInfo {
-    /// As a config names it, such as `rviz/Grid`.
+    /// The name in a config, such as `rviz/Grid`.
     pub name: &'static str,
-    /// What a display of the class is for the scene.
+    /// Role of the class in the scene.
     pub role: Role,
 }
 
-/// The properties that a class reads, in the order of reading, with their defaults. Those that every display has (its
-/// name, its class, whether it is enabled) are not among them, nor are those that are accepted without effect. Empty
-/// for a class that is not known.
+/// The properties that a class reads, with their defaults; empty for an unknown class. Properties of every display
+/// (name, class, enabled) are not among them, nor are those that are accepted without effect.
 ///
 /// ```
 /// let properties = rcs_rviz_config::properties("rviz/Axes");
@@ -174,15 +175,29 @@ pub fn properties(class: &str) -> Vec<Property> {
     report.into_properties()
 }
 
+/// The displays of a `rviz/Group`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct GroupSettings {
+    /// The displays, in the file's order.
+    pub displays: Vec<DisplayConfig>,
+}
+
+impl GroupSettings {
+    fn read(section: &mut Section<'_>) -> Self {
+        let path = section.path().to_owned();
+        GroupSettings { displays: read_list(section, &path) }
+    }
+}
+
 /// One entry of a list of displays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisplayConfig {
     /// The display's name; empty when it has none. Names need not be unique.
     pub name: String,
-    /// Its class as the file writes it, such as `rviz/PointCloud2`; empty when it has none.
+    /// The class as the file writes it, such as `rviz/PointCloud2`; empty when it has none.
     pub class: String,
-    /// Its own tick box. A display inside a group is drawn only if all groups around it are enabled as well. A
-    /// display without either key is not enabled, as in rviz.
+    /// The display's own tick box; unticked without a key, as in rviz. A display inside a group is drawn only if all
+    /// groups around it are enabled as well.
     pub enabled: bool,
     /// The line at which the display begins, from 1.
     pub line: usize,
@@ -190,28 +205,13 @@ pub struct DisplayConfig {
     pub settings: DisplaySettings,
 }
 
-/// How lines are drawn by the displays that let one choose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LineStyle {
-    /// One pixel wide at any distance.
-    #[default]
-    Lines,
-    /// Strips that face the camera, of a width in metres.
-    Billboards,
-}
-
-/// The names of line styles in a config.
-pub(crate) const LINE_STYLES: [(&str, LineStyle); 2] =
-    [("Lines", LineStyle::Lines), ("Billboards", LineStyle::Billboards)];
-
 impl DisplayConfig {
-    /// The topic that the display shows, or publishes in the case of a CameraPub; `None` if it has none or it is
-    /// empty.
+    /// The topic that the display subscribes to, or a CameraPub publishes; `None` if it has none or it is empty.
     pub fn topic(&self) -> Option<&str> {
         self.topic_setting().filter(|topic| !topic.is_empty())
     }
 
-    /// The same as the config has it, which may be empty; `None` for a class without topic.
+    /// The topic as the config has it, which may be empty; `None` for a class without topic.
     pub fn topic_setting(&self) -> Option<&str> {
         self.settings.topic()
     }
@@ -224,8 +224,7 @@ pub(crate) fn read_list(section: &mut Section<'_>, path: &str) -> Vec<DisplayCon
         Some((_, Content::List(items))) => items.iter().map(|item| read_display(item, path, report)).collect(),
         None | Some((_, Content::Null)) => Vec::new(),
         Some((node, Content::Scalar(_) | Content::Map(_))) => {
-            let kind = FindingKind::InvalidValue { value: "not a list".to_owned(), used: "no displays".to_owned() };
-            report.add(node.line, path, kind);
+            report.add_invalid(node.line, path, "not a list", "no displays");
             Vec::new()
         }
     }
@@ -254,8 +253,8 @@ fn read_display(node: &Node, group_path: &str, report: &Report) -> DisplayConfig
     DisplayConfig { name, class, enabled, line: node.line, settings }
 }
 
-/// What a display goes by in paths.
-fn label<'a>(name: &'a str, class: &'a str) -> &'a str {
+/// The name of a display in paths.
+pub(crate) fn label<'a>(name: &'a str, class: &'a str) -> &'a str {
     if name.is_empty() {
         class
     } else {
@@ -263,36 +262,10 @@ fn label<'a>(name: &'a str, class: &'a str) -> &'a str {
     }
 }
 
-/// Reports the names in the cameras' Visibility that no display has. `displays` are those of the list `node`, and `all`
-/// is the whole tree.
-pub(crate) fn check_visibilities(
-    node: Option<&Node>,
-    displays: &[DisplayConfig],
-    all: &[DisplayConfig],
-    path: &str,
-    report: &Report,
-) {
-    let Some(Content::List(items)) = node.map(|node| &node.content) else { return };
-    for (item, display) in items.iter().zip(displays) {
-        let path = join(path, label(&display.name, &display.class));
-        report.with_notes(!display.enabled, || match &display.settings {
-            DisplaySettings::CameraPub(_) => {
-                if let Some(visibility) = item.get("Visibility") {
-                    visibility::check(visibility, &join(&path, "Visibility"), &all.iter().collect::<Vec<_>>(), report);
-                }
-            }
-            DisplaySettings::Group(group) => {
-                check_visibilities(item.get("Displays"), &group.displays, all, &path, report);
-            }
-            _ => {}
-        });
-    }
-}
+/// Most topics that are listed of a display of an unknown class.
+const MAX_TOPICS: usize = 16;
 
-/// More topics than a display has; a file may hold any number.
-const MOST_TOPICS: usize = 16;
-
-/// Passes over the keys of a class that is not known, but for its topics.
+/// Skips the keys of an unknown class, except for its topics.
 fn read_unknown(class: &str, display: &Node, section: &mut Section<'_>) -> DisplaySettings {
     let mut topics = Vec::new();
     add_topics(display, &mut topics);
@@ -305,12 +278,12 @@ fn read_unknown(class: &str, display: &Node, section: &mut Section<'_>) -> Displ
     DisplaySettings::Unknown { topics }
 }
 
-/// Adds the topics that a display of an unknown class names: plain values of keys that end with "Topic", each once,
-/// that of the key `Topic` first. Plugins put some of their topics into sections.
+/// Adds the topics of a display of an unknown class: plain values of keys that end with "Topic", each once, the value
+/// of `Topic` first. Plugins put some of their topics into sections.
 fn add_topics(node: &Node, topics: &mut Vec<String>) {
     let Content::Map(entries) = &node.content else { return };
     for entry in entries {
-        if topics.len() == MOST_TOPICS {
+        if topics.len() == MAX_TOPICS {
             return;
         }
         match &entry.value.content {

@@ -2,7 +2,7 @@
 
 use crate::section::{Section, ANY};
 
-/// What stands at a pose.
+/// Symbol of a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PoseShape {
     /// An arrow along the pose's X.
@@ -13,72 +13,42 @@ pub enum PoseShape {
 
 const POSE_SHAPES: [(&str, PoseShape); 2] = [("Arrow", PoseShape::Arrow), ("Axes", PoseShape::Axes)];
 
-/// How a pose is drawn. Lengths and radii have no bounds in rviz, and what rviz calls a radius it draws as a diameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PoseSymbolSettings {
-    /// Which symbol it is.
-    pub shape: PoseShape,
-    /// Colour of the arrow, as red, green and blue.
-    pub color: [u8; 3],
-    /// Opacity of the arrow, 0 to 1. Axes are opaque.
-    pub alpha: f32,
-    /// Length of the arrow's shaft in metres.
-    pub shaft_length_m: f32,
-    /// "Radius" of the arrow's shaft in metres.
-    pub shaft_radius_m: f32,
-    /// Length of the arrow's head in metres.
-    pub head_length_m: f32,
-    /// "Radius" of the arrow's head in metres.
-    pub head_radius_m: f32,
-    /// Length of each of the axes in metres.
-    pub axes_length_m: f32,
-    /// "Radius" of the axes in metres.
-    pub axes_radius_m: f32,
-}
-
-impl Default for PoseSymbolSettings {
-    fn default() -> Self {
-        PoseSymbolSettings {
-            shape: PoseShape::Arrow,
-            color: [255, 25, 0],
-            alpha: 1.0,
-            shaft_length_m: 1.0,
-            shaft_radius_m: 0.05,
-            head_length_m: 0.3,
-            head_radius_m: 0.1,
-            axes_length_m: 1.0,
-            axes_radius_m: 0.1,
-        }
+properties! {
+    /// How a pose is drawn. Lengths and radii have no bounds in rviz, and a "radius" is drawn as a diameter.
+    pub struct PoseSymbolSettings {
+        /// Arrow or axes.
+        shape: PoseShape = PoseShape::Arrow;
+        /// Colour of the arrow, as red, green and blue.
+        color: [u8; 3] = [255, 25, 0] => color("Color");
+        /// Opacity of the arrow, 0 to 1. Axes are opaque.
+        alpha: f32 = 1.0 => float("Alpha", 0.0..=1.0);
+        /// Length of the arrow's shaft in metres.
+        shaft_length_m: f32 = 1.0 => float("Shaft Length", ANY);
+        /// "Radius" of the arrow's shaft in metres.
+        shaft_radius_m: f32 = 0.05 => float("Shaft Radius", ANY);
+        /// Length of the arrow's head in metres.
+        head_length_m: f32 = 0.3 => float("Head Length", ANY);
+        /// "Radius" of the arrow's head in metres.
+        head_radius_m: f32 = 0.1 => float("Head Radius", ANY);
+        /// Length of each of the axes in metres.
+        axes_length_m: f32 = 1.0 => float("Axes Length", ANY);
+        /// "Radius" of the axes in metres.
+        axes_radius_m: f32 = 0.1 => float("Axes Radius", ANY);
     }
 }
 
-impl PoseSymbolSettings {
-    /// Reads the keys beside `Shape`, as Pose and PoseWithCovariance have them.
-    pub(crate) fn read(section: &mut Section<'_>) -> Self {
-        let mut settings = PoseSymbolSettings::default();
-        section.choice("Shape", &POSE_SHAPES, &mut settings.shape);
-        settings.read_sizes(section);
-        settings
+impl Section<'_> {
+    /// Reads a symbol from the keys beside `Shape`, as Pose and PoseWithCovariance have them.
+    pub(crate) fn pose_symbol(&mut self, symbol: &mut PoseSymbolSettings) {
+        self.choice("Shape", &POSE_SHAPES, &mut symbol.shape);
+        self.properties(symbol);
     }
 
-    /// Reads the keys inside `Shape`, as Odometry has them.
-    pub(crate) fn read_inside_shape(section: &mut Section<'_>) -> Self {
-        let mut settings = PoseSymbolSettings::default();
-        let mut inside = section.child("Shape");
-        inside.choice("Value", &POSE_SHAPES, &mut settings.shape);
-        settings.read_sizes(&mut inside);
+    /// Reads a symbol from the keys inside `Shape`, as Odometry has them.
+    pub(crate) fn pose_symbol_inside_shape(&mut self, symbol: &mut PoseSymbolSettings) {
+        let mut inside = self.child("Shape");
+        inside.choice("Value", &POSE_SHAPES, &mut symbol.shape);
+        inside.properties(symbol);
         inside.finish();
-        settings
-    }
-
-    fn read_sizes(&mut self, section: &mut Section<'_>) {
-        section.color("Color", &mut self.color);
-        section.float("Alpha", 0.0..=1.0, &mut self.alpha);
-        section.float("Shaft Length", ANY, &mut self.shaft_length_m);
-        section.float("Shaft Radius", ANY, &mut self.shaft_radius_m);
-        section.float("Head Length", ANY, &mut self.head_length_m);
-        section.float("Head Radius", ANY, &mut self.head_radius_m);
-        section.float("Axes Length", ANY, &mut self.axes_length_m);
-        section.float("Axes Radius", ANY, &mut self.axes_radius_m);
     }
 }

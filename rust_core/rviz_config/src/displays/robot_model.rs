@@ -6,98 +6,63 @@ use crate::finding::FindingKind;
 use crate::node::{Content, Node};
 use crate::section::{at_least, join, Section, ANY};
 
-/// The properties of one link below `Links`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinkSettings {
-    /// Whether the link is shown, with its axes and its trail. Of no effect on a link without geometry.
-    pub enabled: bool,
-    /// Opacity, multiplied with those of the display and of the material. It has no bounds in rviz.
-    pub alpha: f32,
-    /// Whether the link's axes are shown.
-    pub show_axes: bool,
-    /// Whether a two metre ribbon follows the link.
-    pub show_trail: bool,
-}
-
-impl Default for LinkSettings {
-    fn default() -> Self {
-        LinkSettings { enabled: true, alpha: 1.0, show_axes: false, show_trail: false }
+properties! {
+    /// The properties of one link below `Links`.
+    pub struct LinkSettings {
+        /// `true` if the link is drawn, with its axes and its trail. Of no effect on a link without geometry.
+        enabled: bool = true => bool("Value");
+        /// Opacity, multiplied with the display's and the material's. It has no bounds in rviz.
+        alpha: f32 = 1.0 => float("Alpha", ANY);
+        /// `true` if the link's axes are drawn.
+        show_axes: bool = false => bool("Show Axes");
+        /// `true` if a two metre ribbon follows the link.
+        show_trail: bool = false => bool("Show Trail");
     }
+    skip ["Position", "Orientation", "Details"];
 }
 
-/// The properties of a RobotModel display.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RobotModelSettings {
-    /// Whether the links' visual geometry is shown.
-    pub visual_enabled: bool,
-    /// Whether the links' collision geometry is shown.
-    pub collision_enabled: bool,
-    /// How often the links are moved, in seconds; below 0.0001 whenever there is something new.
-    pub update_interval_secs: f32,
-    /// Opacity, 0 to 1.
-    pub alpha: f32,
-    /// The name of the parameter with the robot's description.
-    pub robot_description: String,
-    /// What stands, with a slash, before the links' names in their frames' names; empty for nothing.
-    pub tf_prefix: String,
-    /// What the settings of a link begin with that `links` does not have.
-    pub other_links: LinkSettings,
-    /// The settings of single links by their names.
-    pub links: BTreeMap<String, LinkSettings>,
-}
-
-impl Default for RobotModelSettings {
-    fn default() -> Self {
-        RobotModelSettings {
-            visual_enabled: true,
-            collision_enabled: false,
-            update_interval_secs: 0.0,
-            alpha: 1.0,
-            robot_description: "robot_description".to_owned(),
-            tf_prefix: String::new(),
-            other_links: LinkSettings::default(),
-            links: BTreeMap::new(),
-        }
+properties! {
+    /// The properties of a RobotModel display.
+    pub struct RobotModelSettings {
+        /// `true` if the links' visual geometry is drawn.
+        visual_enabled: bool = true => bool("Visual Enabled");
+        /// `true` if the links' collision geometry is drawn.
+        collision_enabled: bool = false => bool("Collision Enabled");
+        /// Seconds between two updates of the links; below 0.0001 whenever there is something new.
+        update_interval_secs: f32 = 0.0 => float("Update Interval", at_least(0.0));
+        /// Opacity, 0 to 1.
+        alpha: f32 = 1.0 => float("Alpha", 0.0..=1.0);
+        /// The name of the parameter with the robot's description.
+        robot_description: String = "robot_description".to_owned() => text("Robot Description");
+        /// Prefix of the links' frames, without the slash after it; empty for none.
+        tf_prefix: String = String::new() => text("TF Prefix");
+        /// Defaults of the links, and the settings of links that are not in `links`.
+        other_links: LinkSettings = LinkSettings::default();
+        /// The settings of single links by their names.
+        links: BTreeMap<String, LinkSettings> = BTreeMap::new();
     }
+    then read_links;
 }
 
 /// The keys below `Links` that only concern rviz's tree.
 const TREE_KEYS: [&str; 5] = ["Link Tree Style", "Expand Tree", "Expand Link Details", "Expand Joint Details", "Value"];
 
-/// What rviz calls the links where another Link Tree Style was chosen. It writes them under these names and does not
-/// find them again when it reads the file, so that all links are shown, and no axes of links or joints.
+/// Names of the links' section where another Link Tree Style was chosen. rviz does not read these back, so all links
+/// are shown, and no axes of links or joints.
 const OTHER_TREES: [&str; 3] = ["Link Tree", "Joints", "Link/Joint Tree"];
 
 impl RobotModelSettings {
-    pub(crate) fn read(section: &mut Section<'_>) -> Self {
-        let mut settings = RobotModelSettings::default();
-        section.bool("Visual Enabled", &mut settings.visual_enabled);
-        section.bool("Collision Enabled", &mut settings.collision_enabled);
-        section.float("Update Interval", at_least(0.0), &mut settings.update_interval_secs);
-        section.float("Alpha", 0.0..=1.0, &mut settings.alpha);
-        section.text("Robot Description", &mut settings.robot_description);
-        section.text("TF Prefix", &mut settings.tf_prefix);
-        OTHER_TREES.iter().for_each(|key| report_unread_tree(section, key));
-        settings.read_links(section.child("Links"));
-        settings
-    }
-
-    fn read_links(&mut self, mut section: Section<'_>) {
+    fn read_links(&mut self, section: &mut Section<'_>) {
         const ALL: &str = "All Links Enabled";
-        section.bool(ALL, &mut self.other_links.enabled);
-        for (name, _, _) in section.all() {
-            if name == ALL || TREE_KEYS.contains(&name) {
-                continue;
+        OTHER_TREES.iter().for_each(|key| report_unread_tree(section, key));
+        let mut links = section.child("Links");
+        links.bool(ALL, &mut self.other_links.enabled);
+        for (name, _) in links.all() {
+            if name != ALL && !TREE_KEYS.contains(&name) {
+                let mut link = self.other_links.clone();
+                links.inside(name, &mut link);
+                self.links.insert(name.to_owned(), link);
             }
-            let mut section = section.child(name);
-            let mut link = self.other_links.clone();
-            section.bool("Value", &mut link.enabled);
-            section.float("Alpha", ANY, &mut link.alpha);
-            section.bool("Show Axes", &mut link.show_axes);
-            section.bool("Show Trail", &mut link.show_trail);
-            section.skip(&["Position", "Orientation", "Details"]);
-            section.finish();
-            self.links.insert(name.to_owned(), link);
         }
     }
 
@@ -107,11 +72,10 @@ impl RobotModelSettings {
     }
 }
 
-/// The most settings of a tree that a finding lists.
+/// Most settings of a tree that a finding lists.
 const MOST_LISTED: usize = 8;
 
-/// Passes over a tree that rviz does not read back. Its author saw something else if settings in it are not the
-/// defaults.
+/// Skips a tree that rviz does not read back, and reports its settings that are not the defaults.
 fn report_unread_tree(section: &mut Section<'_>, key: &str) {
     let Some(tree) = section.node(key) else { return };
     let mut changed = Vec::new();

@@ -1,15 +1,12 @@
-//! Which displays a camera sees: a tick box for every display, with groups as branches.
+//! The displays that a camera draws: a tick box for every display, with groups as branches.
 //!
 //! rviz makes the boxes from the displays that exist and looks up each one's value by the display's name. So a name
-//! that no display has is without effect, displays of the same name share their value, a display that is not listed
-//! is seen, and a branch that is not ticked hides everything below it.
+//! that no display has is without effect, displays of one name share their value, a display that is not listed is
+//! drawn, and a branch that is not ticked hides everything below it.
 
 use std::collections::BTreeMap;
 
-use crate::displays::{DisplayConfig, DisplaySettings};
-use crate::finding::FindingKind;
-use crate::node::{Content, Node};
-use crate::section::{join, Report, Section};
+use crate::section::{Properties, Section, OWN_VALUE};
 
 /// A tick box of a camera's Visibility, with those below it.
 ///
@@ -20,40 +17,28 @@ use crate::section::{join, Report, Section};
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Visibility {
-    /// Whether this box is ticked.
+    /// `true` if this box is ticked.
     pub value: bool,
     /// The boxes below it by the names of their displays.
     pub children: BTreeMap<String, Visibility>,
 }
 
 impl Default for Visibility {
-    /// Everything is seen.
+    /// Everything is drawn.
     fn default() -> Self {
         Visibility { value: true, children: BTreeMap::new() }
     }
 }
 
-/// The key of a branch's own value.
-const OWN_VALUE: &str = "Value";
-
 impl Visibility {
-    /// Whether the display `path` is seen: the names of the groups around it from the outermost in, then its own.
-    ///
-    /// Only this camera's choice; whether the display is enabled is another question.
+    /// `true` if the camera draws the display `path` (the names of the groups around it from the outermost in, then its
+    /// own), provided that it is enabled.
     pub fn shows(&self, path: &[&str]) -> bool {
-        if !self.value {
-            return false;
-        }
-        let Some((name, rest)) = path.split_first() else {
-            return true;
-        };
-        match self.children.get(*name) {
-            Some(child) => child.shows(rest),
-            None => true,
-        }
+        let Some((name, rest)) = path.split_first() else { return self.value };
+        self.value && self.children.get(*name).is_none_or(|child| child.shows(rest))
     }
 
-    /// Whether a display's own box is ticked, whatever is around it.
+    /// `true` if a display's own box is ticked, whatever is around it.
     pub fn is_ticked(&self, path: &[&str]) -> bool {
         match path.split_first() {
             None => self.value,
@@ -82,42 +67,20 @@ impl Visibility {
         Visibility { value, children: names.map(child).collect() }
     }
 
-    pub(crate) fn read(mut section: Section<'_>) -> Self {
-        let mut visibility = Visibility::default();
-        section.bool(OWN_VALUE, &mut visibility.value);
-        for (name, _, _) in section.all() {
-            // A display may be called "Value" too. Its box is the branch's own then, which `shows` asks first.
-            if name != OWN_VALUE {
-                let child = Visibility::read(section.child(name));
-                visibility.children.insert(name.to_owned(), child);
-            }
-        }
-        visibility
-    }
-
-    fn hides_something(&self) -> bool {
+    pub(crate) fn hides_something(&self) -> bool {
         !self.value || self.children.values().any(Visibility::hides_something)
     }
 }
 
-/// Reports the names in a camera's Visibility that none of `displays` has. One that would hide nothing is a note.
-pub(crate) fn check(node: &Node, path: &str, displays: &[&DisplayConfig], report: &Report) {
-    let Content::Map(entries) = &node.content else { return };
-    for entry in entries.iter().filter(|entry| entry.key != OWN_VALUE) {
-        let path = join(path, &entry.key);
-        let mut named = displays.iter().filter(|display| display.name == entry.key).peekable();
-        if named.peek().is_none() {
-            let present = displays.iter().map(|display| display.name.clone()).collect();
-            let boxes = Visibility::read(Section::new(&entry.value, String::new(), &Report::default()));
-            let kind = FindingKind::UnknownDisplay { present };
-            report.with_notes(!boxes.hides_something(), || report.add(entry.line, &path, kind));
-            continue;
+impl Properties for Visibility {
+    fn read_properties(&mut self, section: &mut Section<'_>) {
+        section.bool(OWN_VALUE, &mut self.value);
+        for (name, _) in section.all() {
+            // A display may be called "Value" too. Its box is the branch's own then, which `shows` asks first.
+            if name != OWN_VALUE {
+                section.inside(name, self.children.entry(name.to_owned()).or_default());
+            }
         }
-        let inside = named.filter_map(|display| match &display.settings {
-            DisplaySettings::Group(group) => Some(&group.displays),
-            _ => None,
-        });
-        check(&entry.value, &path, &inside.flatten().collect::<Vec<_>>(), report);
     }
 }
 
@@ -125,18 +88,18 @@ pub(crate) fn check(node: &Node, path: &str, displays: &[&DisplayConfig], report
 mod tests {
     use super::*;
     use crate::node;
-    use crate::section::Report;
+    use crate::report::Report;
 
     fn read(text: &str) -> Visibility {
         let tree = node::parse(text).unwrap();
         let report = Report::default();
-        let visibility = Visibility::read(Section::new(&tree, String::new(), &report));
+        let visibility = Visibility::read(&mut Section::new(&tree, String::new(), &report));
         assert_eq!(report.into_findings(), []);
         visibility
     }
 
     #[test]
-    fn a_display_not_listed_is_seen() {
+    fn a_display_not_listed_is_drawn() {
         assert!(Visibility::default().shows(&["a"]));
         let some = read("{Value: true, a: false, g: {Value: true, b: false}}");
         assert!(some.shows(&["other"]));

@@ -3,9 +3,9 @@
 use rcs_rviz_config::{
     parse, AxesSettings, Axis, AxisColorSettings, CameraPubSettings, CloudSettings, ColorTransformer,
     CovarianceColorStyle, CovarianceFrame, CovarianceSettings, DisplaySettings, GridPlane, GridSettings, GroupSettings,
-    IntensitySettings, LineStyle, MarkerSettings, OdometrySettings, OrientationCovarianceSettings, PathSettings,
-    PlainColorSettings, PointStampedSettings, PoseArraySettings, PoseArrayShape, PoseSettings, PoseShape, PoseStyle,
-    PoseSymbolSettings, PoseWithCovarianceSettings, PositionCovarianceSettings, RangeSettings,
+    IntensitySettings, LineStyle, MarkerSettings, OdometrySettings, OrientationCovarianceSettings, PathArrowSettings,
+    PathSettings, PlainColorSettings, PointStampedSettings, PoseArraySettings, PoseArrayShape, PoseSettings, PoseShape,
+    PoseStyle, PoseSymbolSettings, PoseWithCovarianceSettings, PositionCovarianceSettings, RangeSettings,
 };
 use rcs_scene::{Encoding, PointStyle};
 
@@ -206,11 +206,13 @@ fn every_property_of_path_is_read() {
         pose_style: PoseStyle::Arrows,
         axes_length_m: 0.6,
         axes_radius_m: 0.06,
-        arrow_color: [9, 8, 7],
-        shaft_length_m: 0.11,
-        head_length_m: 0.12,
-        shaft_diameter_m: 0.13,
-        head_diameter_m: 0.14,
+        arrow: PathArrowSettings {
+            color: [9, 8, 7],
+            shaft_length_m: 0.11,
+            head_length_m: 0.12,
+            shaft_diameter_m: 0.13,
+            head_diameter_m: 0.14,
+        },
     };
     assert_eq!(*settings(&config), DisplaySettings::Path(path));
 }

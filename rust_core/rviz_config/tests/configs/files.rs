@@ -232,7 +232,7 @@ fn a_file_as_rviz_saves_it_is_understood() {
     let visible: Vec<_> = placed.iter().map(|placed| camera.visibility.shows(&placed.path)).collect();
     assert_eq!(visible, [false, true, true, true, false, true, true, true, true]);
 
-    assert_eq!(config.view.target_frame(), Some("gripper_link"));
+    assert_eq!(config.view.target_frame.as_deref(), Some("gripper_link"));
     let ViewController::XyOrbit(orbit) = &config.view.controller else {
         panic!("an XYOrbit");
     };
@@ -277,7 +277,7 @@ fn views_of_each_class_are_read() {
     };
     let free = "Position: {X: 1, Y: 2, Z: 3}, Yaw: 1, Pitch: 0.5, Roll: 0.1, Target Frame: base";
     let fps = view(&format!("{{Class: rviz/FPS, {free}}}"));
-    assert_eq!(fps.target_frame(), Some("base"));
+    assert_eq!(fps.target_frame.as_deref(), Some("base"));
     assert_eq!(
         fps.controller,
         ViewController::Fps { position_m: [1.0, 2.0, 3.0], yaw_rad: 1.0, pitch_rad: 0.5, roll_rad: 0.1 }
@@ -287,10 +287,10 @@ fn views_of_each_class_are_read() {
     assert!(x.abs() < 1e-6 && (y - 1.0).abs() < 1e-6 && z.abs() < 1e-6);
     let above = view("{Class: rviz/TopDownOrtho, Angle: 1, Scale: 50, X: 2, Y: 3}");
     assert_eq!(above.direction_in_target_frame(), [0.0, 0.0, -1.0]);
-    assert_eq!(above.target_frame(), None);
+    assert_eq!(above.target_frame, None);
     let follower = view("{Class: rviz/ThirdPersonFollower, Target Frame: <Fixed Frame>}");
     assert!(matches!(follower.controller, ViewController::ThirdPersonFollower(_)));
-    assert_eq!(follower.target_frame(), None);
+    assert_eq!(follower.target_frame, None);
 }
 
 #[test]
