@@ -1,13 +1,12 @@
 //! From imported meshes to drawable parts, as in rviz's mesh loader.
 //!
-//! Each mesh of each node becomes a part, placed by the nodes' transforms; normals are turned by the same matrix and
-//! made unit length (not by the inverse transpose, so they lean under uneven scales); materials get half the ambient
-//! colour and the diffuse texture once for every texture that the file names, of whatever kind; they are opaque.
+//! Each instance of a mesh becomes a part, transformed by its nodes; normals are transformed by the same matrix, not by
+//! the inverse transpose, so they are wrong under uneven scales, and normalized. Materials are opaque, with half the
+//! ambient colour and the diffuse texture once for every texture of any kind that the file names.
 
 use std::{
     collections::HashMap,
     hash::{BuildHasher, RandomState},
-    path::Path,
     sync::Arc,
 };
 
@@ -16,22 +15,22 @@ use nalgebra::{Matrix4, Vector3};
 use rcs_scene::{Mesh, Rgba, Texture, Vertex};
 
 use crate::{
-    import::{normalized, process, Imported, MaterialSpec, Source, Triangles, Triangulation},
+    import::{normalized, process, Imported, MaterialSpec, MeshSource, PrimitiveMesh, Triangulation},
     texture::{self, layered},
     warning_texture, LoadedMesh, MeshMaterial, MeshPart, ResourceError,
 };
 
-/// OpenGL's normal where a mesh (of lines or points) sends none: the initial one, which is never set.
+/// OpenGL's initial normal, for a mesh (of lines or points) without normals.
 const UNSET_NORMAL: [f32; 3] = [0.0, 0.0, 1.0];
-/// The most texels of all textures of a mesh, 512 MB; further textures are left out.
+/// Most texels of all textures of a mesh, 512 MB; further textures are left out.
 const MAX_TEXELS: usize = 128 << 20;
-/// The most textures of a mesh.
+/// Most textures of a mesh.
 const MAX_TEXTURES: usize = 1000;
 
 /// Makes the parts of a mesh; textures are searched for beside it.
-pub(crate) fn assemble(imported: Imported, source: Source<'_>) -> LoadedMesh {
+pub(crate) fn assemble(imported: Imported, source: MeshSource<'_>) -> LoadedMesh {
     let Imported { meshes, materials: specs, placed, images } = imported;
-    let mut textures = Textures { source, images, loaded: HashMap::new(), texels: 0, warnings: Vec::new() };
+    let mut textures = MeshTextures { source, images, loaded: HashMap::new(), texels: 0, warnings: Vec::new() };
     let mut materials: HashMap<usize, MeshMaterial> = HashMap::new();
     let mut triangulation = Triangulation::new();
     let mut uses: HashMap<usize, usize> = HashMap::new();
@@ -39,7 +38,7 @@ pub(crate) fn assemble(imported: Imported, source: Source<'_>) -> LoadedMesh {
         *uses.entry(placed.mesh).or_default() += 1;
     }
     let mut meshes: Vec<_> = meshes.into_iter().map(|polygons| (polygons.material, Some(polygons))).collect();
-    let mut processed: HashMap<usize, Vec<Triangles>> = HashMap::new();
+    let mut processed: HashMap<usize, Vec<PrimitiveMesh>> = HashMap::new();
     let mut parts = Vec::new();
     for placed in &placed {
         let Some((material_index, polygons)) = meshes.get_mut(placed.mesh) else { continue };
@@ -60,7 +59,7 @@ pub(crate) fn assemble(imported: Imported, source: Source<'_>) -> LoadedMesh {
                 parts.push(MeshPart { mesh: Arc::new(mesh), material: material.clone() });
             }
         }
-        // A large mesh is there twice no longer than it has to be.
+        // Frees the memory of a large mesh early.
         if is_last {
             processed.remove(&placed.mesh);
         }
@@ -68,8 +67,8 @@ pub(crate) fn assemble(imported: Imported, source: Source<'_>) -> LoadedMesh {
     LoadedMesh { parts, warnings: textures.warnings }
 }
 
-/// The triangles in the file's frame; `None` when the transform sends them to infinity.
-fn place(triangles: &Triangles, object_from_mesh: &Matrix4<f32>, flat: bool) -> Option<Mesh> {
+/// The triangles in the file's frame; `None` when the transform makes them infinite.
+fn place(triangles: &PrimitiveMesh, object_from_mesh: &Matrix4<f32>, flat: bool) -> Option<Mesh> {
     let rotation = object_from_mesh.fixed_view::<3, 3>(0, 0).into_owned();
     let moved = *object_from_mesh != Matrix4::identity();
     let position = |i: usize| -> Option<[f32; 3]> {
@@ -109,7 +108,7 @@ fn place(triangles: &Triangles, object_from_mesh: &Matrix4<f32>, flat: bool) -> 
         for first in corners.step_by(3) {
             let face = [first, first + 1, first + 2].map(|i| corner(i).filter(|&i| i < count));
             let [Some(a), Some(b), Some(c)] = face else { continue };
-            // One normal, that of its last corner, which is the one that OpenGL's flat shading takes.
+            // The normal of the last corner, as in OpenGL's flat shading.
             let normal = normal(c);
             for i in [a, b, c] {
                 indices.push(welded.add(Vertex { uv: uv(i), ..Vertex::new(position(i)?, normal) }));
@@ -129,18 +128,18 @@ fn place(triangles: &Triangles, object_from_mesh: &Matrix4<f32>, flat: bool) -> 
     Some(Mesh { vertices: welded.into_vertices(), indices })
 }
 
-/// Vertices, each only once. Nothing of that is seen, but a detailed mesh has five corners in six that are the same as
-/// another one, and all are transformed for every picture.
+/// Unique vertices. In a detailed mesh five corners in six equal another one, and each vertex is transformed for every
+/// image.
 #[derive(Default)]
 struct Welded {
     vertices: Vec<Vertex>,
-    /// Numbers of vertices by what these are. The numbers alone, because a mesh may have millions.
+    /// Indices of the vertices by their contents, without a second copy of these.
     numbers: HashTable<u32>,
     hasher: RandomState,
 }
 
 impl Welded {
-    /// The number of a vertex.
+    /// The index of a vertex, which is added if it is new.
     fn add(&mut self, vertex: Vertex) -> u32 {
         let Self { vertices, numbers, hasher } = self;
         let key = bits(&vertex);
@@ -165,13 +164,13 @@ impl Welded {
     }
 }
 
-/// What tells a mesh file's vertices apart: their colours are all white.
+/// The contents of a vertex for comparison, without its colour, which is always white.
 fn bits(vertex: &Vertex) -> [u32; 8] {
     let ([x, y, z], [nx, ny, nz], [u, v]) = (vertex.position, vertex.normal, vertex.uv);
     [x, y, z, nx, ny, nz, u, v].map(f32::to_bits)
 }
 
-fn material(spec: &MaterialSpec, textures: &mut Textures<'_>) -> MeshMaterial {
+fn material(spec: &MaterialSpec, textures: &mut MeshTextures<'_>) -> MeshMaterial {
     let color = |[r, g, b]: [f32; 3]| Rgba::new(r, g, b, 1.0);
     let texture = (spec.texture_count > 0).then(|| textures.get(&spec.diffuse_texture, spec.texture_count));
     MeshMaterial {
@@ -186,19 +185,19 @@ fn material(spec: &MaterialSpec, textures: &mut Textures<'_>) -> MeshMaterial {
 }
 
 /// The textures beside a mesh or in its file, each loaded once.
-struct Textures<'a> {
-    source: Source<'a>,
-    /// The images in its file.
+struct MeshTextures<'a> {
+    source: MeshSource<'a>,
+    /// Embedded images by name.
     images: HashMap<String, Vec<u8>>,
-    /// By name, and how often each is laid onto itself.
+    /// Textures by name and number of layers.
     loaded: HashMap<(String, usize), Arc<Texture>>,
-    /// How many texels they have.
+    /// Number of texels of all.
     texels: usize,
     warnings: Vec<ResourceError>,
 }
 
-impl Textures<'_> {
-    /// The texture of that name laid onto itself, or Ogre's warning texture and a warning.
+impl MeshTextures<'_> {
+    /// The texture of that name in `times` layers, or Ogre's warning texture and a warning.
     fn get(&mut self, name: &str, times: usize) -> Arc<Texture> {
         if let Some(texture) = self.loaded.get(&(name.to_owned(), times)) {
             return Arc::clone(texture);
@@ -221,7 +220,7 @@ impl Textures<'_> {
     }
 
     fn load(&mut self, name: &str) -> Result<Arc<Texture>, ResourceError> {
-        let Source { path, options } = self.source;
+        let MeshSource { path, options } = self.source;
         if name.is_empty() {
             return Err(ResourceError::NoDiffuseTexture { path: path.to_owned() });
         }
@@ -233,12 +232,9 @@ impl Textures<'_> {
             self.count(&texture, name)?;
             return Ok(texture);
         }
-        // rviz puts a slash between the two, so an absolute name is searched for beside the mesh as well.
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let mut file = folder.join(name.trim_start_matches('/'));
+        let mut file = self.source.beside(name);
         if !file.is_file() {
-            let decoded = percent_encoding::percent_decode_str(name).decode_utf8_lossy();
-            let decoded = folder.join(decoded.trim_start_matches('/'));
+            let decoded = self.source.beside(&percent_encoding::percent_decode_str(name).decode_utf8_lossy());
             if decoded.is_file() {
                 file = decoded;
             }
@@ -248,7 +244,7 @@ impl Textures<'_> {
         Ok(texture)
     }
 
-    /// Counts a texture that is kept.
+    /// Counts a texture's texels against the limit.
     fn count(&mut self, texture: &Texture, name: &str) -> Result<(), ResourceError> {
         if self.texels + texture.rgba.len() > MAX_TEXELS {
             self.texels = MAX_TEXELS;

@@ -1,6 +1,4 @@
-//! Why a file could not be found, read or understood.
-//!
-//! Errors are clonable, since the store keeps the failure of a mesh as it keeps a mesh.
+//! Errors of finding, reading and parsing files. They are clonable because the store keeps a mesh's failure.
 
 use std::{
     io,
@@ -10,15 +8,15 @@ use std::{
 
 use thiserror::Error;
 
-/// Why a resource cannot be used.
+/// Error of a resource.
 #[derive(Clone, Debug, Error)]
 pub enum ResourceError {
-    /// The scheme is one that is not fetched, such as `http://`.
+    /// A scheme that is not supported, such as `http://`.
     #[error("{url}: {scheme}:// addresses are not supported, only package:// and file://; nothing is downloaded")]
     UnsupportedScheme {
         /// The address as it was given.
         url: String,
-        /// What stands before `://`.
+        /// The part before `://`.
         scheme: String,
     },
     /// Not an address: neither a scheme nor an absolute path.
@@ -40,20 +38,20 @@ pub enum ResourceError {
     /// The file cannot be read.
     #[error("{}: {source}", path.display())]
     Io {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: Arc<io::Error>,
     },
     /// Something other than a regular file.
     #[error("{}: it is {kind}, only regular files are read", path.display())]
     NotAFile {
-        /// Which.
+        /// The path.
         path: PathBuf,
-        /// Such as `a FIFO`.
+        /// A kind such as `a FIFO`.
         kind: &'static str,
     },
-    /// A file that may not be read.
+    /// A file outside of all packages and allowed folders.
     #[error(
         "{}{} is outside of all ROS packages; to allow it, add its folder to the parameter ~mesh_folders (option \
          --mesh-folder)",
@@ -61,12 +59,12 @@ pub enum ResourceError {
         leads_to(.path, .real)
     )]
     NotAllowed {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// The same without links.
+        /// The path without symbolic links.
         real: PathBuf,
     },
-    /// A `package://` address that leads out of its package by `..`.
+    /// A `package://` address that leaves its package by `..`.
     #[error("{url}: the path leaves package {package:?}")]
     LeavesPackage {
         /// The address as it was given.
@@ -74,15 +72,15 @@ pub enum ResourceError {
         /// The package's name.
         package: String,
     },
-    /// A larger file than is read.
+    /// A file above the size limit.
     #[error("{}: larger than {max_mb} MB; the parameter ~max_mesh_mb (option --max-mesh-mb) sets the limit", path.display())]
     TooLarge {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The limit.
         max_mb: u64,
     },
-    /// More resources are in use than are kept.
+    /// All resources of a full store are in use.
     #[error("{url}: {limit} meshes and textures are in use, no more are loaded")]
     TooMany {
         /// The address as it was given.
@@ -90,26 +88,26 @@ pub enum ResourceError {
         /// The limit.
         limit: usize,
     },
-    /// The reader of a file failed, which it never should.
+    /// The reader of a file panicked.
     #[error("{url}: the file's reader failed: please report this with the file")]
     ReaderFailed {
         /// The address as it was given.
         url: String,
     },
-    /// A mesh format that is not read.
+    /// A mesh format that is not supported.
     #[error("{}: mesh format {format} is not supported, only STL, COLLADA (.dae), OBJ, PLY and glTF (.gltf, .glb)", path.display())]
     UnsupportedFormat {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The format's name.
         format: String,
     },
-    /// A mesh file that cannot be understood.
+    /// An invalid mesh file.
     #[error("{}: {fault}", path.display())]
     BadMesh {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault in its contents.
         fault: MeshFault,
     },
     /// A material names textures, none of them for its diffuse colour; rviz then requests one without a name.
@@ -121,22 +119,22 @@ pub enum ResourceError {
     /// An image that cannot be decoded.
     #[error("{}: not a readable image: {reason}", path.display())]
     BadImage {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The decoder's message.
         reason: String,
     },
 }
 
-/// What is wrong with a mesh file's contents.
+/// Fault in a mesh file's contents.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum MeshFault {
-    /// A binary STL file that ends before its last triangle.
+    /// A truncated binary STL file.
     #[error("cut off: its header announces {announced} triangles, but only {present} are there")]
     TruncatedStl {
         /// The count in the header.
         announced: u32,
-        /// The count that the bytes suffice for.
+        /// The count of complete triangles.
         present: u64,
     },
     /// Neither a binary nor a text STL file.
@@ -150,31 +148,37 @@ pub enum MeshFault {
     Collada {
         /// Line in the file, from 1.
         line: u32,
-        /// Which rule.
+        /// The rule.
         what: String,
     },
-    /// A line of an OBJ, STL or PLY text file that cannot be read.
+    /// An invalid line of an OBJ, STL or PLY text file.
     #[error("line {line}: {what}")]
     Line {
         /// Line in the file, from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
-    /// A rule of the format that is broken, in a file that has no lines.
+    /// A fault in a format without lines.
     #[error("{0}")]
     Malformed(String),
-    /// There is nothing to draw in it.
+    /// A file without triangles.
     #[error("no triangles in it")]
     Empty,
-    /// More than is plausible; a damaged or hostile file.
+    /// A count above a limit, in a damaged or hostile file.
     #[error("too large: more than {limit} {what}")]
     TooLarge {
-        /// The most that is read.
+        /// The limit.
         limit: usize,
-        /// Of what.
+        /// The counted items.
         what: &'static str,
     },
+}
+
+impl MeshFault {
+    pub(crate) fn malformed(what: impl Into<String>) -> Self {
+        Self::Malformed(what.into())
+    }
 }
 
 impl ResourceError {
@@ -183,7 +187,7 @@ impl ResourceError {
     }
 }
 
-/// Where the links of a path lead, if there are any.
+/// The target of a path with symbolic links, for a message.
 fn leads_to(path: &Path, real: &Path) -> String {
     if path == real {
         String::new()

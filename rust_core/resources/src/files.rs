@@ -1,15 +1,12 @@
-//! Which files may be read, and how: the rules for every file that a message, a robot description or another file
-//! names.
+//! Access to files that a message, a robot description or another file names.
 //!
-//! - **Where.** Once all links are followed, a file must lie in a ROS package or in an allowed folder. A folder with a
-//!   `package.xml` or `manifest.xml` is a package, with all that is below it. So a link in an installed package that
-//!   leads to the package in the source space works, one that leads to `/etc` does not. The links of a package may also
-//!   lead to other folders of its repository or workspace, whose files may not be read by their own addresses. Which
-//!   folders are allowed besides is [`ResourceOptions::folders`].
-//! - **What.** Regular files only, checked before and after opening. The file is opened without blocking, so that
-//!   nothing waits for the other end of a FIFO, and nothing but regular files is opened at all: opening a device can
-//!   have effects.
-//! - **How much.** At most [`ResourceOptions::max_file_bytes`], also of a file that grows while it is read.
+//! - **Folders.** With all links followed, a file must lie in a ROS package (a folder with a `package.xml` or
+//!   `manifest.xml`, and all below it) or in [`ResourceOptions::folders`]. So a link from an installed package to the
+//!   package in the source space works, a link to `/etc` does not. Links of a package may also lead to other folders of
+//!   its repository or workspace, whose files may not be read by their own addresses.
+//! - **Kind.** Regular files only, checked before and after opening, because opening a device can have effects. Opening
+//!   does not block, so a FIFO is not waited for.
+//! - **Size.** At most [`ResourceOptions::max_file_bytes`], also of a file that grows while it is read.
 
 use std::{
     fs::{File, Metadata, OpenOptions},
@@ -22,20 +19,20 @@ use rustix::fs::OFlags;
 
 use crate::ResourceError;
 
-/// The files whose folder is a ROS package.
+/// The files that make a folder a ROS package.
 const MANIFESTS: [&str; 2] = ["package.xml", "manifest.xml"];
-/// What the top folder of a repository or of a catkin workspace has.
+/// Entries of the top folder of a repository or of a catkin workspace.
 const TOPS: [&str; 5] = [".git", ".hg", ".svn", ".catkin_workspace", ".catkin_tools"];
 /// The size of a triangle in a binary STL file.
 const STL_TRIANGLE_BYTES: u64 = 50;
 
-/// What may be read.
+/// Limits for reading files.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResourceOptions {
-    /// The largest file that is read. A mesh may not expand to more triangles than a binary STL file of this size has,
-    /// whatever its format.
+    /// Size of the largest file. A mesh of any format may not expand to more triangles than a binary STL file of this
+    /// size has.
     pub max_file_bytes: u64,
-    /// Folders whose files may be read although they are in no ROS package.
+    /// Folders, in addition to ROS packages, whose files may be read.
     pub folders: Vec<PathBuf>,
 }
 
@@ -46,12 +43,12 @@ impl Default for ResourceOptions {
 }
 
 impl ResourceOptions {
-    /// The most corners of triangles that a mesh may have.
+    /// Most corners of triangles of a mesh.
     pub(crate) fn max_corners(&self) -> usize {
         usize::try_from(self.max_file_bytes / STL_TRIANGLE_BYTES * 3).unwrap_or(usize::MAX).max(3)
     }
 
-    /// Opens a file that may be read. Returns it with its size, which is within the limit.
+    /// Opens a file and returns it with its size, after checking folder, kind and size.
     ///
     /// # Errors
     /// [`ResourceError::Io`], [`ResourceError::NotAFile`], [`ResourceError::NotAllowed`], [`ResourceError::TooLarge`].
@@ -62,7 +59,7 @@ impl ResourceOptions {
         if !self.allows(&real) && !is_linked(path, &real) {
             return Err(ResourceError::NotAllowed { path: path.to_owned(), real });
         }
-        // NONBLOCK for a FIFO, NOFOLLOW for a link, that took the file's place this very moment.
+        // NONBLOCK for a FIFO, NOFOLLOW for a link, that has just replaced the file.
         let flags = OFlags::NONBLOCK | OFlags::NOFOLLOW | OFlags::NOCTTY;
         let flags = i32::try_from(flags.bits()).unwrap_or(0);
         let file = OpenOptions::new().read(true).custom_flags(flags).open(&real).map_err(io)?;
@@ -74,7 +71,7 @@ impl ResourceOptions {
         Ok((file, metadata.len()))
     }
 
-    /// The contents of a file that may be read.
+    /// Reads a file, after checking folder, kind and size.
     ///
     /// # Errors
     /// Those of [`ResourceOptions::open`].
@@ -85,7 +82,7 @@ impl ResourceOptions {
             .ok_or_else(|| self.too_large(path))
     }
 
-    /// Whether a path without links lies in an allowed folder or in a ROS package.
+    /// `true` if a path without links lies in an allowed folder or in a ROS package.
     fn allows(&self, real: &Path) -> bool {
         let is_in = |folder: &PathBuf| folder.canonicalize().is_ok_and(|folder| real.starts_with(folder));
         self.folders.iter().any(is_in) || real.ancestors().skip(1).any(is_package)
@@ -100,8 +97,8 @@ fn is_package(folder: &Path) -> bool {
     MANIFESTS.iter().any(|name| folder.join(name).is_file())
 }
 
-/// Whether a path goes through a package, whose links lead to a file of the package's repository or workspace. Not with
-/// `..`, which after a link is another folder than the path says.
+/// `true` if a path goes through a package whose links lead to the package's repository or workspace. Not with `..`,
+/// whose meaning changes after a link.
 fn is_linked(path: &Path, real: &Path) -> bool {
     let is_plain = path.is_absolute() && !path.components().any(|component| component == Component::ParentDir);
     let packages = path.ancestors().skip(1).filter(|folder| is_plain && is_package(folder));
@@ -112,7 +109,7 @@ fn is_linked(path: &Path, real: &Path) -> bool {
     })
 }
 
-/// The contents of an open file; `None` where there are more than `max_bytes`.
+/// The contents of an open file; `None` for more than `max_bytes`.
 fn read_up_to(file: File, size: u64, max_bytes: u64) -> std::io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::with_capacity(usize::try_from(size.min(max_bytes)).unwrap_or(0));
     file.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
@@ -127,7 +124,7 @@ fn check_kind(path: &Path, metadata: &Metadata) -> Result<(), ResourceError> {
     }
 }
 
-/// What something is that is no regular file.
+/// The kind of a file that is not regular.
 fn other_kind(metadata: &Metadata) -> Option<&'static str> {
     match metadata.file_type() {
         kind if kind.is_file() => None,
@@ -138,18 +135,17 @@ fn other_kind(metadata: &Metadata) -> Option<&'static str> {
     }
 }
 
-/// The text of a small file beside which nothing is to be feared, such as a manifest; `None` where it is not a regular
-/// file of at most `max_bytes`.
+/// The text of a small harmless file, such as a manifest, in any folder; `None` unless it is a regular file of at most
+/// `max_bytes`.
 pub(crate) fn read_small_text(path: &Path, max_bytes: u64) -> Option<String> {
     let options = ResourceOptions { max_file_bytes: max_bytes, folders: vec![PathBuf::from("/")] };
     String::from_utf8(options.read(path).ok()?).ok()
 }
 
-/// The contents of a file that the user has named, wherever it lies: a regular one of at most `max_bytes`. Does not
-/// wait for the other end of a FIFO that has taken the file's place.
+/// Reads a file that the user has named, in any folder: a regular file of at most `max_bytes`. Does not block on a FIFO.
 ///
 /// # Errors
-/// The system's, or that the file is no regular one or too large.
+/// The system's errors, and files that are not regular or too large.
 pub fn read_regular_file(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>> {
     let check = |metadata: &Metadata| match other_kind(metadata) {
         Some(kind) => Err(std::io::Error::other(format!("it is {kind}, only regular files are read"))),
@@ -163,7 +159,7 @@ pub fn read_regular_file(path: &Path, max_bytes: u64) -> std::io::Result<Vec<u8>
     bytes.ok_or_else(|| std::io::Error::other(format!("larger than {} MB", max_bytes >> 20)))
 }
 
-/// By what a file is known to be the same as before.
+/// Identity of a file's contents, to detect changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct FileStamp {
     device: u64,
@@ -178,7 +174,7 @@ impl FileStamp {
         self.size
     }
 
-    /// The stamp of a file now; `None` where there is none.
+    /// The current stamp of a file; `None` if there is no such file.
     pub(crate) fn of(path: &Path) -> Option<Self> {
         let metadata = path.metadata().ok()?;
         Some(Self {

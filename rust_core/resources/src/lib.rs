@@ -1,15 +1,13 @@
 //! Files that messages and configs name: `package://` addresses, meshes and their textures.
 //!
-//! [`PackageIndex`] finds files as rospack and resource_retriever do, [`ResourceOptions`] says which of them may be
-//! read. [`MeshStore`] loads a mesh once and keeps it, on threads of its own if the caller cannot wait, in the form in
-//! which rviz shows it: rviz reads meshes through the Assimp library, whose choices (which normals, which material, how
-//! polygons are cut) decide the picture, so the readers here follow Assimp 5.2's rules rather than the letter of the
-//! formats. That is why they are not existing crates for STL, OBJ, COLLADA, PLY or glTF: those read the formats well,
-//! but another way, and refuse files that robots come with.
+//! [`PackageIndex`] finds files as rospack and resource_retriever do, within the limits of [`ResourceOptions`].
+//! [`MeshStore`] loads each mesh once, on threads of its own if the caller cannot wait, as rviz draws it: rviz reads
+//! meshes with the Assimp library, whose rules (normals, materials, triangulation) decide the image, so the readers here
+//! follow Assimp 5.2 rather than the letter of the formats. Existing crates for STL, OBJ, COLLADA, PLY or glTF follow
+//! other rules, and refuse files that robots come with.
 //!
-//! The way of a mesh: [`MeshStore`] → `import/stl|obj|collada|ply|gltf` (the file into corners, polygons and
-//! materials) → `import/process` (triangles, normals, invalid data) → `assemble` (rviz's placing of the parts and its
-//! materials).
+//! Loading a mesh: [`MeshStore`] → `import/stl|obj|collada|ply|gltf` (polygons and materials) → `import/process`
+//! (triangles, normals, invalid data) → `assemble` (rviz's transforms and materials).
 #![forbid(unsafe_code)]
 
 mod assemble;

@@ -1,4 +1,4 @@
-//! A mesh as rviz shows it: parts in drawing order, each with the material that rviz makes for it.
+//! A mesh as rviz draws it: parts in drawing order, each with rviz's material for it.
 
 use std::sync::Arc;
 
@@ -12,14 +12,14 @@ pub struct LoadedMesh {
     /// The parts (Ogre's sub-meshes) in the order in which rviz draws them, all in the file's own frame: the file's
     /// units are converted to metres and its node transforms applied, its up axis is not (rviz drops that rotation).
     pub parts: Vec<MeshPart>,
-    /// What is wrong but not fatal, such as a missing texture.
+    /// Errors that are not fatal, such as a missing texture.
     pub warnings: Vec<ResourceError>,
 }
 
 /// A part with one material.
 #[derive(Clone, Debug)]
 pub struct MeshPart {
-    /// The triangles. Each vertex is there once; vertex colours are white, because rviz does not read those of a file.
+    /// The triangles, with unique vertices. Vertex colours are white, because rviz does not read a file's.
     pub mesh: Arc<Mesh>,
     /// The material that the file gives this part.
     pub material: MeshMaterial,
@@ -28,19 +28,18 @@ pub struct MeshPart {
 /// A material as rviz's mesh loader makes it from the file's.
 #[derive(Clone, Debug)]
 pub struct MeshMaterial {
-    /// False for STL files, which have none: rviz then takes the marker's colour even when the marker requests
+    /// `false` for STL files, which have no materials: rviz then uses the marker's colour even when the marker requests
     /// embedded materials, and the URDF's material for a robot's link.
     pub embedded: bool,
-    /// Diffuse colour. Always opaque: rviz requests a material's opacity from Assimp by a wrong name, so that a file's
-    /// transparency never shows.
+    /// Diffuse colour. Always opaque: rviz requests a material's opacity from Assimp by a wrong name.
     pub diffuse: Rgba,
-    /// Ambient colour, halved by rviz. rviz's scene has no ambient light, so it does not show.
+    /// Ambient colour, halved by rviz. Without effect, because rviz's scene has no ambient light.
     pub ambient: Rgba,
-    /// Specular colour. The specular part of rviz's light is black, so it does not show.
+    /// Specular colour. Without effect, because the specular part of rviz's light is black.
     pub specular: Rgba,
     /// Specular exponent.
     pub shininess: f32,
-    /// Colour given off without light.
+    /// Emissive colour.
     pub emissive: Rgba,
     /// Multiplied with the lit colour, alpha included. Yellow and black stripes, Ogre's warning texture, where the
     /// file names a texture that cannot be loaded.
@@ -48,7 +47,7 @@ pub struct MeshMaterial {
 }
 
 impl MeshMaterial {
-    /// The material of a file that has none: lit white, not embedded.
+    /// The material of a file without materials: lit white, not embedded.
     pub const fn none() -> Self {
         Self {
             embedded: false,
@@ -61,8 +60,8 @@ impl MeshMaterial {
         }
     }
 
-    /// How Ogre draws it before a marker or a robot's link changes anything: lit, only the front sides (a file's
-    /// `double_sided` is not heeded), opaque. Specular is left out, see [`MeshMaterial::specular`].
+    /// The material in Ogre before a marker or a robot's link changes it: lit, opaque, front sides only (a file's
+    /// `double_sided` is ignored), without [`MeshMaterial::specular`].
     pub fn to_scene(&self) -> Material {
         Material {
             lighting: Lighting::Lit { diffuse: self.diffuse, emissive: self.emissive },

@@ -1,4 +1,4 @@
-//! Loads one mesh or texture, on whichever thread.
+//! Loads one mesh or texture, on the calling thread.
 
 use std::{
     panic::{catch_unwind, AssertUnwindSafe},
@@ -11,24 +11,24 @@ use rcs_scene::{lock, Texture};
 use crate::{
     assemble,
     files::FileStamp,
-    import::{self, Source},
+    import::{self, MeshFormat, MeshSource},
     texture, LoadedMesh, MeshFault, MeshPart, PackageIndex, ResourceError, ResourceOptions,
 };
 
 /// Files of at least this size are loaded one at a time, so that their memory does not add up.
 const LARGE_FILE_BYTES: u64 = 32 << 20;
 
-/// What is loaded from a file.
+/// The kind of a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Kind {
+pub(crate) enum ResourceKind {
     Mesh,
     Texture,
 }
 
 /// A resource by its address.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Key {
-    pub(crate) kind: Kind,
+pub(crate) struct ResourceKey {
+    pub(crate) kind: ResourceKind,
     pub(crate) url: String,
 }
 
@@ -40,7 +40,7 @@ pub(crate) enum Resource {
 }
 
 impl Resource {
-    /// How much memory it takes.
+    /// Memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let of_texture = |texture: &Texture| size_of_val(texture.rgba.as_slice());
         match self {
@@ -55,10 +55,10 @@ impl Resource {
         }
     }
 
-    /// Whether nobody but its owner has it.
+    /// `true` if nothing but the store holds it.
     pub(crate) fn is_unused(&self) -> bool {
         match self {
-            // A marker keeps the mesh; a robot's link keeps the parts of it.
+            // A marker holds the mesh; a robot's link holds parts of it.
             Self::Mesh(mesh) => {
                 Arc::strong_count(mesh) == 1 && mesh.parts.iter().all(|part| Arc::strong_count(&part.mesh) == 1)
             }
@@ -67,7 +67,7 @@ impl Resource {
     }
 }
 
-/// A resource, or why it cannot be used.
+/// Result of loading a resource.
 pub(crate) type Outcome = Result<Resource, ResourceError>;
 
 /// Finds and reads files.
@@ -83,9 +83,9 @@ impl Loader {
         Self { packages, options, large_file: Mutex::default() }
     }
 
-    /// Loads a resource. Returns it with its file's stamp from before it was read; `None` where the file's stamp is
-    /// still that of the last failure.
-    pub(crate) fn load(&self, key: &Key, failed: Option<FileStamp>) -> Option<(Outcome, Option<FileStamp>)> {
+    /// Loads a resource. Returns it with its file's stamp from before reading; `None` if the stamp is that of the last
+    /// failure.
+    pub(crate) fn load(&self, key: &ResourceKey, failed: Option<FileStamp>) -> Option<(Outcome, Option<FileStamp>)> {
         let path = match self.packages.resolve(&key.url) {
             Ok(path) => path,
             Err(error) => return Some((Err(error), None)),
@@ -97,20 +97,20 @@ impl Loader {
         let is_large = stamp.is_some_and(|stamp| stamp.size() >= LARGE_FILE_BYTES);
         let _one_at_a_time = is_large.then(|| lock(&self.large_file));
         let load = || match key.kind {
-            Kind::Mesh => self.mesh(&key.url, &path).map(|mesh| Resource::Mesh(Arc::new(mesh))),
-            Kind::Texture => texture::load(&self.options, &path).map(Resource::Texture),
+            ResourceKind::Mesh => self.mesh(&key.url, &path).map(|mesh| Resource::Mesh(Arc::new(mesh))),
+            ResourceKind::Texture => texture::load(&self.options, &path).map(Resource::Texture),
         };
-        // Nothing is left half-done: what is made of the file is dropped.
+        // Unwind safe: a partial result is dropped.
         let outcome = catch_unwind(AssertUnwindSafe(load))
             .unwrap_or_else(|_| Err(ResourceError::ReaderFailed { url: key.url.clone() }));
         Some((outcome, stamp))
     }
 
-    /// Reads a mesh file and the textures that it names.
+    /// Reads a mesh file and its textures.
     fn mesh(&self, url: &str, path: &Path) -> Result<LoadedMesh, ResourceError> {
         let bad = |fault| ResourceError::BadMesh { path: path.to_owned(), fault };
-        let format = import::Format::from_path(path)?;
-        let source = Source { path, options: &self.options };
+        let format = MeshFormat::from_path(path)?;
+        let source = MeshSource { path, options: &self.options };
         let bytes = self.options.read(path)?;
         let imported = import::import(format, &bytes, source).map_err(bad)?;
         drop(bytes);

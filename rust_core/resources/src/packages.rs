@@ -1,16 +1,16 @@
 //! `package://NAME/path` and `file://` addresses into file paths.
 //!
-//! Packages are found by rospack's rules. The folders of `ROS_PACKAGE_PATH` are searched one after the other, an
-//! earlier one wins; a folder with a `package.xml` or a `manifest.xml` is a package and is not searched further; one
-//! with a file `CATKIN_IGNORE` is skipped with all in it, one with `rospack_nosubdirs` is not searched further;
-//! folders that begin with a dot are skipped; links are followed. A package's name is the `<name>` in its
-//! `package.xml`; with a `manifest.xml` (rosbuild) it is the folder's. Among siblings of the same name rospack takes
-//! whichever the file system lists first; here it is the alphabetically first. A folder that links back into its own
-//! path, at which rospack gives up after a thousand levels, is searched once.
+//! Packages are found by rospack's rules. The folders of `ROS_PACKAGE_PATH` are searched in order, and the first match
+//! wins; a folder with a `package.xml` or a `manifest.xml` is a package and is not searched further; a folder with a
+//! file `CATKIN_IGNORE` is skipped with all in it, one with `rospack_nosubdirs` is not searched further; folders that
+//! begin with a dot are skipped; links are followed. A package's name is the `<name>` in its `package.xml`; with a
+//! `manifest.xml` (rosbuild) it is the folder's. Among siblings of one name rospack takes the first in the file
+//! system's order; here it is the alphabetically first. A folder that links back into its own path, at which rospack
+//! gives up after a thousand levels, is searched once.
 //!
-//! Crawling waits until it is needed: a package that lies directly in a search folder under its own name, as in
-//! an installed `share` folder, is found without one. A package that was not found may be installed later: its folder
-//! is searched again, but only so often that searching takes a twentieth of the time at most.
+//! A package directly in a search folder under its own name, as in an installed `share` folder, is found without a
+//! search. A package that was not found may be installed later, so its folder is searched again, at most a twentieth of
+//! the time.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -25,13 +25,13 @@ use rcs_scene::lock;
 
 use crate::{files::read_small_text, ResourceError};
 
-/// rospack's `MAX_CRAWL_DEPTH` is 1000; no real tree is as deep as this.
+/// Deepest search. rospack's `MAX_CRAWL_DEPTH` is 1000, but no real tree is as deep as this.
 const MAX_DEPTH: usize = 100;
-/// The most folders that are searched below one of the search path, so that a search ends.
+/// Most folders that are searched below a search folder.
 const MAX_FOLDERS: usize = 1_000_000;
-/// The most bytes of a manifest.
+/// Most bytes of a manifest.
 const MAX_MANIFEST_BYTES: u64 = 1 << 20;
-/// A folder is searched again after this time at the earliest, and after this many times the duration of the search.
+/// Shortest time between two searches of a folder, and its smallest ratio to the duration of a search.
 const SEARCH_INTERVAL: Duration = Duration::from_secs(10);
 const SEARCH_INTERVAL_FACTOR: u32 = 20;
 
@@ -50,53 +50,53 @@ const SEARCH_INTERVAL_FACTOR: u32 = 20;
 /// ```
 #[derive(Debug)]
 pub struct PackageIndex {
-    roots: Vec<Root>,
+    roots: Vec<SearchFolder>,
 }
 
 /// A folder of the search path.
 #[derive(Debug)]
-struct Root {
+struct SearchFolder {
     path: PathBuf,
-    /// What is known of it so far.
-    known: Mutex<Known>,
+    /// Results so far.
+    known: Mutex<KnownPackages>,
 }
 
 #[derive(Debug, Default)]
-struct Known {
-    /// Packages found, by name.
+struct KnownPackages {
+    /// Packages by name.
     packages: HashMap<String, PathBuf>,
-    /// When the whole folder may be searched again; `None` as long as it never was.
+    /// Earliest time of the next search; `None` before the first one.
     next_crawl: Option<Instant>,
 }
 
 impl PackageIndex {
-    /// The folders of `extra`, then those of the environment's `ROS_PACKAGE_PATH`. Reads no files.
+    /// An index of the folders of `extra`, then of the environment's `ROS_PACKAGE_PATH`. Reads no files.
     pub fn from_env(extra: &[PathBuf]) -> Self {
         let from_env = env::var_os("ROS_PACKAGE_PATH").unwrap_or_default();
         Self::new(extra.iter().cloned().chain(env::split_paths(&from_env)))
     }
 
-    /// The given folders, the first one first. Reads no files.
+    /// An index of folders, in the order of search. Reads no files.
     pub fn new(roots: impl IntoIterator<Item = PathBuf>) -> Self {
         let roots = roots
             .into_iter()
             .filter(|path| !path.as_os_str().is_empty())
-            .map(|path| Root { path, known: Mutex::default() })
+            .map(|path| SearchFolder { path, known: Mutex::default() })
             .collect();
         Self { roots }
     }
 
-    /// The folder of a package, or `None` when there is none of that name.
+    /// The folder of a package; `None` for an unknown name.
     pub fn package(&self, name: &str) -> Option<PathBuf> {
         self.roots.iter().find_map(|root| root.find(name))
     }
 
-    /// When a package that was not found is searched for again.
+    /// Earliest time at which a package that was not found is searched for again.
     pub(crate) fn next_search(&self) -> Option<Instant> {
         self.roots.iter().filter_map(|root| lock(&root.known).next_crawl).min()
     }
 
-    /// Searches for packages that were not found again as soon as one is asked for.
+    /// Lets the next request for a package that was not found search again at once.
     pub(crate) fn search_again(&self) {
         for root in &self.roots {
             let mut known = lock(&root.known);
@@ -104,9 +104,8 @@ impl PackageIndex {
         }
     }
 
-    /// The file that an address names: `package://NAME/path`, `file:///path`, or a bare absolute path. `%20` and the
-    /// like are decoded in addresses, as resource_retriever's curl does. The file need not exist. A path does not leave
-    /// its package by `..`.
+    /// The file of an address: `package://NAME/path`, `file:///path`, or a bare absolute path. `%20` and the like are
+    /// decoded in addresses, as in resource_retriever's curl. The file need not exist.
     ///
     /// # Errors
     /// [`ResourceError::NoSuchPackage`]; [`ResourceError::UnsupportedScheme`] for `http://` and others;
@@ -156,7 +155,11 @@ impl PackageIndex {
     }
 }
 
-impl Root {
+impl SearchFolder {
+    fn known(&self) -> MutexGuard<'_, KnownPackages> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn find(&self, name: &str) -> Option<PathBuf> {
         let mut known = lock(&self.known);
         if let Some(found) = known.packages.get(name) {
@@ -176,7 +179,7 @@ impl Root {
         known.packages.get(name).cloned()
     }
 
-    /// The package in the folder of its own name directly below, when rospack's rules lead there.
+    /// The package in the subfolder of its own name, if rospack's rules lead there.
     fn find_directly(&self, name: &str) -> Option<PathBuf> {
         if name.starts_with('.') || name.contains(['/', '\0']) {
             return None;
@@ -193,7 +196,7 @@ impl Root {
     }
 }
 
-/// The name of the package in a folder, or `None` when the folder is no package.
+/// The name of the package in a folder; `None` if the folder is no package.
 fn package_name(folder: &Path) -> Option<String> {
     let folder_name = || folder.file_name().map(|name| name.to_string_lossy().into_owned());
     if folder.join("manifest.xml").is_file() {
@@ -209,7 +212,7 @@ fn package_name(folder: &Path) -> Option<String> {
         Some(name.text()?.trim().to_owned())
     });
     if named.is_none() {
-        log::warn!("{}: no package name in it, the folder's is taken", manifest.display());
+        log::warn!("{}: no package name in it, using the folder's name", manifest.display());
     }
     named.or_else(folder_name)
 }
@@ -264,7 +267,7 @@ fn crawl(root: &Path) -> HashMap<String, PathBuf> {
         }
         children.sort_unstable_by(|a, b| b.0.cmp(&a.0));
         for (path, is_link) in children {
-            // Only a link can lead to a folder a second time.
+            // Only links can lead to a folder twice.
             let first_time =
                 !is_link || path.canonicalize().is_ok_and(|real| !folder.starts_with(&real) && seen.insert(real));
             if first_time {
@@ -275,7 +278,7 @@ fn crawl(root: &Path) -> HashMap<String, PathBuf> {
     packages
 }
 
-/// A path within a folder, its `..` carried out without regard to links; `None` where it leads out of the folder.
+/// A path within a folder with `..` resolved textually; `None` if it leaves the folder.
 fn within(path: &str) -> Option<PathBuf> {
     let mut inner = PathBuf::new();
     for component in Path::new(path.trim_start_matches('/')).components() {

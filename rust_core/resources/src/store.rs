@@ -1,14 +1,13 @@
 //! Meshes and textures by address, each loaded once.
 //!
-//! rviz keeps a loaded mesh for as long as it runs and so does this, but for a large one that is loaded in the
-//! background: once nobody has used it for a while, its memory is given back. A failure is kept too, so that a marker
-//! that is published ten times a second does not read and report a broken file ten times a second: its file is read
-//! again when somebody asks for it and it is not the same any more.
+//! Like rviz, the store keeps loaded meshes, except for large ones that are loaded in the background and unused for a
+//! while. A failure is kept too, so a marker that is published ten times a second does not read a broken file at each
+//! message: the file is read again when it is requested and has changed.
 //!
-//! A store loads either on the thread that asks, which then has its answer at once: that is for pictures of bags, which
-//! must not depend on how fast files are read. Or it loads in the background: whoever asks is told that the resource
-//! is being loaded, and the store's waker is called when it is there. These threads are started when there is something
-//! to load, run at a low priority, and end when there is nothing more; the last stays while something large is kept.
+//! A store loads either on the calling thread, for images of bags, which must not depend on the speed of reading; or in
+//! the background: a request then returns `Pending`, and the store's waker is called when the resource is loaded. The
+//! loader threads start when there is something to load, run at a low priority, and end when idle; the last one stays
+//! while a large resource is kept.
 
 use std::{
     collections::HashMap,
@@ -27,99 +26,99 @@ use rcs_scene::{lock, wait_timeout, Texture};
 
 use crate::{
     files::FileStamp,
-    loader::{Key, Kind, Loader, Outcome, Resource},
+    loader::{Loader, Outcome, Resource, ResourceKey, ResourceKind},
     LoadedMesh, PackageIndex, ResourceError, ResourceOptions,
 };
 
-/// The most resources that are kept. Then a quarter of those that nobody uses goes, which were asked for longest ago.
+/// Most resources that are kept. At the limit, the least recently requested quarter of the unused ones is dropped.
 const MAX_RESOURCES: usize = 4096;
-/// The most threads that load in the background.
+/// Most loader threads.
 const MAX_THREADS: usize = 4;
-/// A thread that had nothing to load for so long ends.
+/// Time without work after which a loader thread ends.
 const IDLE_TIME: Duration = Duration::from_secs(10);
-/// A resource that takes so much memory is given back after [`UNUSED_TIME`], at the next [`IDLE_TIME`].
+/// Size of a large resource, which is dropped after [`UNUSED_TIME`], at the next [`IDLE_TIME`].
 const LARGE_BYTES: usize = 4 << 20;
 const UNUSED_TIME: Duration = Duration::from_secs(30);
-/// A file that could not be used is looked at again after this time at the earliest.
+/// Shortest time between two checks of a file that failed.
 const CHECK_INTERVAL: Duration = Duration::from_millis(500);
-/// How nice the threads are to those that draw.
+/// Niceness of the loader threads.
 const NICENESS: i32 = 10;
 
-/// Whether a file that could not be used is looked at again.
+/// Handling of a resource that failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Retry {
-    /// Something new, such as a message, names the file.
+    /// Check the file again, because a new message names it.
     Yes,
-    /// What was found out is asked for again.
+    /// Return the known failure.
     No,
 }
 
-/// A cache of meshes and textures. Cheap to share between threads: a thread that needs a mesh which another is loading
-/// waits for that mesh only.
+/// A cache of meshes and textures. Threads can share it: a request for a mesh that another thread is loading waits for
+/// that mesh only.
 ///
 /// ```
 /// use std::task::Poll;
 ///
 /// use rcs_resources::{MeshStore, PackageIndex, ResourceError, Retry};
 ///
-/// // One that loads while it is asked.
+/// // A store that loads on the calling thread.
 /// let store = MeshStore::new(PackageIndex::from_env(&[]));
 /// match store.mesh("package://no_such_package/arm.stl", Retry::Yes) {
 ///     Poll::Ready(Ok(mesh)) => println!("{} parts", mesh.parts.len()),
 ///     Poll::Ready(Err(ResourceError::NoSuchPackage { package, .. })) => assert_eq!(package, "no_such_package"),
 ///     Poll::Ready(Err(error)) => panic!("{error}"),
-///     Poll::Pending => panic!("a store in the background would load it now"),
+///     Poll::Pending => panic!("only with a store in the background"),
 /// }
 /// ```
 pub struct MeshStore {
-    shared: Arc<Shared>,
+    core: Arc<StoreCore>,
     is_background: bool,
 }
 
-/// What the store and its threads share.
-struct Shared {
+/// The part of a store that its threads share.
+struct StoreCore {
     loader: Loader,
-    state: Mutex<State>,
-    /// There is something to load, or the store is gone.
+    state: Mutex<StoreState>,
+    /// Notified when there is something to load, and when the store is dropped.
     work: Condvar,
-    /// Something was loaded.
+    /// Notified when something was loaded.
     done: Condvar,
-    /// Incremented when the answer to a question changes.
+    /// Incremented when the result of a request changes.
     version: AtomicU64,
     waker: Box<dyn Fn() + Send + Sync>,
 }
 
 #[derive(Default)]
-struct State {
-    slots: HashMap<Key, Slot>,
-    /// What is to be loaded in the background, and when at the earliest. Each slot is there once at most.
-    queue: Vec<(Instant, Key)>,
+struct StoreState {
+    slots: HashMap<ResourceKey, CachedResource>,
+    /// Resources to load in the background, each at most once, with the earliest time.
+    queue: Vec<(Instant, ResourceKey)>,
     threads: usize,
     waiting_threads: usize,
-    /// How often something was asked for.
-    questions: u64,
+    /// Number of requests.
+    requests: u64,
     search_packages: bool,
     has_ended: bool,
 }
 
-/// What is known about an address.
+/// The state of an address.
 #[derive(Default)]
-struct Slot {
+struct CachedResource {
     outcome: Option<Outcome>,
-    /// The file's stamp when it could not be used.
+    /// The file's stamp at the failure.
     failed: Option<FileStamp>,
-    /// When it may be looked at again.
+    /// Earliest time of the next check.
     next_check: Option<Instant>,
-    /// It is in the queue, or a thread is loading it.
+    /// `true` in the queue and while a thread is loading it.
     is_busy: bool,
-    /// The last question.
-    asked: u64,
-    /// When it was found first that nobody uses what is large.
+    /// Number of the last request.
+    last_request: u64,
+    /// Time at which a large resource was first found unused.
     unused_since: Option<Instant>,
 }
 
-impl Slot {
-    /// What was loaded, if it takes much memory.
+impl CachedResource {
+    /// The resource, if it takes much memory.
     fn large(&self) -> Option<&Resource> {
         let loaded = self.outcome.as_ref().and_then(|outcome| outcome.as_ref().ok());
         loaded.filter(|resource| resource.bytes() >= LARGE_BYTES)
@@ -127,18 +126,17 @@ impl Slot {
 }
 
 impl MeshStore {
-    /// An empty store that loads on the thread that asks. It finds packages through `packages` and reads files that are
-    /// in packages.
+    /// An empty store that loads on the calling thread, and reads files in packages.
     pub fn new(packages: PackageIndex) -> Self {
         Self::with_options(packages, ResourceOptions::default())
     }
 
-    /// As [`MeshStore::new`], with other rules for files.
+    /// As [`MeshStore::new`], with other limits for files.
     pub fn with_options(packages: PackageIndex, options: ResourceOptions) -> Self {
         Self::create(packages, options, Box::new(|| {}), false)
     }
 
-    /// An empty store that loads in the background and then calls `waker`, on a thread of its own.
+    /// An empty store that loads in the background and then calls `waker` on the loader thread.
     pub fn in_background(
         packages: PackageIndex,
         options: ResourceOptions,
@@ -153,7 +151,7 @@ impl MeshStore {
         waker: Box<dyn Fn() + Send + Sync>,
         is_background: bool,
     ) -> Self {
-        let shared = Shared {
+        let core = StoreCore {
             loader: Loader::new(packages, options),
             state: Mutex::default(),
             work: Condvar::new(),
@@ -161,22 +159,21 @@ impl MeshStore {
             version: AtomicU64::new(0),
             waker,
         };
-        Self { shared: Arc::new(shared), is_background }
+        Self { core: Arc::new(core), is_background }
     }
 
-    /// The packages that addresses are resolved with.
+    /// The index that resolves addresses.
     pub fn packages(&self) -> &PackageIndex {
-        &self.shared.loader.packages
+        &self.core.loader.packages
     }
 
-    /// The mesh at a `package://` or `file://` address; the same address gives the same meshes and textures. What is
-    /// wrong with it but not fatal is logged once, when it is loaded, and kept in [`LoadedMesh::warnings`]. Pending
-    /// while it is being loaded in the background.
+    /// The mesh at a `package://` or `file://` address; one address gives the same mesh each time. Errors that are not
+    /// fatal are logged once, and kept in [`LoadedMesh::warnings`]. Pending while it is being loaded in the background.
     ///
     /// # Errors
     /// Any [`ResourceError`].
     pub fn mesh(&self, url: &str, retry: Retry) -> Poll<Result<Arc<LoadedMesh>, ResourceError>> {
-        self.get(Kind::Mesh, url, retry).map_ok(|resource| match resource {
+        self.get(ResourceKind::Mesh, url, retry).map_ok(|resource| match resource {
             Resource::Mesh(mesh) => mesh,
             Resource::Texture(_) => Arc::default(),
         })
@@ -187,19 +184,18 @@ impl MeshStore {
     /// # Errors
     /// Any [`ResourceError`].
     pub fn texture(&self, url: &str, retry: Retry) -> Poll<Result<Arc<Texture>, ResourceError>> {
-        self.get(Kind::Texture, url, retry).map_ok(|resource| match resource {
+        self.get(ResourceKind::Texture, url, retry).map_ok(|resource| match resource {
             Resource::Texture(texture) => texture,
             Resource::Mesh(_) => crate::warning_texture(),
         })
     }
 
-    /// Loads meshes on several processors. Unless the store loads in the background, [`MeshStore::mesh`] then returns
-    /// each of them, or its error, at once.
+    /// Loads meshes in parallel. Unless the store loads in the background, [`MeshStore::mesh`] then returns each of them,
+    /// or its error, at once.
     pub fn load_all<'a>(&self, urls: impl IntoIterator<Item = &'a str>, retry: Retry) {
         let mut urls: Vec<&str> = urls.into_iter().collect();
         urls.sort_unstable();
         urls.dedup();
-        // The results are kept in the store.
         if self.is_background {
             urls.iter().for_each(|url| drop(self.mesh(url, retry)));
         } else {
@@ -207,39 +203,40 @@ impl MeshStore {
         }
     }
 
-    /// A number that changes when something was loaded in the background, or could not be.
+    /// A number that changes when a resource was loaded in the background, or failed.
     pub fn version(&self) -> u64 {
-        self.shared.version.load(Ordering::Acquire)
+        self.core.version.load(Ordering::Acquire)
     }
 
-    /// Looks at all files and packages again that could not be used.
+    /// Checks all files and packages that failed again.
     pub fn retry_failures(&self) {
-        let mut state = lock(&self.shared.state);
+        let mut state = self.core.lock();
         state.search_packages = true;
-        let failed = |slot: &Slot| matches!(slot.outcome, Some(Err(_)));
-        let keys: Vec<Key> = state.slots.iter().filter(|(_, slot)| failed(slot)).map(|(key, _)| key.clone()).collect();
+        let failed = |slot: &CachedResource| matches!(slot.outcome, Some(Err(_)));
+        let keys: Vec<ResourceKey> =
+            state.slots.iter().filter(|(_, slot)| failed(slot)).map(|(key, _)| key.clone()).collect();
         let now = Instant::now();
         state.queue.iter_mut().for_each(|(due, _)| *due = now);
         for key in keys {
             let Some(slot) = state.slots.get_mut(&key) else { continue };
             slot.next_check = None;
             if self.is_background {
-                Shared::enqueue(&self.shared, &mut state, key);
+                StoreCore::enqueue(&self.core, &mut state, key);
             }
         }
-        self.shared.work.notify_all();
+        self.core.work.notify_all();
     }
 
-    fn get(&self, kind: Kind, url: &str, retry: Retry) -> Poll<Outcome> {
-        let key = Key { kind, url: url.to_owned() };
-        let mut state = lock(&self.shared.state);
+    fn get(&self, kind: ResourceKind, url: &str, retry: Retry) -> Poll<Outcome> {
+        let key = ResourceKey { kind, url: url.to_owned() };
+        let mut state = self.core.lock();
         if !state.slots.contains_key(&key) && !state.make_room() {
             return Poll::Ready(Err(ResourceError::TooMany { url: url.to_owned(), limit: MAX_RESOURCES }));
         }
-        state.questions += 1;
-        let asked = state.questions;
+        state.requests += 1;
+        let request = state.requests;
         let slot = state.slots.entry(key.clone()).or_default();
-        slot.asked = asked;
+        slot.last_request = request;
         slot.unused_since = None;
         let is_wanted = match &slot.outcome {
             None => true,
@@ -247,9 +244,9 @@ impl MeshStore {
             Some(Err(_)) => retry == Retry::Yes,
         };
         if is_wanted && self.is_background {
-            Shared::enqueue(&self.shared, &mut state, key.clone());
+            StoreCore::enqueue(&self.core, &mut state, key.clone());
         } else if is_wanted {
-            state = self.shared.load_now(state, &key);
+            state = self.core.load_now(state, &key);
         }
         match state.slots.get(&key).and_then(|slot| slot.outcome.clone()) {
             Some(outcome) => Poll::Ready(outcome),
@@ -258,38 +255,38 @@ impl MeshStore {
     }
 }
 
-impl State {
-    /// Makes room for another resource, and for many more so that it is not looked for each time. Returns false where
-    /// all are in use.
+impl StoreState {
+    /// Makes room for a number of resources if the store is full; `false` if all are in use.
     fn make_room(&mut self) -> bool {
         if self.slots.len() < MAX_RESOURCES {
             return true;
         }
-        let is_unused = |slot: &Slot| match &slot.outcome {
+        let is_unused = |slot: &CachedResource| match &slot.outcome {
             _ if slot.is_busy => false,
             Some(Ok(resource)) => resource.is_unused(),
             Some(Err(_)) | None => true,
         };
         let unused = self.slots.iter().filter(|(_, slot)| is_unused(slot));
-        let mut asked: Vec<u64> = unused.map(|(_, slot)| slot.asked).collect();
-        asked.sort_unstable();
-        let Some(&last) = asked.get(asked.len() / 4) else { return false };
-        self.slots.retain(|_, slot| slot.asked > last || !is_unused(slot));
+        let mut requests: Vec<u64> = unused.map(|(_, slot)| slot.last_request).collect();
+        requests.sort_unstable();
+        let Some(&last) = requests.get(requests.len() / 4) else { return false };
+        self.slots.retain(|_, slot| slot.last_request > last || !is_unused(slot));
         true
     }
 
-    /// Takes out what is large and was not used for a while, whose memory is given back when that is dropped.
-    fn take_unused(&mut self, now: Instant) -> Vec<Slot> {
+    /// Removes large resources that are unused for a while; dropping them frees their memory.
+    fn take_unused(&mut self, now: Instant) -> Vec<CachedResource> {
         for slot in self.slots.values_mut() {
             let is_unused = !slot.is_busy && slot.large().is_some_and(Resource::is_unused);
             slot.unused_since = is_unused.then(|| slot.unused_since.unwrap_or(now));
         }
-        let is_over = |slot: &Slot| slot.unused_since.is_some_and(|since| now.duration_since(since) >= UNUSED_TIME);
+        let is_over =
+            |slot: &CachedResource| slot.unused_since.is_some_and(|since| now.duration_since(since) >= UNUSED_TIME);
         self.slots.extract_if(|_, slot| is_over(slot)).map(|(_, slot)| slot).collect()
     }
 
-    /// Takes what is to be loaded next out of the queue, or returns when that will be.
-    fn next(&mut self, now: Instant) -> Result<Key, Option<Instant>> {
+    /// Takes the next due resource out of the queue, or returns its time.
+    fn next(&mut self, now: Instant) -> Result<ResourceKey, Option<Instant>> {
         let first = self.queue.iter().enumerate().min_by_key(|(_, (due, _))| *due).map(|(i, (due, _))| (i, *due));
         match first {
             Some((i, due)) if due <= now => Ok(self.queue.remove(i).1),
@@ -298,9 +295,13 @@ impl State {
     }
 }
 
-impl Shared {
-    /// Has a slot loaded in the background, unless it is to be already.
-    fn enqueue(shared: &Arc<Self>, state: &mut State, key: Key) {
+impl StoreCore {
+    fn lock(&self) -> MutexGuard<'_, StoreState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Queues a resource for loading in the background, unless it is queued already.
+    fn enqueue(core: &Arc<Self>, state: &mut StoreState, key: ResourceKey) {
         let now = Instant::now();
         let Some(slot) = state.slots.get_mut(&key).filter(|slot| !slot.is_busy) else { return };
         slot.is_busy = true;
@@ -308,16 +309,16 @@ impl Shared {
         state.queue.push((due, key));
         let threads = thread::available_parallelism().map_or(1, usize::from).clamp(2, MAX_THREADS);
         if state.queue.len() > state.waiting_threads && state.threads < threads {
-            let own = Arc::clone(shared);
+            let own = Arc::clone(core);
             match thread::Builder::new().name("mesh-loader".to_owned()).spawn(move || own.run()) {
                 Ok(_) => state.threads += 1,
-                Err(error) => log::warn!("no thread to load meshes with: {error}"),
+                Err(error) => log::warn!("cannot start the mesh loader thread: {error}"),
             }
         }
-        shared.work.notify_one();
+        core.work.notify_one();
     }
 
-    /// Loads what is to be loaded, until there was nothing for a while.
+    /// Loads queued resources until the queue is empty for [`IDLE_TIME`].
     fn run(&self) {
         yield_to_others();
         let mut state = lock(&self.state);
@@ -325,9 +326,10 @@ impl Shared {
             let now = Instant::now();
             match state.next(now) {
                 Ok(key) => {
-                    drop(state);
-                    self.load_queued(&key);
-                    state = lock(&self.state);
+                    if self.load(state, &key) {
+                        (self.waker)();
+                    }
+                    state = self.lock();
                 }
                 Err(due) => {
                     let timeout = due.map_or(IDLE_TIME, |due| due.saturating_duration_since(now));
@@ -342,7 +344,7 @@ impl Shared {
                     let unused = state.take_unused(Instant::now());
                     let ends = state.threads > 1 || state.slots.values().all(|slot| slot.large().is_none());
                     state.threads -= usize::from(ends);
-                    // Giving memory back takes a while, so not under the lock.
+                    // Freeing memory takes a while, so not under the lock.
                     drop(state);
                     drop(unused);
                     if ends {
@@ -355,51 +357,38 @@ impl Shared {
         state.threads -= 1;
     }
 
-    /// Loads a slot of the queue, and wakes whoever asked for it.
-    fn load_queued(&self, key: &Key) {
-        let (failed, search_packages) = {
-            let mut state = lock(&self.state);
-            let failed = state.slots.get(key).and_then(|slot| slot.failed);
-            (failed, std::mem::take(&mut state.search_packages))
-        };
+    /// Loads a resource, without the lock. Returns `true` if its result changed.
+    fn load(&self, mut state: MutexGuard<'_, StoreState>, key: &ResourceKey) -> bool {
+        let failed = state.slots.get(key).and_then(|slot| slot.failed);
+        let search_packages = std::mem::take(&mut state.search_packages);
+        drop(state);
         if search_packages {
             self.loader.packages.search_again();
         }
         let loaded = self.loader.load(key, failed);
-        let has_changed = self.keep(key, loaded);
-        if has_changed {
-            (self.waker)();
-        }
+        self.keep(key, loaded)
     }
 
-    /// Loads a slot on this thread, or waits for the thread that is loading it.
-    fn load_now<'a>(&'a self, mut state: MutexGuard<'a, State>, key: &Key) -> MutexGuard<'a, State> {
+    /// Loads a resource on this thread, or waits for the thread that is loading it.
+    fn load_now<'a>(&'a self, mut state: MutexGuard<'a, StoreState>, key: &ResourceKey) -> MutexGuard<'a, StoreState> {
         loop {
             let Some(slot) = state.slots.get_mut(key) else { return state };
             if !slot.is_busy {
                 slot.is_busy = true;
-                let failed = slot.failed;
-                let search_packages = std::mem::take(&mut state.search_packages);
-                drop(state);
-                if search_packages {
-                    self.loader.packages.search_again();
-                }
-                let loaded = self.loader.load(key, failed);
-                self.keep(key, loaded);
-                return lock(&self.state);
+                self.load(state, key);
+                return self.lock();
             }
-            // The other thread ends with its file.
-            state = wait_timeout(&self.done, state, IDLE_TIME);
+            state = self.done.wait_timeout(state, IDLE_TIME).unwrap_or_else(PoisonError::into_inner).0;
             if state.slots.get(key).is_none_or(|slot| !slot.is_busy && slot.outcome.is_some()) {
                 return state;
             }
         }
     }
 
-    /// Keeps what was loaded. Returns whether the answer for the slot changed.
-    fn keep(&self, key: &Key, loaded: Option<(Outcome, Option<FileStamp>)>) -> bool {
+    /// Stores the result of loading. Returns `true` if it differs from the last one.
+    fn keep(&self, key: &ResourceKey, loaded: Option<(Outcome, Option<FileStamp>)>) -> bool {
         let now = Instant::now();
-        // A search for packages may hold this up, so not under the lock.
+        // May wait for a search of packages, so not under the lock.
         let next_search = match &loaded {
             Some((Err(ResourceError::NoSuchPackage { .. }), _)) => self.loader.packages.next_search(),
             _ => None,
@@ -424,27 +413,27 @@ impl Shared {
     }
 }
 
-/// Lets other threads go first where processors are scarce, from now on until this thread ends.
+/// Lowers the priority of the calling thread for the rest of its life.
 pub fn yield_to_others() {
     if let Err(error) = rustix::process::setpriority_process(Some(rustix::thread::gettid()), NICENESS) {
-        log::debug!("the priority of a thread in the background: {error}");
+        log::debug!("cannot lower the priority of a background thread: {error}");
     }
 }
 
 impl Drop for MeshStore {
-    /// Its threads end with the files that they are reading; nobody waits for them.
+    /// Ends the loader threads after their current files, without waiting.
     fn drop(&mut self) {
-        lock(&self.shared.state).has_ended = true;
-        self.shared.work.notify_all();
+        self.core.lock().has_ended = true;
+        self.core.work.notify_all();
     }
 }
 
 impl fmt::Debug for MeshStore {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("MeshStore")
-            .field("loader", &self.shared.loader)
+            .field("loader", &self.core.loader)
             .field("is_background", &self.is_background)
-            .field("resources", &lock(&self.shared.state).slots.len())
+            .field("resources", &self.core.lock().slots.len())
             .finish_non_exhaustive()
     }
 }
@@ -456,40 +445,40 @@ mod tests {
     use super::*;
     use crate::{MeshMaterial, MeshPart};
 
-    /// A slot with a mesh of so many vertices.
-    fn slot(vertices: usize) -> Slot {
+    /// A slot with a mesh of `vertices` vertices.
+    fn slot(vertices: usize) -> CachedResource {
         let mesh = Mesh { vertices: vec![Vertex::new([0.0; 3], [0.0; 3]); vertices], indices: Vec::new() };
         let part = MeshPart { mesh: Arc::new(mesh), material: MeshMaterial::none() };
         let mesh = LoadedMesh { parts: vec![part], warnings: Vec::new() };
-        Slot { outcome: Some(Ok(Resource::Mesh(Arc::new(mesh)))), ..Slot::default() }
+        CachedResource { outcome: Some(Ok(Resource::Mesh(Arc::new(mesh)))), ..CachedResource::default() }
     }
 
     #[test]
-    fn what_is_large_and_unused_for_a_while_is_given_back() {
+    fn a_large_resource_that_is_unused_for_a_while_is_dropped() {
         let large = LARGE_BYTES / size_of::<Vertex>() + 1;
-        let key = |url: &str| Key { kind: Kind::Mesh, url: url.to_owned() };
-        let mut state = State::default();
+        let key = |url: &str| ResourceKey { kind: ResourceKind::Mesh, url: url.to_owned() };
+        let mut state = StoreState::default();
         let all = [("small", 8), ("unused", large), ("used", large), ("part", large), ("busy", large)];
         state.slots.extend(all.map(|(url, vertices)| (key(url), slot(vertices))));
         state.slots.get_mut(&key("busy")).unwrap().is_busy = true;
-        let mesh = |state: &State, url| match &state.slots[&key(url)].outcome {
+        let mesh = |state: &StoreState, url| match &state.slots[&key(url)].outcome {
             Some(Ok(Resource::Mesh(mesh))) => Arc::clone(mesh),
             other => panic!("{other:?}"),
         };
         let (used, part) = (mesh(&state, "used"), Arc::clone(&mesh(&state, "part").parts[0].mesh));
         let begin = Instant::now();
-        let given_back = |state: &mut State, secs| {
+        let dropped = |state: &mut StoreState, secs| {
             let count = state.slots.len();
             drop(state.take_unused(begin + Duration::from_secs(secs)));
             count - state.slots.len()
         };
-        assert_eq!([0, 29].map(|secs| given_back(&mut state, secs)), [0, 0]);
-        // Somebody has asked for it meanwhile.
+        assert_eq!([0, 29].map(|secs| dropped(&mut state, secs)), [0, 0]);
+        // It was requested meanwhile.
         state.slots.get_mut(&key("unused")).unwrap().unused_since = None;
-        assert_eq!([30, 59, 60].map(|secs| given_back(&mut state, secs)), [0, 0, 1]);
+        assert_eq!([30, 59, 60].map(|secs| dropped(&mut state, secs)), [0, 0, 1]);
         assert!(!state.slots.contains_key(&key("unused")));
         drop((used, part));
-        assert_eq!([100, 129, 130].map(|secs| given_back(&mut state, secs)), [0, 0, 2]);
+        assert_eq!([100, 129, 130].map(|secs| dropped(&mut state, secs)), [0, 0, 2]);
         let mut left: Vec<&str> = state.slots.keys().map(|key| key.url.as_str()).collect();
         left.sort_unstable();
         assert_eq!(left, ["busy", "small"]);

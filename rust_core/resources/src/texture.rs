@@ -12,35 +12,31 @@ use rcs_scene::{Filtering, Texture, Wrapping};
 
 use crate::{ResourceError, ResourceOptions};
 
-/// Larger images are refused, as by every graphics card of the day.
+/// Largest side of an image, the limit of graphics cards.
 const MAX_SIDE: u32 = 16384;
-/// Images of more pixels are refused: 8192 × 8192 take 256 MB. A small file can announce any size.
+/// Most pixels of an image, 256 MB: a small file can announce any size.
 const MAX_TEXELS: u64 = 8192 * 8192;
-/// The most memory that a decoder may take.
+/// Most memory of a decoder.
 const MAX_DECODED_BYTES: u64 = 512 << 20;
 
 /// Reads an image file: PNG, JPEG, BMP, TGA, TIFF or GIF. The format is detected from its contents, else from its name.
 ///
 /// # Errors
-/// [`ResourceError::BadImage`], and those of reading the file.
+/// [`ResourceError::BadImage`], and errors of reading the file.
 pub(crate) fn load(options: &ResourceOptions, path: &Path) -> Result<Arc<Texture>, ResourceError> {
     from_bytes(&options.read(path)?, path)
 }
 
-/// The texture of an image file's contents; `path` gives the format of those that do not tell.
+/// Decodes an image file's contents; `path` gives the format of files without signature.
 ///
 /// # Errors
 /// [`ResourceError::BadImage`].
 pub(crate) fn from_bytes(bytes: &[u8], path: &Path) -> Result<Arc<Texture>, ResourceError> {
-    // Some damaged images make the decoder of JPEG panic. The mesh that they are on is shown all the same.
+    // Some damaged images make the decoder of JPEG panic; the mesh is drawn without them.
     let decoded = catch_unwind(|| decode(bytes, path)).unwrap_or_else(|_| Err("its decoder panicked".to_owned()));
     decoded.map(Arc::new).map_err(|reason| ResourceError::BadImage { path: path.to_owned(), reason })
 }
 
-/// The texture of an image file's bytes.
-///
-/// # Errors
-/// What is wrong with them.
 fn decode(bytes: &[u8], path: &Path) -> Result<Texture, String> {
     let unreadable = |error: ImageError| error.to_string();
     let guessed = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
@@ -68,7 +64,7 @@ fn decode(bytes: &[u8], path: &Path) -> Result<Texture, String> {
     Ok(Texture { width, height, rgba, filtering: Filtering::BilinearMipmap, wrapping: Wrapping::Repeat })
 }
 
-/// What Ogre puts where a texture cannot be loaded: 8 × 8 texels of yellow and black diagonal stripes.
+/// Ogre's replacement for a texture that cannot be loaded: 8 × 8 texels of yellow and black diagonal stripes.
 pub fn warning_texture() -> Arc<Texture> {
     static TEXTURE: OnceLock<Arc<Texture>> = OnceLock::new();
     let make = || {
@@ -84,8 +80,8 @@ pub fn warning_texture() -> Arc<Texture> {
     Arc::clone(TEXTURE.get_or_init(make))
 }
 
-/// The texture multiplied with itself, to the power of `times`. rviz adds the diffuse texture once for every
-/// texture of whatever kind (bump, specular …) that a material names, each layer multiplying the ones before.
+/// The texture to the power of `times`. rviz adds the diffuse texture once for every texture of any kind (bump,
+/// specular …) of a material, and the layers are multiplied.
 pub(crate) fn layered(texture: &Arc<Texture>, times: usize) -> Arc<Texture> {
     if times < 2 {
         return Arc::clone(texture);

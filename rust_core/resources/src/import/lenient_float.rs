@@ -1,7 +1,7 @@
 //! Numbers in text files.
 
-/// The number at the start of a word, as far as it goes: `0.5`, `.5`, `5.`, `1e-3`, `0,5` (a comma is a point to
-/// Assimp), `inf`, `nan`, `1.0foo`. `None` when the word does not begin with one.
+/// The longest number at the start of a word, as in Assimp: `0.5`, `.5`, `5.`, `1e-3`, `0,5`, `inf`, `nan`, `1.0foo`.
+/// `None` when the word does not begin with a number.
 pub(crate) fn leading_f32(word: &str) -> Option<f32> {
     if let Ok(value) = word.parse() {
         return Some(value);

@@ -1,11 +1,14 @@
-//! OBJ's material files, with Assimp's defaults for what they leave out.
+//! OBJ's material files, with Assimp's defaults.
 
 use super::{
+    imported::{MaterialSpec, MAX_MATERIALS},
     lenient_float::{leading_f32, three},
-    MaterialSpec, MAX_MATERIALS,
 };
 
-/// How statements that name a texture begin, each with the kind of texture that it is; the first that fits counts.
+/// Assimp's name for the material of faces without one.
+pub(super) const DEFAULT_MATERIAL: &str = "DefaultMaterial";
+
+/// Prefixes of texture statements with the kind of texture; the first that matches counts.
 const TEXTURES: [(&str, &str); 17] = [
     ("map_kd", "diffuse"),
     ("map_ka", "ambient"),
@@ -28,14 +31,14 @@ const TEXTURES: [(&str, &str); 17] = [
 
 /// A material with its name.
 #[derive(Clone, Debug)]
-pub(super) struct Named {
+pub(super) struct NamedMaterial {
     pub(super) name: String,
     pub(super) spec: MaterialSpec,
-    /// The kinds of texture that were named, so that each counts once.
+    /// The kinds of its textures; each counts once.
     textures: Vec<&'static str>,
 }
 
-impl Named {
+impl NamedMaterial {
     /// A material before its file sets anything.
     pub(super) fn new(name: &str) -> Self {
         let spec = MaterialSpec { specular: [0.0; 3], ..MaterialSpec::DEFAULT };
@@ -43,23 +46,23 @@ impl Named {
     }
 }
 
-/// Adds a file's materials to `materials`, those whose name is there already change it; `defined` is called with the
-/// index of each and whether it is new.
-pub(super) fn read(text: &str, materials: &mut Vec<Named>, mut defined: impl FnMut(usize, bool)) {
+/// Adds a file's materials to `materials`, or changes those of the same name; `defined` is called with the index of each
+/// and whether it is new.
+pub(super) fn read(text: &str, materials: &mut Vec<NamedMaterial>, mut defined: impl FnMut(usize, bool)) {
     let mut current: Option<usize> = None;
     for line in text.lines() {
         let line = line.trim();
         let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
         let keyword = keyword.to_ascii_lowercase();
         if keyword == "newmtl" {
-            let name = if rest.trim().is_empty() { super::obj::DEFAULT_MATERIAL } else { rest.trim() };
+            let name = if rest.trim().is_empty() { DEFAULT_MATERIAL } else { rest.trim() };
             let known = materials.iter().position(|material| material.name == name);
             if known.is_none() && materials.len() > MAX_MATERIALS {
-                // One more than there may be: the file is refused.
+                // Above the limit, so the caller refuses the file.
                 return;
             }
             let index = known.unwrap_or_else(|| {
-                materials.push(Named::new(name));
+                materials.push(NamedMaterial::new(name));
                 materials.len() - 1
             });
             defined(index, known.is_none());

@@ -1,53 +1,55 @@
 //! Wavefront OBJ.
 //!
-//! As Assimp reads it: each object, group and change of material begins a mesh; faces before the first `usemtl` have
-//! the material that was defined last; a material that no library defines is grey 0.6; a mesh whose faces lack some
-//! normals gets its faces' own; an index of a vertex that does not exist refuses the file, one of a normal or texture
-//! coordinate takes them from the whole mesh. Vertex colours are not used. `l` and `p` statements make lines and
-//! points.
+//! As in Assimp: each object, group and change of material begins a mesh; faces before the first `usemtl` have the
+//! material that was defined last; an undefined material is grey 0.6; a mesh whose faces lack some normals gets face
+//! normals; an invalid index refuses the file if it is a vertex's, and drops the whole mesh's normals or texture
+//! coordinates if it is one of those. Vertex colours are not used. `l` and `p` statements are lines and points.
 
-use std::{borrow::Cow, collections::HashMap, path::Path};
-
-use nalgebra::Matrix4;
+use std::{borrow::Cow, collections::HashMap};
 
 use super::{
-    check_count,
+    imported::{
+        check_count, without_byte_order_mark, Faces, Imported, MeshSource, Polygons, MAX_MATERIALS, MAX_MESHES,
+    },
     lenient_float::{leading_f32, three},
-    mtl::{self, Named},
-    without_byte_order_mark, Faces, Imported, Placed, Polygons, Source, MAX_MATERIALS, MAX_MESHES,
+    mtl::{self, NamedMaterial, DEFAULT_MATERIAL},
 };
 use crate::{MeshFault, ResourceError};
 
-/// Assimp's name for the material of faces that have none.
-pub(super) const DEFAULT_MATERIAL: &str = "DefaultMaterial";
-
-/// What the next material library is counted for besides its size.
+/// Bytes that each material library counts in addition to its size.
 const LIBRARY_BYTES: u64 = 4096;
 
 /// An OBJ file while it is read.
-struct Reader<'a> {
-    source: Source<'a>,
+struct ObjReader<'a> {
+    source: MeshSource<'a>,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
-    materials: Vec<Named>,
+    materials: Vec<NamedMaterial>,
     current_material: Option<usize>,
-    meshes: Vec<Mesh>,
-    group: String,
-    objects: HashMap<String, usize>,
-    object_count: usize,
-    current_object: Option<usize>,
+    meshes: Vec<ObjMesh>,
+    objects: Objects,
     corners: usize,
     library_bytes: u64,
 }
 
+/// The objects and groups of a file, numbered in the order in which they begin.
+#[derive(Default)]
+struct Objects {
+    count: usize,
+    by_name: HashMap<String, usize>,
+    current: Option<usize>,
+    /// The name in the last `g` statement.
+    group: String,
+}
+
 /// A mesh while it is read.
 #[derive(Default)]
-struct Mesh {
-    /// All but its faces.
+struct ObjMesh {
+    /// The mesh without its faces.
     polygons: Polygons,
     face_sizes: Vec<u32>,
-    /// Index of the object that it was begun in.
+    /// Index of the object in which it begins.
     object: usize,
     material: Option<usize>,
     has_normals: bool,
@@ -56,43 +58,40 @@ struct Mesh {
     bad_uvs: bool,
 }
 
-/// What a statement of corners makes.
+/// The primitive of a statement with corners.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum ObjPrimitive {
     Polygon,
     Line,
     Point,
 }
 
-/// A corner: indices from 0 of the position, texture coordinate and normal. Those past the end are kept.
+/// A corner: indices from 0 of the position, texture coordinate and normal, which may be out of range.
 #[derive(Clone, Copy, Default)]
-struct Corner {
+struct ObjCorner {
     position: usize,
     uv: Option<usize>,
     normal: Option<usize>,
 }
 
-/// Reads an OBJ file and the material libraries beside it that it names.
-pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Imported, MeshFault> {
+/// Reads an OBJ file and its material libraries.
+pub(super) fn read(bytes: &[u8], source: MeshSource<'_>) -> Result<Imported, MeshFault> {
     let text = String::from_utf8_lossy(without_byte_order_mark(bytes));
-    let mut reader = Reader {
+    let mut reader = ObjReader {
         source,
         positions: Vec::new(),
         normals: Vec::new(),
         uvs: Vec::new(),
-        materials: vec![Named::new(DEFAULT_MATERIAL)],
+        materials: vec![NamedMaterial::new(DEFAULT_MATERIAL)],
         current_material: None,
         meshes: Vec::new(),
-        group: String::new(),
-        objects: HashMap::new(),
-        object_count: 0,
-        current_object: None,
+        objects: Objects::default(),
         corners: 0,
         library_bytes: 0,
     };
     let mut joined = String::new();
     for (number, line) in text.lines().enumerate() {
-        // A backslash at its end continues a line.
+        // A backslash at the end continues a line.
         if let Some(start) = line.trim_end().strip_suffix('\\') {
             joined.push_str(start);
             joined.push(' ');
@@ -114,7 +113,7 @@ pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Imported, MeshFau
     Ok(reader.finish())
 }
 
-impl Reader<'_> {
+impl ObjReader<'_> {
     fn line(&mut self, line: &str) -> Result<(), String> {
         let line = line.trim();
         let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
@@ -130,12 +129,12 @@ impl Reader<'_> {
                 let v = words.next().and_then(leading_f32).unwrap_or(0.0);
                 self.uvs.push([u, v].map(|value| if value.is_finite() { value } else { 0.0 }));
             }
-            "f" => self.corners(Kind::Polygon, rest)?,
-            "l" => self.corners(Kind::Line, rest)?,
-            "p" => self.corners(Kind::Point, rest)?,
+            "f" => self.corners(ObjPrimitive::Polygon, rest)?,
+            "l" => self.corners(ObjPrimitive::Line, rest)?,
+            "p" => self.corners(ObjPrimitive::Point, rest)?,
             "o" => self.object(rest.split_ascii_whitespace().next().unwrap_or_default()),
-            "g" if self.group != rest.trim() => {
-                rest.trim().clone_into(&mut self.group);
+            "g" if self.objects.group != rest.trim() => {
+                rest.trim().clone_into(&mut self.objects.group);
                 self.begin_object(rest.trim());
             }
             "usemtl" => self.use_material(rest.trim()),
@@ -158,17 +157,17 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn corners(&mut self, kind: Kind, rest: &str) -> Result<(), String> {
+    fn corners(&mut self, kind: ObjPrimitive, rest: &str) -> Result<(), String> {
         let words = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#'));
         let corners = words.map(|word| self.corner(word)).collect::<Result<Vec<_>, _>>()?;
         if corners.is_empty() {
             return Ok(());
         }
-        if self.current_object.is_none() {
+        if self.objects.current.is_none() {
             self.begin_object("defaultobject");
         }
         let Some(mesh) = self.meshes.last_mut() else { return Ok(()) };
-        let mut push = |corner: &Corner| -> Result<(), String> {
+        let mut push = |corner: &ObjCorner| -> Result<(), String> {
             let position = self.positions.get(corner.position).ok_or("a vertex index is out of range")?;
             mesh.polygons.positions.push(*position);
             mesh.has_normals |= corner.normal.is_some();
@@ -183,17 +182,17 @@ impl Reader<'_> {
         };
         self.corners += corners.len();
         match kind {
-            Kind::Polygon => {
+            ObjPrimitive::Polygon => {
                 corners.iter().try_for_each(&mut push)?;
                 mesh.face_sizes.push(corners.len() as u32);
             }
-            Kind::Line => {
+            ObjPrimitive::Line => {
                 for pair in corners.windows(2) {
                     pair.iter().try_for_each(&mut push)?;
                     mesh.face_sizes.push(2);
                 }
             }
-            Kind::Point => {
+            ObjPrimitive::Point => {
                 corners.iter().try_for_each(&mut push)?;
                 mesh.face_sizes.extend(corners.iter().map(|_| 1));
             }
@@ -201,8 +200,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `7`, `7/1`, `7//2`, `7/1/2`; negative numbers count back from the last.
-    fn corner(&self, word: &str) -> Result<Corner, String> {
+    /// Reads `7`, `7/1`, `7//2` or `7/1/2`; negative numbers count back from the last.
+    fn corner(&self, word: &str) -> Result<ObjCorner, String> {
         let mut parts = word.split('/');
         let index = |part: Option<&str>, count: usize| -> Result<Option<usize>, String> {
             match part {
@@ -222,27 +221,27 @@ impl Reader<'_> {
             // Without texture coordinates in the file the second number is the normal's.
             normal = uv.take();
         }
-        Ok(Corner { position, uv, normal })
+        Ok(ObjCorner { position, uv, normal })
     }
 
     fn object(&mut self, name: &str) {
         if name.is_empty() {
             return;
         }
-        match self.objects.get(name) {
-            // An object that comes again goes on with the mesh at hand; the next one is its.
-            Some(&object) => self.current_object = Some(object),
+        match self.objects.by_name.get(name) {
+            // Faces of a repeated object first go on with the current mesh; the next mesh belongs to the object.
+            Some(&object) => self.objects.current = Some(object),
             None => self.begin_object(name),
         }
     }
 
     fn begin_object(&mut self, name: &str) {
-        let object = self.object_count;
-        self.object_count += 1;
+        let object = self.objects.count;
+        self.objects.count += 1;
         // Of two groups of one name the first is found.
-        self.objects.entry(name.to_owned()).or_insert(object);
-        self.current_object = Some(object);
-        self.meshes.push(Mesh { object, material: self.current_material, ..Mesh::default() });
+        self.objects.by_name.entry(name.to_owned()).or_insert(object);
+        self.objects.current = Some(object);
+        self.meshes.push(ObjMesh { object, material: self.current_material, ..ObjMesh::default() });
     }
 
     fn use_material(&mut self, name: &str) {
@@ -252,15 +251,15 @@ impl Reader<'_> {
         }
         let index = self.materials.iter().position(|material| material.name == name).unwrap_or_else(|| {
             log::debug!("OBJ material {name:?} is not defined, it is grey");
-            self.materials.push(Named::new(name));
+            self.materials.push(NamedMaterial::new(name));
             self.materials.len() - 1
         });
         self.current_material = Some(index);
         match self.meshes.last_mut() {
-            // Faces of another material are there: a mesh has only one.
+            // A mesh has only one material.
             Some(mesh) if mesh.material.is_some_and(|material| material != index) && !mesh.face_sizes.is_empty() => {
-                let object = self.current_object.unwrap_or(0);
-                self.meshes.push(Mesh { object, material: Some(index), ..Mesh::default() });
+                let object = self.objects.current.unwrap_or(0);
+                self.meshes.push(ObjMesh { object, material: Some(index), ..ObjMesh::default() });
             }
             Some(mesh) => mesh.material = Some(index),
             None => {}
@@ -269,16 +268,14 @@ impl Reader<'_> {
 
     /// Reads a material library: the file of that name beside the mesh, else the mesh's own name with `.mtl`.
     fn library(&mut self, name: &str) {
-        let Source { path, options } = self.source;
-        let folder = path.parent().unwrap_or(Path::new(""));
+        let MeshSource { path, options } = self.source;
         self.library_bytes = self.library_bytes.saturating_add(LIBRARY_BYTES);
         let text = if self.library_bytes > options.max_file_bytes {
             Err(ResourceError::TooLarge { path: path.to_owned(), max_mb: options.max_file_bytes >> 20 })
         } else {
-            options.read(&folder.join(name.trim_start_matches('/'))).or_else(|error| {
-                // The first failure is the one of interest.
-                options.read(&path.with_extension("mtl")).map_err(|_| error)
-            })
+            options
+                .read(&self.source.beside(name))
+                .or_else(|error| options.read(&path.with_extension("mtl")).map_err(|_| error))
         };
         let bytes = match text {
             Ok(bytes) => bytes,
@@ -316,8 +313,6 @@ impl Reader<'_> {
             let faces = Faces::Sizes(mesh.face_sizes);
             meshes.push(Polygons { material: mesh.material.unwrap_or(0), faces, ..mesh.polygons });
         }
-        let placed = (0..meshes.len()).map(|mesh| Placed { mesh, object_from_mesh: Matrix4::identity() }).collect();
-        let materials = self.materials.into_iter().map(|material| material.spec).collect();
-        Imported { meshes, materials, placed, ..Imported::default() }
+        Imported::untransformed(meshes, self.materials.into_iter().map(|material| material.spec).collect())
     }
 }

@@ -1,36 +1,39 @@
-//! What Assimp does to a mesh after reading it, for the flags that rviz sets.
+//! Assimp's processing of a mesh after reading, for the flags that rviz sets.
 //!
-//! In this order: v of the texture coordinates is turned to point down; polygons are cut into triangles; points, lines
-//! and triangles of one mesh become meshes of their own; coordinates that are not numbers, or all the same, are
-//! dropped, and so are a mesh's normals when a single one of them is zero or not a number; and triangles that then have
-//! no normals get those of their faces (`aiProcess_GenNormals` does not smooth; a vertex that faces share has the last
-//! one's). Vertices are never merged.
+//! In this order: v of the texture coordinates is flipped to point down; polygons are cut into triangles; points, lines
+//! and triangles of one mesh become separate meshes; coordinates that are not numbers, or all equal, are dropped, and
+//! so are all normals of a mesh if one of them is zero or not a number; triangles without normals get face normals
+//! (`aiProcess_GenNormals` does not smooth; a shared vertex has the last face's). Vertices are never merged.
 
-use super::{triangulate::Triangulation, Faces, Polygons};
+use super::{
+    imported::{Faces, Polygons},
+    triangulate::Triangulation,
+    vectors::{cross, minus, normalized},
+};
 
 /// A mesh of one kind of primitive.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Triangles {
+pub(crate) struct PrimitiveMesh {
     pub(crate) positions: Vec<[f32; 3]>,
-    /// One for each position or, without indices, each triangle; points and lines may have none at all.
+    /// Normals of the positions or, without indices, of the triangles; may be empty for points and lines.
     pub(crate) normals: Vec<[f32; 3]>,
-    /// One for each position, or none at all; v down.
+    /// Texture coordinates of the positions, v down; may be empty.
     pub(crate) uvs: Vec<[f32; 2]>,
-    /// Three for each triangle; `None` for the positions in their order. For points and lines too: rviz passes the
-    /// indices of their faces to Ogre one after the other, and Ogre draws triangles.
+    /// Three for each triangle; `None` for the positions in their order. For points and lines too, because rviz passes
+    /// all indices to Ogre, which draws triangles.
     pub(crate) indices: Option<Vec<u32>>,
 }
 
-impl Triangles {
+impl PrimitiveMesh {
     /// The normal of a corner.
     pub(crate) fn normal(&self, corner: usize) -> Option<&[f32; 3]> {
         self.normals.get(if self.indices.is_some() { corner } else { corner / 3 })
     }
 }
 
-/// A mesh as rviz gets it from Assimp: up to three of them, points, lines and triangles. `triangulation` is that of all
-/// meshes of the file.
-pub(crate) fn process(polygons: Polygons, triangulation: &mut Triangulation) -> Vec<Triangles> {
+/// A mesh as Assimp passes it to rviz: up to three meshes of points, lines and triangles. `triangulation` is shared by
+/// all meshes of the file.
+pub(crate) fn process(polygons: Polygons, triangulation: &mut Triangulation) -> Vec<PrimitiveMesh> {
     let face_sizes = match &polygons.faces {
         Faces::Sizes(face_sizes) => face_sizes,
         Faces::Triangles => return finish(whole(polygons, None), true).into_iter().collect(),
@@ -70,19 +73,19 @@ pub(crate) fn process(polygons: Polygons, triangulation: &mut Triangulation) -> 
     by_kind.filter_map(|(kind, indices)| finish(unshared(&polygons, &indices), kind == 2)).collect()
 }
 
-/// All vertices, shared as the file and the triangulation share them.
-fn whole(polygons: Polygons, indices: Option<Vec<u32>>) -> Triangles {
+/// All vertices, with the sharing of the file and the triangulation.
+fn whole(polygons: Polygons, indices: Option<Vec<u32>>) -> PrimitiveMesh {
     let Polygons { positions, normals, mut uvs, .. } = polygons;
     uvs.iter_mut().for_each(|uv| *uv = flipped(*uv));
-    Triangles { positions, normals, uvs, indices }
+    PrimitiveMesh { positions, normals, uvs, indices }
 }
 
-/// The corners of some faces, each index with a vertex of its own.
-fn unshared(polygons: &Polygons, indices: &[u32]) -> Triangles {
+/// The corners of some faces, with a vertex for each index.
+fn unshared(polygons: &Polygons, indices: &[u32]) -> PrimitiveMesh {
     fn pick<T: Copy>(values: &[T], indices: &[u32]) -> Vec<T> {
         indices.iter().filter_map(|&i| values.get(i as usize).copied()).collect()
     }
-    Triangles {
+    PrimitiveMesh {
         positions: pick(&polygons.positions, indices),
         normals: pick(&polygons.normals, indices),
         uvs: pick(&polygons.uvs, indices).into_iter().map(flipped).collect(),
@@ -95,7 +98,7 @@ fn flipped([u, v]: [f32; 2]) -> [f32; 2] {
 }
 
 /// Drops invalid data and makes normals; `None` when nothing is left.
-fn finish(mut mesh: Triangles, is_triangles: bool) -> Option<Triangles> {
+fn finish(mut mesh: PrimitiveMesh, is_triangles: bool) -> Option<PrimitiveMesh> {
     let count = mesh.positions.len();
     let used = match &mesh.indices {
         None => Used::All,
@@ -131,7 +134,7 @@ fn finish(mut mesh: Triangles, is_triangles: bool) -> Option<Triangles> {
     (corners > 0).then_some(mesh)
 }
 
-/// Which corners a mesh uses.
+/// The corners that a mesh uses.
 enum Used {
     All,
     Some(Vec<bool>),
@@ -146,10 +149,10 @@ impl Used {
     }
 }
 
-/// What vectors must be besides finite.
+/// Requirement on vectors in addition to being finite.
 #[derive(Clone, Copy, PartialEq)]
 enum Demand {
-    /// They are not all the same.
+    /// Not all are equal.
     Different,
     /// None is zero.
     NonZero,
@@ -175,8 +178,8 @@ fn is_valid<const N: usize>(vectors: &[[f32; N]], used: &Used, demand: Demand) -
     demand != Demand::Different || count < 2 || !all_same
 }
 
-/// The normal of each face at its corners; where faces share a corner the last one's.
-fn face_normals(mesh: &Triangles) -> Vec<[f32; 3]> {
+/// The normal of each face at its corners; a shared corner has the last face's.
+fn face_normals(mesh: &PrimitiveMesh) -> Vec<[f32; 3]> {
     let normal = |a, b, c| normalized(cross(minus(b, a), minus(c, a)));
     let Some(indices) = &mesh.indices else {
         let faces = mesh.positions.chunks_exact(3);
@@ -194,28 +197,4 @@ fn face_normals(mesh: &Triangles) -> Vec<[f32; 3]> {
         }
     }
     normals
-}
-
-/// `a − b`.
-pub(super) fn minus(a: &[f32; 3], b: &[f32; 3]) -> [f32; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// `a · b`.
-pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Of length one; a zero vector is returned as it is.
-pub(crate) fn normalized(v: [f32; 3]) -> [f32; 3] {
-    let length = dot(v, v).sqrt();
-    if length > 0.0 {
-        v.map(|component| component / length)
-    } else {
-        v
-    }
 }

@@ -1,14 +1,13 @@
 //! STL, binary and text.
 //!
-//! As in Assimp: a file is binary when its size fits the triangle count in its header, whatever the header begins with
-//! (many binary files begin with "solid"); the normals are the file's, three times the same for each face, and are
-//! computed only when one of them is zero or not a number; colours are not used. Each `solid` of a text file is a
-//! part. Faces keep one normal, not three copies of it. Beyond Assimp, bytes after a binary file's last triangle are
-//! ignored.
+//! As in Assimp: a file is binary when its size matches the triangle count in its header, even if the header begins with
+//! "solid"; the normals are the file's, one for each face, unless one of them is zero or not a number; colours are not
+//! used. Each `solid` of a text file is a part. Beyond Assimp, bytes after a binary file's last triangle are ignored.
 
-use nalgebra::Matrix4;
-
-use super::{lenient_float::three, without_byte_order_mark, Faces, Imported, Placed, Polygons};
+use super::{
+    imported::{without_byte_order_mark, Faces, Imported, Polygons},
+    lenient_float::three,
+};
 use crate::MeshFault;
 
 const HEADER_BYTES: usize = 84;
@@ -43,7 +42,7 @@ fn announced_faces(bytes: &[u8]) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.get(80..HEADER_BYTES)?.try_into().ok()?))
 }
 
-/// Whether it begins like a text file and goes on like one.
+/// `true` for a beginning of text: "solid" without a NUL after it.
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
     start.starts_with(b"solid") && !start.iter().take(500).any(|&byte| byte == 0)
@@ -70,7 +69,7 @@ fn read_binary(bytes: &[u8]) -> Result<Imported, MeshFault> {
         mesh.positions.extend(vectors.take(3));
         mesh.normals.push(normal);
     }
-    Ok(one_part_each(vec![mesh]))
+    Ok(Imported::untransformed(vec![mesh], Vec::new()))
 }
 
 fn read_text(bytes: &[u8]) -> Result<Imported, MeshFault> {
@@ -78,7 +77,7 @@ fn read_text(bytes: &[u8]) -> Result<Imported, MeshFault> {
     let mut solids = Vec::new();
     let mut solid = empty_solid();
     let mut normal = [0.0; 3];
-    // Corners of the facet at hand.
+    // Corners of the current facet.
     let mut corners: Vec<[f32; 3]> = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let mut words = line.split_ascii_whitespace().peekable();
@@ -118,14 +117,9 @@ fn read_text(bytes: &[u8]) -> Result<Imported, MeshFault> {
     if !solid.positions.is_empty() {
         solids.push(solid);
     }
-    Ok(one_part_each(solids))
+    Ok(Imported::untransformed(solids, Vec::new()))
 }
 
 fn empty_solid() -> Polygons {
     Polygons { faces: Faces::Triangles, ..Polygons::default() }
-}
-
-fn one_part_each(meshes: Vec<Polygons>) -> Imported {
-    let placed = (0..meshes.len()).map(|mesh| Placed { mesh, object_from_mesh: Matrix4::identity() }).collect();
-    Imported { meshes, placed, ..Imported::default() }
 }

@@ -1,17 +1,17 @@
 //! Polygons into triangles, by the rules of Assimp's `aiProcess_Triangulate`.
 //!
-//! Which diagonal cuts a quad shows in the picture when the quad is not flat, so the same one is taken: from the
-//! corner whose inner angle is above 180 degrees, else from the first. Larger polygons are projected along the largest
-//! component of their normal and lose one ear (a convex corner whose triangle holds no other corner) after another.
-//! Where a polygon crosses itself so that no ear is left, the rest of it is not drawn.
+//! A quad is cut from the corner whose inner angle is above 180 degrees, else from the first: if it is not flat, the
+//! diagonal matters for the image. Larger polygons are projected along the largest component of their normal, and their
+//! ears (convex corners whose triangle holds no other corner) are clipped one after another. The rest of a polygon that
+//! crosses itself so that no ear is left is not drawn.
 
 use std::f32::consts::PI;
 
-use super::process::{dot, minus, normalized};
+use super::vectors::{dot, minus, normalized};
 
-/// The most corner-in-triangle tests of one polygon; past that it is damaged, and its rest is not drawn.
+/// Most corner-in-triangle tests of a polygon; the rest of a polygon that needs more is not drawn.
 const MAX_TESTS: usize = 20_000_000;
-/// The most such tests of all polygons of a file, a few seconds' worth; past that their rests are not drawn.
+/// Most corner-in-triangle tests of a file, which take a few seconds.
 const MAX_TESTS_OF_FILE: usize = 1_000_000_000;
 
 /// Cuts the polygons of a file.
@@ -55,9 +55,9 @@ fn reflex_corner(quad: [&[f32; 3]; 4]) -> u32 {
     around.iter().position(is_reflex).map_or(0, |i| i as u32)
 }
 
-/// The polygon in the plane in which it is largest, counter-clockwise.
+/// The polygon projected onto the plane in which it is largest, counter-clockwise.
 fn projected(corners: &[[f32; 3]]) -> Vec<[f32; 2]> {
-    // Newell's normal: each component is the area that the polygon has when seen along that axis.
+    // Newell's normal: each component is the polygon's area projected along that axis.
     let mut normal = [0.0_f32; 3];
     let next = corners.iter().cycle().skip(1);
     for (p, q) in corners.iter().zip(next) {
@@ -79,8 +79,8 @@ fn projected(corners: &[[f32; 3]]) -> Vec<[f32; 2]> {
     corners.iter().map(|corner| [corner[u], corner[v]]).collect()
 }
 
-/// Cuts one ear after another from the ring of corners that are left, going around it. Returns the number of
-/// corner-in-triangle tests, of which it makes no more than `max_tests`.
+/// Clips one ear after another, going around the remaining corners. Returns the number of corner-in-triangle tests, at
+/// most `max_tests`.
 fn cut_ears(corners: &[[f32; 2]], max_tests: usize, mut emit: impl FnMut([u32; 3])) -> usize {
     let mut ring: Vec<usize> = (0..corners.len()).collect();
     let mut at = 0;
@@ -90,7 +90,7 @@ fn cut_ears(corners: &[[f32; 2]], max_tests: usize, mut emit: impl FnMut([u32; 3
         let mut candidates = (at..at + ring.len()).map(|i| i % ring.len());
         let ear = candidates.find(|&i| {
             let triangle = around(i).map(|corner| corners[corner]);
-            // Not "is convex": what is neither, because it is not a number, may be cut as well.
+            // Not "is convex": a corner that is neither, because of NaN, may be clipped as well.
             if is_reflex(&triangle) {
                 return false;
             }
@@ -108,23 +108,23 @@ fn cut_ears(corners: &[[f32; 2]], max_tests: usize, mut emit: impl FnMut([u32; 3
     tests
 }
 
-/// Whether a corner (the second) is concave between its neighbours.
+/// `true` if the second corner is concave.
 fn is_reflex([a, b, c]: &[[f32; 2]; 3]) -> bool {
     twice_area(a, b, c) < 0.0
 }
 
-/// Whether no corner lies in a triangle. As in Assimp, those that were cut off count as well.
+/// `true` if no corner lies in a triangle. As in Assimp, clipped corners count as well.
 fn is_empty(triangle: &[[f32; 2]; 3], corners: &[[f32; 2]]) -> bool {
     let [a, b, c] = triangle;
     !corners.iter().any(|p| !triangle.contains(p) && is_inside(p, a, b, c))
 }
 
-/// Above zero when the corners run counter-clockwise.
+/// Twice the signed area of a triangle, positive for counter-clockwise corners.
 fn twice_area(a: &[f32; 2], b: &[f32; 2], c: &[f32; 2]) -> f32 {
     a[0] * (b[1] - c[1]) + b[0] * (c[1] - a[1]) + c[0] * (a[1] - b[1])
 }
 
-/// Whether `p` lies inside of a triangle, its edges excluded.
+/// `true` if `p` lies inside of a triangle, its edges excluded.
 fn is_inside(p: &[f32; 2], a: &[f32; 2], b: &[f32; 2], c: &[f32; 2]) -> bool {
     let sides = [twice_area(a, b, p), twice_area(b, c, p), twice_area(c, a, p)];
     sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0)

@@ -5,13 +5,13 @@ use roxmltree::{Document, Error, ParsingOptions};
 
 use crate::{import::lenient_float::leading_f32, MeshFault};
 
-/// The most prefixes without a namespace that are accepted.
+/// Most prefixes without a namespace that are accepted.
 const MAX_PREFIXES: usize = 16;
-/// The most nodes of the XML tree, which take far more memory than their text.
+/// Most nodes of the XML tree, which take far more memory than their text.
 const MAX_XML_NODES: u32 = 4_000_000;
 
-/// Parses a document and passes its root to `read`. Prefixes that are used but not declared, which some exporters
-/// write and lenient parsers ignore, are declared.
+/// Parses a document and passes its root to `read`. Undeclared prefixes, which some exporters write and lenient parsers
+/// ignore, are declared.
 pub(super) fn parse<T>(text: &str, read: impl FnOnce(Node<'_, '_>) -> Result<T, MeshFault>) -> Result<T, MeshFault> {
     let mut text = std::borrow::Cow::Borrowed(text);
     for _ in 0..MAX_PREFIXES {
@@ -62,13 +62,13 @@ pub(super) fn number(node: Node<'_, '_>, name: &str) -> Option<usize> {
     attribute(node, name).trim().parse().ok()
 }
 
-/// What a reference such as `#part` names.
+/// The id in a reference such as `#part`.
 pub(super) fn reference<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, MeshFault> {
     let value = attribute(node, name);
     value.strip_prefix('#').ok_or_else(|| fault(node, format!("{name}={value:?} is not a reference within the file")))
 }
 
-/// The numbers of an element's text, up to the first word that is none.
+/// The numbers of an element's text, up to the first other word.
 pub(super) fn floats<'a>(node: Node<'a, '_>) -> impl Iterator<Item = f32> + 'a {
     node.text().unwrap_or_default().split_ascii_whitespace().map_while(leading_f32)
 }

@@ -1,4 +1,4 @@
-//! Materials and their effects: the colours and the diffuse texture. Transparency never shows in rviz, see
+//! Materials and their effects: the colours and the diffuse texture. Transparency has no effect in rviz, see
 //! [`MaterialSpec`].
 
 use std::collections::{BTreeMap, HashMap};
@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, HashMap};
 use percent_encoding::percent_decode_str;
 
 use super::dom::{attribute, child, children, floats, text, Node};
-use crate::import::MaterialSpec;
+use crate::import::imported::MaterialSpec;
 
-/// Materials in the order of their ids, which is the order in which Assimp numbers them.
+/// Materials in the order of their ids, as Assimp numbers them.
 #[derive(Debug, Default)]
 pub(super) struct Materials {
     pub(super) specs: Vec<MaterialSpec>,
@@ -18,13 +18,13 @@ pub(super) struct Materials {
 
 /// An effect's colour and texture of one kind.
 #[derive(Clone, Debug)]
-struct Channel {
+struct EffectChannel {
     color: [f32; 4],
     /// The name of a sampler or image; empty for none.
     texture: String,
 }
 
-/// Reads `library_materials` and what it refers to.
+/// Reads `library_materials` with its effects and images.
 pub(super) fn read_materials(root: Node<'_, '_>) -> Materials {
     let mut images = HashMap::new();
     let mut effects: HashMap<&str, Node<'_, '_>> = HashMap::new();
@@ -73,7 +73,7 @@ fn read_images<'a>(parent: Node<'a, '_>, images: &mut HashMap<&'a str, String>) 
 }
 
 fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> MaterialSpec {
-    let channel = |r, g, b| Channel { color: [r, g, b, 1.0], texture: String::new() };
+    let channel = |r, g, b| EffectChannel { color: [r, g, b, 1.0], texture: String::new() };
     let mut emission = channel(0.0, 0.0, 0.0);
     let mut ambient = channel(0.1, 0.1, 0.1);
     let mut diffuse = channel(0.6, 0.6, 0.6);
@@ -83,7 +83,7 @@ fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> Material
     let mut bump = channel(0.0, 0.0, 0.0);
     let mut shininess = 10.0;
     let mut flat = false;
-    // What each parameter refers to: a sampler to a surface, a surface to an image.
+    // Targets of parameters: a sampler's surface, a surface's image.
     let mut parameters: HashMap<&str, &str> = HashMap::new();
 
     for node in children(effect, "profile_COMMON").flat_map(|profile| profile.descendants()) {
@@ -108,7 +108,7 @@ fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> Material
 
     let channels = [&ambient, &emission, &specular, &diffuse, &bump, &transparent, &reflective];
     let texture_count = channels.iter().filter(|channel| !channel.texture.is_empty()).count();
-    let rgb = |channel: &Channel| {
+    let rgb = |channel: &EffectChannel| {
         let [r, g, b, _] = channel.color;
         [r, g, b]
     };
@@ -124,7 +124,7 @@ fn read_effect(effect: Node<'_, '_>, images: &HashMap<&str, String>) -> Material
     }
 }
 
-impl Channel {
+impl EffectChannel {
     /// Reads the `color` or `texture` in an element; a texture's colour is white.
     fn read(&mut self, node: Node<'_, '_>) {
         for child in node.descendants().skip(1) {
@@ -145,7 +145,7 @@ fn scalar(node: Node<'_, '_>) -> f32 {
     child(node, "float").and_then(|float| floats(float).next()).unwrap_or(0.0)
 }
 
-/// What a `newparam` refers to: a surface's `init_from`, a sampler's `source` or (1.5) `instance_image`.
+/// The target of a `newparam`: a surface's `init_from`, a sampler's `source` or (1.5) `instance_image`.
 fn parameter_target<'a>(parameter: Node<'a, '_>) -> Option<&'a str> {
     parameter
         .descendants()

@@ -1,32 +1,32 @@
 //! Geometries: primitives into corners.
 //!
-//! A geometry's primitives, one after the other, fill one list of corners; each primitive element is a group with its
-//! own material symbol. Inputs that some primitives lack are filled up as Assimp does: normals with (0, 1, 0), texture
-//! coordinates with zero; those that the last primitives lack are missing from these only.
+//! A geometry's primitives fill one list of corners; each primitive element is a group with its own material symbol.
+//! Inputs that some primitives lack are padded as in Assimp, normals with (0, 1, 0), texture coordinates with zero, but
+//! not for the last primitives, which go without.
 
 use std::collections::HashMap;
 
 use super::{
     dom::{attribute, children, fault, number, Node},
-    source::{indices_per_corner, read_inputs, Input, Semantic, Sources},
+    source::{indices_per_corner, read_inputs, ColladaInput, Semantic, Sources},
 };
 use crate::{
-    import::{self, check_count, Polygons},
+    import::imported::{check_count, strip_triangles, Faces, Polygons},
     MeshFault,
 };
 
-/// Texture coordinate sets that Assimp keeps.
+/// Number of texture coordinate sets in Assimp.
 const UV_SETS: usize = 8;
 
 /// A geometry with all its primitives.
 #[derive(Debug, Default)]
-pub(super) struct Geometry {
+pub(super) struct ColladaGeometry {
     pub(super) groups: Vec<Group>,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: [Vec<[f32; 2]>; UV_SETS],
     face_sizes: Vec<u32>,
-    /// The most corners that it may have.
+    /// Limit of its corners.
     max_corners: usize,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Group {
 }
 
 /// Geometries, and controllers' skins, by id.
-pub(super) type Geometries = HashMap<String, Geometry>;
+pub(super) type Geometries = HashMap<String, ColladaGeometry>;
 
 /// Reads `library_geometries`; of two geometries with one id the first counts.
 pub(super) fn read_geometries(root: Node<'_, '_>, max_corners: usize) -> Result<Geometries, MeshFault> {
@@ -51,7 +51,7 @@ pub(super) fn read_geometries(root: Node<'_, '_>, max_corners: usize) -> Result<
             if geometries.contains_key(id) {
                 continue;
             }
-            let mut read = Geometry { max_corners, ..Geometry::default() };
+            let mut read = ColladaGeometry { max_corners, ..ColladaGeometry::default() };
             for mesh in children(geometry, "mesh") {
                 read.read_mesh(mesh, &mut sources)?;
             }
@@ -61,10 +61,10 @@ pub(super) fn read_geometries(root: Node<'_, '_>, max_corners: usize) -> Result<
     Ok(geometries)
 }
 
-impl Geometry {
+impl ColladaGeometry {
     fn read_mesh<'a>(&mut self, mesh: Node<'a, '_>, sources: &mut Sources<'a>) -> Result<(), MeshFault> {
         let mut vertices_id = "";
-        let mut vertices: Vec<Input<'a>> = Vec::new();
+        let mut vertices: Vec<ColladaInput<'a>> = Vec::new();
         for element in mesh.children() {
             match element.tag_name().name() {
                 "source" => sources.read(element),
@@ -84,7 +84,7 @@ impl Geometry {
     fn read_primitives(
         &mut self,
         element: Node<'_, '_>,
-        vertices: &[Input<'_>],
+        vertices: &[ColladaInput<'_>],
         vertices_id: &str,
         sources: &Sources<'_>,
     ) -> Result<(), MeshFault> {
@@ -116,7 +116,7 @@ impl Geometry {
             // A strip has three corners for each of its indices.
             let possible = self.positions.len().saturating_add(indices.len() / per_corner);
             check_count(possible, self.max_corners, "corners")?;
-            let faces = Faces::of(element.tag_name().name(), indices.len() / per_corner, announced, &counts)
+            let faces = PrimitiveFaces::of(element.tag_name().name(), indices.len() / per_corner, announced, &counts)
                 .filter(|_| indices.len().is_multiple_of(per_corner))
                 .ok_or_else(|| fault(p, format!("{} indices do not fit the primitives announced", indices.len())))?;
             for corner in faces.corners {
@@ -139,7 +139,7 @@ impl Geometry {
         Ok(())
     }
 
-    /// Adds a value of the corner at hand, whose position comes first.
+    /// Adds a value of the current corner, whose position comes first.
     fn push(&mut self, semantic: Semantic, [x, y, z]: [f32; 3]) {
         let before = self.positions.len().saturating_sub(1);
         match semantic {
@@ -154,8 +154,8 @@ impl Geometry {
         }
     }
 
-    /// The faces from `first_face` on with the corners from `first_corner` on, as a mesh of its own. Normals and
-    /// texture coordinates that do not reach its end are left out; of the coordinate sets the first that does is taken.
+    /// The faces from `first_face` on with the corners from `first_corner` on, as a mesh. Normals that do not reach its
+    /// end are left out; of the texture coordinate sets, the first that does counts.
     pub(super) fn slice(&self, first_face: usize, first_corner: usize, faces: usize) -> Option<Polygons> {
         let face_sizes = self.face_sizes.get(first_face..first_face + faces)?.to_vec();
         let corners: usize = face_sizes.iter().map(|&size| size as usize).sum();
@@ -165,13 +165,13 @@ impl Geometry {
             normals: self.normals.get(range.clone()).unwrap_or_default().to_vec(),
             uvs: self.uvs.iter().find_map(|uvs| uvs.get(range.clone())).unwrap_or_default().to_vec(),
             corners: None,
-            faces: import::Faces::Sizes(face_sizes),
+            faces: Faces::Sizes(face_sizes),
             material: 0,
         })
     }
 }
 
-/// Adds a value, and fillers before it so that it is the one of the corner at hand.
+/// Adds a value at index `before` or later, and fillers up to it.
 fn push_padded<T: Copy>(values: &mut Vec<T>, value: T, before: usize, filler: T) {
     if values.len() < before {
         values.resize(before, filler);
@@ -179,17 +179,16 @@ fn push_padded<T: Copy>(values: &mut Vec<T>, value: T, before: usize, filler: T)
     values.push(value);
 }
 
-/// How the corners of a `<p>` make faces.
-struct Faces {
+/// The faces of a `<p>`.
+struct PrimitiveFaces {
     /// Corners of each face.
     sizes: Vec<u32>,
-    /// The corners of the first face, then of the second, and so on, by their place in the `<p>`.
+    /// The corners face by face, as indices into the `<p>`.
     corners: Vec<usize>,
 }
 
-impl Faces {
-    /// The faces of `count` corners; `None` when these do not fit what the element announces. A fan is one polygon
-    /// to Assimp.
+impl PrimitiveFaces {
+    /// The faces of `count` corners; `None` when the element announces another number. A fan is one polygon in Assimp.
     fn of(primitive: &str, count: usize, announced: usize, vcounts: &[usize]) -> Option<Self> {
         let of_size =
             |size: usize| Self { sizes: vec![size as u32; count / size], corners: (0..count / size * size).collect() };
@@ -202,10 +201,9 @@ impl Faces {
                 Some(Self { sizes: vec![2; lines], corners: (0..lines).flat_map(|i| [i, i + 1]).collect() })
             }
             "tristrips" => {
-                let triangles = count.saturating_sub(2);
-                // Every other triangle of a strip runs the other way.
-                let triangle = |i: usize| if i.is_multiple_of(2) { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] };
-                Some(Self { sizes: vec![3; triangles], corners: (0..triangles).flat_map(triangle).collect() })
+                let strip: Vec<usize> = (0..count).collect();
+                let corners: Vec<usize> = strip_triangles(&strip).flatten().collect();
+                Some(Self { sizes: vec![3; corners.len() / 3], corners })
             }
             "polylist" => {
                 let total = vcounts.iter().try_fold(0_usize, |total, &size| total.checked_add(size))?;

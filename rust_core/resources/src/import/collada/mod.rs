@@ -1,12 +1,11 @@
 //! COLLADA (`.dae`).
 //!
-//! The reading rules are those of Assimp 5.2, as far as they reach the picture: geometries are read in the order of
-//! the file into corners that faces do not share; materials are the `library_materials` in the order of their ids;
-//! the visual scene that `<scene>` names is walked, `instance_node`s included, a node's own geometry before its
-//! children's. rviz keeps the scale of the root (the `<unit>`) and drops its rotation (the `<up_axis>`), so a Y_UP
-//! file lies on its side in rviz, and here.
+//! As in Assimp 5.2, where it matters for the image: geometries are read in the order of the file into corners that
+//! faces do not share; materials are the `library_materials` in the order of their ids; the visual scene of `<scene>`
+//! is traversed, `instance_node`s included, a node's own geometry before its children's. rviz keeps the scale of the
+//! root (the `<unit>`) and drops its rotation (the `<up_axis>`), so a Y_UP file lies on its side.
 //!
-//! Where Assimp refuses a file for a trifle (a colour of three channels, a blank before a number), this reader goes on.
+//! Small faults for which Assimp refuses a file (a colour of three channels, a blank before a number) are accepted.
 
 mod dom;
 mod effect;
@@ -14,12 +13,12 @@ mod geometry;
 mod scene;
 mod source;
 
-use dom::{parse, Node};
+use dom::parse;
 
-use super::{without_byte_order_mark, Imported};
+use super::imported::{without_byte_order_mark, Imported};
 use crate::MeshFault;
 
-/// Reads a COLLADA file that may make so many corners.
+/// Reads a COLLADA file of at most `max_corners` corners.
 pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFault> {
     let text = String::from_utf8_lossy(without_byte_order_mark(bytes));
     parse(&text, |root| {
@@ -30,11 +29,4 @@ pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFau
         let geometries = geometry::read_geometries(root, max_corners)?;
         scene::build(root, &geometries, materials, max_corners)
     })
-}
-
-/// Metres in a unit of the file.
-fn unit_metres(root: Node<'_, '_>) -> f32 {
-    let unit = dom::children(root, "asset").flat_map(|asset| dom::children(asset, "unit")).last();
-    let metres = unit.and_then(|unit| unit.attribute("meter")).and_then(super::lenient_float::leading_f32);
-    metres.filter(|metres| metres.is_finite()).unwrap_or(1.0)
 }

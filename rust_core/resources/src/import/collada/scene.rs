@@ -1,4 +1,4 @@
-//! The visual scene: which geometry stands where, in which material.
+//! The visual scene: instances of geometries with their materials.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,26 +8,28 @@ use super::{
     dom::{attribute, child, children, fault, floats, reference, Node},
     effect::Materials,
     geometry::Geometries,
-    unit_metres,
 };
 use crate::{
-    import::{check_count, Imported, MaterialSpec, Placed, MAX_MESHES},
+    import::{
+        imported::{check_count, Imported, MaterialSpec, PlacedMesh, MAX_MESHES},
+        lenient_float::leading_f32,
+    },
     MeshFault,
 };
 
 /// Nodes nest no deeper than this, instances included, or they contain themselves.
 const MAX_DEPTH: usize = 200;
-/// The most nodes after instancing.
+/// Most nodes after instancing.
 const MAX_NODES: usize = 200_000;
 
-/// A node with what it draws.
-struct Placing {
+/// A node with its meshes.
+struct SceneNode {
     parent_from_node: Matrix4<f32>,
     meshes: Vec<usize>,
-    children: Vec<Placing>,
+    children: Vec<SceneNode>,
 }
 
-struct Builder<'a, 'i> {
+struct SceneBuilder<'a, 'i> {
     geometries: &'a Geometries,
     /// Geometry ids by the id of the controller that skins them.
     skinned: HashMap<&'a str, &'a str>,
@@ -35,17 +37,17 @@ struct Builder<'a, 'i> {
     /// `library_nodes` and visual scenes by id.
     library: HashMap<&'a str, Node<'a, 'i>>,
     root: Node<'a, 'i>,
-    /// Meshes made so far, by geometry, group and material id: those are made once.
+    /// Indices of meshes by geometry, group and material id; each is made once.
     made: HashMap<(&'a str, usize, &'a str), usize>,
     imported: Imported,
     corners: usize,
     max_corners: usize,
     nodes: usize,
-    /// Meshes placed so far.
+    /// Number of instances.
     placings: usize,
 }
 
-/// Walks the scene that the file instances.
+/// Builds the meshes and instances of the scene that the file instances.
 pub(super) fn build(
     root: Node<'_, '_>,
     geometries: &Geometries,
@@ -67,7 +69,7 @@ pub(super) fn build(
     let url = reference(instance, "url")?;
     let scene = *library.get(url).ok_or_else(|| fault(instance, format!("there is no visual scene {url:?}")))?;
 
-    let mut builder = Builder {
+    let mut builder = SceneBuilder {
         geometries,
         skinned: skinned(root),
         materials: &materials,
@@ -92,7 +94,14 @@ pub(super) fn build(
     Ok(imported)
 }
 
-/// What a controller deforms; rviz shows the geometry as it is.
+/// Metres in a unit of the file.
+fn unit_metres(root: Node<'_, '_>) -> f32 {
+    let unit = children(root, "asset").flat_map(|asset| children(asset, "unit")).last();
+    let metres = unit.and_then(|unit| unit.attribute("meter")).and_then(leading_f32);
+    metres.filter(|metres| metres.is_finite()).unwrap_or(1.0)
+}
+
+/// Geometry ids by the ids of controllers' skins; rviz draws the geometry undeformed.
 fn skinned<'a>(root: Node<'a, '_>) -> HashMap<&'a str, &'a str> {
     let controllers = children(root, "library_controllers")
         .flat_map(|library| library.children().filter(|controller| controller.tag_name().name() == "controller"));
@@ -105,22 +114,22 @@ fn skinned<'a>(root: Node<'a, '_>) -> HashMap<&'a str, &'a str> {
 }
 
 /// Lists a node's meshes, then its children's.
-fn flatten(placing: &Placing, root_from_parent: &Matrix4<f32>, placed: &mut Vec<Placed>) {
+fn flatten(placing: &SceneNode, root_from_parent: &Matrix4<f32>, placed: &mut Vec<PlacedMesh>) {
     let object_from_mesh = root_from_parent * placing.parent_from_node;
-    placed.extend(placing.meshes.iter().map(|&mesh| Placed { mesh, object_from_mesh }));
+    placed.extend(placing.meshes.iter().map(|&mesh| PlacedMesh { mesh, object_from_mesh }));
     for child in &placing.children {
         flatten(child, &object_from_mesh, placed);
     }
 }
 
-impl<'a, 'i> Builder<'a, 'i> {
-    fn node(&mut self, node: Node<'a, 'i>, depth: usize) -> Result<Placing, MeshFault> {
+impl<'a, 'i> SceneBuilder<'a, 'i> {
+    fn node(&mut self, node: Node<'a, 'i>, depth: usize) -> Result<SceneNode, MeshFault> {
         self.nodes += 1;
         check_count(self.nodes, MAX_NODES, "nodes")?;
         if depth > MAX_DEPTH {
             return Err(fault(node, "nodes nest too deeply, or contain themselves"));
         }
-        let mut placing = Placing { parent_from_node: Matrix4::identity(), meshes: Vec::new(), children: Vec::new() };
+        let mut placing = SceneNode { parent_from_node: Matrix4::identity(), meshes: Vec::new(), children: Vec::new() };
         for element in node.children() {
             if let Some(step) = transform_step(element) {
                 placing.parent_from_node *= step;
@@ -145,7 +154,7 @@ impl<'a, 'i> Builder<'a, 'i> {
         Ok(placing)
     }
 
-    /// Makes the meshes of an instanced geometry, one for each of its groups.
+    /// Makes the meshes of a geometry's instance, one for each group.
     fn instance(&mut self, element: Node<'a, 'i>, meshes: &mut Vec<usize>) -> Result<(), MeshFault> {
         let url = reference(element, "url")?;
         let mut id = url;
@@ -166,13 +175,13 @@ impl<'a, 'i> Builder<'a, 'i> {
         for (number, group) in geometry.groups.iter().enumerate().filter(|(_, group)| group.faces > 0) {
             self.placings += 1;
             check_count(self.placings, MAX_MESHES, "meshes")?;
-            // A symbol that is not bound takes the material of the first that is.
+            // An unbound symbol takes the first bound material.
             let material_id =
                 bound.get(group.symbol.as_str()).or_else(|| bound.values().next()).copied().unwrap_or_default();
             let key = (url, number, material_id);
             if let Some(&made) = self.made.get(&key) {
-                // Assimp steps on only past groups that it makes, so that after this the next new group of this
-                // instance is cut from the wrong place, in rviz too.
+                // Assimp advances only past groups that it makes, so the next new group of this instance is cut from
+                // the wrong place, in rviz too.
                 meshes.push(made);
                 continue;
             }
@@ -201,7 +210,7 @@ fn bound_materials<'a>(instance: Node<'a, '_>) -> BTreeMap<&'a str, &'a str> {
         .collect()
 }
 
-/// The node of that id or name in the scene.
+/// Finds a node of the scene by id or name.
 fn find_node<'a, 'i>(scene: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
     scene.descendants().find(|node| {
         matches!(node.tag_name().name(), "node" | "visual_scene")
@@ -235,7 +244,7 @@ fn transform_step(element: Node<'_, '_>) -> Option<Matrix4<f32>> {
     }
 }
 
-/// Rodrigues' formula. An axis that is not of unit length is not made one, so the matrix then scales too, as in Assimp.
+/// Rodrigues' formula. The axis is not normalized, so one of another length scales too, as in Assimp.
 fn rotation(axis: Vector3<f32>, angle: f32) -> Matrix4<f32> {
     let (sin, cos) = angle.sin_cos();
     let cross = axis.cross_matrix();

@@ -5,32 +5,32 @@ use std::collections::HashMap;
 use super::dom::{attribute, children, fault, floats, number, reference, Node};
 use crate::MeshFault;
 
-/// The most indices a corner can have; one with more is damaged.
-const MOST_INDICES: usize = 64;
+/// Most indices of a corner; a file with more is damaged.
+const MAX_INDICES: usize = 64;
 
-/// How an accessor cuts an array into values.
+/// The layout of values in an array.
 #[derive(Clone, Debug, Default)]
 struct Accessor<'a> {
-    /// Which array, by id.
+    /// The id of the array.
     array: &'a str,
     count: usize,
     stride: usize,
     offset: usize,
-    /// Where x, y and z (or s, t and p) lie in a value. An accessor without names has them all at 0, as in Assimp.
+    /// Indices of x, y and z (or s, t and p) in a value; all 0 for an accessor without names, as in Assimp.
     components: [usize; 3],
 }
 
-/// Sources seen so far in the file; Assimp looks ids up across geometries.
+/// All sources read so far: as in Assimp, ids are valid across geometries.
 #[derive(Default)]
 pub(super) struct Sources<'a> {
     accessors: HashMap<&'a str, Accessor<'a>>,
     arrays: HashMap<&'a str, Vec<f32>>,
 }
 
-/// What an input is about.
+/// The meaning of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Semantic {
-    /// A corner's place.
+    /// A corner's position.
     Position,
     /// A corner's normal.
     Normal,
@@ -42,18 +42,18 @@ pub(super) enum Semantic {
 
 /// An `<input>` of a kind that is used.
 #[derive(Clone, Debug)]
-pub(super) struct Input<'a> {
+pub(super) struct ColladaInput<'a> {
     pub(super) semantic: Semantic,
     /// The source's id.
     pub(super) source: &'a str,
-    /// Which of a corner's indices is this input's.
+    /// Position of its index among a corner's indices.
     pub(super) offset: usize,
 }
 
 /// An input with its values.
-pub(super) struct Channel<'a> {
+pub(super) struct InputChannel<'a> {
     pub(super) semantic: Semantic,
-    /// Which of a corner's indices is this channel's.
+    /// Position of its index among a corner's indices.
     pub(super) offset: usize,
     accessor: &'a Accessor<'a>,
     array: &'a [f32],
@@ -94,27 +94,27 @@ impl<'a> Sources<'a> {
         }
     }
 
-    /// The values of inputs, `VERTEX` ones left out. `at_offset` replaces the inputs' own.
+    /// The values of inputs except `VERTEX`. `at_offset` overrides their offsets.
     pub(super) fn channels(
         &'a self,
-        inputs: &[Input<'_>],
+        inputs: &[ColladaInput<'_>],
         at_offset: Option<usize>,
-    ) -> Result<Vec<Channel<'a>>, String> {
-        let channel = |input: &Input<'_>| {
+    ) -> Result<Vec<InputChannel<'a>>, String> {
+        let channel = |input: &ColladaInput<'_>| {
             let accessor =
                 self.accessors.get(input.source).ok_or_else(|| format!("there is no source {:?}", input.source))?;
             let array = self
                 .arrays
                 .get(accessor.array)
                 .ok_or_else(|| format!("there is no float array {:?}", accessor.array))?;
-            Ok(Channel { semantic: input.semantic, offset: at_offset.unwrap_or(input.offset), accessor, array })
+            Ok(InputChannel { semantic: input.semantic, offset: at_offset.unwrap_or(input.offset), accessor, array })
         };
         inputs.iter().filter(|input| input.semantic != Semantic::Vertex).map(channel).collect()
     }
 }
 
-impl Channel<'_> {
-    /// The value of an index; a third component that the array's end cuts off is 0.
+impl InputChannel<'_> {
+    /// The value of an index; a third component past the array's end is 0.
     pub(super) fn value(&self, index: usize) -> Result<[f32; 3], String> {
         let Accessor { count, stride, offset, components, .. } = *self.accessor;
         let start = index.checked_mul(stride).and_then(|start| start.checked_add(offset));
@@ -129,8 +129,8 @@ impl Channel<'_> {
     }
 }
 
-/// The inputs of an element that are used.
-pub(super) fn read_inputs<'a>(element: Node<'a, '_>) -> Result<Vec<Input<'a>>, MeshFault> {
+/// Reads the inputs of an element, without unknown semantics.
+pub(super) fn read_inputs<'a>(element: Node<'a, '_>) -> Result<Vec<ColladaInput<'a>>, MeshFault> {
     let mut inputs = Vec::new();
     for input in children(element, "input") {
         let set = number(input, "set").unwrap_or(0);
@@ -142,16 +142,16 @@ pub(super) fn read_inputs<'a>(element: Node<'a, '_>) -> Result<Vec<Input<'a>>, M
             _ => continue,
         };
         let offset = number(input, "offset").unwrap_or(0);
-        if offset >= MOST_INDICES {
+        if offset >= MAX_INDICES {
             return Err(fault(input, format!("an offset of {offset} is past what is plausible")));
         }
-        inputs.push(Input { semantic, source: reference(input, "source")?, offset });
+        inputs.push(ColladaInput { semantic, source: reference(input, "source")?, offset });
     }
     Ok(inputs)
 }
 
-/// How many indices a corner has. Inputs that are not used, such as colours, have one too.
+/// Number of indices of a corner, including those of unused inputs such as colours.
 pub(super) fn indices_per_corner(element: Node<'_, '_>) -> usize {
-    let offset = |input| number(input, "offset").unwrap_or(0).min(MOST_INDICES - 1);
+    let offset = |input| number(input, "offset").unwrap_or(0).min(MAX_INDICES - 1);
     children(element, "input").map(|input| offset(input) + 1).max().unwrap_or(1)
 }

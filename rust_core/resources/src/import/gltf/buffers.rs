@@ -1,6 +1,6 @@
-//! The binary data of a glTF file: its buffers, and the numbers that accessors find in them.
+//! The binary data of a glTF file: its buffers, and the values of accessors in them.
 
-use std::{borrow::Cow, path::Path};
+use std::borrow::Cow;
 
 use base64::{
     alphabet,
@@ -8,26 +8,25 @@ use base64::{
     Engine,
 };
 
-use super::{
-    super::{check_count, Source},
-    fault,
-    json::{Accessor, Buffer, BufferView, Root, SparsePlace},
+use super::json::{GltfAccessor, GltfBuffer, GltfBufferView, GltfRoot, SparsePlace};
+use crate::{
+    import::imported::{check_count, MeshSource},
+    MeshFault,
 };
-use crate::{MeshFault, ResourceError};
 
-/// Base64 with padding or without, whatever its last bits are.
+/// Base64 with padding or without, and with any trailing bits.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &alphabet::STANDARD,
     GeneralPurposeConfig::new()
         .with_decode_padding_mode(DecodePaddingMode::Indifferent)
         .with_decode_allow_trailing_bits(true),
 );
-/// The most values of an accessor that has none in the file: they are zero.
+/// Most values of an accessor without data, which are zero.
 const MAX_ZEROS: usize = 1 << 20;
 
 /// The type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Component {
+enum ComponentType {
     I8,
     U8,
     I16,
@@ -36,8 +35,8 @@ enum Component {
     F32,
 }
 
-impl Component {
-    /// The type of OpenGL's number.
+impl ComponentType {
+    /// The type of an OpenGL constant.
     fn of(number: u32) -> Result<Self, MeshFault> {
         Ok(match number {
             5120 => Self::I8,
@@ -46,7 +45,7 @@ impl Component {
             5123 => Self::U16,
             5125 => Self::U32,
             5126 => Self::F32,
-            other => return Err(fault(format!("component type {other} does not exist"))),
+            other => return Err(MeshFault::malformed(format!("component type {other} does not exist"))),
         })
     }
 
@@ -58,7 +57,7 @@ impl Component {
         }
     }
 
-    /// The number in these bytes; an integer that is normalised becomes one from −1 or 0 to 1.
+    /// The number in these bytes; normalized integers are scaled to −1 or 0 up to 1.
     fn value(self, bytes: &[u8], normalized: bool) -> f32 {
         let scaled = |value: f32, largest: f32| if normalized { (value / largest).max(-1.0) } else { value };
         match (self, bytes) {
@@ -84,17 +83,17 @@ impl Component {
 }
 
 /// The buffers of a file, loaded.
-pub(super) struct Buffers<'a> {
-    root: &'a Root,
+pub(super) struct GltfBuffers<'a> {
+    root: &'a GltfRoot,
     loaded: Vec<Cow<'a, [u8]>>,
 }
 
-impl<'a> Buffers<'a> {
-    /// Loads the buffers; `binary` is what follows a GLB's JSON. All files together are no larger than one may be.
-    pub(super) fn load(root: &'a Root, binary: &'a [u8], source: Source<'_>) -> Result<Self, MeshFault> {
+impl<'a> GltfBuffers<'a> {
+    /// Loads the buffers; `binary` are the bytes after a GLB's JSON. The size limit of a file holds for all together.
+    pub(super) fn load(root: &'a GltfRoot, binary: &'a [u8], source: MeshSource<'_>) -> Result<Self, MeshFault> {
         let mut left = source.options.max_file_bytes;
         let mut loaded = Vec::with_capacity(root.buffers.len());
-        for Buffer { uri } in &root.buffers {
+        for GltfBuffer { uri } in &root.buffers {
             let bytes = match uri {
                 None => Cow::Borrowed(binary),
                 Some(uri) => Cow::Owned(match data_of_uri(uri) {
@@ -111,19 +110,26 @@ impl<'a> Buffers<'a> {
     }
 
     /// The bytes of a view.
-    pub(super) fn view(&self, index: usize) -> Result<(&BufferView, &[u8]), MeshFault> {
-        let view = self.root.buffer_views.get(index).ok_or_else(|| fault(format!("there is no bufferView {index}")))?;
+    pub(super) fn view(&self, index: usize) -> Result<(&GltfBufferView, &[u8]), MeshFault> {
+        let view = self
+            .root
+            .buffer_views
+            .get(index)
+            .ok_or_else(|| MeshFault::malformed(format!("there is no bufferView {index}")))?;
         let bytes = self.loaded.get(view.buffer).and_then(|buffer| {
             let end = view.byte_offset.checked_add(view.byte_length)?;
             buffer.get(view.byte_offset..end)
         });
-        Ok((view, bytes.ok_or_else(|| fault(format!("bufferView {index} is past the end of its buffer")))?))
+        Ok((
+            view,
+            bytes.ok_or_else(|| MeshFault::malformed(format!("bufferView {index} is past the end of its buffer")))?,
+        ))
     }
 
-    /// The vectors of an accessor. Components that it has none of are zero.
+    /// The vectors of an accessor; missing components are zero.
     pub(super) fn vectors<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>, MeshFault> {
         let accessor = self.accessor(index)?;
-        let component = Component::of(accessor.component_type)?;
+        let component = ComponentType::of(accessor.component_type)?;
         let size = component.size_bytes();
         let vector = |bytes: &[u8]| {
             let mut vector = [0.0; N];
@@ -141,12 +147,12 @@ impl<'a> Buffers<'a> {
             }
         };
         if let Some(sparse) = &accessor.sparse {
-            let index_type = Component::of(sparse.indices.component_type)?;
+            let index_type = ComponentType::of(sparse.indices.component_type)?;
             let indices = self.packed(&sparse.indices, sparse.count, index_type.size_bytes())?;
             let values = self.packed(&sparse.values, sparse.count, element)?;
             for (index, value) in indices.zip(values) {
                 let slot = index_type.index(index).and_then(|index| vectors.get_mut(index as usize));
-                *slot.ok_or_else(|| fault("a sparse value replaces none".to_owned()))? = vector(value);
+                *slot.ok_or_else(|| MeshFault::malformed("a sparse value replaces none"))? = vector(value);
             }
         }
         Ok(vectors)
@@ -155,36 +161,36 @@ impl<'a> Buffers<'a> {
     /// The indices of an accessor.
     pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>, MeshFault> {
         let accessor = self.accessor(index)?;
-        let component = Component::of(accessor.component_type)?;
+        let component = ComponentType::of(accessor.component_type)?;
         let indices = self.elements(accessor, component.size_bytes())?.map(|bytes| component.index(bytes));
-        indices.collect::<Option<_>>().ok_or_else(|| fault(format!("accessor {index} is not one of indices")))
+        indices.collect::<Option<_>>().ok_or_else(|| MeshFault::malformed(format!("accessor {index} has no indices")))
     }
 
-    /// How many values an accessor has.
+    /// Number of values of an accessor.
     pub(super) fn count(&self, index: usize) -> Result<usize, MeshFault> {
         self.accessor(index).map(|accessor| accessor.count)
     }
 
-    fn accessor(&self, index: usize) -> Result<&'a Accessor, MeshFault> {
-        self.root.accessors.get(index).ok_or_else(|| fault(format!("there is no accessor {index}")))
+    fn accessor(&self, index: usize) -> Result<&'a GltfAccessor, MeshFault> {
+        self.root.accessors.get(index).ok_or_else(|| MeshFault::malformed(format!("there is no accessor {index}")))
     }
 
-    /// The bytes of each value of an accessor, `size` of each.
-    fn elements(&self, accessor: &Accessor, size: usize) -> Result<impl Iterator<Item = &[u8]>, MeshFault> {
-        let view = accessor.buffer_view.ok_or_else(|| fault("indices without a bufferView".to_owned()))?;
+    /// The bytes of each value of an accessor, `size` bytes each.
+    fn elements(&self, accessor: &GltfAccessor, size: usize) -> Result<impl Iterator<Item = &[u8]>, MeshFault> {
+        let view = accessor.buffer_view.ok_or_else(|| MeshFault::malformed("indices without a bufferView"))?;
         let (view, bytes) = self.view(view)?;
         let stride = view.byte_stride.filter(|stride| *stride > 0).unwrap_or(size).max(1);
         strided(bytes, accessor.byte_offset, accessor.count, stride, size)
     }
 
-    /// The bytes of each of the values that a sparse accessor replaces, or of their indices.
+    /// The bytes of each value of a sparse accessor, or of each index.
     fn packed(&self, place: &SparsePlace, count: usize, size: usize) -> Result<impl Iterator<Item = &[u8]>, MeshFault> {
         let (_, bytes) = self.view(place.buffer_view)?;
         strided(bytes, place.byte_offset, count, size.max(1), size)
     }
 }
 
-/// `count` pieces of `size` bytes, each `stride` bytes after the one before.
+/// `count` slices of `size` bytes, `stride` bytes apart.
 fn strided(
     bytes: &[u8],
     offset: usize,
@@ -194,7 +200,7 @@ fn strided(
 ) -> Result<impl Iterator<Item = &[u8]>, MeshFault> {
     let last = count.saturating_sub(1).checked_mul(stride).and_then(|last| last.checked_add(offset)?.checked_add(size));
     if count > 0 && last.is_none_or(|end| end > bytes.len()) {
-        return Err(fault(format!("{count} values are past the end of their bufferView")));
+        return Err(MeshFault::malformed(format!("{count} values are past the end of their bufferView")));
     }
     Ok((0..count).map(move |number| bytes.get(offset + number * stride..).and_then(|b| b.get(..size)).unwrap_or(&[])))
 }
@@ -205,26 +211,27 @@ fn components_of(kind: &str) -> Result<usize, MeshFault> {
         "VEC2" => 2,
         "VEC3" => 3,
         "VEC4" => 4,
-        other => return Err(fault(format!("type {other:?} is not one of vectors"))),
+        other => return Err(MeshFault::malformed(format!("type {other:?} is not supported"))),
     })
 }
 
-/// The bytes within a `data:` URI; `None` for another one.
+/// The bytes of a `data:` URI; `None` for other URIs.
 pub(super) fn data_of_uri(uri: &str) -> Option<Result<Vec<u8>, MeshFault>> {
     let (media, data) = uri.strip_prefix("data:")?.split_once(',').unwrap_or_default();
     let decoded = media.ends_with(";base64").then(|| BASE64.decode(data.trim_ascii()).ok()).flatten();
-    Some(decoded.ok_or_else(|| fault("a data URI is not base64".to_owned())))
+    Some(decoded.ok_or_else(|| MeshFault::malformed("a data URI is not base64")))
 }
 
 /// A file of at most `max_bytes` beside the mesh.
-fn read_beside(uri: &str, Source { path, options }: Source<'_>, max_bytes: u64) -> Result<Vec<u8>, MeshFault> {
-    let folder = path.parent().unwrap_or(Path::new(""));
+fn read_beside(uri: &str, source: MeshSource<'_>, max_bytes: u64) -> Result<Vec<u8>, MeshFault> {
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
-    let read = |name: &str| options.read(&folder.join(name.trim_start_matches('/')));
-    let bytes = read(uri).or_else(|error: ResourceError| read(&decoded).map_err(|_| error));
-    let bytes = bytes.map_err(|error| fault(format!("buffer {uri:?}: {error}")))?;
+    let read = |name: &str| source.options.read(&source.beside(name));
+    let bytes = read(uri).or_else(|error| read(&decoded).map_err(|_| error));
+    let bytes = bytes.map_err(|error| MeshFault::malformed(format!("buffer {uri:?}: {error}")))?;
     if bytes.len() as u64 > max_bytes {
-        return Err(fault(format!("buffer {uri:?}: all buffers together are larger than a file may be")));
+        return Err(MeshFault::malformed(format!(
+            "buffer {uri:?}: all buffers together are larger than a file may be"
+        )));
     }
     Ok(bytes)
 }

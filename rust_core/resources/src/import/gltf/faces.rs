@@ -1,6 +1,8 @@
-//! Faces of a primitive, by its mode, as in Assimp: faces with a vertex that does not exist are dropped.
+//! Faces of a primitive, by its mode, as in Assimp: faces with an invalid vertex index are dropped.
 
-/// The corners of all faces, and how many each has.
+use crate::import::imported::strip_triangles;
+
+/// The corners of all faces, and the number of corners of each face.
 pub(super) type FaceCorners = (Vec<u32>, Vec<u32>);
 
 /// The faces of a primitive of that mode: points (0), lines (1, 2, 3) or triangles (all others).
@@ -21,15 +23,7 @@ pub(super) fn faces(mode: u32, indices: &[u32], vertex_count: usize) -> FaceCorn
                 add(&[*last, *first]);
             }
         }
-        5 => {
-            for (number, face) in indices.windows(3).enumerate() {
-                // Every second triangle is turned, so that all face the same way.
-                match (number % 2, face) {
-                    (1, &[a, b, c]) => add(&[b, a, c]),
-                    _ => add(face),
-                }
-            }
-        }
+        5 => strip_triangles(indices).for_each(|face| add(&face)),
         6 => {
             if let [centre, rim @ ..] = indices {
                 for edge in rim.windows(2) {

@@ -1,42 +1,41 @@
-//! The JSON of a glTF file, as far as it reaches the picture. What is missing has its default, what is unknown is
-//! skipped.
+//! The JSON of a glTF file: the keys that are used. Missing keys have their defaults, unknown keys are skipped.
 
 use serde::Deserialize;
 
 /// A whole file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
-pub(super) struct Root {
-    pub(super) asset: Asset,
+pub(super) struct GltfRoot {
+    pub(super) asset: GltfAsset,
     pub(super) extensions_required: Vec<String>,
-    /// Which of the scenes is shown.
+    /// Index of the scene that is drawn.
     pub(super) scene: usize,
-    pub(super) scenes: Vec<Scene>,
-    pub(super) nodes: Vec<Node>,
-    pub(super) meshes: Vec<Mesh>,
-    pub(super) accessors: Vec<Accessor>,
-    pub(super) buffer_views: Vec<BufferView>,
-    pub(super) buffers: Vec<Buffer>,
-    pub(super) materials: Vec<Material>,
-    pub(super) textures: Vec<Texture>,
-    pub(super) images: Vec<Image>,
+    pub(super) scenes: Vec<GltfScene>,
+    pub(super) nodes: Vec<GltfNode>,
+    pub(super) meshes: Vec<GltfMesh>,
+    pub(super) accessors: Vec<GltfAccessor>,
+    pub(super) buffer_views: Vec<GltfBufferView>,
+    pub(super) buffers: Vec<GltfBuffer>,
+    pub(super) materials: Vec<GltfMaterial>,
+    pub(super) textures: Vec<GltfTexture>,
+    pub(super) images: Vec<GltfImage>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Asset {
+pub(super) struct GltfAsset {
     pub(super) version: String,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Scene {
+pub(super) struct GltfScene {
     pub(super) nodes: Vec<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Node {
+pub(super) struct GltfNode {
     pub(super) children: Vec<usize>,
     pub(super) mesh: Option<usize>,
     /// Column by column.
@@ -49,29 +48,29 @@ pub(super) struct Node {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Mesh {
-    pub(super) primitives: Vec<Primitive>,
+pub(super) struct GltfMesh {
+    pub(super) primitives: Vec<GltfPrimitive>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(default)]
-pub(super) struct Primitive {
-    pub(super) attributes: Attributes,
+pub(super) struct GltfPrimitive {
+    pub(super) attributes: GltfAttributes,
     pub(super) indices: Option<usize>,
     pub(super) material: Option<usize>,
-    /// OpenGL's number of what the vertices make.
+    /// OpenGL's number of the primitive.
     pub(super) mode: u32,
 }
 
-impl Default for Primitive {
+impl Default for GltfPrimitive {
     fn default() -> Self {
-        Self { attributes: Attributes::default(), indices: None, material: None, mode: 4 }
+        Self { attributes: GltfAttributes::default(), indices: None, material: None, mode: 4 }
     }
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Attributes {
+pub(super) struct GltfAttributes {
     #[serde(rename = "POSITION")]
     pub(super) position: Option<usize>,
     #[serde(rename = "NORMAL")]
@@ -82,7 +81,7 @@ pub(super) struct Attributes {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
-pub(super) struct Accessor {
+pub(super) struct GltfAccessor {
     pub(super) buffer_view: Option<usize>,
     pub(super) byte_offset: usize,
     /// OpenGL's number of the type.
@@ -91,12 +90,12 @@ pub(super) struct Accessor {
     pub(super) count: usize,
     #[serde(rename = "type")]
     pub(super) kind: String,
-    pub(super) sparse: Option<Sparse>,
+    pub(super) sparse: Option<GltfSparse>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Sparse {
+pub(super) struct GltfSparse {
     pub(super) count: usize,
     pub(super) indices: SparsePlace,
     pub(super) values: SparsePlace,
@@ -107,30 +106,30 @@ pub(super) struct Sparse {
 pub(super) struct SparsePlace {
     pub(super) buffer_view: usize,
     pub(super) byte_offset: usize,
-    /// Of the indices; the values have the accessor's.
+    /// The type of indices; values have the accessor's.
     pub(super) component_type: u32,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
-pub(super) struct BufferView {
+pub(super) struct GltfBufferView {
     pub(super) buffer: usize,
     pub(super) byte_offset: usize,
     pub(super) byte_length: usize,
-    /// From one value to the next; without it they follow each other.
+    /// Bytes from one value to the next; by default without gaps.
     pub(super) byte_stride: Option<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Buffer {
-    /// A file beside the mesh or the bytes themselves; without it those after the JSON of a GLB.
+pub(super) struct GltfBuffer {
+    /// A file beside the mesh or a data URI; `None` for the bytes after the JSON of a GLB.
     pub(super) uri: Option<String>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
-pub(super) struct Material {
+pub(super) struct GltfMaterial {
     pub(super) pbr_metallic_roughness: Pbr,
     pub(super) normal_texture: Option<TextureRef>,
     pub(super) occlusion_texture: Option<TextureRef>,
@@ -192,14 +191,14 @@ pub(super) struct TextureRef {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Texture {
+pub(super) struct GltfTexture {
     pub(super) source: Option<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
-pub(super) struct Image {
-    /// A file beside the mesh, or the bytes themselves.
+pub(super) struct GltfImage {
+    /// A file beside the mesh, or a data URI.
     pub(super) uri: Option<String>,
     pub(super) buffer_view: Option<usize>,
 }

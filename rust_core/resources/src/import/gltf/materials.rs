@@ -1,21 +1,20 @@
-//! Materials and the images in the file that they name.
+//! Materials and their embedded images.
 
 use std::collections::HashMap;
 
 use super::{
-    super::MaterialSpec,
-    buffers::{data_of_uri, Buffers},
-    json::{Material, Root, TextureRef},
+    buffers::{data_of_uri, GltfBuffers},
+    json::{GltfMaterial, GltfRoot, TextureRef},
 };
-use crate::MeshFault;
+use crate::{import::imported::MaterialSpec, MeshFault};
 
-/// By the names by which materials refer to them.
+/// Image files by their names in the materials.
 pub(super) type Images = HashMap<String, Vec<u8>>;
 
-/// The materials of a file, the one of primitives without any last, and the images that they name and that are in it.
-pub(super) fn read(root: &Root, buffers: &Buffers<'_>) -> Result<(Vec<MaterialSpec>, Images), MeshFault> {
+/// The materials of a file, the default for primitives last, and their embedded images.
+pub(super) fn read(root: &GltfRoot, buffers: &GltfBuffers<'_>) -> Result<(Vec<MaterialSpec>, Images), MeshFault> {
     let mut specs: Vec<MaterialSpec> = root.materials.iter().map(|material| spec(root, material)).collect();
-    specs.push(spec(root, &Material::default()));
+    specs.push(spec(root, &GltfMaterial::default()));
     let mut images = Images::new();
     for (number, image) in root.images.iter().enumerate() {
         let name = embedded_name(number);
@@ -32,14 +31,14 @@ pub(super) fn read(root: &Root, buffers: &Buffers<'_>) -> Result<(Vec<MaterialSp
     Ok((specs, images))
 }
 
-/// Assimp's name of an image that is in the file.
+/// Assimp's name of an embedded image.
 fn embedded_name(number: usize) -> String {
     format!("*{number}")
 }
 
-/// The material as Assimp reports it. Its diffuse colour and texture are those of the base, or of the extension with a
-/// specular colour.
-fn spec(root: &Root, material: &Material) -> MaterialSpec {
+/// The material as Assimp reports it. Diffuse colour and texture are the base colour's, or the
+/// specular-glossiness extension's.
+fn spec(root: &GltfRoot, material: &GltfMaterial) -> MaterialSpec {
     let image_of = |texture: Option<TextureRef>| root.textures.get(texture?.index)?.source;
     let base = &material.pbr_metallic_roughness;
     let [red, green, blue, _] = base.base_color_factor;
@@ -65,7 +64,7 @@ fn spec(root: &Root, material: &Material) -> MaterialSpec {
         (spec.diffuse, spec.specular) = ([red, green, blue], glossy.specular_factor);
         spec.shininess = glossy.glossiness_factor * 1000.0;
         if let Some(image) = image_of(glossy.diffuse_texture) {
-            // It takes one of the base colour's two slots.
+            // Replaces one of the base colour's two slots.
             spec.texture_count += usize::from(base_image.is_none());
             diffuse_image = Some(image);
         }

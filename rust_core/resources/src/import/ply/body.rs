@@ -1,8 +1,7 @@
 //! The rows after a PLY file's header.
 
-use super::super::lenient_float::leading_f32;
-use super::header::{Encoding, Kind};
-use crate::MeshFault;
+use super::header::{PlyEncoding, ScalarType};
+use crate::{import::lenient_float::leading_f32, MeshFault};
 
 /// The rows that are not read yet.
 pub(super) enum Body<'a> {
@@ -10,7 +9,7 @@ pub(super) enum Body<'a> {
     Text {
         /// The rest of the current row.
         line: &'a [u8],
-        /// Its number, counted from 1.
+        /// The line number, from 1.
         number: usize,
         /// The lines after it.
         rest: &'a [u8],
@@ -25,15 +24,15 @@ pub(super) enum Body<'a> {
 
 impl<'a> Body<'a> {
     /// The rows of a file from its line `first_line` on.
-    pub(super) fn new(encoding: Encoding, rest: &'a [u8], first_line: usize) -> Self {
+    pub(super) fn new(encoding: PlyEncoding, rest: &'a [u8], first_line: usize) -> Self {
         match encoding {
-            Encoding::Text => Self::Text { line: &[], number: first_line - 1, rest },
-            Encoding::LittleEndian => Self::Binary { rest, is_big_endian: false },
-            Encoding::BigEndian => Self::Binary { rest, is_big_endian: true },
+            PlyEncoding::Text => Self::Text { line: &[], number: first_line - 1, rest },
+            PlyEncoding::LittleEndian => Self::Binary { rest, is_big_endian: false },
+            PlyEncoding::BigEndian => Self::Binary { rest, is_big_endian: true },
         }
     }
 
-    /// Goes on to the next line that is not empty; what is left of the one at hand is skipped.
+    /// Skips the rest of the current line, and goes on to the next line that is not empty.
     pub(super) fn begin_row(&mut self) -> Result<(), MeshFault> {
         let Self::Text { line, number, rest } = self else { return Ok(()) };
         loop {
@@ -51,7 +50,7 @@ impl<'a> Body<'a> {
     }
 
     /// The next value of the row.
-    pub(super) fn value(&mut self, kind: Kind) -> Result<f64, MeshFault> {
+    pub(super) fn value(&mut self, kind: ScalarType) -> Result<f64, MeshFault> {
         match self {
             Self::Text { line, number, .. } => {
                 let bad = |what: String| MeshFault::Line { line: *number, what };
@@ -74,8 +73,8 @@ impl<'a> Body<'a> {
     }
 }
 
-/// The value at the beginning of some bytes, which are then those after it.
-fn binary_value(kind: Kind, rest: &mut &[u8], is_big_endian: bool) -> Option<f64> {
+/// Takes a value from the beginning of `rest`.
+fn binary_value(kind: ScalarType, rest: &mut &[u8], is_big_endian: bool) -> Option<f64> {
     fn take<const N: usize>(rest: &mut &[u8], is_big_endian: bool) -> Option<[u8; N]> {
         let (&bytes, after) = rest.split_first_chunk()?;
         *rest = after;
@@ -86,13 +85,13 @@ fn binary_value(kind: Kind, rest: &mut &[u8], is_big_endian: bool) -> Option<f64
         Some(bytes)
     }
     Some(match kind {
-        Kind::I8 => f64::from(i8::from_le_bytes(take(rest, is_big_endian)?)),
-        Kind::U8 => f64::from(u8::from_le_bytes(take(rest, is_big_endian)?)),
-        Kind::I16 => f64::from(i16::from_le_bytes(take(rest, is_big_endian)?)),
-        Kind::U16 => f64::from(u16::from_le_bytes(take(rest, is_big_endian)?)),
-        Kind::I32 => f64::from(i32::from_le_bytes(take(rest, is_big_endian)?)),
-        Kind::U32 => f64::from(u32::from_le_bytes(take(rest, is_big_endian)?)),
-        Kind::F32 => f64::from(f32::from_le_bytes(take(rest, is_big_endian)?)),
-        Kind::F64 => f64::from_le_bytes(take(rest, is_big_endian)?),
+        ScalarType::I8 => f64::from(i8::from_le_bytes(take(rest, is_big_endian)?)),
+        ScalarType::U8 => f64::from(u8::from_le_bytes(take(rest, is_big_endian)?)),
+        ScalarType::I16 => f64::from(i16::from_le_bytes(take(rest, is_big_endian)?)),
+        ScalarType::U16 => f64::from(u16::from_le_bytes(take(rest, is_big_endian)?)),
+        ScalarType::I32 => f64::from(i32::from_le_bytes(take(rest, is_big_endian)?)),
+        ScalarType::U32 => f64::from(u32::from_le_bytes(take(rest, is_big_endian)?)),
+        ScalarType::F32 => f64::from(f32::from_le_bytes(take(rest, is_big_endian)?)),
+        ScalarType::F64 => f64::from_le_bytes(take(rest, is_big_endian)?),
     })
 }

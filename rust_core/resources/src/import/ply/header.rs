@@ -1,4 +1,4 @@
-//! The header of a PLY file: lines of text that say which elements follow, how many, and of which properties.
+//! The header of a PLY file: lines of text that list the elements, their counts and their properties.
 //!
 //! ```text
 //! ply
@@ -11,26 +11,26 @@
 //! end_header
 //! ```
 
-use super::super::{check_count, without_byte_order_mark};
+use crate::import::imported::{check_count, without_byte_order_mark};
 use crate::MeshFault;
 
-/// The most elements and properties; a file with more is damaged.
+/// Most elements, and most properties; a file with more is damaged.
 const MAX_PROPERTIES: usize = 1000;
 
-/// How values are stored.
+/// Encoding of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum PlyEncoding {
     /// A line of words for each row.
     Text,
-    /// The lowest byte first.
+    /// Binary, lowest byte first.
     LittleEndian,
-    /// The highest byte first.
+    /// Binary, highest byte first.
     BigEndian,
 }
 
 /// The type of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ScalarType {
     I8,
     U8,
     I16,
@@ -41,7 +41,7 @@ pub(super) enum Kind {
     F64,
 }
 
-impl Kind {
+impl ScalarType {
     fn of(name: &str) -> Option<Self> {
         Some(match name {
             "char" | "int8" => Self::I8,
@@ -71,7 +71,7 @@ pub(super) enum ScalarRole {
 }
 
 impl ScalarRole {
-    /// How many there are.
+    /// Number of roles.
     pub(super) const COUNT: usize = 8;
 
     fn of(name: &str) -> Option<Self> {
@@ -92,17 +92,17 @@ impl ScalarRole {
 /// The role of a list of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ListRole {
-    /// The numbers of its vertices.
+    /// Indices of its vertices.
     Indices,
-    /// u and v of its corners.
+    /// Coordinates u and v of its corners.
     TexCoords,
 }
 
 /// A number or list that each row of an element has. Without a role it is skipped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Property {
-    Scalar { kind: Kind, role: Option<ScalarRole> },
-    List { count: Kind, kind: Kind, role: Option<ListRole> },
+pub(super) enum PlyProperty {
+    Scalar { kind: ScalarType, role: Option<ScalarRole> },
+    List { count: ScalarType, kind: ScalarType, role: Option<ListRole> },
 }
 
 /// The kind of an element's rows.
@@ -116,32 +116,32 @@ pub(super) enum ElementKind {
 
 /// An element: rows of the same properties.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Element {
+pub(super) struct PlyElement {
     pub(super) kind: ElementKind,
     pub(super) name: String,
-    /// How many rows the header claims.
+    /// Number of rows in the header, unchecked.
     pub(super) count: u64,
-    pub(super) properties: Vec<Property>,
+    pub(super) properties: Vec<PlyProperty>,
 }
 
 /// A whole header.
 #[derive(Debug)]
-pub(super) struct Header<'a> {
-    pub(super) encoding: Encoding,
-    pub(super) elements: Vec<Element>,
+pub(super) struct PlyHeader<'a> {
+    pub(super) encoding: PlyEncoding,
+    pub(super) elements: Vec<PlyElement>,
     /// The texture's file; empty for none.
     pub(super) texture: String,
-    /// What follows.
+    /// The bytes after the header.
     pub(super) body: &'a [u8],
-    /// The line on which that begins, counted from 1.
+    /// The line on which the body begins, from 1.
     pub(super) body_line: usize,
 }
 
-impl<'a> Header<'a> {
+impl<'a> PlyHeader<'a> {
     /// Reads the header at the beginning of a file.
     pub(super) fn parse(bytes: &'a [u8]) -> Result<Self, MeshFault> {
         let mut rest = without_byte_order_mark(bytes);
-        let (mut encoding, mut elements, mut texture) = (None, Vec::<Element>::new(), String::new());
+        let (mut encoding, mut elements, mut texture) = (None, Vec::<PlyElement>::new(), String::new());
         let mut properties = 0;
         for line in 1.. {
             if rest.is_empty() {
@@ -158,9 +158,9 @@ impl<'a> Header<'a> {
                 _ if line == 1 => break,
                 ["format", name, ..] => {
                     encoding = Some(match *name {
-                        "ascii" => Encoding::Text,
-                        "binary_little_endian" => Encoding::LittleEndian,
-                        "binary_big_endian" => Encoding::BigEndian,
+                        "ascii" => PlyEncoding::Text,
+                        "binary_little_endian" => PlyEncoding::LittleEndian,
+                        "binary_big_endian" => PlyEncoding::BigEndian,
                         _ => return Err(bad(format!("{name:?} is not a format of PLY"))),
                     });
                 }
@@ -170,11 +170,12 @@ impl<'a> Header<'a> {
                 }
                 ["element", name, count] => {
                     let count = count.parse().map_err(|_| bad(format!("{count:?} is not a number of elements")))?;
-                    elements.push(Element::new(name, count));
+                    elements.push(PlyElement::new(name, count));
                 }
                 ["property", of @ ..] => {
                     let element = elements.last_mut().ok_or_else(|| bad("a property of no element".to_owned()))?;
-                    let property = Property::of(of).ok_or_else(|| bad(format!("{:?} is no property", text.trim())))?;
+                    let property =
+                        PlyProperty::of(of).ok_or_else(|| bad(format!("{:?} is no property", text.trim())))?;
                     element.properties.push(property);
                     properties += 1;
                 }
@@ -182,7 +183,7 @@ impl<'a> Header<'a> {
                     let encoding = encoding.ok_or_else(|| bad("there is no format line".to_owned()))?;
                     return Ok(Self { encoding, elements, texture, body: rest, body_line: line + 1 });
                 }
-                // Comments, obj_info, and what else there may be.
+                // Comments, obj_info and others.
                 _ => {}
             }
             check_count(properties.max(elements.len()), MAX_PROPERTIES, "properties")?;
@@ -191,7 +192,7 @@ impl<'a> Header<'a> {
     }
 }
 
-impl Element {
+impl PlyElement {
     fn new(name: &str, count: u64) -> Self {
         let kind = match name {
             "vertex" => ElementKind::Vertex,
@@ -203,7 +204,7 @@ impl Element {
     }
 }
 
-impl Property {
+impl PlyProperty {
     /// The property that the words after `property` describe.
     fn of(words: &[&str]) -> Option<Self> {
         match *words {
@@ -213,9 +214,9 @@ impl Property {
                     "texcoord" => Some(ListRole::TexCoords),
                     _ => None,
                 };
-                Some(Self::List { count: Kind::of(count)?, kind: Kind::of(kind)?, role })
+                Some(Self::List { count: ScalarType::of(count)?, kind: ScalarType::of(kind)?, role })
             }
-            [kind, name] => Some(Self::Scalar { kind: Kind::of(kind)?, role: ScalarRole::of(name) }),
+            [kind, name] => Some(Self::Scalar { kind: ScalarType::of(kind)?, role: ScalarRole::of(name) }),
             _ => None,
         }
     }

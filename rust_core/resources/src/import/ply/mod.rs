@@ -1,30 +1,27 @@
 //! PLY (Stanford), as text and as binary of either byte order.
 //!
-//! As in Assimp: the vertices are those of the element `vertex`, the faces (any number of corners) those of `face`, by
-//! the list `vertex_index` or `vertex_indices`; `s`/`t`, `u`/`v` and `texture_u`/`texture_v` are texture coordinates,
-//! and so is the list `texcoord` of a face, which lies on the vertices; `comment TextureFile NAME` is the diffuse
-//! texture.
+//! As in Assimp: the element `vertex` has the vertices, `face` the faces (any number of corners) in the list
+//! `vertex_index` or `vertex_indices`; `s`/`t`, `u`/`v` and `texture_u`/`texture_v` are texture coordinates, and so is
+//! the list `texcoord` of a face, which sets its vertices'; `comment TextureFile NAME` is the diffuse texture.
 //! Everything else is skipped, materials (which only ancient files have) included. Colours of vertices are not used
-//! because rviz does not read them: without a tint or a texture a PLY mesh is white. Of `tristrips` all triangles are
+//! because rviz does not read them: without a tint or a texture a PLY mesh is white. All triangles of `tristrips` are
 //! drawn, where Assimp keeps the last one.
 
 mod body;
 mod header;
 
-use nalgebra::Matrix4;
-
-use super::{check_count, Faces, Imported, MaterialSpec, Placed, Polygons};
+use super::imported::{check_count, strip_triangles, Faces, Imported, MaterialSpec, Polygons};
 use crate::MeshFault;
 use body::Body;
-use header::{Element, ElementKind, Header, ListRole, Property, ScalarRole};
+use header::{ElementKind, ListRole, PlyElement, PlyHeader, PlyProperty, ScalarRole};
 
-/// Reads a PLY file that may make so many corners.
+/// Reads a PLY file of at most `max_corners` corners.
 pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFault> {
-    let header = Header::parse(bytes)?;
+    let header = PlyHeader::parse(bytes)?;
     let mut body = Body::new(header.encoding, header.body, header.body_line);
-    let mut reader = Reader { mesh: Polygons::default(), sizes: Vec::new(), corners: Vec::new(), max_corners };
+    let mut reader = PlyReader { mesh: Polygons::default(), sizes: Vec::new(), corners: Vec::new(), max_corners };
     for element in &header.elements {
-        // Rows of nothing take no bytes, however many the header claims.
+        // Rows without properties take no bytes, so any number could be claimed.
         if element.properties.is_empty() {
             continue;
         }
@@ -37,7 +34,7 @@ pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFau
             })?;
         }
     }
-    let Reader { mut mesh, sizes, corners, .. } = reader;
+    let PlyReader { mut mesh, sizes, corners, .. } = reader;
     if let Some(bad) = corners.iter().find(|&&corner| corner as usize >= mesh.positions.len()) {
         let reason = format!("a face has vertex {bad}, there are {} vertices", mesh.positions.len());
         return Err(MeshFault::Malformed(reason));
@@ -51,33 +48,32 @@ pub(super) fn read(bytes: &[u8], max_corners: usize) -> Result<Imported, MeshFau
         diffuse_texture: header.texture,
         ..MaterialSpec::DEFAULT
     };
-    let placed = vec![Placed { mesh: 0, object_from_mesh: Matrix4::identity() }];
-    Ok(Imported { meshes: vec![mesh], materials: vec![material], placed, ..Imported::default() })
+    Ok(Imported::untransformed(vec![mesh], vec![material]))
 }
 
 /// A mesh while it is read.
-struct Reader {
+struct PlyReader {
     mesh: Polygons,
     sizes: Vec<u32>,
     corners: Vec<u32>,
     max_corners: usize,
 }
 
-impl Reader {
+impl PlyReader {
     /// Reads a row of an element.
-    fn row(&mut self, element: &Element, body: &mut Body<'_>) -> Result<(), MeshFault> {
+    fn row(&mut self, element: &PlyElement, body: &mut Body<'_>) -> Result<(), MeshFault> {
         body.begin_row()?;
         let mut scalars = [None; ScalarRole::COUNT];
         let (mut face, mut texcoords) = (Vec::new(), Vec::new());
         for property in &element.properties {
             match *property {
-                Property::Scalar { kind, role } => {
+                PlyProperty::Scalar { kind, role } => {
                     let value = body.value(kind)?;
                     if let Some(slot) = role.and_then(|role| scalars.get_mut(role as usize)) {
                         *slot = Some(value as f32);
                     }
                 }
-                Property::List { count, kind, role } => {
+                PlyProperty::List { count, kind, role } => {
                     let count = body.value(count)? as u64;
                     let mut values = (0..count).map(|_| body.value(kind));
                     match role {
@@ -111,7 +107,7 @@ impl Reader {
 
     fn face(&mut self, indices: &[f64], texcoords: &[f64]) -> Result<(), MeshFault> {
         self.add_face(indices)?;
-        // Two for each corner of a triangle.
+        // Two coordinates for each corner of a triangle.
         if texcoords.len() / 3 == 2 {
             self.mesh.uvs.resize(self.mesh.positions.len(), [0.0; 2]);
             for (index, uv) in indices.iter().zip(texcoords.chunks_exact(2)) {
@@ -123,15 +119,10 @@ impl Reader {
         Ok(())
     }
 
-    /// Triangles of each three neighbours of a strip, every second one turned. −1 begins a new strip.
+    /// Adds the triangles of strips; −1 begins a new strip.
     fn strips(&mut self, indices: &[f64]) -> Result<(), MeshFault> {
         for strip in indices.split(|index| *index < 0.0) {
-            for (number, corners) in strip.windows(3).enumerate() {
-                match (number % 2, corners) {
-                    (1, &[a, b, c]) => self.add_face(&[b, a, c])?,
-                    _ => self.add_face(corners)?,
-                }
-            }
+            strip_triangles(strip).try_for_each(|triangle| self.add_face(&triangle))?;
         }
         Ok(())
     }
@@ -143,7 +134,7 @@ impl Reader {
     }
 }
 
-/// A number as an index; one that is none is past the end.
+/// A number as an index; an invalid one is out of range.
 fn vertex_number(index: f64) -> u32 {
     if index >= 0.0 {
         index as u32
