@@ -32,8 +32,8 @@ pub fn rust_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// A source file without comments and blanks, up to its tests.
-pub fn code(text: &str) -> String {
+/// A source file without comments, up to its tests.
+fn without_comments(text: &str) -> String {
     let mut lines = text.lines();
     let mut code = String::new();
     while let Some(line) = lines.next() {
@@ -44,18 +44,24 @@ pub fn code(text: &str) -> String {
                 break;
             }
         } else if !line.trim_start().starts_with("//") {
-            code.extend(line.split_whitespace());
+            code.push_str(line);
+            code.push('\n');
         }
     }
     code
 }
 
-/// The programs' sources by their paths in the repository, each with its [`code`]; without files of tests.
+/// A source file without comments and blanks, up to its tests.
+pub fn code(text: &str) -> String {
+    without_comments(text).split_whitespace().collect()
+}
+
+/// The programs' sources by their paths in the repository, without comments and tests.
 ///
 /// # Panics
 /// When a file cannot be read.
 #[expect(clippy::panic, reason = "a test cannot go on")]
-pub fn sources() -> Vec<(String, String)> {
+pub fn texts() -> Vec<(String, String)> {
     let mut found = Vec::new();
     for file in rust_files(&repository().join("rust_core")) {
         // Of the whole path, this crate's folder is a part.
@@ -63,10 +69,15 @@ pub fn sources() -> Vec<(String, String)> {
         let has = |folder: &str| name.components().any(|part| part.as_os_str() == folder);
         if has("src") && !has("tests") && !has("tests.rs") && !has("test_world.rs") {
             let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-            found.push((name.display().to_string(), code(&text)));
+            found.push((name.display().to_string(), without_comments(&text)));
         }
     }
     found
+}
+
+/// The [`texts`], each as its [`code`].
+pub fn sources() -> Vec<(String, String)> {
+    texts().into_iter().map(|(name, text)| (name, text.split_whitespace().collect())).collect()
 }
 
 /// What of these is missing: pieces of code, without blanks, in files of a folder.

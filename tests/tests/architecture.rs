@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rcs_tests::modules::Modules;
 use rcs_tests::programs::repository;
-use rcs_tests::sources::{code, missing, rust_files, sources};
+use rcs_tests::sources::{code, missing, rust_files, sources, texts};
 
 /// The crates from the bottom up, each with the crates from crates.io that would give it a task of another one.
 const LAYERS: [(&str, &[&str]); 22] = [
@@ -54,6 +55,21 @@ const APART: [(&str, &[&str]); 10] = [
     ("ros", &["transforms", "rviz_config", "resources", "displays", "render", "files", "bag"]),
     ("scan", &["ros", "window", "render", "logging", "node_support", "samples"]),
     ("window", &["messages", "transforms", "rviz_config", "resources", "displays", "render", "bag", "ros"]),
+];
+
+/// Files in circles that are still to be untied, by crate; the numbers only go down. With the last one this list goes, and
+/// `circles` below is compared with nothing.
+const IN_CIRCLES: [(&str, usize); 10] = [
+    ("app", 13),
+    ("calibration", 4),
+    ("capi", 4),
+    ("displays", 5),
+    ("render", 16),
+    ("resources", 4),
+    ("ros", 5),
+    ("rviz_config", 2),
+    ("scene", 4),
+    ("transforms", 6),
 ];
 
 /// The folders of all crates, by the names that the tables give them.
@@ -115,6 +131,39 @@ fn dependencies_point_downwards_only() {
             assert!(!dependencies.contains(&format!("rcs_{wrong}")), "{name} depends on rcs_{wrong}");
         }
     }
+}
+
+#[test]
+fn files_do_not_use_each_other_in_a_circle() {
+    let mut crates: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
+    for (file, text) in texts() {
+        let parts = file.strip_prefix("rust_core/").and_then(|file| file.split_once("/src/"));
+        let (name, file) = parts.unwrap_or_else(|| panic!("{file} is in no crate"));
+        crates.entry(name.to_owned()).or_default().push((file.to_owned(), text));
+    }
+    for (name, files) in crates {
+        let circles = Modules::new(&files).circles();
+        let known = IN_CIRCLES.iter().find(|(known, _)| *known == name).map_or(0, |(_, count)| *count);
+        let found = circles.iter().map(BTreeSet::len).sum::<usize>();
+        assert!(found <= known, "rust_core/{name}: {found} files in circles, not {known}: {circles:#?}");
+        assert!(found == known, "rust_core/{name}: IN_CIRCLES says {known} files, now there are {found}");
+    }
+}
+
+#[test]
+fn circles_of_files_are_recognised() {
+    let circles = |files: &[(&str, &str)]| {
+        let files: Vec<_> = files.iter().map(|(file, text)| ((*file).to_owned(), (*text).to_owned())).collect();
+        Modules::new(&files).circles().into_iter().flatten().collect::<Vec<_>>()
+    };
+    let root = ("lib.rs", "mod a;\nmod b;\npub use a::Ant;\npub use b::{\n    Bee,\n    Wasp as Hornet,\n};\n");
+    let ant = ("a.rs", "use crate::Hornet;\n\npub struct Ant(Hornet);\n");
+    assert_eq!(circles(&[root, ant, ("b.rs", "pub struct Bee;\npub struct Wasp(Vec<crate::Ant>);\n")]), ["a", "b"]);
+    assert_eq!(circles(&[root, ant, ("b/mod.rs", "use super::*;\n\npub enum Wasp {\n    Of(Ant),\n}\n")]), ["a", "b"]);
+    assert_eq!(circles(&[root, ant, ("b.rs", "pub struct Bee;\npub struct Wasp(Bee);\n")]), [""; 0]);
+    // A module and what it consists of.
+    let parent = ("a/mod.rs", "mod c;\n\npub const fn sting() {\n    c::sting(Ant);\n}\npub(crate) struct Ant;\n");
+    assert_eq!(circles(&[root, parent, ("a/c.rs", "pub fn sting(_: super::Ant) {}\n")]), [""; 0]);
 }
 
 /// Whether a line has the keyword, or an attribute that allows it. Comments and names in quotes have neither.
