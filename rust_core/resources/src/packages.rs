@@ -156,10 +156,6 @@ impl PackageIndex {
 }
 
 impl SearchFolder {
-    fn known(&self) -> MutexGuard<'_, KnownPackages> {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     fn find(&self, name: &str) -> Option<PathBuf> {
         let mut known = lock(&self.known);
         if let Some(found) = known.packages.get(name) {

@@ -210,7 +210,7 @@ impl MeshStore {
 
     /// Checks all files and packages that failed again.
     pub fn retry_failures(&self) {
-        let mut state = self.core.lock();
+        let mut state = lock(&self.core.state);
         state.search_packages = true;
         let failed = |slot: &CachedResource| matches!(slot.outcome, Some(Err(_)));
         let keys: Vec<ResourceKey> =
@@ -229,7 +229,7 @@ impl MeshStore {
 
     fn get(&self, kind: ResourceKind, url: &str, retry: Retry) -> Poll<Outcome> {
         let key = ResourceKey { kind, url: url.to_owned() };
-        let mut state = self.core.lock();
+        let mut state = lock(&self.core.state);
         if !state.slots.contains_key(&key) && !state.make_room() {
             return Poll::Ready(Err(ResourceError::TooMany { url: url.to_owned(), limit: MAX_RESOURCES }));
         }
@@ -296,10 +296,6 @@ impl StoreState {
 }
 
 impl StoreCore {
-    fn lock(&self) -> MutexGuard<'_, StoreState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Queues a resource for loading in the background, unless it is queued already.
     fn enqueue(core: &Arc<Self>, state: &mut StoreState, key: ResourceKey) {
         let now = Instant::now();
@@ -329,7 +325,7 @@ impl StoreCore {
                     if self.load(state, &key) {
                         (self.waker)();
                     }
-                    state = self.lock();
+                    state = lock(&self.state);
                 }
                 Err(due) => {
                     let timeout = due.map_or(IDLE_TIME, |due| due.saturating_duration_since(now));
@@ -376,9 +372,9 @@ impl StoreCore {
             if !slot.is_busy {
                 slot.is_busy = true;
                 self.load(state, key);
-                return self.lock();
+                return lock(&self.state);
             }
-            state = self.done.wait_timeout(state, IDLE_TIME).unwrap_or_else(PoisonError::into_inner).0;
+            state = wait_timeout(&self.done, state, IDLE_TIME);
             if state.slots.get(key).is_none_or(|slot| !slot.is_busy && slot.outcome.is_some()) {
                 return state;
             }
@@ -423,7 +419,7 @@ pub fn yield_to_others() {
 impl Drop for MeshStore {
     /// Ends the loader threads after their current files, without waiting.
     fn drop(&mut self) {
-        self.core.lock().has_ended = true;
+        lock(&self.core.state).has_ended = true;
         self.core.work.notify_all();
     }
 }
@@ -433,7 +429,7 @@ impl fmt::Debug for MeshStore {
         f.debug_struct("MeshStore")
             .field("loader", &self.core.loader)
             .field("is_background", &self.is_background)
-            .field("resources", &self.core.lock().slots.len())
+            .field("resources", &lock(&self.core.state).slots.len())
             .finish_non_exhaustive()
     }
 }
