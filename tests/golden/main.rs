@@ -25,9 +25,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use rcs_app::camera_stream::offline::{self, Job, Section, Target};
-use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::Projection;
+use rcs_camera_stream::offline::{self, Job, Section, Target};
+use rcs_camera_stream::scene::SceneState;
 use rcs_render::{Renderer, RendererChoice};
 use rcs_resources::{MeshStore, PackageIndex};
 use rcs_scene::lock;

@@ -18,8 +18,8 @@
 use std::alloc::System;
 use std::sync::{Arc, Mutex};
 
-use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::Projection;
+use rcs_camera_stream::scene::SceneState;
 use rcs_messages::geometry_msgs::{Quaternion, Transform, TransformStamped, Vector3};
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::std_msgs::Header;

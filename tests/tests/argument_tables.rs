@@ -5,9 +5,9 @@
 use std::fs;
 use std::process::Command;
 
-use rcs_app::camera_stream::light_arguments::{Gamma, StaleArgs};
-use rcs_app::camera_stream::prediction::PredictionSettings;
 use rcs_camera::{CameraModel, Projection};
+use rcs_camera_stream::light_arguments::{Gamma, StaleArgs};
+use rcs_camera_stream::prediction::PredictionSettings;
 use rcs_render::{Orientation, RendererChoice};
 use rcs_tests::programs::{program, repository};
 

@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use nalgebra::{Matrix4, Point3, Translation3, UnitQuaternion, Vector3};
-use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::{CameraModel, Projection};
+use rcs_camera_stream::scene::SceneState;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::AnyMessage;
 use rcs_render::{create, Finished, KeepOut, LastStep, Orientation, RendererChoice, Sphere, View};

@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector2, Vector3};
-use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::{CameraModel, Projection};
+use rcs_camera_stream::scene::SceneState;
 use rcs_files::projector::lens_of;
 use rcs_messages::sensor_msgs::CameraInfo;
 use rcs_messages::AnyMessage;

@@ -40,9 +40,9 @@ const OWN_WAITS: [&str; 7] = ["self", "shared", "events()", "calls()", "pacing",
 const ALLOWED: [(&str, &str, &str); 11] = [
     ("ros/src/acceptor.rs", ".accept()", "the socket does not block: `poll` has waited"),
     ("scene/src/waits.rs", ".join()", "the thread has ended"),
-    ("app/src/projector_calibrate/manual/questions.rs", ".forever()", "a thread that only hands on a signal"),
-    ("app/src/projector_calibrate/show.rs", ".forever()", "the same"),
-    ("app/src/projector_calibrate/manual/questions.rs", "stdin()", "a user's answer; a signal ends the program"),
+    ("calibrate/src/manual/questions.rs", ".forever()", "a thread that only hands on a signal"),
+    ("calibrate/src/show.rs", ".forever()", "the same"),
+    ("calibrate/src/manual/questions.rs", "stdin()", "a user's answer; a signal ends the program"),
     ("ros/src/network.rs", ".to_socket_addrs()", "the resolver has limits; the start can be cancelled"),
     ("ros/src/xmlrpc/client.rs", ".to_socket_addrs()", "the resolver has limits; the caller has its own thread"),
     ("ros/src/tcpros/subscription.rs", ".to_socket_addrs()", "the same"),
@@ -54,13 +54,13 @@ const ALLOWED: [(&str, &str, &str); 11] = [
 /// Everything that is put at the end of a queue, and what bounds that queue: a piece of the same file's code without
 /// blanks.
 const QUEUES: [(&str, &str); 24] = [
-    ("app/src/camera_stream/scene/lazy_streams.rs", "arrivals.len()>=MESSAGES"),
-    ("app/src/camera_stream/runtime/scene_thread.rs", "in_flight.len()>=self.renderer.frames_at_once()"),
-    ("app/src/logging/lines.rs", "self.lines.len()>=MOST_LINES"),
-    ("app/src/projector_calibrate/clicks.rs", "waiting.len()==QUEUE_SIZE"),
-    ("app/src/projector_calibrate/scan/compare.rs", "self.differences.len()>LIKE_DIFFERENCES"),
-    ("app/src/projector_calibrate/scan/light.rs", "last.len()>AVERAGED"),
-    ("app/src/target/waiting.rs", "self.0.len()>=MOST_WAITING"),
+    ("camera_stream/src/scene/lazy_streams.rs", "arrivals.len()>=MESSAGES"),
+    ("camera_stream/src/runtime/scene_thread.rs", "in_flight.len()>=self.renderer.frames_at_once()"),
+    ("logging/src/lines.rs", "self.lines.len()>=MOST_LINES"),
+    ("calibrate/src/clicks.rs", "waiting.len()==QUEUE_SIZE"),
+    ("scan/src/compare.rs", "self.differences.len()>LIKE_DIFFERENCES"),
+    ("scan/src/measure_light.rs", "last.len()>AVERAGED"),
+    ("samples/src/target/waiting.rs", "self.0.len()>=MOST_WAITING"),
     // A row of filters, which takes and gives one at a time.
     ("calibration/src/decode/mod.rs", "fnpush_back("),
     // Each of the picture's rims once.
@@ -199,8 +199,8 @@ fn every_queue_has_a_bound() {
 #[test]
 fn idle_threads_look_by_themselves() {
     let waits = [
-        ("app/src/camera_stream/outputs/compressed.rs", "wait_while(&self.changed,"),
-        ("app/src/logging/lines.rs", "wait_while(&self.changed,"),
+        ("camera_stream/src/outputs/compressed.rs", "wait_while(&self.changed,"),
+        ("logging/src/lines.rs", "wait_while(&self.changed,"),
         ("ros/src/acceptor.rs", "Some(&IDLE_TIMEOUT)"),
         ("ros/src/tcpros/publication.rs", "Some(&IDLE_TIMEOUT)"),
         ("ros/src/tcpros/subscription.rs", "set_read_timeout(Some(IDLE_PERIOD))"),

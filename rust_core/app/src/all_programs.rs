@@ -12,7 +12,7 @@ pub type Main = fn() -> ExitCode;
 
 /// Every program, with its name.
 pub const PROGRAMS: [(&str, Main); 9] = [
-    ("camera_stream", crate::camera_stream::main),
+    ("camera_stream", rcs_camera_stream::main),
     ("line_of_sight", rcs_samples::line_of_sight::main),
     ("nav_path_markers", rcs_samples::nav_path_markers::main),
     ("projector", crate::projector::main),

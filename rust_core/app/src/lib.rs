@@ -2,7 +2,6 @@
 #![forbid(unsafe_code)]
 
 pub mod all_programs;
-pub mod camera_stream;
 pub mod projector;
 pub mod projector_blend;
 pub mod projector_window;

@@ -161,7 +161,7 @@ mod tests {
             logger: "ros.rviz_camera_stream",
             file: "a.rs",
             line: 7,
-            function: "rcs_app::x",
+            function: "rcs_ros::x",
             node: "/eyes",
         }
     }
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn each_name_is_replaced_and_others_stay() {
         let format = Format::parse("${node} ${logger} ${shortname} ${file}:${line} ${function} ${walltime} $x ${y} ${");
-        let expected = "/eyes ros.rviz_camera_stream rviz_camera_stream a.rs:7 rcs_app::x 12.000000034 $x ${y} ${";
+        let expected = "/eyes ros.rviz_camera_stream rviz_camera_stream a.rs:7 rcs_ros::x 12.000000034 $x ${y} ${";
         assert_eq!(format.apply(&line(None)), expected);
     }
 }

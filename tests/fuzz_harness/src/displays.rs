@@ -7,8 +7,8 @@ use std::cell::RefCell;
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use rcs_app::camera_stream::scene::SceneState;
 use rcs_camera::Projection;
+use rcs_camera_stream::scene::SceneState;
 use rcs_messages::sensor_msgs::{CameraInfo, CompressedImage};
 use rcs_messages::tf2_msgs::TFMessage;
 use rcs_messages::{AnyMessage, MessageKind};

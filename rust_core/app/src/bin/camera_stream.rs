@@ -1,6 +1,6 @@
 //! `camera_stream`: the virtual cameras of a `.rviz` config, as a ROS node or over a bag. See
-//! [`rcs_app::camera_stream`].
+//! [`rcs_camera_stream`].
 
 fn main() -> std::process::ExitCode {
-    rcs_app::camera_stream::main()
+    rcs_camera_stream::main()
 }

@@ -1,0 +1,174 @@
+//! A frame of a camera, from due to finished: each state is a type of its own, and each step consumes the one before.
+//!
+//! ```text
+//!   idle ──► DueFrame ──submit──► FrameInFlight ──finish──► FinishedFrame ──► outputs ──► idle
+//!            (CameraOutput::poll)                           (CameraOutput::publish)
+//! ```
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use rcs_displays::CameraView;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_render::{Finished, LastStep, RenderError, Renderer, View};
+use rcs_scene::{Camera, DepthPicture, DisplayId, DisplayMask, Picture, Scene};
+use rcs_transforms::Time;
+
+use crate::outputs::depth_image::{DepthEncoding, DepthImage};
+use crate::safety::causes::Dark;
+use crate::safety::permit::Permit;
+use crate::scene::renderer_view;
+
+/// What a frame shows.
+#[derive(Clone, PartialEq)]
+pub(crate) enum FrameContent {
+    /// The scene in this version, without the displays that are stale.
+    Scene { version: u64, camera: Arc<Camera>, hidden: Vec<DisplayId> },
+    /// Black. The size is that before post-processing turns it; `has_note`: it says why it is black.
+    Black { size_px: [u32; 2], dark: Dark, has_note: bool },
+}
+
+/// A frame's content and everything that is published with it.
+#[derive(Clone)]
+pub(crate) struct FrameSpec {
+    pub(crate) content: FrameContent,
+    pub(crate) post: Arc<LastStep>,
+    /// `true` if the camera has masks on a topic, or keep-out frames.
+    pub(crate) protects_eyes: bool,
+    /// See [`Permit::epoch`].
+    pub(crate) epoch: u64,
+    pub(crate) info: Arc<CameraInfo>,
+    /// When it expires if nothing new arrives.
+    pub(crate) valid_until: Option<Instant>,
+    /// When its frames were looked up, in ROS time, if they were predicted.
+    pub(crate) looked_up: Option<Time>,
+}
+
+/// A frame that is due and to be drawn.
+pub(crate) struct DueFrame {
+    pub(crate) spec: FrameSpec,
+    pub(crate) view: Arc<CameraView>,
+    pub(crate) visible: DisplayMask,
+    pub(crate) camera: Arc<Camera>,
+    /// The encoding of its depths, if somebody subscribes to them.
+    pub(crate) depth: Option<DepthEncoding>,
+    /// `true` if the image before post-processing is needed, too: a window may hold it below newer masks.
+    pub(crate) keeps_drawn: bool,
+}
+
+/// A frame that the renderer works on.
+pub(crate) struct FrameInFlight {
+    spec: FrameSpec,
+    depth: Option<Arc<DepthImage>>,
+    keeps_drawn: bool,
+    submitted: Instant,
+}
+
+/// A frame that is ready to be published.
+pub(crate) struct FinishedFrame {
+    pub(crate) spec: FrameSpec,
+    pub(crate) picture: Arc<Picture>,
+    pub(crate) depth: Option<Arc<DepthImage>>,
+    /// The image before post-processing, where it is needed.
+    pub(crate) drawn: Option<Arc<Picture>>,
+    /// When the renderer was given it; `None` for a black frame.
+    pub(crate) submitted: Option<Instant>,
+}
+
+/// The renderer's buffers that all frames share, one after the other.
+#[derive(Default)]
+pub(crate) struct SharedBuffers {
+    pub(crate) depth: DepthPicture,
+    /// Scratch buffer of post-processing.
+    turned: Picture,
+}
+
+impl FrameContent {
+    /// `true` if one of the two shows something that is stale in the other.
+    pub(crate) fn differs_in_staleness(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Scene { hidden: own, .. }, Self::Scene { hidden, .. }) => own != hidden,
+            (Self::Black { .. }, Self::Black { .. }) => false,
+            _ => true,
+        }
+    }
+
+    /// Width and height before post-processing.
+    pub(crate) fn size_px(&self) -> [u32; 2] {
+        match self {
+            Self::Scene { camera, .. } => size_px(camera),
+            Self::Black { size_px, .. } => *size_px,
+        }
+    }
+}
+
+impl FrameSpec {
+    /// The permit for a window to show something else in the frame's place.
+    pub(crate) fn permit(&self) -> Permit {
+        let dark = match &self.content {
+            FrameContent::Scene { .. } => None,
+            FrameContent::Black { dark, .. } => Some(dark),
+        };
+        Permit::new(dark, self.protects_eyes, self.epoch, &self.post)
+    }
+
+    /// `true` if an image of the other one looks the same.
+    pub(crate) fn looks_like(&self, other: &Self) -> bool {
+        self.content == other.content && self.post == other.post
+    }
+
+    pub(crate) fn is_expired(&self, now: Instant) -> bool {
+        self.valid_until.is_some_and(|until| until < now)
+    }
+}
+
+impl DueFrame {
+    /// Gives the frame to the renderer. Its depths are ready when this returns.
+    ///
+    /// # Errors
+    /// The renderer's; the frame is lost.
+    pub(crate) fn submit(
+        self,
+        renderer: &mut dyn Renderer,
+        scene: &Scene,
+        buffers: &mut SharedBuffers,
+    ) -> Result<FrameInFlight, RenderError> {
+        let view = View { visible: &self.visible, ..renderer_view(&self.view, scene, &self.camera) };
+        let depth = match self.depth {
+            Some(encoding) => {
+                renderer.submit_with_depth(&view, &mut buffers.depth)?;
+                Some(Arc::new(DepthImage::new(&buffers.depth, encoding, self.spec.post.orientation)))
+            }
+            None => {
+                renderer.submit(&view)?;
+                None
+            }
+        };
+        Ok(FrameInFlight { spec: self.spec, depth, keeps_drawn: self.keeps_drawn, submitted: Instant::now() })
+    }
+}
+
+impl FrameInFlight {
+    /// Waits for the renderer and post-processes the image; it is drawn into `picture`. `None` if the renderer has lost
+    /// the frame. Frames are finished in the order in which they were submitted.
+    ///
+    /// # Errors
+    /// The renderer's; the frame is lost.
+    pub(crate) fn finish(
+        self,
+        renderer: &mut dyn Renderer,
+        mut picture: Picture,
+        buffers: &mut SharedBuffers,
+    ) -> Result<Option<FinishedFrame>, RenderError> {
+        let Finished::Drawn = renderer.finish(&mut picture)? else { return Ok(None) };
+        let drawn = self.keeps_drawn.then(|| Arc::new(picture.clone()));
+        self.spec.post.apply(&mut picture, &mut buffers.turned);
+        let (picture, submitted) = (Arc::new(picture), Some(self.submitted));
+        Ok(Some(FinishedFrame { spec: self.spec, picture, depth: self.depth, drawn, submitted }))
+    }
+}
+
+/// Width and height of a camera's images.
+pub(crate) fn size_px(camera: &Camera) -> [u32; 2] {
+    camera.lens().map_or([camera.width_px(), camera.height_px()], |lens| lens.size_px())
+}

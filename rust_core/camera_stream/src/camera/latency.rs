@@ -1,0 +1,218 @@
+//! The latency from a message to a camera's picture, stage by stage, and the age of the data shown.
+//!
+//! ```text
+//!   received ──► decoded ──► drawn ──► published
+//! ```
+//!
+//! Only new pictures are measured, each by one message. Of every display that shows another message than in the picture
+//! before, the newest one counts; the older ones that it replaced delayed nothing. Where several displays changed in
+//! one picture, the message that was received first counts, so that a slow display is not hidden by a fast one. A
+//! picture that is new only because frames moved counts from the last transforms. One without either, such as the first
+//! for a subscriber or one in which something faded, is not measured.
+
+use std::time::{Duration, Instant};
+
+use rcs_camera::{figure, RollingWindow, StepTimes, PICTURES};
+use rcs_displays::ShownMessage;
+use rcs_scene::{DisplayId, DisplayMask};
+use rcs_transforms::Time;
+
+use crate::scene::status_tree::age_ms;
+
+/// When something that the next picture shows was received, and when it was part of the scene.
+#[derive(Clone, Copy, Debug)]
+struct Arrival {
+    received: Instant,
+    decoded: Instant,
+}
+
+/// The figures of a camera's last new pictures.
+#[derive(Debug)]
+pub(crate) struct Latency {
+    /// The messages that are new since the last picture, one for each display, with their stamps.
+    messages: Vec<(DisplayId, Arrival, Time)>,
+    /// The last transforms since the last picture.
+    transforms: Option<Arrival>,
+    /// From received to decoded, to drawn, to published.
+    stages: StepTimes<3>,
+    age_ms: RollingWindow<PICTURES>,
+    /// From looking up frames to publishing, of predicted pictures; milliseconds of ROS time.
+    lookup_to_publish_ms: RollingWindow<PICTURES>,
+}
+
+impl Default for Latency {
+    fn default() -> Self {
+        let none = RollingWindow::new;
+        let stages = StepTimes::default();
+        Self { messages: Vec::new(), transforms: None, stages, age_ms: none(), lookup_to_publish_ms: none() }
+    }
+}
+
+/// What an update of the scene brought.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Update<'a> {
+    /// The displays that show another message.
+    pub(crate) messages: &'a [(DisplayId, ShownMessage)],
+    /// When the last transforms were received, if any were.
+    pub(crate) transforms_received: Option<Instant>,
+    /// When the scene was up to date.
+    pub(crate) decoded: Instant,
+}
+
+impl Latency {
+    /// Records how long it took from looking up frames to publishing the picture that shows them.
+    pub(crate) fn record_lookup_to_publish(&mut self, way: Duration) {
+        self.lookup_to_publish_ms.push(way.as_secs_f64() * 1e3);
+    }
+
+    /// The median of what [`record_lookup_to_publish`](Self::record_lookup_to_publish) recorded.
+    pub(crate) fn lookup_to_publish(&self) -> Option<Duration> {
+        self.lookup_to_publish_ms.percentiles().map(|way| Duration::from_secs_f64(way.median / 1e3))
+    }
+
+    /// Records what the next picture will show.
+    pub(crate) fn record_update(&mut self, update: &Update<'_>, visible: &DisplayMask) {
+        let Update { messages, transforms_received, decoded } = *update;
+        for (display, message) in messages.iter().filter(|(display, _)| visible.shows(*display)) {
+            let Some(received) = message.received else { continue };
+            let new = (*display, Arrival { received, decoded }, message.stamp);
+            match self.messages.iter_mut().find(|(known, ..)| known == display) {
+                Some(known) => *known = new,
+                None => self.messages.push(new),
+            }
+        }
+        let transforms = transforms_received.map(|received| Arrival { received, decoded });
+        self.transforms = transforms.or(self.transforms);
+    }
+
+    /// Forgets what the next picture would have shown: there is none.
+    pub(crate) fn forget(&mut self) {
+        self.messages.clear();
+        self.transforms = None;
+    }
+
+    /// Adds the figures of a new picture. `stamp` is the picture's own, the ROS time of publishing.
+    pub(crate) fn measure(&mut self, drawn: Instant, published: Instant, stamp: Time) {
+        let arrivals = self.messages.iter().map(|(_, arrival, _)| *arrival);
+        let first = arrivals.min_by_key(|arrival| arrival.received).or(self.transforms);
+        let oldest = self.messages.iter().filter_map(|(.., data)| age_ms(*data, stamp)).max_by(f64::total_cmp);
+        self.forget();
+        let Some(Arrival { received, decoded }) = first else { return };
+        let stages = [(received, decoded), (decoded, drawn), (drawn, published)];
+        let time = |(from, to): (Instant, Instant)| to.saturating_duration_since(from);
+        self.stages.push(stages.map(time), time((received, published)));
+        if let Some(age_ms) = oldest {
+            self.age_ms.push(age_ms);
+        }
+    }
+
+    /// The figures with their names.
+    pub(crate) fn values(&self) -> [(&'static str, String); 6] {
+        let text = |window: &RollingWindow<PICTURES>| figure(window.percentiles());
+        let [to_decoded, to_drawn, to_published] = self.stages.steps_ms();
+        [
+            ("frames measured", self.stages.pictures().to_string()),
+            ("received to decoded ms (median / p95)", text(to_decoded)),
+            ("decoded to drawn ms (median / p95)", text(to_drawn)),
+            ("drawn to published ms (median / p95)", text(to_published)),
+            ("received to published ms (median / p95)", text(self.stages.whole_ms())),
+            ("age of the data shown ms (median / p95)", text(&self.age_ms)),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Moments in milliseconds after a start.
+    struct Bench {
+        start: Instant,
+        latency: Latency,
+    }
+
+    impl Bench {
+        fn new() -> Self {
+            Self { start: Instant::now(), latency: Latency::default() }
+        }
+
+        fn at(&self, millis: u64) -> Instant {
+            self.start + Duration::from_millis(millis)
+        }
+
+        /// A display shows a message that was received and decoded then.
+        fn show(&mut self, display: DisplayId, received: u64, decoded: u64, stamp_secs: u32) {
+            let (received, decoded) = (Some(self.at(received)), self.at(decoded));
+            let shown = [(display, ShownMessage { stamp: Time::from_secs_nanos(stamp_secs, 0), received })];
+            let mut visible = DisplayMask::all();
+            visible.set(9, false);
+            self.latency.record_update(&Update { messages: &shown, transforms_received: None, decoded }, &visible);
+        }
+
+        fn move_frames(&mut self, received: u64, decoded: u64) {
+            let (transforms_received, decoded) = (Some(self.at(received)), self.at(decoded));
+            self.latency.record_update(&Update { messages: &[], transforms_received, decoded }, &DisplayMask::all());
+        }
+
+        /// A picture, published when it is 100 s.
+        fn publish(&mut self, drawn: u64, published: u64) {
+            let (drawn, published) = (self.at(drawn), self.at(published));
+            self.latency.measure(drawn, published, Time::from_secs_nanos(100, 0));
+        }
+
+        fn values(&self) -> [String; 6] {
+            self.latency.values().map(|(_, value)| value)
+        }
+    }
+
+    #[test]
+    fn the_stages_add_up_to_the_whole() {
+        let mut bench = Bench::new();
+        assert_eq!(bench.values(), ["0", "-", "-", "-", "-", "-"]);
+        bench.show(1, 0, 3, 98);
+        bench.publish(13, 14);
+        let stages = ["3.00 / 3.00", "10.00 / 10.00", "1.00 / 1.00", "14.00 / 14.00"];
+        assert_eq!(bench.values()[1..5], stages);
+        assert_eq!((&*bench.values()[0], &*bench.values()[5]), ("1", "2000.00 / 2000.00"));
+    }
+
+    #[test]
+    fn the_newest_message_of_the_slowest_display_counts() {
+        let mut bench = Bench::new();
+        bench.show(1, 0, 1, 10);
+        bench.show(1, 20, 21, 99);
+        bench.publish(22, 23);
+        assert_eq!((&*bench.values()[4], &*bench.values()[5]), ("3.00 / 3.00", "1000.00 / 1000.00"));
+        bench.show(1, 130, 131, 99);
+        bench.show(2, 100, 131, 90);
+        bench.publish(132, 133);
+        assert_eq!((&*bench.values()[4], &*bench.values()[5]), ("3.00 / 33.00", "1000.00 / 10000.00"));
+    }
+
+    #[test]
+    fn pictures_without_new_messages_and_hidden_displays_are_not_measured() {
+        let mut bench = Bench::new();
+        bench.publish(1, 2);
+        bench.show(9, 0, 1, 10);
+        bench.publish(3, 4);
+        bench.show(1, 0, 1, 10);
+        bench.latency.forget();
+        bench.publish(5, 6);
+        assert_eq!(bench.values()[0], "0");
+    }
+
+    #[test]
+    fn moved_frames_count_where_no_display_has_a_new_message_and_have_no_age() {
+        let mut bench = Bench::new();
+        bench.move_frames(0, 1);
+        bench.move_frames(10, 11);
+        bench.publish(15, 16);
+        assert_eq!(bench.values()[4..], ["6.00 / 6.00", "-"]);
+        bench.move_frames(90, 91);
+        bench.show(1, 80, 91, 0);
+        bench.publish(92, 93);
+        assert_eq!(bench.values()[4..], ["6.00 / 13.00", "-"], "data without a stamp has no age");
+        bench.publish(94, 95);
+        assert_eq!(bench.values()[0], "2", "each is counted once");
+    }
+}

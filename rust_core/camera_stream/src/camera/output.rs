@@ -1,0 +1,479 @@
+//! One camera of the node: decides what its next frame shows and when it is due, and hands frames to its outputs.
+//!
+//! Its parts: [`FrameTiming`] decides when a frame is due, [`RuntimeSettings`] holds the settings, the
+//! [outputs](CameraConnections) receive the frames, [`CameraHealth`] records problems and figures. Frames themselves
+//! are [objects of their own](super::frame), which only the scene's thread has.
+//!
+//! A frame that expires, because what it shows is stale, is followed by a black one at once, whatever the frame rate;
+//! see [`crate::safety`].
+//!
+//! A camera belongs to both of the node's threads: the scene's thread polls and publishes, and the control thread
+//! answers calls and repeats the last frame while another is drawn for long. None of its methods takes long.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use anyhow::{Error, Result};
+use rcs_camera::CameraModel;
+use rcs_displays::{time_from_stamp, CameraView, DisplaySet};
+use rcs_messages::dynamic_reconfigure::Config as Values;
+use rcs_messages::sensor_msgs::CameraInfo;
+use rcs_ros::{RosNode, TriggerReply};
+use rcs_scene::{DepthPicture, DisplayId, Picture, MAX_SIDE_PX};
+use rcs_transforms::Time;
+
+use super::connections::CameraConnections;
+use super::frame::{size_px, DueFrame, FinishedFrame, FrameContent, FrameSpec};
+use super::health::CameraHealth;
+use super::latency::Update;
+use super::oriented_info::TurnedInfo;
+use super::plan::CameraPlan;
+use super::reconfigurable::Switch;
+use super::runtime_settings::RuntimeSettings;
+use super::timing::FrameTiming;
+use crate::outputs::depth_image::{DepthEncoding, DepthImage};
+use crate::outputs::{Frame, Output, TopicOutput};
+use crate::safety::black_image::black_picture;
+use crate::safety::causes::Dark;
+use crate::safety::{self, FramePolicy};
+use crate::scene::status_tree::StatusEntry;
+use crate::scene::SceneState;
+
+/// What all cameras of the node have in common.
+pub(crate) struct CameraContext {
+    pub(crate) ros: Arc<RosNode>,
+    pub(crate) model: CameraModel,
+    pub(crate) depth_encoding: DepthEncoding,
+}
+
+/// A camera with its outputs and its trigger service.
+pub(crate) struct CameraOutput {
+    context: Arc<CameraContext>,
+    settings: RuntimeSettings,
+    connections: CameraConnections,
+    timing: FrameTiming,
+    /// What its frames may show, as of the last assessment.
+    policy: FramePolicy,
+    epoch: Epoch,
+    buffers: FrameBuffers,
+    turned_info: TurnedInfo,
+    health: CameraHealth,
+}
+
+/// The number of the frames that a window may hold in each other's place: see
+/// [`Permit::epoch`](crate::safety::permit::Permit::epoch).
+#[derive(Default)]
+struct Epoch {
+    number: u64,
+    hidden: Vec<DisplayId>,
+    size_px: [u32; 2],
+}
+
+impl Epoch {
+    /// Counts on if the stale displays or the size are others than before.
+    fn follow(&mut self, hidden: &[DisplayId], size_px: [u32; 2]) {
+        if self.hidden != hidden || self.size_px != size_px {
+            (self.hidden, self.size_px) = (hidden.to_vec(), size_px);
+            self.number += 1;
+        }
+    }
+}
+
+/// The last frame, and memory for the next.
+#[derive(Default)]
+struct FrameBuffers {
+    /// The frame that was published last.
+    front: Option<FinishedFrame>,
+    /// The image before it, which is drawn into again unless an output still holds it.
+    back: Option<Arc<Picture>>,
+    /// The size for which the renderer keeps memory.
+    drawn_px: Option<[u32; 2]>,
+}
+
+impl FrameBuffers {
+    fn last(&self) -> Option<&FrameSpec> {
+        self.front.as_ref().map(|frame| &frame.spec)
+    }
+
+    /// Makes the last frame's image the back buffer, unless it is far larger than the next one.
+    fn retire_front(&mut self, next_bytes: usize) {
+        let is_similar = |back: &Arc<Picture>| back.data.len() <= 4 * next_bytes;
+        self.back = self.front.take().map(|last| last.picture).filter(is_similar);
+    }
+}
+
+/// The cameras' names, for the log.
+pub(crate) fn names(cameras: &[CameraOutput]) -> String {
+    match cameras {
+        [] => "no camera".to_owned(),
+        cameras => cameras.iter().map(|camera| camera.view().name.as_str()).collect::<Vec<_>>().join(", "),
+    }
+}
+
+impl CameraOutput {
+    /// A camera without connections; [`Self::apply`] gives it those.
+    pub(super) fn new(context: &Arc<CameraContext>, plan: &CameraPlan, switches: &Arc<[Switch]>) -> Self {
+        Self {
+            context: Arc::clone(context),
+            settings: RuntimeSettings::start(&context.ros, plan, switches),
+            connections: CameraConnections::default(),
+            timing: FrameTiming::default(),
+            policy: FramePolicy::default(),
+            epoch: Epoch::default(),
+            buffers: FrameBuffers::default(),
+            turned_info: TurnedInfo::default(),
+            health: CameraHealth::default(),
+        }
+    }
+
+    /// Takes over the settings and connections that a config gives it.
+    pub(super) fn apply(
+        &mut self,
+        plan: CameraPlan,
+        connections: CameraConnections,
+        switches: &Arc<[Switch]>,
+        global_frame_rate_hz: i32,
+        displays: &DisplaySet,
+    ) {
+        self.settings.update_from(&self.context.ros, plan.view, switches);
+        self.connections = connections;
+        // What a window holds is of a config that may have had other displays.
+        self.epoch.number += 1;
+        self.timing.global_frame_rate_hz = global_frame_rate_hz;
+        self.apply_new_settings(displays);
+    }
+
+    /// Gives its connections away, for the cameras of another config.
+    pub(super) fn release(&mut self) -> CameraConnections {
+        std::mem::take(&mut self.connections)
+    }
+
+    /// Applies what a user has changed from the next frame on.
+    pub(crate) fn apply_new_settings(&mut self, displays: &DisplaySet) {
+        if self.settings.apply_changes(displays) {
+            self.timing.set_frame_rate(self.settings.view().settings.frame_rate_hz);
+            self.discard_last();
+        }
+    }
+
+    /// Identifies it when the config is read again.
+    pub(super) fn id(&self) -> &str {
+        self.settings.id()
+    }
+
+    /// The camera with its current settings.
+    pub(crate) fn view(&self) -> &Arc<CameraView> {
+        self.settings.view()
+    }
+
+    pub(crate) fn set_policy(&mut self, policy: FramePolicy) {
+        self.policy = policy;
+    }
+
+    /// When the current policy ends if nothing new arrives.
+    pub(crate) fn policy_end(&self) -> Option<Instant> {
+        self.policy.valid_until
+    }
+
+    /// `true` if somebody watches its images.
+    pub(crate) fn is_watched(&self) -> bool {
+        self.connections.outputs.is_watched()
+    }
+
+    /// `true` if somebody subscribes to its depths.
+    pub(crate) fn wants_depth(&self) -> bool {
+        self.connections.outputs.wants_depth()
+    }
+
+    /// Forgets the last frame: what it shows is old.
+    pub(crate) fn discard_last(&mut self) {
+        self.buffers.front = None;
+    }
+
+    /// Its statuses.
+    pub(crate) fn status_entry(&self, scene: &SceneState) -> StatusEntry<'static> {
+        let mut entry = self.health.status_entry(scene, self.view(), self.context.model, &self.connections);
+        safety::status::add_dark(&mut entry, &self.policy);
+        entry
+    }
+
+    /// Records an update of the scene, for the latency figures.
+    pub(crate) fn record_update(&mut self, update: &Update<'_>) {
+        self.health.latency.record_update(update, &self.settings.view().visible);
+    }
+
+    /// Forgets the messages that the next frame would have been measured by: the time jumped back.
+    pub(crate) fn forget_messages(&mut self) {
+        self.health.latency.forget();
+        self.epoch.number += 1;
+    }
+
+    /// The usual time from looking up frames to publishing the image, if it is watched and that was measured.
+    pub(crate) fn lookup_to_publish(&self) -> Option<Duration> {
+        self.is_watched().then(|| self.health.latency.lookup_to_publish()).flatten()
+    }
+
+    /// Records why a frame failed. An error is logged once, and stays until an image is published.
+    pub(crate) fn record_error(&mut self, error: &Error) {
+        self.health.record_error(&self.settings.view().name, error);
+    }
+
+    /// Records a frame that took long.
+    pub(crate) fn record_slow_frame(&mut self, text: String) {
+        self.health.record_slow_frame(&self.settings.view().name, text);
+    }
+
+    /// `true` if its parameters are served under this name.
+    pub(crate) fn has_parameters(&self, server: &str) -> bool {
+        let topic = self.connections.outputs.topic.as_ref();
+        self.settings.serves(server) || topic.is_some_and(|topic| topic.has_parameters(server))
+    }
+
+    /// Takes a user's values of a server for the next frame. Returns the values that apply from then on.
+    pub(crate) fn reconfigure(&mut self, server: &str, request: &Values) -> Values {
+        let ros = &self.context.ros;
+        match self.connections.outputs.topic.as_mut().filter(|topic| topic.has_parameters(server)) {
+            Some(topic) => topic.reconfigure(ros, request),
+            None => self.settings.set(ros, request),
+        }
+    }
+
+    /// `true` if this is the camera of a trigger service.
+    pub(crate) fn serves(&self, service: &str) -> bool {
+        self.connections.trigger_service.as_deref() == Some(service)
+    }
+
+    /// Answers a call of the trigger service; the frame follows.
+    pub(crate) fn trigger(&mut self, reply: TriggerReply) {
+        let outputs = &self.connections.outputs;
+        if outputs.is_empty() {
+            reply.send(false, "Image publisher not configured");
+        } else {
+            self.timing.schedule.trigger();
+            let topic = outputs.topic.as_ref().map_or("another output", TopicOutput::topic);
+            reply.send(true, format!("New image will be published on: {topic}"));
+        }
+    }
+
+    /// Time until a frame is due by itself; `None` when that is never.
+    pub(crate) fn until_due(&self, now: Instant) -> Option<Duration> {
+        // A camera that cannot draw is retried when a message arrives.
+        let can_draw = (!self.health.has_problem() || self.buffers.front.is_some()) && self.is_watched();
+        can_draw.then(|| self.timing.until_due(self.connections.outputs.refresh(), now)).flatten()
+    }
+
+    /// The frame that is due now, if it is to be drawn. One that would look like the last, and a black one, is
+    /// published at once.
+    ///
+    /// # Errors
+    /// The outputs'.
+    pub(crate) fn poll(&mut self, scene: &SceneState) -> Result<Option<DueFrame>> {
+        self.connections.outputs.topic.iter_mut().for_each(|topic| topic.poll_settings(&self.context.ros));
+        if !self.is_watched() {
+            self.timing.schedule.clear_trigger();
+            self.health.latency.forget();
+            return Ok(None);
+        }
+        let view = Arc::clone(self.view());
+        let camera = match scene.camera(&view, self.context.model) {
+            Ok(camera) => Arc::new(camera),
+            Err(problem) => {
+                let why = problem.to_string();
+                self.health.record_problem(&view.name, problem, Instant::now());
+                return self.black_out(scene.camera_info(&view), &why).map(|()| None);
+            }
+        };
+        self.health.clear_problem(&view.name);
+        self.health.record_dark(&view.name, self.policy.dark.as_ref());
+        let Some(info) = scene.camera_info(&view) else { return Ok(None) };
+        let mut visible = view.visible.clone();
+        self.policy.hidden.iter().for_each(|display| visible.set(*display, false));
+        self.epoch.follow(&self.policy.hidden, size_px(&camera));
+        let content = match &self.policy.dark {
+            Some(dark) => black(size_px(&camera), dark.clone(), &self.policy),
+            None => FrameContent::Scene {
+                version: scene.displays().version_shown(&visible),
+                camera: Arc::clone(&camera),
+                hidden: self.policy.hidden.clone(),
+            },
+        };
+        let looked_up = scene.prediction().map(|prediction| prediction.now);
+        let Some(spec) = self.due(self.spec(content, &self.policy, info, looked_up))? else { return Ok(None) };
+        if let FrameContent::Black { .. } = spec.content {
+            self.health.latency.forget();
+            return self.publish_black(spec).map(|()| None);
+        }
+        self.health.projection.check(scene, &view, self.context.model);
+        let depth = self.wants_depth().then_some(self.context.depth_encoding);
+        let keeps_drawn = spec.protects_eyes && self.connections.outputs.window.is_some();
+        Ok(Some(DueFrame { spec, view, visible, camera, depth, keeps_drawn }))
+    }
+
+    fn spec(
+        &self,
+        content: FrameContent,
+        policy: &FramePolicy,
+        info: &Arc<CameraInfo>,
+        looked_up: Option<Time>,
+    ) -> FrameSpec {
+        FrameSpec {
+            content,
+            post: Arc::clone(&policy.post),
+            protects_eyes: policy.protects_eyes,
+            epoch: self.epoch.number,
+            info: Arc::clone(info),
+            valid_until: policy.valid_until,
+            looked_up,
+        }
+    }
+
+    /// The frame if it is due and looks different from the last one, which is published again if only that is due.
+    fn due(&mut self, spec: FrameSpec) -> Result<Option<FrameSpec>> {
+        let last = self.buffers.last();
+        let lacks_depth = self.wants_depth() && self.buffers.front.as_ref().is_some_and(|last| last.depth.is_none());
+        let changed = lacks_depth || last.is_none_or(|last| !last.looks_like(&spec));
+        // What has become stale, or current again, does not wait for the frame rate; nor does light that is forbidden
+        // now, unless frames follow changes anyway.
+        let is_urgent = last.is_some_and(|last| {
+            last.content.differs_in_staleness(&spec.content)
+                || (last.post != spec.post && !self.timing.schedule.follows_changes())
+        });
+        let now = Instant::now();
+        self.timing.note_change(changed.then_some(&spec), now);
+        let is_urgent = is_urgent || self.take_new_watcher();
+        let is_due = self.timing.take_due(changed, is_urgent, self.connections.outputs.refresh(), now);
+        if is_due && changed {
+            return Ok(Some(spec));
+        }
+        if let (false, Some(last)) = (changed, &mut self.buffers.front) {
+            match is_due {
+                true => last.spec = spec,
+                false => last.spec.valid_until = spec.valid_until,
+            }
+        }
+        if is_due {
+            self.publish_last(None)?;
+        } else if self.buffers.last().is_some_and(|last| !last.is_expired(now)) {
+            self.connections.outputs.confirm();
+        }
+        Ok(None)
+    }
+
+    /// Publishes a black frame if one is due, because there is no camera and the last frame must not pass for a current
+    /// one. Without a CameraInfo and a frame before it, no size is known.
+    fn black_out(&mut self, info: Option<&Arc<CameraInfo>>, why: &str) -> Result<()> {
+        let Some(dark) = self.policy.without_camera(why) else {
+            self.discard_last();
+            return Ok(());
+        };
+        let is_possible = |size: &[u32; 2]| size.iter().all(|side| (1..=MAX_SIDE_PX).contains(side));
+        let last = self.buffers.last();
+        let size_of_info = info.map(|info| [info.width, info.height]).filter(is_possible);
+        let size_px = size_of_info.or_else(|| last.map(|last| last.content.size_px()));
+        let (Some(info), Some(size_px)) = (info.or(last.map(|last| &last.info)), size_px) else { return Ok(()) };
+        let spec = self.spec(black(size_px, dark, &self.policy), &self.policy.unplaced(), info, None);
+        match self.due(spec)? {
+            Some(spec) => self.publish_black(spec),
+            None => Ok(()),
+        }
+    }
+
+    /// Publishes a black image in the place of a frame, and says why.
+    fn publish_black(&mut self, mut spec: FrameSpec) -> Result<()> {
+        if let FrameContent::Scene { camera, .. } = &spec.content {
+            let (size_px, dark) = (size_px(camera), safety::expired());
+            spec.content = FrameContent::Black { size_px, dark, has_note: false };
+        }
+        let FrameContent::Black { size_px, dark, has_note } = &spec.content else { return Ok(()) };
+        let note = has_note.then_some(dark.why.as_str());
+        let mut picture = black_picture(*size_px, self.view().settings.image_encoding, note);
+        spec.post.apply(&mut picture, &mut Picture::default());
+        let depth = self.wants_depth().then(|| {
+            let mut nowhere = DepthPicture::default();
+            nowhere.reset(size_px[0], size_px[1]);
+            Arc::new(DepthImage::new(&nowhere, self.context.depth_encoding, spec.post.orientation))
+        });
+        spec.valid_until = None;
+        let picture = Arc::new(picture);
+        self.buffers.front = Some(FinishedFrame { spec, picture, depth, drawn: None, submitted: None });
+        self.publish_last(None)
+    }
+
+    /// `true` if somebody subscribed since the last call and is to get an image at once.
+    fn take_new_watcher(&mut self) -> bool {
+        !self.timing.schedule.is_on_trigger() && self.connections.outputs.take_new_watcher()
+    }
+
+    /// Publishes the last frame again if that is due: another one is being drawn for long.
+    ///
+    /// # Errors
+    /// The outputs'.
+    pub(crate) fn repeat_if_due(&mut self) -> Result<()> {
+        let Some(last) = self.buffers.last().filter(|_| self.is_watched()) else { return Ok(()) };
+        let now = Instant::now();
+        if last.is_expired(now) {
+            return self.publish_black(last.clone());
+        }
+        self.connections.outputs.confirm();
+        if !self.take_new_watcher() && !self.timing.schedule.is_repetition_due(now) {
+            return Ok(());
+        }
+        self.timing.schedule.begin(now, false);
+        self.publish_last(None)
+    }
+
+    /// Memory for the frame that the renderer is about to finish.
+    pub(crate) fn take_back_buffer(&mut self) -> Picture {
+        self.buffers.back.take().and_then(|back| Arc::try_unwrap(back).ok()).unwrap_or_default()
+    }
+
+    /// Records the size of the frame that the renderer was given. Returns `true` if it was another one before.
+    pub(crate) fn set_drawn_px(&mut self, size_px: [u32; 2]) -> bool {
+        self.buffers.drawn_px.replace(size_px).is_some_and(|before| before != size_px)
+    }
+
+    /// Publishes a frame that the renderer has finished; a black one if it has expired.
+    ///
+    /// # Errors
+    /// The outputs'.
+    pub(crate) fn publish(&mut self, frame: FinishedFrame) -> Result<()> {
+        self.health.counts.drawn += 1;
+        self.health.counts.depths_drawn += u64::from(frame.depth.is_some());
+        let submitted = frame.submitted;
+        self.buffers.retire_front(frame.picture.data.len());
+        let published = if frame.spec.is_expired(Instant::now()) {
+            self.publish_black(frame.spec)
+        } else {
+            self.buffers.front = Some(frame);
+            self.publish_last(Some(Instant::now()))
+        };
+        submitted.into_iter().for_each(|submitted| self.timing.pacing.record(submitted.elapsed()));
+        published
+    }
+
+    /// Hands the last frame to the outputs. `drawn`: when it was drawn, if it is a new one.
+    fn publish_last(&mut self, drawn: Option<Instant>) -> Result<()> {
+        let outputs = &mut self.connections.outputs;
+        let Some(last) = self.buffers.front.as_ref().filter(|_| !outputs.is_empty()) else { return Ok(()) };
+        let stamp = self.context.ros.now();
+        let info = self.turned_info.of(&last.spec.info, last.spec.post.orientation);
+        let (picture, depth, permit) = (Arc::clone(&last.picture), last.depth.clone(), last.spec.permit());
+        outputs.send(&Frame { picture, info, depth, stamp, permit, drawn: last.drawn.clone() })?;
+        if let Some(drawn) = drawn {
+            let latency = &mut self.health.latency;
+            latency.measure(drawn, Instant::now(), time_from_stamp(stamp));
+            if let Some(looked_up) = last.spec.looked_up {
+                latency.record_lookup_to_publish(time_from_stamp(stamp).saturating_since(looked_up));
+            }
+        }
+        self.health.record_published();
+        self.timing.schedule.clear_trigger();
+        Ok(())
+    }
+}
+
+/// A black frame, which says why if its policy allows it.
+fn black(size_px: [u32; 2], dark: Dark, policy: &FramePolicy) -> FrameContent {
+    let has_note = policy.shows_note(&dark);
+    FrameContent::Black { size_px, dark, has_note }
+}

@@ -1,0 +1,551 @@
+//! The command line of `camera_stream`.
+
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::builder::NonEmptyStringValueParser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{ArgGroup, Args, CommandFactory, Parser, Subcommand};
+use rcs_camera::{CameraModel, Projection};
+use rcs_files::picture_file::PictureFormat;
+use rcs_render::RendererChoice;
+use rcs_resources::ResourceOptions;
+
+use crate::light_arguments::{BlendArgs, DepthArgs, EyeSafetyArgs, MountingArgs, StaleArgs};
+use crate::prediction::PredictionArgs;
+use crate::window_arguments::ScreenArgs;
+
+/// Draws what rviz's CameraPub virtual cameras see, without rviz, a window or a GPU.
+///
+/// Without a command it is a ROS node that publishes the pictures. ROS arguments (from:=to, _param:=value, __name:=,
+/// __ns:=, __log:=) may stand anywhere.
+///
+/// Exit status: 0 success (a node: ended by SIGINT or SIGTERM), 1 failure, 2 invalid arguments or an unreadable config.
+#[derive(Debug, Parser)]
+#[command(name = "camera_stream", display_name = "rviz_camera_stream", version, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    /// What to do instead of running as a node.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// The node's arguments.
+    #[command(flatten)]
+    pub node: NodeArgs,
+    /// What draws: a hardware GPU if there is one, else the CPU (auto); the CPU (cpu); or any GPU driver (gpu)
+    #[arg(long, global = true, value_name = "auto|cpu|gpu")]
+    pub renderer: Option<RendererChoice>,
+    /// How CameraInfos become pictures.
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Which mesh files may be read.
+    #[command(flatten)]
+    pub resources: ResourceArgs,
+}
+
+/// How CameraInfos become pictures.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct ModelArgs {
+    /// How a CameraInfo's P is used: as rviz does (the same picture as before), or exactly, which a projector needs
+    /// (rviz is half a pixel off, and more with fx ≠ fy, P[7] ≠ 0, a skew or a mirror)
+    #[arg(long, global = true, value_enum)]
+    pub projection: Option<Projection>,
+    /// Bend the picture of a CameraInfo with D ≠ 0, so that it is right after the projector's lens; P is used exactly
+    /// then
+    #[arg(long, global = true)]
+    pub undistort: bool,
+}
+
+impl ModelArgs {
+    /// The model without a node's parameters.
+    pub fn chosen(&self) -> CameraModel {
+        CameraModel { projection: self.projection.unwrap_or_default(), undistort: self.undistort }
+    }
+}
+
+/// Sizes in MB that a mesh file can be limited to.
+pub const MESH_MB: RangeInclusive<u64> = 1..=4096;
+
+/// Which mesh files, and files that these name, may be read.
+#[derive(Args, Clone, Debug, Default)]
+pub struct ResourceArgs {
+    /// The largest mesh or texture file that is read, 1 to 4096 [default: 512]
+    #[arg(long, global = true, value_name = "MB", value_parser = mesh_mb)]
+    pub max_mesh_mb: Option<u64>,
+    /// A folder whose meshes and textures may be read although it is in no ROS package; may be given several times
+    #[arg(long, global = true, value_name = "DIR")]
+    pub mesh_folder: Vec<PathBuf>,
+}
+
+impl ResourceArgs {
+    /// What a size must be.
+    pub const SIZE_RANGE: &'static str = "MB, a whole number from 1 to 4096";
+
+    /// The options for the store of meshes.
+    pub fn options(&self) -> ResourceOptions {
+        let default = ResourceOptions::default();
+        let max_file_bytes = self.max_mesh_mb.map_or(default.max_file_bytes, |size| size << 20);
+        ResourceOptions { max_file_bytes, folders: self.mesh_folder.clone() }
+    }
+
+    /// As [`options`](Self::options), for a program that a user runs with own files: meshes may lie beside these, too.
+    pub fn options_beside(&self, files: &[&Path]) -> ResourceOptions {
+        let mut options = self.options();
+        // A name without a folder is in the working directory.
+        let folder = |file: &&Path| match file.parent() {
+            Some(folder) if folder.as_os_str().is_empty() => PathBuf::from("."),
+            Some(folder) => folder.to_owned(),
+            None => PathBuf::from("."),
+        };
+        options.folders.extend(files.iter().map(folder));
+        options
+    }
+}
+
+impl Cli {
+    /// The config that is named, by whichever argument.
+    pub(crate) fn config_mut(&mut self) -> Option<&mut PathBuf> {
+        match &mut self.command {
+            Some(Command::NewCamera(args)) => args.display_config.as_mut(),
+            Some(Command::Check(args)) => args.config.as_mut().or(args.node.display_config.as_mut()),
+            Some(Command::Render(args)) => Some(&mut args.display_config),
+            None => self.node.display_config.as_mut(),
+        }
+    }
+
+    /// Whether debug messages are logged.
+    pub fn is_debug(&self) -> bool {
+        let of_check = matches!(&self.command, Some(Command::Check(args)) if args.node.log_level_debug);
+        self.node.log_level_debug || of_check
+    }
+
+    /// Whether pictures are drawn, perhaps with a GPU.
+    pub fn may_use_gpu(&self) -> bool {
+        !matches!(self.command, Some(Command::Check(_) | Command::NewCamera(_)))
+            && self.renderer != Some(RendererChoice::Cpu)
+    }
+}
+
+/// The arguments of the node: those of rviz.
+#[derive(Args, Clone, Debug)]
+pub struct NodeArgs {
+    /// The .rviz config with CameraPub displays; a name without slashes may be that of a file in ~/.rviz
+    #[arg(short = 'd', long = "display-config", value_name = "FILE")]
+    pub display_config: Option<PathBuf>,
+    /// The fixed frame, overriding the config's
+    #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
+    pub fixed_frame: Option<String>,
+    /// Do not reload the config when its file changes
+    #[arg(long)]
+    pub no_watch: bool,
+    /// Receive clouds, scans and images all the time, also while nobody subscribes to a picture
+    #[arg(long)]
+    pub no_lazy: bool,
+    /// Windows of the node's own
+    #[command(flatten)]
+    pub screens: ScreenArgs,
+    /// Whether moving frames are predicted.
+    #[command(flatten)]
+    pub prediction: PredictionArgs,
+    /// When data are too old to be shown.
+    #[command(flatten)]
+    pub stale: StaleArgs,
+    /// Where there must be no light.
+    #[command(flatten)]
+    pub eye_safety: EyeSafetyArgs,
+    /// How projectors are mounted.
+    #[command(flatten)]
+    pub mounting: MountingArgs,
+    /// The share of each projector where several light one surface.
+    #[command(flatten)]
+    pub blend: BlendArgs,
+    /// The depths beside the pictures.
+    #[command(flatten)]
+    pub depth: DepthArgs,
+    /// Options of rviz's window: accepted and ignored
+    #[command(flatten)]
+    pub window: WindowArgs,
+    /// Log debug messages, too
+    #[arg(long)]
+    pub log_level_debug: bool,
+}
+
+/// Options of rviz that only concern its window: launch files may have them, so they are accepted and ignored.
+#[derive(Args, Clone, Debug)]
+pub struct WindowArgs {
+    #[arg(short = 's', long, hide = true, value_name = "FILE")]
+    splash_screen: Option<String>,
+    #[arg(long, hide = true, value_name = "FILE")]
+    help_file: Option<String>,
+    #[arg(short = 'l', long, hide = true)]
+    ogre_log: bool,
+    #[arg(long, hide = true)]
+    fullscreen: bool,
+    #[arg(long, hide = true)]
+    in_mc_wrapper: bool,
+    #[arg(long, hide = true)]
+    no_stereo: bool,
+    #[arg(long, hide = true)]
+    disable_anti_aliasing: bool,
+    #[arg(short = 'v', long, hide = true)]
+    verbose: bool,
+    #[arg(long, hide = true, value_name = "VERSION")]
+    opengl: Option<String>,
+}
+
+/// What to do instead of running as a node.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Renders pictures from a bag, without ROS
+    ///
+    /// FROM:=TO, anywhere, renames a topic of the bag as with rosbag play: /robot1/points:=/points. Times are those of
+    /// the bag's /clock if it has one, else those of recording (also with /clock:=/unused).
+    Render(RenderArgs),
+    /// Prints which parts of a config are understood and drawn; with --live the status of each display in a running ROS
+    ///
+    /// With --live it takes all arguments of the node: put `check --live` in front of them to diagnose a launch line.
+    ///
+    /// What changes no picture, such as an unknown class of a disabled display, is a note and no failure.
+    ///
+    /// Exit status: 0 all is understood (and every status is Ok), 1 something is not or there is no camera with topics,
+    /// 2 invalid arguments, an unreadable config or no ROS master.
+    Check(CheckArgs),
+    /// Prints a CameraPub display to paste below a config's Displays; with -d it is added to the config
+    ///
+    /// Everything else in the config keeps its bytes. A name, an image topic or a namespace that a camera of the config
+    /// has already is refused.
+    NewCamera(NewCameraArgs),
+}
+
+/// The arguments of `new-camera`.
+#[derive(Args, Clone, Debug)]
+pub struct NewCameraArgs {
+    /// The .rviz config to add the camera to
+    #[arg(short = 'd', long = "display-config", value_name = "FILE")]
+    pub display_config: Option<PathBuf>,
+    /// The camera's name
+    #[arg(long, value_name = "NAME", default_value = "Projector", value_parser = NonEmptyStringValueParser::new())]
+    pub name: String,
+    /// The topic of its CameraInfo: size, P and frame of the picture
+    #[arg(long, value_name = "TOPIC", default_value = "/proj_view/camera_info", value_parser = graph_name)]
+    pub camera_info: String,
+    /// The topic that its pictures are published on
+    #[arg(long, value_name = "TOPIC", default_value = "/proj_view/image", value_parser = graph_name)]
+    pub image_topic: String,
+    /// The namespace of its service camera_trigger [default: that of the image topic]
+    #[arg(long, value_name = "NAMESPACE", value_parser = namespace)]
+    pub display_namespace: Option<String>,
+}
+
+/// The arguments of `render`.
+#[derive(Args, Clone, Debug)]
+#[command(group(ArgGroup::new("target").required(true).args(["output", "frames", "video"])))]
+pub struct RenderArgs {
+    /// The .rviz config with a CameraPub display
+    #[arg(short = 'd', long = "display-config", value_name = "FILE")]
+    pub display_config: PathBuf,
+    /// The fixed frame, overriding the config's
+    #[arg(short = 'f', long = "fixed-frame", value_name = "FRAME")]
+    pub fixed_frame: Option<String>,
+    /// The bag with /tf, CameraInfo and the displays' messages, or several, such as the parts of a split recording:
+    /// .bag or .mcap of ROS 1
+    #[arg(long, value_name = "FILE.bag", required = true, num_args = 1..)]
+    pub bag: Vec<PathBuf>,
+    /// Write one picture; its ending, .png, .jpg or .jpeg, is the format
+    #[arg(short = 'o', long, value_name = "FILE.png", value_parser = picture_file)]
+    pub output: Option<PathBuf>,
+    /// Write a sequence of numbered pictures into this folder, one million at most
+    #[arg(long, value_name = "DIR")]
+    pub frames: Option<PathBuf>,
+    /// Write a video with ffmpeg, which must be installed; its ending is the format
+    #[arg(long, value_name = "FILE.mp4", value_parser = video_file)]
+    pub video: Option<PathBuf>,
+    /// Remove the pictures of an earlier sequence from the folder of --frames; without it, they are an error
+    #[arg(long, conflicts_with_all = ["output", "video"])]
+    pub overwrite: bool,
+    /// Render this moment alone, in seconds after the bag's first message or as ROS time [default for -o: the last
+    /// message]
+    #[arg(long, value_name = "SECS", allow_negative_numbers = true, value_parser = moment)]
+    pub at: Option<f64>,
+    /// Begin a sequence or video at this moment [default: the first message, or later when the camera has its
+    /// CameraInfo and pose]
+    #[arg(long, value_name = "SECS", conflicts_with_all = ["output", "at"], allow_negative_numbers = true, value_parser = moment)]
+    pub start: Option<f64>,
+    /// End a sequence or video at this moment [default: the last message]
+    #[arg(long, value_name = "SECS", conflicts_with_all = ["output", "at"], allow_negative_numbers = true, value_parser = moment)]
+    pub end: Option<f64>,
+    /// Pictures a second for --frames and --video, 1000 at most
+    #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true, value_parser = rate)]
+    pub rate: f64,
+    /// Take CameraInfo and frames from a projector's file, as the node projector publishes them, in place of the bag's
+    #[arg(long, value_name = "FILE.yaml")]
+    pub projector: Option<PathBuf>,
+    /// The CameraPub display to render; required if the config has several
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Turn the pictures clockwise by 0, 90, 180 or 270 degrees, or mirror them before: mirrored, mirrored-90,
+    /// mirrored-180, mirrored-270; with CAMERA= for one camera [default: 0]
+    #[arg(long, value_name = "[CAMERA=]ORIENTATION")]
+    pub orientation: Vec<String>,
+    /// A parameter that displays read (robot_description, say), from a file
+    #[arg(long, value_name = "NAME=FILE")]
+    pub param: Vec<String>,
+    /// Where package:// addresses are resolved before ROS_PACKAGE_PATH: a package or a folder of packages
+    #[arg(long, value_name = "DIR")]
+    pub package_path: Vec<PathBuf>,
+}
+
+/// The arguments of `check`.
+#[derive(Args, Clone, Debug)]
+pub struct CheckArgs {
+    /// The .rviz config; -d FILE does the same
+    #[arg(value_name = "FILE.rviz", required_unless_present = "display_config", conflicts_with = "display_config")]
+    pub config: Option<PathBuf>,
+    /// The arguments of the node that is diagnosed.
+    #[command(flatten)]
+    pub node: NodeArgs,
+    /// Connect to the ROS master, subscribe for a while, and print each display's statuses as rviz would show them
+    #[arg(long)]
+    pub live: bool,
+    /// How long --live subscribes
+    #[arg(long, value_name = "SECS", default_value = "5", requires = "live", value_parser = seconds)]
+    pub listen: Duration,
+}
+
+/// A clap error as it is, but for two hints: that a config is named with `-d`, and none at an option that help hides.
+pub fn with_hints(mut error: clap::Error) -> clap::Error {
+    if let (ErrorKind::InvalidSubcommand, Some(ContextValue::String(word))) =
+        (error.kind(), error.get(ContextKind::InvalidSubcommand))
+    {
+        let hint = format!("a config is named with -d: camera_stream -d {word}");
+        let is_config = word.ends_with(".rviz") || Path::new(word).is_file();
+        if is_config {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![hint.into()]));
+        }
+    }
+    let command = Cli::command();
+    let is_hidden = |suggested: &ContextValue| {
+        let option = suggested.to_string();
+        let mut hidden = command.get_arguments().filter(|arg| arg.is_hide_set()).filter_map(|arg| arg.get_long());
+        hidden.any(|long| format!("--{long}") == option)
+    };
+    if error.get(ContextKind::SuggestedArg).is_some_and(is_hidden) {
+        error.remove(ContextKind::SuggestedArg);
+    }
+    error
+}
+
+/// The highest `--rate` in pictures a second: no monitor or projector shows more.
+const MAX_RATE_HZ: f64 = 1000.0;
+
+/// Pictures a second: above 0 and not above [`MAX_RATE_HZ`].
+fn rate(text: &str) -> Result<f64, String> {
+    let rate_hz = text.parse::<f64>().ok().filter(|rate_hz| *rate_hz > 0.0 && *rate_hz <= MAX_RATE_HZ);
+    rate_hz.ok_or_else(|| format!("pictures a second, above 0 and not above {MAX_RATE_HZ}"))
+}
+
+/// The size of a file in MB.
+pub(crate) fn mesh_mb(text: &str) -> Result<u64, String> {
+    text.parse().ok().filter(|size| MESH_MB.contains(size)).ok_or_else(|| ResourceArgs::SIZE_RANGE.to_owned())
+}
+
+/// A picture, whose name ends with a format's ending.
+fn picture_file(text: &str) -> Result<PathBuf, String> {
+    match PictureFormat::of(Path::new(text)) {
+        Ok(_) => Ok(text.into()),
+        Err(_) => Err(format!("a picture's name ends with {}", PictureFormat::ENDINGS)),
+    }
+}
+
+/// A video, whose name has an ending.
+fn video_file(text: &str) -> Result<PathBuf, String> {
+    match Path::new(text).extension() {
+        Some(_) => Ok(text.into()),
+        None => Err("a video's name has the ending of its format, such as .mp4".to_owned()),
+    }
+}
+
+/// A name of the ROS graph: words of letters, digits and `_`, with `/` between them; begins with a letter, `/` or `~`.
+pub(super) fn graph_name(text: &str) -> Result<String, String> {
+    let words = text.strip_prefix(['/', '~']).unwrap_or(text);
+    let words = if text.starts_with('~') { words.strip_prefix('/').unwrap_or(words) } else { words };
+    let is_word = |word: &str| !word.is_empty() && word.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_');
+    let begins_well = text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '/' || c == '~');
+    if begins_well && words.split('/').all(is_word) {
+        return Ok(text.to_owned());
+    }
+    Err("a ROS name: letters, digits, _ and /, and a letter, / or ~ first".to_owned())
+}
+
+/// The same, or no name at all; a `/` may end it.
+fn namespace(text: &str) -> Result<String, String> {
+    match text.strip_suffix('/').unwrap_or(text) {
+        "" => Ok(text.to_owned()),
+        name => graph_name(name).map(|_| text.to_owned()),
+    }
+}
+
+/// Seconds, any finite number.
+fn moment(text: &str) -> Result<f64, String> {
+    text.parse::<f64>().ok().filter(|secs| secs.is_finite()).ok_or_else(|| "seconds, a finite number".to_owned())
+}
+
+/// Seconds on the command line: from 0 to a day.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let secs = text.parse::<f64>().ok().filter(|secs| (0.0..=86_400.0).contains(secs));
+    secs.map(Duration::from_secs_f64).ok_or_else(|| "seconds, from 0 to 86400".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(args: &[&str]) -> Result<Cli, clap::Error> {
+        Cli::try_parse_from(args)
+    }
+
+    #[test]
+    fn a_launch_files_arguments_for_rviz_are_accepted() {
+        let node = parse(&["camera_stream", "-d", "x.rviz", "-f", "map"]).unwrap().node;
+        assert_eq!(node.display_config, Some(PathBuf::from("x.rviz")));
+        assert_eq!(node.fixed_frame.as_deref(), Some("map"));
+        let args = ["camera_stream", "--splash-screen", "", "--fullscreen", "-d", "x.rviz", "--renderer", "cpu"];
+        let cli = parse(&args).unwrap();
+        assert_eq!(cli.node.display_config, Some(PathBuf::from("x.rviz")));
+        assert_eq!(cli.renderer, Some(RendererChoice::Cpu));
+    }
+
+    #[test]
+    fn render_takes_one_picture_or_a_sequence() {
+        let base = ["camera_stream", "render", "-d", "x.rviz", "--bag", "x.bag"];
+        let with = |more: &[&str]| parse(&[&base[..], more].concat());
+        assert!(with(&[]).is_err());
+        assert!(with(&["-o", "a.png", "--frames", "d"]).is_err());
+        assert!(with(&["-o", "a.png", "--at", "1.5", "--renderer", "gpu"]).is_ok());
+        assert!(with(&["-o", "a.jpeg"]).is_ok());
+        assert!(with(&["-o", "a.bmp"]).unwrap_err().to_string().contains(".png, .jpg or .jpeg"));
+        assert!(with(&["--frames", "d", "--rate", "10"]).is_ok());
+        assert!(with(&["--frames", "d", "--start", "1", "--end", "2", "--overwrite"]).is_ok());
+        assert!(with(&["--frames", "d", "--at", "1"]).is_ok());
+        assert!(with(&["--video", "v.mp4", "--start", "1"]).is_ok());
+        let refused = [
+            &["--frames", "d", "--at", "1", "--end", "2"][..],
+            &["-o", "a.png", "--start", "1"],
+            &["-o", "a.png", "--overwrite"],
+            &["--video", "video"],
+            &["--video", "v.mp4", "--frames", "d"],
+        ];
+        assert!(refused.iter().all(|args| with(args).is_err()));
+        assert!(with(&["-o", "a.png", "--renderer", "voodoo"]).is_err());
+    }
+
+    #[test]
+    fn rates_and_moments_are_finite_and_within_bounds() {
+        let base = ["camera_stream", "render", "-d", "x.rviz", "--bag", "x.bag"];
+        let exit_code =
+            |more: &[&str]| parse(&[&base[..], more].concat()).map_or_else(|error| error.exit_code(), |_| 0);
+        for rate in ["0.001", "30", "1000"] {
+            assert_eq!(exit_code(&["--frames", "d", "--rate", rate]), 0, "{rate}");
+        }
+        for rate in ["0", "-3", "NaN", "inf", "1001", "1e11", "1e300", "fast"] {
+            assert_eq!(exit_code(&["--frames", "d", "--rate", rate]), 2, "{rate}");
+        }
+        for secs in ["0", "-1", "1.5", "1e9"] {
+            assert_eq!(exit_code(&["-o", "a.png", "--at", secs]), 0, "{secs}");
+        }
+        for secs in ["NaN", "inf", "-inf", "1e999", "soon"] {
+            assert_eq!(exit_code(&["-o", "a.png", "--at", secs]), 2, "{secs}");
+        }
+    }
+
+    #[test]
+    fn the_size_of_meshes_has_bounds_and_folders_add_up() {
+        let size = |text: &str| parse(&["camera_stream", "-d", "x.rviz", "--max-mesh-mb", text]);
+        assert_eq!(size("2").unwrap().resources.options().max_file_bytes, 2 << 20);
+        for wrong in ["0", "4097", "-1", "1.5", "much"] {
+            assert_eq!(size(wrong).map_or_else(|error| error.exit_code(), |_| 0), 2, "{wrong}");
+        }
+        let args = ["camera_stream", "render", "--bag", "/b/x.bag", "-d", "x.rviz", "-o", "a.png"];
+        let folders = ["--mesh-folder", "/a", "--mesh-folder", "/c"];
+        let resources = parse(&[&args[..], &folders].concat()).unwrap().resources;
+        let options = resources.options_beside(&[Path::new("x.rviz"), Path::new("/b/x.bag")]);
+        assert_eq!(options.folders, ["/a", "/c", ".", "/b"].map(PathBuf::from));
+        assert_eq!(options.max_file_bytes, ResourceOptions::default().max_file_bytes);
+    }
+
+    #[test]
+    fn check_takes_the_arguments_of_the_launch_line_that_it_diagnoses() {
+        let check = |line: &str| {
+            let args = ["camera_stream", "check", "--live"].into_iter().chain(line.split(' '));
+            Cli::try_parse_from(args).map(|mut cli| {
+                let file = cli.config_mut().cloned().unwrap_or_default();
+                match cli.command {
+                    Some(Command::Check(args)) => (file, args.node.fixed_frame, cli.model.projection, cli.renderer),
+                    other => panic!("{other:?}"),
+                }
+            })
+        };
+        let line = "-d x.rviz -f map --projection exact --renderer cpu --no-watch --log-level-debug --splash-screen s \
+                    --help-file h -l --fullscreen --in-mc-wrapper --no-stereo --disable-anti-aliasing -v --opengl 3";
+        let (file, frame) = (PathBuf::from("x.rviz"), Some("map".to_owned()));
+        let all = (file.clone(), frame, Some(Projection::Exact), Some(RendererChoice::Cpu));
+        assert_eq!(check(line).unwrap(), all);
+        assert_eq!(check("--display-config=x.rviz --fixed-frame=map").unwrap().0, file);
+        assert_eq!(check("x.rviz").unwrap().0, file);
+        assert!(check("x.rviz -d x.rviz").is_err() && check("-f map").is_err());
+    }
+
+    #[test]
+    fn the_listening_time_is_in_seconds_and_only_for_live() {
+        let check = |more: &[&str]| {
+            parse(&[&["camera_stream", "check", "x.rviz"], more].concat()).map(|cli| match cli.command {
+                Some(Command::Check(args)) => args,
+                other => panic!("{other:?}"),
+            })
+        };
+        assert_eq!(check(&["--live"]).unwrap().listen, Duration::from_secs(5));
+        assert_eq!(check(&["--live", "--listen", "0.5"]).unwrap().listen, Duration::from_millis(500));
+        let wrong: [&[&str]; 4] = [
+            &["--listen", "2"],
+            &["--live", "--listen", "-1"],
+            &["--live", "--listen", "NaN"],
+            &["--live", "--listen", "1e9"],
+        ];
+        for args in wrong {
+            assert!(check(args).is_err(), "{args:?}");
+        }
+    }
+
+    #[test]
+    fn a_new_cameras_names_are_those_of_ros() {
+        let exit_code = |option: &str, value: &str| {
+            parse(&["camera_stream", "new-camera", option, value]).map_or_else(|error| error.exit_code(), |_| 0)
+        };
+        for option in ["--image-topic", "--camera-info"] {
+            for good in ["/proj_view/image", "image", "~image", "~/image", "/a_1/B2"] {
+                assert_eq!(exit_code(option, good), 0, "{option} {good}");
+            }
+            for bad in ["", "/", "bad topic!", "1st", "/a//b", "/a/", "_a", "/ä", "a~"] {
+                assert_eq!(exit_code(option, bad), 2, "{option} {bad}");
+            }
+        }
+        for (namespace, expected) in [("", 0), ("/", 0), ("/left/", 0), ("left", 0), ("my left", 2), ("a//b", 2)] {
+            assert_eq!(exit_code("--display-namespace", namespace), expected, "{namespace}");
+        }
+    }
+
+    #[test]
+    fn an_error_says_how_a_config_is_named_and_suggests_nothing_hidden() {
+        let printed = |args: &[&str]| with_hints(parse(args).unwrap_err()).to_string();
+        let error = printed(&["camera_stream", "/a/scene.rviz"]);
+        assert!(error.contains("tip: a config is named with -d: camera_stream -d /a/scene.rviz"), "{error}");
+        assert!(!printed(&["camera_stream", "scene"]).contains("-d scene"));
+        let error = printed(&["camera_stream", "--nope"]);
+        assert!(error.contains("--nope") && !error.contains("--opengl"), "{error}");
+        assert!(printed(&["camera_stream", "--fixed-fram"]).contains("--fixed-frame"));
+    }
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

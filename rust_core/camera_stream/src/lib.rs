@@ -1,0 +1,192 @@
+//! `camera_stream`: the virtual cameras of a `.rviz` config, as a ROS node or over a bag.
+
+mod camera;
+pub mod check;
+pub mod cli;
+mod config_file;
+pub mod light_arguments;
+mod new_camera;
+pub mod offline;
+pub mod outputs;
+pub mod prediction;
+mod private_parameters;
+mod projection_warning;
+pub mod runtime;
+pub mod safety;
+pub mod scene;
+mod window_arguments;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{anyhow, Result};
+use clap::Parser;
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_ros::restart;
+use rcs_rviz_config::{Config, DisplaySettings, Finding};
+
+use crate::check::live::LiveArgs;
+use crate::cli::{CheckArgs, Cli, Command, RenderArgs};
+use crate::config_file::find_config;
+use crate::offline::{Job, Section, Target};
+use crate::safety::names::ForCamera;
+use crate::scene::SceneState;
+use rcs_node_support::lifecycle::{self, own_arguments};
+
+/// The node's name where the command line gives none.
+const NODE_NAME: &str = "camera_stream";
+/// The exit status for invalid arguments and an unreadable config.
+const INVALID: u8 = 2;
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    let mut cli = match Cli::try_parse_from(own_arguments()) {
+        Ok(cli) => cli,
+        Err(error) => {
+            let error = cli::with_hints(error);
+            // Help and version are no errors; clap prints each to the right stream. A closed pipe is ignored.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { INVALID } else { 0 });
+        }
+    };
+    let flush = cli.command.is_none().then(|| rcs_logging::start_node(cli.is_debug()));
+    if flush.is_none() {
+        rcs_logging::start(cli.is_debug());
+    }
+    if cli.may_use_gpu() {
+        quiet_graphics_libraries();
+    }
+    let is_node = cli.command.is_none();
+    let invalid = |error: &dyn std::fmt::Display| {
+        print_error(&error.to_string(), is_node);
+        ExitCode::from(INVALID)
+    };
+    if let Err(error) = find_config(&mut cli) {
+        return invalid(&error);
+    }
+    if let Some(Command::NewCamera(args)) = &cli.command {
+        return finished(new_camera::run(args));
+    }
+    let Some(file) = cli.config_mut().cloned() else {
+        return invalid(&"no config: name one with -d FILE.rviz (see --help)");
+    };
+    let config = match rcs_rviz_config::load(&file) {
+        Ok(config) => config,
+        Err(error) => return invalid(&error),
+    };
+    let node_args = match &cli.command {
+        Some(Command::Check(args)) => Some(&args.node),
+        None => Some(&cli.node),
+        Some(Command::Render(_) | Command::NewCamera(_)) => None,
+    };
+    let checked = node_args.map_or(Ok(()), |args| light_arguments::check_cameras(args, &camera_names(&config)));
+    if let Err(error) = checked {
+        return invalid(&error);
+    }
+    let result = match &cli.command {
+        Some(Command::Check(args)) if args.live => return check_live(&cli, args, &config),
+        Some(Command::Check(args)) => {
+            check::print(&config, args.node.fixed_frame.as_deref(), &mut std::io::stdout().lock())
+                .map(|understood| if understood { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+                .map_err(|error| anyhow!("standard output: {error}"))
+        }
+        Some(Command::Render(args)) => render(&cli, args, &config).map(|()| ExitCode::SUCCESS),
+        None => return lifecycle::finish(&runtime::run(&cli, &config)),
+        Some(Command::NewCamera(_)) => Ok(ExitCode::SUCCESS),
+    };
+    finished(result)
+}
+
+/// The names of a config's cameras, enabled or not.
+fn camera_names(config: &Config) -> Vec<String> {
+    let placed = config.placed_displays();
+    let cameras = placed.iter().filter(|placed| matches!(placed.display.settings, DisplaySettings::CameraPub(_)));
+    cameras.map(|placed| placed.display.name.clone()).collect()
+}
+
+/// The exit status of a result. An error is printed.
+fn finished(result: Result<ExitCode>) -> ExitCode {
+    result.unwrap_or_else(|error| {
+        print_error(&rcs_logging::one_line(&error), false);
+        ExitCode::FAILURE
+    })
+}
+
+/// Without a session there is no XDG_RUNTIME_DIR, and then libwayland prints errors when a GL driver is probed,
+/// although no window is opened. Where the variable names an existing folder, it finds no socket there and prints
+/// nothing.
+fn quiet_graphics_libraries() {
+    const RUNTIME_FOLDER: &str = "XDG_RUNTIME_DIR";
+    if std::env::var_os(RUNTIME_FOLDER).is_none() {
+        let folder = std::env::temp_dir();
+        let error = restart(std::env::args_os().skip(1), &[(RUNTIME_FOLDER, folder.as_os_str())]);
+        log::debug!("cannot restart with {RUNTIME_FOLDER}: {error}");
+    }
+}
+
+/// Logs what was not understood, but for what was known before; what changes no picture as a debug message.
+fn log_findings(config: &Config, known: &[Finding]) {
+    for finding in config.findings.iter().filter(|finding| !known.contains(finding)) {
+        let level = if finding.is_note { log::Level::Debug } else { log::Level::Warn };
+        log::log!(level, "{}: {finding}", config.source);
+    }
+}
+
+/// Prints the error that ends the program in one line; a node logs it.
+fn print_error(text: &str, is_node: bool) {
+    if is_node {
+        rcs_logging::log_last(&rcs_logging::flat(text));
+    } else {
+        rcs_logging::print_error(&format!("camera_stream: {}", rcs_logging::flat(text)));
+    }
+}
+
+fn check_live(cli: &Cli, args: &CheckArgs, config: &Config) -> ExitCode {
+    let (listen, fixed_frame) = (args.listen, args.node.fixed_frame.clone());
+    let resources = cli.resources.clone();
+    let args = LiveArgs { listen, fixed_frame, model: cli.model, resources };
+    match check::live::run(config, &args, &mut std::io::stdout().lock()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            print_error(&error.to_string(), false);
+            ExitCode::from(INVALID)
+        }
+    }
+}
+
+fn render(cli: &Cli, args: &RenderArgs, config: &Config) -> Result<()> {
+    log_findings(config, &[]);
+    rcs_scene::name_threads();
+    let packages = PackageIndex::from_env(&args.package_path);
+    // The user's own files may lie beside each other, in no package.
+    let files: Vec<&Path> = std::iter::once(&args.display_config).chain(&args.bag).map(PathBuf::as_path).collect();
+    let options = cli.resources.options_beside(&files);
+    // What a picture shows does not depend on how fast files are read: each is loaded when it is asked for.
+    let meshes = MeshStore::with_options(packages, options);
+    let parameters = offline::read_parameters(&args.param, meshes.packages())?;
+    let mut stage = SceneState::new(config, args.fixed_frame.as_deref(), meshes);
+    offline::set_parameters(&mut stage, &parameters);
+    let (rate_hz, overwrite) = (args.rate, args.overwrite);
+    let target = match (&args.output, &args.frames, &args.video) {
+        (Some(file), ..) => Target::Picture { file: file.clone() },
+        (_, Some(folder), _) => Target::Sequence { folder: folder.clone(), rate_hz, overwrite },
+        (.., Some(file)) => Target::Video { file: file.clone(), rate_hz },
+        (None, None, None) => {
+            return Err(anyhow!("no output: name one with -o FILE.png, --frames DIR or --video FILE.mp4"))
+        }
+    };
+    let job = Job {
+        bags: &args.bag,
+        remappings: &offline::bag_names(&lifecycle::remappings())?,
+        camera: args.camera.as_deref(),
+        projector: args.projector.as_deref(),
+        section: Section { at_secs: args.at, start_secs: args.start, end_secs: args.end },
+        target: &target,
+        model: cli.model.chosen(),
+        orientations: ForCamera::read_all(&args.orientation, &camera_names(config))
+            .map_err(|error| anyhow!("--orientation: {error}"))?,
+    };
+    let mut renderer = rcs_render::create(cli.renderer.unwrap_or_default())?;
+    offline::render(&mut stage, &job, renderer.as_mut())
+}

@@ -1,0 +1,308 @@
+//! `camera_stream render`: pictures from a config and a bag, without a ROS master.
+
+mod moments;
+mod player;
+mod projector;
+mod ros_time;
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+
+use anyhow::{anyhow, bail, Context, Error, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+use rcs_bag::{full_name, Bag};
+use rcs_camera::CameraModel;
+use rcs_displays::CameraView;
+use rcs_files::limited_read::read_limited;
+use rcs_render::{LastStep, Orientation, Renderer};
+use rcs_resources::PackageIndex;
+use rcs_scene::Picture;
+use rcs_transforms::Time;
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use crate::cli;
+use crate::outputs::{Frame, Output, PictureFile, PictureSequence, VideoFile};
+use crate::projection_warning::ProjectionWarning;
+use crate::safety::names::{of_camera, ForCamera};
+use crate::safety::FramePolicy;
+use crate::scene::camera_pose::CameraProblem;
+use crate::scene::{renderer_view, SceneState};
+use rcs_node_support::key_value;
+
+pub use moments::Section;
+use moments::{BagTimes, Moments};
+use player::Player;
+pub use projector::Projector;
+
+/// Where pictures are rendered to.
+#[derive(Clone, Debug)]
+pub enum Target {
+    /// One picture of a moment, by default after the bag's last message.
+    Picture {
+        /// The PNG or JPEG file.
+        file: PathBuf,
+    },
+    /// Pictures numbered from 0: `frame_000000.png`.
+    Sequence {
+        /// The folder; it is created if it does not exist.
+        folder: PathBuf,
+        /// Pictures a second.
+        rate_hz: f64,
+        /// Whether the pictures of an earlier sequence in the folder are removed, or are an error.
+        overwrite: bool,
+    },
+    /// A video.
+    Video {
+        /// The file.
+        file: PathBuf,
+        /// Pictures a second.
+        rate_hz: f64,
+    },
+}
+
+/// What is rendered of a bag.
+#[derive(Debug)]
+pub struct Job<'a> {
+    /// The bag's files.
+    pub bags: &'a [PathBuf],
+    /// The bag's topics that get other names, see [`bag_names`].
+    pub remappings: &'a HashMap<String, String>,
+    /// The name of the camera; `None` if the config has only one.
+    pub camera: Option<&'a str>,
+    /// The file that takes the place of the bag's CameraInfo and frames.
+    pub projector: Option<&'a Path>,
+    /// Which part of the bag.
+    pub section: Section,
+    /// Where to.
+    pub target: &'a Target,
+    /// How P becomes a projection.
+    pub model: CameraModel,
+    /// How pictures are turned when they are drawn.
+    pub orientations: Vec<ForCamera<Orientation>>,
+}
+
+/// Renders what one camera of the stage sees of a bag.
+///
+/// A sequence begins when the camera has a CameraInfo and a pose, if that is after the moment that was asked for.
+///
+/// # Errors
+/// One line that names the bag, the camera, the topic, the frame or the file that is the reason.
+pub fn render(stage: &mut SceneState, job: &Job<'_>, renderer: &mut dyn Renderer) -> Result<()> {
+    let view = choose_camera(stage.cameras(), job.camera)?.clone();
+    let orientation = of_camera(&job.orientations, &view.name).copied().unwrap_or_default();
+    let policy = FramePolicy::offline(LastStep { orientation, ..LastStep::default() });
+    let bag = job.open()?;
+    let Some(times) = BagTimes::of(&bag).with_context(|| job.name())? else {
+        bail!("{}: the bag holds no messages", job.name())
+    };
+    let projector = job.projector.map(|file| Projector::read(file, &view)).transpose()?;
+    if let Some(projector) = &projector {
+        projector.place(stage, times.start);
+    }
+    let mut player = Player::new(stage, &bag, times, projector);
+    let moments = job.moments(&mut player, stage, &view, times)?;
+    let interrupted = Interrupted::watch()?;
+    let mut output = job.target.open()?;
+    let progress = progress(moments.count());
+    let (mut picture, mut turned) = (Arc::new(Picture::default()), Picture::default());
+    let mut projection = ProjectionWarning::default();
+    for moment in moments.iter() {
+        if interrupted.is_set() {
+            bail!("interrupted at {moment}");
+        }
+        player.play_until(stage, moment).with_context(|| job.name())?;
+        stage.update(moment);
+        let camera = match stage.camera(&view, job.model) {
+            Ok(camera) => camera,
+            Err(problem) => return Err(job.no_camera_at(moment, problem, &mut player, stage, &view, times)),
+        };
+        projection.check(stage, &view, job.model);
+        let scene = stage.scene();
+        renderer.render(&renderer_view(&view, &scene, &camera), Arc::make_mut(&mut picture))?;
+        policy.post.apply(Arc::make_mut(&mut picture), &mut turned);
+        let info = stage.camera_info(&view).cloned().unwrap_or_default();
+        output.send(&Frame { picture: Arc::clone(&picture), info, stamp: ros_time(moment), ..Frame::default() })?;
+        progress.inc(1);
+    }
+    output.finish()?;
+    progress.finish_and_clear();
+    player.status_log.conclude(&stage.status_entries(moments.last()), moments.last());
+    Ok(())
+}
+
+impl Job<'_> {
+    /// The bags' names, for messages.
+    fn name(&self) -> String {
+        self.bags.iter().map(|bag| bag.display().to_string()).collect::<Vec<_>>().join(", ")
+    }
+
+    fn open(&self) -> Result<Bag> {
+        let bag = Bag::open_all(self.bags)?;
+        for (from, to) in self.remappings {
+            if !bag.connections().any(|connection| full_name(&connection.topic) == *from) {
+                log::warn!("{from}:={to}: the bag has no topic {from}");
+            }
+        }
+        Ok(bag.remapped(self.remappings))
+    }
+
+    /// The moments to be rendered. Plays the bag up to the first of a sequence.
+    fn moments(
+        &self,
+        player: &mut Player,
+        stage: &mut SceneState,
+        view: &CameraView,
+        times: BagTimes,
+    ) -> Result<Moments> {
+        let rate_hz = match self.target {
+            Target::Picture { .. } => return self.section.single(times),
+            Target::Sequence { rate_hz, .. } | Target::Video { rate_hz, .. } => *rate_hz,
+        };
+        let [first, last] = self.section.bounds(times)?;
+        let whole = Moments::between([first, last], rate_hz)?;
+        let begin = player.play_until_camera(stage, view, self.model, [first, last]);
+        let Some(begin) = begin.with_context(|| self.name())? else {
+            // The error of the first picture says what is missing.
+            return Ok(whole);
+        };
+        if begin > first {
+            let late_secs = begin.secs_since(first);
+            let is_missing_pictures = late_secs * rate_hz >= 1.0;
+            let level = if is_missing_pictures { log::Level::Info } else { log::Level::Debug };
+            log::log!(
+                level,
+                "the first picture is of {begin}: {late_secs:.3} s later the camera has its CameraInfo and pose"
+            );
+        }
+        Moments::between([begin, last], rate_hz)
+    }
+
+    /// The error of a moment at which there is no camera. Plays on to see when there is one: the stage is done with.
+    fn no_camera_at(
+        &self,
+        moment: Time,
+        problem: CameraProblem,
+        player: &mut Player,
+        stage: &mut SceneState,
+        view: &CameraView,
+        times: BagTimes,
+    ) -> Error {
+        let bag = self.name();
+        let is_missing = matches!(problem, CameraProblem::NoCameraInfo { .. } | CameraProblem::NoTransform { .. });
+        let begin = is_missing.then(|| player.play_until_camera(stage, view, self.model, [moment, times.end]));
+        match begin.and_then(Result::ok).flatten() {
+            Some(begin) => {
+                // Rounded up, so that the moment is not before it.
+                let secs = (begin.secs_since(times.start) * 1e3).ceil() / 1e3;
+                anyhow!(
+                    "{bag}: no picture at {moment}, because the camera has its CameraInfo (on {}) and pose only {secs} s \
+                     after the bag's first message (--at {secs})",
+                    problem.topic()
+                )
+            }
+            None => Error::new(problem).context(bag),
+        }
+    }
+}
+
+/// Whether a signal asks the program to end: at the next picture, so that what is unfinished is removed. A second
+/// signal ends it at once.
+struct Interrupted(Arc<AtomicBool>);
+
+impl Interrupted {
+    fn watch() -> Result<Self> {
+        let flag = Arc::new(AtomicBool::new(false));
+        for signal in [SIGINT, SIGTERM] {
+            signal_hook::flag::register_conditional_default(signal, Arc::clone(&flag))?;
+            signal_hook::flag::register(signal, Arc::clone(&flag))?;
+        }
+        Ok(Self(flag))
+    }
+
+    fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+impl Target {
+    fn open(&self) -> Result<Box<dyn Output>> {
+        Ok(match self {
+            Self::Picture { file } => Box::new(PictureFile::new(file)),
+            Self::Sequence { folder, overwrite, .. } => Box::new(PictureSequence::create(folder, *overwrite)?),
+            Self::Video { file, rate_hz } => Box::new(VideoFile::create(file, *rate_hz)?),
+        })
+    }
+}
+
+/// The whole names of a bag's topics that get other names, and those, from remappings such as
+/// `/robot1/points:=/points`.
+///
+/// # Errors
+/// One line that names what is no topic's name.
+pub fn bag_names(remappings: &[(String, String)]) -> Result<HashMap<String, String>> {
+    let whole = |(from, to): &(String, String)| {
+        for name in [from, to] {
+            cli::graph_name(name).map_err(|reason| anyhow!("{from}:={to}: '{name}' is no topic of a bag: {reason}"))?;
+        }
+        Ok((full_name(from), full_name(to)))
+    };
+    remappings.iter().map(whole).collect()
+}
+
+/// The most bytes of a parameter's text.
+const MAX_PARAMETER_BYTES: u64 = 64 << 20;
+
+/// The texts of parameters that are given as `NAME=FILE`, the file by its path or its `package://` address. The user's
+/// own file may be anything that can be read, such as the output of another program.
+///
+/// # Errors
+/// One line that names the parameter and the file that cannot be read.
+pub fn read_parameters(given: &[String], packages: &PackageIndex) -> Result<HashMap<String, Arc<str>>> {
+    let read = |parameter: &String| {
+        let (name, file) =
+            key_value::split(parameter).with_context(|| format!("--param {parameter}: it is NAME=FILE"))?;
+        let path = if file.contains("://") { packages.resolve(file)? } else { file.into() };
+        let read = read_limited(&path, MAX_PARAMETER_BYTES);
+        let bytes = read.with_context(|| format!("--param {name}: {}", path.display()))?;
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        Ok((name.trim_start_matches('/').to_owned(), text.into()))
+    };
+    given.iter().map(read).collect()
+}
+
+/// Sets the parameters that the stage reads; those that are not among `parameters` are not set.
+pub fn set_parameters(stage: &mut SceneState, parameters: &HashMap<String, Arc<str>>) {
+    for name in stage.parameters() {
+        let text = parameters.get(name.trim_start_matches('/'));
+        stage.take_parameter(&name, text, Time::ZERO);
+    }
+}
+
+fn choose_camera<'a>(cameras: &'a [CameraView], name: Option<&str>) -> Result<&'a CameraView> {
+    let names = || cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>().join(", ");
+    match (name, cameras) {
+        (_, []) => bail!("the config has no enabled CameraPub display"),
+        (Some(name), _) => match cameras.iter().find(|camera| camera.name == name) {
+            Some(camera) => Ok(camera),
+            None => bail!("the config has no enabled CameraPub display named {name}; it has: {}", names()),
+        },
+        (None, [camera]) => Ok(camera),
+        (None, _) => bail!("the config has several cameras, choose one with --camera: {}", names()),
+    }
+}
+
+fn ros_time(time: Time) -> rcs_messages::Time {
+    let (sec, nsec) = time.as_secs_nanos();
+    rcs_messages::Time { sec, nsec }
+}
+
+/// A progress bar on a terminal for more than one picture, nothing on a pipe.
+fn progress(pictures: u64) -> ProgressBar {
+    if pictures < 2 {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} pictures, {eta} left");
+    ProgressBar::new(pictures).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -1,0 +1,58 @@
+//! A projector's file in the place of a bag's CameraInfo and frames.
+
+use std::path::Path;
+
+use anyhow::{bail, Result};
+use rcs_displays::CameraView;
+use rcs_files::projector::ProjectorFile;
+use rcs_messages::tf2_msgs::TFMessage;
+use rcs_messages::AnyMessage;
+use rcs_transforms::Time;
+
+use crate::scene::SceneState;
+
+/// What the file says, for one camera.
+#[derive(Debug)]
+pub struct Projector {
+    file: ProjectorFile,
+    /// The file's name, which stands for a publisher.
+    name: String,
+    /// The camera's CameraInfo topic, by its name in the config.
+    pub(super) topic: String,
+}
+
+impl Projector {
+    /// Reads the file for a camera.
+    ///
+    /// # Errors
+    /// One line that names the file and what is wrong.
+    pub fn read(path: &Path, camera: &CameraView) -> Result<Self> {
+        let name = path.display().to_string();
+        let file = ProjectorFile::read(path)?;
+        for warning in file.warnings() {
+            log::warn!("{name}: {warning}");
+        }
+        if file.camera_info.header.frame_id.is_empty() {
+            bail!("{name}: no frame: the file needs frame_id (or header.frame_id)");
+        }
+        let topic = camera.settings.camera_info_topic.clone();
+        if topic.is_empty() {
+            bail!("camera {}: its Camera Info Topic is empty, and --projector stands for that topic", camera.name);
+        }
+        Ok(Self { file, name, topic })
+    }
+
+    /// Hands CameraInfo and frames to the stage.
+    pub(super) fn place(&self, stage: &mut SceneState, now: Time) {
+        let transforms = self.file.frames.iter().map(|frame| frame.to_message(rcs_messages::Time::default()));
+        stage.take_transforms(&TFMessage { transforms: transforms.collect() }, true, &self.name);
+        let info = AnyMessage::CameraInfo(self.file.camera_info.clone().into());
+        stage.take(&self.topic, &info, now);
+    }
+
+    /// Whether the file places this frame.
+    pub(super) fn places(&self, frame: &str) -> bool {
+        let name = frame.trim_start_matches('/');
+        self.file.frames.iter().any(|placed| placed.child.trim_start_matches('/') == name)
+    }
+}

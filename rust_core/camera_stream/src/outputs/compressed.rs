@@ -1,0 +1,172 @@
+//! A camera's pictures as JPEG or PNG on the topic `compressed` below the image topic, as image_transport has it.
+//!
+//! Encoding takes longer than publishing, so it has a thread of its own, with lower priority than those that draw: the
+//! newest picture waits for it in a single place, where a newer one replaces it, and nobody waits for the thread.
+//! Nothing is encoded while nobody subscribes, and the thread starts with the first picture that somebody gets.
+
+use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::sync::mpsc::{sync_channel, Receiver};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+use rcs_files::picture_file;
+use rcs_messages::dynamic_reconfigure::Config as Values;
+use rcs_messages::sensor_msgs::CompressedImage;
+use rcs_messages::std_msgs::Header;
+use rcs_ros::{Publisher, ReconfigureServer, RosNode};
+use rcs_scene::{wait_while, Picture};
+
+use super::compressed_settings::{CompressionSettings, NAMES};
+use crate::runtime::watchdog::Task;
+
+/// The compressed pictures of a camera.
+pub(super) struct CompressedOutput {
+    shared: Arc<Shared>,
+    /// The settings that the parameter server holds, until they have come.
+    start: Option<Receiver<CompressionSettings>>,
+    /// `None` before those have come, and where its services cannot be offered.
+    server: Option<ReconfigureServer>,
+    is_started: bool,
+}
+
+/// What the thread has in common with its owner.
+struct Shared {
+    publisher: Arc<Publisher<CompressedImage>>,
+    work: Mutex<Work>,
+    changed: Condvar,
+}
+
+struct Work {
+    /// The newest picture that is not encoded yet.
+    next: Option<(Arc<Picture>, Header)>,
+    settings: CompressionSettings,
+    is_ended: bool,
+}
+
+impl Shared {
+    fn work(&self) -> MutexGuard<'_, Work> {
+        self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next picture, with the settings for it; `None` at the end.
+    fn wait(&self) -> Option<(Arc<Picture>, Header, CompressionSettings)> {
+        let idle = |work: &mut Work| work.next.is_none() && !work.is_ended;
+        let mut work = wait_while(&self.changed, self.work(), idle);
+        let (picture, header) = work.next.take().filter(|_| !work.is_ended)?;
+        Some((picture, header, work.settings))
+    }
+}
+
+impl CompressedOutput {
+    /// The pictures of a topic, compressed by default settings for now.
+    pub(super) fn start(ros: &RosNode, publisher: &Arc<Publisher<CompressedImage>>) -> Self {
+        let settings = CompressionSettings::default();
+        let work = Mutex::new(Work { next: None, settings, is_ended: false });
+        let shared = Arc::new(Shared { publisher: Arc::clone(publisher), work, changed: Condvar::new() });
+        let (sender, start) = sync_channel(1);
+        let events = Arc::clone(ros.events());
+        // The master may be silent.
+        let names = NAMES.map(|name| format!("{}/{name}", publisher.topic()));
+        ros.fetch_texts(names.to_vec(), move |values| {
+            let value = |name: &str| values.get(NAMES.iter().position(|known| *known == name)?)?.clone();
+            // Fails where the topic is gone.
+            let _ = sender.send(CompressionSettings::start(value));
+            events.wake();
+        });
+        Self { shared, start: Some(start), server: None, is_started: false }
+    }
+
+    /// Takes over the settings that the parameter server had, and offers them, once they have come.
+    pub(super) fn poll_settings(&mut self, ros: &RosNode) {
+        let Some(settings) = self.start.as_ref().and_then(|start| start.try_recv().ok()) else { return };
+        self.start = None;
+        self.shared.work().settings = settings;
+        let topic = self.shared.publisher.topic();
+        let server = ros.serve_reconfigure(topic, CompressionSettings::description(), settings.values());
+        self.server = server.map_err(|error| log::error!("{error}")).ok();
+    }
+
+    /// Whether dynamic_reconfigure's server of this name is this one.
+    pub(super) fn serves(&self, server: &str) -> bool {
+        self.server.as_ref().is_some_and(|own| &**own.name() == server)
+    }
+
+    /// Applies a user's values from the next picture on. Returns those that apply now.
+    pub(super) fn reconfigure(&mut self, ros: &RosNode, request: &Values) -> Values {
+        let values = {
+            let mut work = self.shared.work();
+            work.settings.set(request);
+            work.settings.values()
+        };
+        if let Some(server) = &mut self.server {
+            server.set_config(ros, values.clone());
+        }
+        values
+    }
+
+    /// Has a picture encoded and published if somebody subscribes. Never waits.
+    pub(super) fn offer(&mut self, picture: &Arc<Picture>, header: Header) {
+        if !self.shared.publisher.is_watched() {
+            return;
+        }
+        self.shared.work().next = Some((Arc::clone(picture), header));
+        self.shared.changed.notify_one();
+        if !self.is_started {
+            let shared = Arc::clone(&self.shared);
+            let started = thread::Builder::new().name("compress".to_owned()).spawn(move || encode_all(&shared));
+            self.is_started = started.is_ok();
+            if let Err(error) = started {
+                log::error!("{}: no thread to compress on: {error}", self.shared.publisher.topic());
+            }
+        }
+    }
+}
+
+impl Drop for CompressedOutput {
+    fn drop(&mut self) {
+        self.shared.work().is_ended = true;
+        self.shared.changed.notify_one();
+    }
+}
+
+fn encode_all(shared: &Shared) {
+    rcs_resources::yield_to_others();
+    let mut is_failure_logged = false;
+    let task = Task::watched(format!("compressing a picture of {}", shared.publisher.topic()));
+    while let Some((picture, header, settings)) = shared.wait() {
+        let publisher = &shared.publisher;
+        task.begin();
+        let result = guarded(|| {
+            let data = picture_file::encode(&picture, settings.coding()).map_err(|error| error.to_string())?;
+            let format = settings.format(picture.encoding);
+            // Drawn into again while the message is on its way.
+            drop(picture);
+            publisher.send_compressed(header, &format, data).map_err(|error| error.to_string())
+        });
+        task.wait_for_work();
+        match result {
+            Ok(()) => is_failure_logged = false,
+            Err(error) if !is_failure_logged => {
+                log::error!("{}: cannot compress: {error}", publisher.topic());
+                is_failure_logged = true;
+            }
+            Err(_) => {}
+        }
+    }
+}
+
+/// Runs what encodes a picture. If it panics, which is logged, the next picture is encoded all the same.
+fn guarded<T>(encode: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(encode)).unwrap_or_else(|_| Err("the encoder panicked".to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_of_the_encoder_costs_that_picture_only() {
+        assert_eq!(guarded(|| Ok(1)), Ok(1));
+        assert_eq!(guarded::<u8>(|| std::panic::panic_any("damaged")), Err("the encoder panicked".to_owned()));
+    }
+}

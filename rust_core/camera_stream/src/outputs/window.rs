@@ -1,0 +1,225 @@
+//! A camera's pictures in a window of this process, full screen on a monitor.
+//!
+//! The window has a thread of its own, which waits for what its window system reports. While it cannot be open (no
+//! display, no such monitor, a display server that went away), that is logged once and tried again, and nothing else of
+//! the node depends on it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use rcs_render::LastStep;
+use rcs_scene::{Encoding, Picture};
+use rcs_window::{run_with, Light, LitPicture, Mask, PictureSink, Refresh, UserEvent, WindowOptions, WindowPermit};
+
+use super::{Frame, Output, OutputError};
+use crate::runtime::watchdog::{self, Task, Worker};
+use crate::safety::permit::{Allowance, Permit};
+
+/// How long a window that could not be opened is left alone.
+const RETRY_AFTER: Duration = Duration::from_secs(2);
+/// How long the window has to close.
+const END_PATIENCE: Duration = Duration::from_millis(500);
+
+/// Shows a camera's pictures.
+#[derive(Clone)]
+pub struct WindowOutput {
+    sink: PictureSink,
+    viewer: Arc<Viewer>,
+    /// Watched for as long as the output is used.
+    _showing: Arc<Showing>,
+}
+
+/// The window's part in showing pictures: it hangs where its display server does.
+struct Showing {
+    source: String,
+    sink: PictureSink,
+    viewer: Arc<Viewer>,
+}
+
+impl Worker for Showing {
+    fn step(&self) -> Option<(String, Instant)> {
+        let since = self.sink.waiting_since().filter(|_| self.viewer.is_there.load(Ordering::Acquire))?;
+        Some((format!("showing a picture in the window of {}", self.source), since))
+    }
+
+    fn consequence(&self) -> Option<&'static str> {
+        Some("the display server may not answer")
+    }
+}
+
+/// Who looks at the window's monitor.
+#[derive(Debug, Default)]
+struct Viewer {
+    is_there: AtomicBool,
+    is_new: AtomicBool,
+}
+
+/// A window's thread. Dropped, it closes the window.
+pub struct WindowThread {
+    sink: PictureSink,
+    thread: JoinHandle<()>,
+}
+
+impl WindowOutput {
+    /// Opens a window, on a thread of its own. `wake` is called when it is open and has no picture yet.
+    ///
+    /// # Errors
+    /// The system has no thread or descriptor left.
+    pub fn open(
+        options: WindowOptions,
+        wake: impl Fn() + Send + 'static,
+    ) -> std::io::Result<(WindowOutput, WindowThread)> {
+        let (sink, viewer) = (PictureSink::new()?, Arc::<Viewer>::default());
+        let source = options.source.clone();
+        let showing = Arc::new(Showing { source, sink: sink.clone(), viewer: Arc::clone(&viewer) });
+        watchdog::watch(&showing);
+        let output = Self { sink: sink.clone(), viewer: Arc::clone(&viewer), _showing: showing };
+        let window_sink = sink.clone();
+        let running = move || keep_open(&options, &window_sink, &viewer, &wake);
+        let thread = thread::Builder::new().name("window".to_owned()).spawn(running)?;
+        Ok((output, WindowThread { sink, thread }))
+    }
+
+    /// When the window's monitor is refreshed; `None` where the display server does not tell, or nobody can look.
+    pub fn refresh(&self) -> Option<Refresh> {
+        self.sink.refresh().filter(|_| self.is_watched())
+    }
+
+    /// Says that the last picture is still what is to be seen.
+    pub fn confirm(&self) {
+        self.sink.confirm();
+    }
+
+    /// Shows black until the next picture: its camera is gone.
+    pub fn clear(&self) {
+        self.sink.clear();
+    }
+}
+
+/// Opens the window again whenever it had to close, until that is asked for or the user closes it.
+fn keep_open(options: &WindowOptions, sink: &PictureSink, viewer: &Viewer, wake: &dyn Fn()) {
+    let mut last_error = String::new();
+    let opening = Task::watched(format!("opening the window of {}", options.source));
+    while !sink.is_closing() {
+        opening.begin();
+        let result = run_with(options, sink, |event, _| {
+            if let UserEvent::Opened(_) = event {
+                opening.wait_for_work();
+                viewer.is_new.store(true, Ordering::Release);
+                viewer.is_there.store(true, Ordering::Release);
+                wake();
+            }
+        });
+        opening.wait_for_work();
+        let was_open = viewer.is_there.swap(false, Ordering::AcqRel);
+        match result {
+            Ok(()) => {
+                if !sink.is_closing() {
+                    log::info!("{}: the window was closed; the topics go on", options.source);
+                }
+                return;
+            }
+            Err(error) => {
+                let error = error.to_string();
+                if was_open || error != last_error {
+                    log::error!("{}: {error}; the topics go on, and the window is tried again", options.source);
+                }
+                last_error = error;
+            }
+        }
+        let again = Instant::now() + RETRY_AFTER;
+        while !sink.is_closing() && Instant::now() < again {
+            thread::park_timeout(again.saturating_duration_since(Instant::now()));
+        }
+    }
+}
+
+impl Output for WindowOutput {
+    fn send(&mut self, frame: &Frame) -> Result<(), OutputError> {
+        if self.is_watched() {
+            let drawn_px = frame.permit.post.orientation.size_px([frame.picture.width_px, frame.picture.height_px]);
+            let permit = window_permit(&frame.permit, Some(drawn_px));
+            let (picture, drawn) = (Arc::clone(&frame.picture), frame.drawn.clone());
+            self.sink.show_drawn(LitPicture { picture, drawn, permit });
+        }
+        Ok(())
+    }
+
+    fn is_watched(&self) -> bool {
+        self.viewer.is_there.load(Ordering::Acquire)
+    }
+
+    fn take_new_watcher(&mut self) -> bool {
+        self.viewer.is_new.swap(false, Ordering::AcqRel)
+    }
+}
+
+/// Converts an image's permit for a window. `drawn_px` is the size of its pictures before they are turned; without one,
+/// the monitor's.
+pub fn window_permit(permit: &Permit, drawn_px: Option<[u32; 2]>) -> WindowPermit {
+    WindowPermit {
+        paused: light(permit.paused, permit, drawn_px),
+        test: test_light(permit, drawn_px),
+        scene: permit.epoch,
+    }
+}
+
+/// What test pictures may light.
+pub fn test_light(permit: &Permit, drawn_px: Option<[u32; 2]>) -> Light {
+    light(permit.test, permit, drawn_px)
+}
+
+fn light(allowance: Allowance, permit: &Permit, drawn_px: Option<[u32; 2]>) -> Light {
+    match allowance {
+        Allowance::All => Light::All,
+        Allowance::Masked => Light::Masked(Arc::new(PostMask { post: Arc::clone(&permit.post), drawn_px })),
+        Allowance::Nothing => Light::Nothing,
+    }
+}
+
+/// A camera's post-processing, for what a window shows in place of its image.
+#[derive(Debug)]
+struct PostMask {
+    post: Arc<LastStep>,
+    /// Width and height before turning.
+    drawn_px: Option<[u32; 2]>,
+}
+
+impl Mask for PostMask {
+    fn post_process(&self, drawn: &Picture) -> Picture {
+        let mut picture = drawn.clone();
+        self.post.apply(&mut picture, &mut Picture::default());
+        picture
+    }
+
+    fn shares(&self, monitor_px: [u32; 2]) -> Picture {
+        let [width_px, height_px] = self.drawn_px.unwrap_or_else(|| self.post.orientation.size_px(monitor_px));
+        let mut turned = Picture::default();
+        turned.reset(width_px, height_px, Encoding::Mono8);
+        turned.data.fill(u8::MAX);
+        // A share of the light is no mask.
+        LastStep { blend: None, ..(*self.post).clone() }.apply(&mut turned, &mut Picture::default());
+        let mut shares = Picture::default();
+        shares.reset(monitor_px[0], monitor_px[1], Encoding::Mono8);
+        let rows = shares.data.chunks_mut(monitor_px[0].max(1) as usize);
+        for (to, from) in rows.zip(turned.data.chunks(turned.width_px.max(1) as usize)) {
+            let width = to.len().min(from.len());
+            to.iter_mut().zip(from.iter().take(width)).for_each(|(to, from)| *to = *from);
+        }
+        shares
+    }
+}
+
+impl Drop for WindowThread {
+    fn drop(&mut self) {
+        self.sink.close();
+        self.thread.thread().unpark();
+        let asked = Instant::now();
+        // One that waits for its display server ends with the process.
+        while !self.thread.is_finished() && asked.elapsed() < END_PATIENCE {
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+}

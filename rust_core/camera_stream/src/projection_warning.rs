@@ -1,0 +1,32 @@
+//! The log's warning of what makes a projection of a camera's picture miss its objects.
+
+use rcs_camera::CameraModel;
+use rcs_displays::CameraView;
+use rcs_files::projector::fields_of;
+use rcs_messages::sensor_msgs::CameraInfo;
+
+use crate::scene::status_tree::deviations_of;
+use crate::scene::SceneState;
+
+/// Logs the [deviations](deviations_of) of a camera's CameraInfo, again when they are others.
+#[derive(Debug, Default)]
+pub(crate) struct ProjectionWarning {
+    checked: Option<CameraInfo>,
+    logged: String,
+}
+
+impl ProjectionWarning {
+    /// Checks the camera's last CameraInfo, which costs next to nothing where it is the one of before.
+    pub(crate) fn check(&mut self, stage: &SceneState, view: &CameraView, model: CameraModel) {
+        let Some(info) = stage.camera_info(view) else { return };
+        if self.checked.as_ref().is_some_and(|checked| fields_of(checked) == fields_of(info)) {
+            return;
+        }
+        self.checked = Some(CameraInfo::clone(info));
+        let text = deviations_of(stage, view, model).join("; ");
+        if !text.is_empty() && text != self.logged {
+            log::warn!("camera {}: CameraInfo on [{}]: {text}", view.name, view.settings.camera_info_topic);
+        }
+        self.logged = text;
+    }
+}

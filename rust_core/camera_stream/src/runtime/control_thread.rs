@@ -1,0 +1,239 @@
+//! The control thread: answers whatever must not wait for a picture.
+//!
+//! It handles signals and the calls of services, has the config read again, and watches the scene's thread. While that
+//! has been busy for [`STAND_IN_AFTER`], the last pictures are repeated from here as their frame rates ask for it;
+//! after [`REPORT_AFTER`] `/diagnostics` says what takes so long, and later, in the log, the
+//! [watchdog](crate::runtime::watchdog).
+
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use anyhow::{anyhow, Context, Result};
+use rcs_ros::{RosNode, ServiceCall, TriggerReply};
+use rcs_rviz_config::Config;
+use rcs_scene::join_within;
+
+use crate::camera::plan;
+use crate::cli::Cli;
+use crate::log_findings;
+use crate::private_parameters;
+use crate::runtime::activity::Busy;
+use crate::runtime::config_reader::{self, ConfigReader};
+use crate::runtime::file_watch::FileWatch;
+use crate::runtime::shared::{Reload, Shared};
+use crate::runtime::watchdog::Task;
+use rcs_logging::one_line;
+use rcs_node_support::lifecycle::EndRequest;
+
+/// How long the thread sleeps at most: signals set a flag only.
+const LONGEST_SLEEP: Duration = Duration::from_millis(100);
+/// The same while the last pictures are repeated from here.
+const STAND_IN_SLEEP: Duration = Duration::from_millis(10);
+/// How long the scene's thread may be busy before the last pictures are repeated from here.
+const STAND_IN_AFTER: Duration = Duration::from_millis(50);
+/// How long it may be busy before that is a status.
+const REPORT_AFTER: Duration = Duration::from_secs(1);
+/// How long a caller of `reload_config` waits for the scene's thread.
+const RELOAD_PATIENCE: Duration = Duration::from_millis(150);
+/// The answer for a caller whose config is not the newest.
+const READ_AGAIN: &str = "the config was read again since";
+/// How long a caller waits for the config to be read.
+const READ_PATIENCE: Duration = Duration::from_secs(1);
+/// How long the scene's thread is waited for at the end.
+const END_PATIENCE: Duration = Duration::from_millis(500);
+
+/// The control thread's part of the node.
+pub(crate) struct Control {
+    shared: Arc<Shared>,
+    /// As it was last read.
+    config: Config,
+    reader: ConfigReader,
+    /// The caller of `reload_config` for whom the config is being read.
+    reload_reply: Option<TriggerReply>,
+    /// The file has changed since the config was last read.
+    has_changed: bool,
+    /// The whole name of the service that reloads the config.
+    reload_service: Arc<str>,
+    watch: Option<FileWatch>,
+    /// When the caller of `reload_config` gets an answer at the latest.
+    answer_reload_at: Option<Instant>,
+    task: Arc<Task>,
+}
+
+impl Control {
+    /// Offers the service that reloads the config, and watches the config's file unless told not to.
+    ///
+    /// # Errors
+    /// One line that names what failed.
+    pub(crate) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
+        let file = cli.node.display_config.clone().unwrap_or_default();
+        let calls = Arc::clone(shared.ros.calls());
+        Ok(Self {
+            shared: Arc::clone(shared),
+            config: config.clone(),
+            reader: ConfigReader::new(move || config_reader::load(&file), move || calls.wake()),
+            reload_reply: None,
+            has_changed: false,
+            reload_service: shared.ros.serve_trigger("~reload_config")?,
+            watch: watch(cli, &shared.ros)?,
+            answer_reload_at: None,
+            task: Task::watched("answering calls"),
+        })
+    }
+
+    /// Runs until the end is requested or the scene's thread has ended.
+    ///
+    /// # Errors
+    /// The scene's thread has panicked.
+    pub(crate) fn run(mut self, scene: JoinHandle<()>, end: &EndRequest) -> Result<()> {
+        let shared = Arc::clone(&self.shared);
+        while !end.is_requested() && !scene.is_finished() {
+            self.task.begin();
+            let busy = shared.activity.busy_for(STAND_IN_AFTER);
+            self.stand_in(busy.as_ref());
+            self.answer_late_reload();
+            rcs_logging::report_suppressed();
+            let sleep = if busy.is_some() { STAND_IN_SLEEP } else { LONGEST_SLEEP };
+            self.task.wait_for_work();
+            let calls = shared.ros.calls().wait(sleep);
+            self.task.begin();
+            for call in calls {
+                self.answer(call);
+            }
+            if self.watch.as_ref().is_some_and(FileWatch::take_change) {
+                self.has_changed = true;
+                self.reader.request();
+            }
+            self.take_config();
+        }
+        shared.end();
+        // One that still draws ends with the process.
+        let ended = join_within(scene, END_PATIENCE);
+        ended.unwrap_or(Ok(())).map_err(|_| anyhow!("the scene's thread has panicked"))
+    }
+
+    /// Does what the scene's thread cannot do while it is busy.
+    fn stand_in(&self, busy: Option<&Busy>) {
+        let Some(busy) = busy else { return };
+        for camera in self.shared.cameras().iter_mut() {
+            if let Err(error) = camera.repeat_if_due() {
+                camera.record_error(&error);
+            }
+        }
+        let busy_for = busy.since.elapsed();
+        if busy_for >= REPORT_AFTER {
+            let text = format!("busy for {:.1} s, at present {}", busy_for.as_secs_f64(), busy.step);
+            self.shared.diagnostics().report_busy(&self.shared.ros, &text);
+        }
+    }
+
+    fn answer(&mut self, call: ServiceCall) {
+        match call {
+            ServiceCall::Trigger { service, reply } if service == self.reload_service => self.reload(reply),
+            ServiceCall::Trigger { service, reply } => {
+                match self.shared.cameras().iter_mut().find(|camera| camera.serves(&service)) {
+                    Some(camera) => camera.trigger(reply),
+                    None => reply.send(false, "Image publisher not configured"),
+                }
+            }
+            ServiceCall::Reconfigure { server, request, reply } => {
+                // Without an answer, the caller gets an error.
+                if let Some(camera) = self.shared.cameras().iter_mut().find(|camera| camera.has_parameters(&server)) {
+                    reply.answer(camera.reconfigure(&server, &request));
+                }
+            }
+        }
+        self.shared.ros.events().wake();
+    }
+
+    /// Has the config read again for the caller of a service, who is answered when it is applied.
+    fn reload(&mut self, reply: TriggerReply) {
+        if let Some(obsolete) = self.reload_reply.replace(reply) {
+            obsolete.send(true, READ_AGAIN);
+        }
+        self.answer_reload_at = Some(Instant::now() + READ_PATIENCE);
+        self.reader.request();
+    }
+
+    /// Hands over a config that was read. An error is the caller's, or logged if the file had changed.
+    fn take_config(&mut self) {
+        if let Some(lasts) = self.reader.take_slow() {
+            let source = &self.config.source;
+            log::warn!(
+                "{source}: reading it has taken {:.0} s so far; the previous config is kept",
+                lasts.as_secs_f64()
+            );
+        }
+        let Some(read) = self.reader.take() else { return };
+        let (reply, has_changed) = (self.reload_reply.take(), std::mem::take(&mut self.has_changed));
+        match read.map_err(anyhow::Error::from).and_then(|config| self.check(config)) {
+            Ok(Some(config)) => {
+                self.answer_reload_at = reply.as_ref().map(|_| Instant::now() + RELOAD_PATIENCE);
+                self.hand_over(Reload { config, reply });
+            }
+            Ok(None) => {
+                if let Some(reply) = reply {
+                    reply.send(true, "nothing changed");
+                }
+            }
+            Err(error) => {
+                let error = one_line(&error);
+                if has_changed {
+                    log::warn!("the config changed but cannot be read, so the previous one is kept: {error}");
+                }
+                if let Some(reply) = reply {
+                    reply.send(false, error);
+                }
+            }
+        }
+    }
+
+    /// A config that was read; `None` if it is the same as before.
+    ///
+    /// # Errors
+    /// What is wrong with it; nothing has changed then.
+    fn check(&mut self, config: Config) -> Result<Option<Config>> {
+        self.shared.request_retry();
+        self.shared.ros.events().wake();
+        plan::plans(&self.shared.ros, &config).with_context(|| config.source.clone())?;
+        if config == self.config {
+            return Ok(None);
+        }
+        log_findings(&config, &self.config.findings);
+        self.config = config.clone();
+        Ok(Some(config))
+    }
+
+    /// Gives the scene's thread another config. One that it has not applied yet is obsolete.
+    fn hand_over(&mut self, reload: Reload) {
+        let obsolete = self.shared.request_reload(reload);
+        if let Some(reply) = obsolete.and_then(|obsolete| obsolete.reply) {
+            reply.send(true, READ_AGAIN);
+        }
+        self.shared.ros.events().wake();
+    }
+
+    /// Answers the caller of `reload_config` while the config is still being read, or the scene's thread busy.
+    fn answer_late_reload(&mut self) {
+        if self.answer_reload_at.is_none_or(|at| Instant::now() < at) {
+            return;
+        }
+        self.answer_reload_at = None;
+        let source = &self.config.source;
+        if let Some(reply) = self.reload_reply.take() {
+            reply.send(false, format!("{source}: still being read; it is applied when it was"));
+        }
+        if let Some(reply) = self.shared.take_reload_reply() {
+            reply.send(true, format!("{source}: read; it is applied after the picture that is being drawn"));
+        }
+    }
+}
+
+/// Watches the config's file, unless `--no-watch` or `~watch` says not to.
+fn watch(cli: &Cli, ros: &RosNode) -> Result<Option<FileWatch>> {
+    let is_wanted = private_parameters::switch(ros, cli.node.no_watch.then_some(false), "~watch")?.unwrap_or(true);
+    let Some(file) = cli.node.display_config.clone().filter(|_| is_wanted) else { return Ok(None) };
+    let calls = Arc::clone(ros.calls());
+    FileWatch::start(file, move || calls.wake()).map(Some).context("cannot watch the config")
+}

@@ -1,0 +1,360 @@
+//! The scene's thread: takes what was received, brings the scene up to date, draws what is watched and hands it to the
+//! outputs.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use anyhow::{Error, Result};
+use rcs_camera::{CameraModel, Projection};
+use rcs_displays::{time_from_stamp, Reconfigured};
+use rcs_messages::AnyMessage;
+use rcs_resources::{MeshStore, PackageIndex};
+use rcs_ros::NodeEvent;
+use rcs_rviz_config::Config;
+use rcs_transforms::Time;
+
+use super::activity::Step;
+use super::frame_renderer::FrameRenderer;
+use super::shared::{Reload, Shared};
+use super::windows::Windows;
+use crate::camera::frame::FrameInFlight;
+use crate::camera::latency::Update;
+use crate::camera::oriented_frames::OrientedFrames;
+use crate::camera::output::{self, CameraContext, CameraOutput};
+use crate::camera::plan;
+use crate::camera::rearrange::rearrange;
+use crate::camera_names;
+use crate::cli::Cli;
+use crate::prediction::PredictionSettings;
+use crate::private_parameters;
+use crate::safety::ages::{Assessment, Now};
+use crate::safety::read_rules::{self, MaskTopics};
+use crate::safety::{status, LitView, Safety};
+use crate::scene::live::LiveScene;
+use crate::scene::visibility::{self, PlacedCamera};
+use crate::scene::SceneState;
+
+/// The longest sleep while nothing happens.
+const LONGEST_SLEEP: Duration = Duration::from_millis(500);
+
+/// Markers placed in one update: at most a twentieth of a second of work.
+const MARKERS_PER_UPDATE: usize = 20_000;
+
+/// The scene and what draws it.
+pub(super) struct SceneThread {
+    shared: Arc<Shared>,
+    context: Arc<CameraContext>,
+    scene: LiveScene,
+    renderer: FrameRenderer,
+    /// `true`: streams that nobody watches are not received.
+    is_lazy: bool,
+    safety: Safety,
+    masks: MaskTopics,
+    oriented_frames: OrientedFrames,
+    windows: Windows,
+}
+
+/// A frame in flight, and the index of its camera: only this thread adds and removes cameras, and not meanwhile.
+type InFlight = VecDeque<(usize, FrameInFlight)>;
+
+impl SceneThread {
+    /// Subscribes and advertises what a config asks for.
+    ///
+    /// # Errors
+    /// One line that names what failed: a topic, the renderer.
+    pub(super) fn start(cli: &Cli, config: &Config, shared: &Arc<Shared>) -> Result<Self> {
+        let ros = &shared.ros;
+        let renderer_choice = private_parameters::renderer(ros, cli.renderer)?;
+        let model = private_parameters::camera_model(ros, &cli.model, None)?;
+        let is_lazy = private_parameters::switch(ros, cli.node.no_lazy.then_some(false), "~lazy")?;
+        let depth_encoding = private_parameters::depth_encoding(ros, cli.node.depth.depth_encoding)?;
+        let prediction = PredictionSettings::read(ros, &cli.node.prediction)?;
+        let (rules, masks) = read_rules::read(ros, &cli.node, &camera_names(config))?;
+        let safety = Safety::new(rules);
+        let renderer = FrameRenderer::new(renderer_choice)?;
+        let resources = private_parameters::resources(ros, &cli.resources)?;
+        let events = Arc::clone(ros.events());
+        let meshes = MeshStore::in_background(PackageIndex::from_env(&[]), resources, move || events.wake());
+        let mut state = SceneState::new(config, cli.node.fixed_frame.as_deref(), meshes);
+        state.limit_markers_per_update(MARKERS_PER_UPDATE);
+        if state.cameras().is_empty() {
+            log::warn!("{}: no enabled CameraPub display, so there is nothing to publish", config.source);
+        }
+        let plans = plan::plans(ros, config)?;
+        let windows = Windows::open(ros, &cli.node.screens, &safety, &plans)?;
+        let context = Arc::new(CameraContext { ros: Arc::clone(ros), model, depth_encoding });
+        let cameras = rearrange(&context, plans, Vec::new(), config, state.displays(), |camera| windows.of(camera));
+        let mut scene = LiveScene::start(ros, state, prediction, cli.node.fixed_frame.clone())?;
+        log::info!("drawing {} of {} with {}", output::names(&cameras), config.source, renderer.describe());
+        *shared.cameras() = cameras;
+        scene.update(time_from_stamp(ros.now()));
+        let (shared, is_lazy, oriented_frames) =
+            (Arc::clone(shared), is_lazy.unwrap_or(true), OrientedFrames::default());
+        Ok(Self { shared, context, scene, renderer, is_lazy, safety, masks, oriented_frames, windows })
+    }
+
+    fn now(&self) -> Time {
+        time_from_stamp(self.shared.ros.now())
+    }
+
+    /// Runs until the end is requested.
+    pub(super) fn run(mut self) {
+        let shared = Arc::clone(&self.shared);
+        while !shared.is_ending() {
+            shared.activity.wait_for_work();
+            let events = shared.ros.events().wait(self.sleep());
+            self.renderer.costs.clear();
+            let mut has_news = !events.is_empty() || self.scene.state.has_new_resources();
+            for event in events {
+                self.handle(event);
+            }
+            has_news |= self.apply_changes();
+            has_news |= self.pause_streams();
+            let now = self.now();
+            let lookup_to_publish = shared.cameras().iter().filter_map(CameraOutput::lookup_to_publish).max();
+            has_news |= self.scene.predict(now, lookup_to_publish);
+            if has_news || self.scene.state.displays().next_change().is_some_and(|change| change <= now) {
+                self.update(now);
+            }
+            // The first frame after a pause is to show what is, not what was.
+            if self.scene.subscriptions.awaited(Instant::now()).is_none() {
+                self.publish();
+            }
+            self.report_statuses();
+        }
+    }
+
+    /// Pauses streams that nobody watches, and resumes them. Returns `true` if the scene changed.
+    fn pause_streams(&mut self) -> bool {
+        let is_watched = !self.is_lazy || self.shared.cameras().iter().any(CameraOutput::is_watched);
+        let has_changed = self.scene.pause_streams(is_watched);
+        if has_changed {
+            self.shared.cameras().iter_mut().for_each(CameraOutput::discard_last);
+        }
+        has_changed
+    }
+
+    /// Applies what the control thread has taken: another config, a user's settings. Returns `true` if the scene may
+    /// have changed.
+    fn apply_changes(&mut self) -> bool {
+        // Taken out first, so that requests are not locked meanwhile.
+        let (reload, is_retry) = self.shared.take_requests();
+        if is_retry {
+            self.scene.state.retry_resources();
+        }
+        let is_reloaded = reload.map(|reload| self.reload(reload)).is_some();
+        for camera in self.shared.cameras().iter_mut() {
+            camera.apply_new_settings(self.scene.state.displays());
+        }
+        is_reloaded || is_retry
+    }
+
+    /// Applies another config. Only what differs changes: subscriptions, publishers and services that are kept are not
+    /// touched, and displays that are kept show what they did.
+    fn reload(&mut self, Reload { config, reply }: Reload) {
+        let shared = Arc::clone(&self.shared);
+        shared.activity.begin(Step::Config);
+        let ros = &shared.ros;
+        let plans = match plan::plans(ros, &config) {
+            Ok(plans) => plans,
+            // It was possible when the config was read.
+            Err(error) => return log::error!("{}: {error}", config.source),
+        };
+        let changed = self.scene.reconfigure(ros, &config, self.now());
+        {
+            let mut cameras = shared.cameras();
+            let known = std::mem::take(&mut *cameras);
+            self.windows.clear_those_without(&plans);
+            let (displays, windows) = (self.scene.state.displays(), &self.windows);
+            *cameras = rearrange(&self.context, plans, known, &config, displays, |camera| windows.of(camera));
+        }
+        self.renderer.forget_sizes();
+        let Reconfigured { kept, added, removed } = changed;
+        let changed = format!("{}: {kept} displays kept, {added} added, {removed} removed", config.source);
+        let changed = match self.safety.set_cameras(&camera_names(&config)) {
+            Some(why) => format!("{changed}; all cameras are dark: {why}"),
+            None => changed,
+        };
+        match reply {
+            Some(reply) => reply.send(true, changed),
+            None => log::info!("the config changed: {changed}"),
+        }
+    }
+
+    /// Brings the scene up to date.
+    fn update(&mut self, now: Time) {
+        self.shared.activity.begin(Step::Displays);
+        let transforms_received = self.scene.update(now);
+        self.renderer.costs.add(self.scene.state.take_costs());
+        let messages = self.scene.state.displays().newly_shown();
+        let update = Update { messages, transforms_received, decoded: Instant::now() };
+        self.shared.cameras().iter_mut().for_each(|camera| camera.record_update(&update));
+    }
+
+    /// Time until something is due by itself: a camera's next frame, or a change of the scene.
+    fn sleep(&mut self) -> Duration {
+        let now = Instant::now();
+        let awaited = self.scene.subscriptions.awaited(now);
+        let next_stale = self.safety.assessment().and_then(Assessment::next_change);
+        let (due, policy_end) = {
+            let cameras = self.shared.cameras();
+            let due = cameras.iter().filter_map(|camera| camera.until_due(now)).min();
+            (due, cameras.iter().filter_map(CameraOutput::policy_end).min())
+        };
+        let change = self.scene.state.displays().next_change().map(|change| change.saturating_since(self.now()));
+        let diagnostics = self.shared.diagnostics().until_due(now);
+        // A little later, so that it is over then.
+        let after = |at: Instant| at.saturating_duration_since(now) + Duration::from_millis(1);
+        let stale = next_stale.into_iter().chain(policy_end).min().map(after);
+        let all = awaited.or(due).into_iter().chain(change).chain(stale);
+        all.fold(diagnostics.min(LONGEST_SLEEP), Duration::min)
+    }
+
+    /// Reports the status of each display and camera.
+    fn report_statuses(&mut self) {
+        let shared = Arc::clone(&self.shared);
+        if !shared.diagnostics().is_due() {
+            return;
+        }
+        shared.activity.begin(Step::Statuses);
+        let state = &self.scene.state;
+        let mut entries = state.status_entries(self.now());
+        for entry in entries.iter_mut().filter(|entry| self.scene.subscriptions.is_paused(&entry.topic)) {
+            entry.values.push(("received", "not while nobody watches".to_owned()));
+        }
+        status::add(&mut entries, &self.safety);
+        let is_published = shared.diagnostics().until_due(Instant::now()).is_zero();
+        if is_published {
+            // This may take long, so the cameras are not locked meanwhile.
+            let views: Vec<_> = shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
+            let place = |view: &Arc<_>| state.camera(view, self.context.model).ok();
+            let placed: Vec<_> = views.iter().map(|view| PlacedCamera { view, camera: place(view) }).collect();
+            visibility::add(&mut entries, state.displays(), &placed);
+        }
+        entries.extend(shared.cameras().iter().map(|camera| camera.status_entry(state)));
+        shared.diagnostics().report(&shared.ros, entries);
+    }
+
+    /// Applies an event to the scene.
+    fn handle(&mut self, event: NodeEvent) {
+        let step = match &event {
+            NodeEvent::Message { topic, .. } => Step::Message(Arc::clone(topic)),
+            _ => Step::Event,
+        };
+        self.shared.activity.begin(step);
+        match &event {
+            NodeEvent::Message { topic, message: AnyMessage::Image(image), received, .. } => {
+                self.safety.take_image(topic, image, *received);
+            }
+            NodeEvent::Transforms { received, is_static: false, .. } => self.safety.note_transforms(*received),
+            NodeEvent::TimeJumpedBack { from, to } => {
+                log::warn!(
+                    "time jumped back from {} to {}: all frames and messages are dropped",
+                    time_from_stamp(*from),
+                    time_from_stamp(*to)
+                );
+                self.shared.cameras().iter_mut().for_each(CameraOutput::forget_messages);
+                self.safety.reset();
+            }
+            _ => {}
+        }
+        self.scene.apply(event, self.now());
+    }
+
+    /// Draws and publishes the frames that are due. As many are submitted as the renderer works on at once, and each is
+    /// published as soon as it is finished.
+    fn publish(&mut self) {
+        self.assess();
+        let count = self.shared.cameras().len();
+        let mut in_flight = InFlight::new();
+        let mut is_size_gone = false;
+        for index in 0..count {
+            match self.begin(index, &mut is_size_gone) {
+                Ok(frame) => in_flight.extend(frame.map(|frame| (index, frame))),
+                Err(error) => self.record_error(index, &error, &mut in_flight),
+            }
+            if in_flight.len() >= self.renderer.frames_at_once() {
+                self.finish(&mut in_flight);
+            }
+        }
+        while !in_flight.is_empty() {
+            self.finish(&mut in_flight);
+        }
+        if is_size_gone {
+            self.renderer.forget_sizes();
+        }
+        if !self.shared.cameras().iter().any(CameraOutput::wants_depth) {
+            self.renderer.forget_depths();
+        }
+    }
+
+    /// Gives each camera its policy for now.
+    fn assess(&mut self) {
+        let now = Now { ros: self.now(), steady: Instant::now() };
+        let state = &self.scene.state;
+        // Where the projector's light goes, however the image is drawn.
+        let model = CameraModel { projection: Projection::Exact, undistort: true };
+        let views: Vec<_> = self.shared.cameras().iter().map(|camera| Arc::clone(camera.view())).collect();
+        let needs_camera = self.safety.needs_cameras();
+        let cameras: Vec<_> =
+            views.iter().map(|view| needs_camera.then(|| state.camera(view, model).ok()).flatten()).collect();
+        let lit = views.iter().zip(&cameras).map(|(view, camera)| LitView {
+            view,
+            camera: camera.as_ref(),
+            unknown_lens: camera.as_ref().and_then(|camera| state.unknown_lens(view, camera)),
+        });
+        let lit: Vec<_> = lit.collect();
+        let subscriptions = &self.scene.subscriptions;
+        let source = |name: &str, kind| self.masks.source(name).or_else(|| subscriptions.source(name, kind));
+        let policies = self.safety.assess(state, &lit, source, now);
+        for (view, policy) in views.iter().zip(&policies) {
+            if let Some(info) = state.camera_info(view) {
+                self.oriented_frames.add(&self.shared.ros, &info.header.frame_id, policy.post.orientation);
+            }
+        }
+        let mut cameras = self.shared.cameras();
+        cameras.iter_mut().zip(policies).for_each(|(camera, policy)| camera.set_policy(policy));
+    }
+
+    /// Submits the frame of a camera if one is due and looks different from the last. `is_size_gone` is set if the
+    /// camera had another size before.
+    fn begin(&mut self, index: usize, is_size_gone: &mut bool) -> Result<Option<FrameInFlight>> {
+        let shared = Arc::clone(&self.shared);
+        let due = shared.cameras().get_mut(index).map(|camera| camera.poll(&self.scene.state)).transpose()?;
+        let Some(due) = due.flatten() else { return Ok(None) };
+        shared.activity.begin(Step::Frame(due.view.name.clone()));
+        let size_px = [due.camera.width_px(), due.camera.height_px()];
+        let frame = self.renderer.submit(due, &self.scene.snapshot())?;
+        *is_size_gone |= shared.cameras().get_mut(index).is_some_and(|camera| camera.set_drawn_px(size_px));
+        Ok(Some(frame))
+    }
+
+    /// Finishes and publishes the frame that was submitted first.
+    fn finish(&mut self, in_flight: &mut InFlight) {
+        let Some((index, frame)) = in_flight.pop_front() else { return };
+        if let Err(error) = self.finish_frame(index, frame) {
+            self.record_error(index, &error, in_flight);
+        }
+    }
+
+    fn finish_frame(&mut self, index: usize, frame: FrameInFlight) -> Result<()> {
+        let memory = self.shared.cameras().get_mut(index).map(CameraOutput::take_back_buffer);
+        let Some(finished) = self.renderer.finish(frame, memory.unwrap_or_default())? else { return Ok(()) };
+        let slow = self.renderer.slow_frame(self.scene.state.displays());
+        let mut cameras = self.shared.cameras();
+        let Some(camera) = cameras.get_mut(index) else { return Ok(()) };
+        slow.into_iter().for_each(|slow| camera.record_slow_frame(slow));
+        camera.publish(finished)
+    }
+
+    /// Records why a camera's frame failed. An error does not end the node. If the GPU failed, all frames are lost.
+    fn record_error(&mut self, index: usize, error: &Error, in_flight: &mut InFlight) {
+        if let Some(camera) = self.shared.cameras().get_mut(index) {
+            camera.record_error(error);
+        }
+        if self.renderer.handle_failure(error) {
+            in_flight.clear();
+        }
+    }
+}

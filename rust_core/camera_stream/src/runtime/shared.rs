@@ -1,0 +1,95 @@
+//! The state that the scene's thread and the control thread share.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rcs_ros::{RosNode, TriggerReply};
+use rcs_rviz_config::Config;
+
+use super::activity::Activity;
+use super::diagnostics::Diagnostics;
+use super::watchdog;
+use crate::camera::output::CameraOutput;
+
+/// Shared by the scene's thread and the control thread. No lock is held for long: not while messages are taken,
+/// displays are updated or images are drawn.
+pub(super) struct Shared {
+    pub(super) ros: Arc<RosNode>,
+    /// The step of the scene's thread.
+    pub(super) activity: Arc<Activity>,
+    cameras: Mutex<Vec<CameraOutput>>,
+    diagnostics: Mutex<Diagnostics>,
+    requests: Mutex<Requests>,
+}
+
+/// Requests of the control thread to the scene's thread.
+#[derive(Default)]
+struct Requests {
+    /// A config to apply.
+    reload: Option<Reload>,
+    /// Load meshes and textures again that could not be used.
+    retry_resources: bool,
+    end: bool,
+}
+
+/// Another config, which was read without an error.
+pub(super) struct Reload {
+    pub(super) config: Config,
+    /// Answers who asked for it; `None` if the file changed, or if the answer could not wait.
+    pub(super) reply: Option<TriggerReply>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Shared {
+    /// Without cameras.
+    pub(super) fn new(ros: Arc<RosNode>) -> Self {
+        let diagnostics = Mutex::new(Diagnostics::start(&ros));
+        let activity = Arc::<Activity>::default();
+        watchdog::watch(&activity);
+        Self { ros, activity, cameras: Mutex::default(), diagnostics, requests: Mutex::default() }
+    }
+
+    /// The cameras, in the config's order. Only the scene's thread adds and removes some.
+    pub(super) fn cameras(&self) -> MutexGuard<'_, Vec<CameraOutput>> {
+        lock(&self.cameras)
+    }
+
+    /// The statuses' log and topic.
+    pub(super) fn diagnostics(&self) -> MutexGuard<'_, Diagnostics> {
+        lock(&self.diagnostics)
+    }
+
+    /// Has the scene's thread apply another config. Returns one that it has not applied yet, which is obsolete.
+    pub(super) fn request_reload(&self, reload: Reload) -> Option<Reload> {
+        lock(&self.requests).reload.replace(reload)
+    }
+
+    /// The reply of a config that is not applied yet, for an earlier answer.
+    pub(super) fn take_reload_reply(&self) -> Option<TriggerReply> {
+        lock(&self.requests).reload.as_mut()?.reply.take()
+    }
+
+    /// Has the scene's thread load meshes and textures again that could not be used.
+    pub(super) fn request_retry(&self) {
+        lock(&self.requests).retry_resources = true;
+    }
+
+    /// The config to apply, and whether to load resources again; once for each request.
+    pub(super) fn take_requests(&self) -> (Option<Reload>, bool) {
+        let mut requests = lock(&self.requests);
+        (requests.reload.take(), std::mem::take(&mut requests.retry_resources))
+    }
+
+    /// Asks the scene's thread to end.
+    pub(super) fn end(&self) {
+        lock(&self.requests).end = true;
+        self.ros.events().wake();
+    }
+
+    /// `true` if the scene's thread is to end.
+    pub(super) fn is_ending(&self) -> bool {
+        lock(&self.requests).end
+    }
+}

@@ -1,0 +1,86 @@
+//! The node's windows, each of which shows one camera.
+
+use std::sync::Arc;
+
+use anyhow::{anyhow, bail, Context, Error, Result};
+use rcs_ros::RosNode;
+use rcs_window::WindowOptions;
+
+use crate::camera::plan::CameraPlan;
+use crate::outputs::{test_light, WindowOutput, WindowThread};
+use crate::private_parameters;
+use crate::safety::Safety;
+use crate::window_arguments::{CameraWindow, ScreenArgs};
+
+/// The windows, as long as the node runs. Dropped, it closes them.
+#[derive(Default)]
+pub(crate) struct Windows(Vec<Window>);
+
+struct Window {
+    camera: String,
+    output: WindowOutput,
+    _thread: WindowThread,
+}
+
+impl Windows {
+    /// Opens those of `--window` and `~window` for the cameras of a config.
+    ///
+    /// # Errors
+    /// One line that names what is wrong: no such camera, or a window for none of several.
+    pub(crate) fn open(ros: &RosNode, given: &ScreenArgs, safety: &Safety, plans: &[CameraPlan]) -> Result<Self> {
+        let names: Vec<_> = plans.iter().map(CameraPlan::name).collect();
+        let args = private_parameters::windows(ros, given)?;
+        let mut windows = Self::default();
+        for wanted in args.windows {
+            let wanted = CameraWindow::read(&wanted, &names).map_err(|unknown| no_camera(&unknown, &names))?;
+            let Some(monitor) = wanted.monitor else { continue };
+            let camera = camera(wanted.camera, &names)?;
+            if windows.0.iter().any(|window| window.camera == camera) {
+                bail!("--window: camera {camera} has two windows");
+            }
+            let source = format!("camera {camera}");
+            let silent = safety.silent_window(&camera);
+            let (stale_timeout, test_light) = (silent.timeout, test_light(&silent.permit, None));
+            let set_mode = args.set_mode;
+            let options =
+                WindowOptions { source, monitor, set_mode, stale_timeout, test_light, ..WindowOptions::default() };
+            windows.0.push(Window::open(ros, camera, options)?);
+        }
+        Ok(windows)
+    }
+
+    /// The window of a camera.
+    pub(crate) fn of(&self, camera: &str) -> Option<WindowOutput> {
+        self.0.iter().find(|window| window.camera == camera).map(|window| window.output.clone())
+    }
+
+    /// Makes the windows black whose cameras another config does not have.
+    pub(crate) fn clear_those_without(&self, plans: &[CameraPlan]) {
+        for window in self.0.iter().filter(|window| !plans.iter().any(|plan| plan.name() == window.camera)) {
+            log::warn!("camera {} is not in the config any more: its window is black", window.camera);
+            window.output.clear();
+        }
+    }
+}
+
+impl Window {
+    fn open(ros: &RosNode, camera: String, options: WindowOptions) -> Result<Self> {
+        let events = Arc::clone(ros.events());
+        let (output, thread) = WindowOutput::open(options, move || events.wake()).context("cannot open a window")?;
+        Ok(Self { camera, output, _thread: thread })
+    }
+}
+
+/// The camera that a window is for.
+fn camera(wanted: Option<String>, cameras: &[&str]) -> Result<String> {
+    match (wanted, cameras) {
+        (Some(wanted), _) => Ok(wanted),
+        (None, [camera]) => Ok((*camera).to_owned()),
+        (None, []) => bail!("--window: the config has no enabled camera"),
+        (None, _) => bail!("--window: which camera? Give CAMERA=MONITOR; there are: {}", cameras.join(", ")),
+    }
+}
+
+fn no_camera(wanted: &str, cameras: &[&str]) -> Error {
+    anyhow!("--window: the config has no enabled camera {wanted}; there are: {}", cameras.join(", "))
+}

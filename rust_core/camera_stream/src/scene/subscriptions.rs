@@ -1,0 +1,135 @@
+//! The subscriptions of a config, for the node and for `check --live`, and what arrives on them.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rcs_displays::TopicRequest;
+use rcs_messages::MessageKind;
+use rcs_ros::{NodeEvent, RosNode, TopicSubscription};
+use rcs_transforms::Time;
+
+use crate::safety::ages::Source;
+use crate::scene::lazy_streams::{Key, LazyStreams};
+use crate::scene::SceneState;
+
+/// What is subscribed to, and the names that the config has for it.
+#[derive(Default)]
+pub(crate) struct Subscriptions {
+    subscribed: HashMap<Key, TopicSubscription>,
+    names: HashMap<Key, Vec<String>>,
+    lazy: LazyStreams,
+}
+
+impl Subscriptions {
+    /// Subscribes to what is requested and to nothing else. A subscription that is kept keeps its connections.
+    pub(crate) fn update(&mut self, ros: &RosNode, requests: Vec<TopicRequest>) {
+        self.names.clear();
+        let mut queue_sizes: HashMap<Key, usize> = HashMap::new();
+        // In the config's order.
+        let mut wanted: Vec<(Key, String)> = Vec::new();
+        for request in requests {
+            let key: Key = match ros.resolve(&request.topic) {
+                Ok(topic) => (topic.into(), request.kind),
+                Err(error) => {
+                    log::error!("{error}");
+                    continue;
+                }
+            };
+            let queue_size = queue_sizes.entry(key.clone()).or_default();
+            *queue_size = (*queue_size).max(request.queue_size);
+            self.names.entry(key.clone()).or_default().push(request.topic.clone());
+            wanted.push((key, request.topic));
+        }
+        // First, as the same topic may be requested with another type.
+        self.subscribed.retain(|key, _| queue_sizes.contains_key(key));
+        self.lazy.retain(|key| queue_sizes.contains_key(key));
+        for (key, given_name) in wanted {
+            let queue_size = queue_sizes.get(&key).copied().unwrap_or(1);
+            if let Some(subscription) = self.subscribed.get(&key) {
+                subscription.set_queue_size(queue_size);
+                continue;
+            }
+            // By the name in the config: remapping must not be applied twice.
+            match ros.subscribe(&given_name, key.1, queue_size) {
+                Ok(subscription) => drop(self.subscribed.insert(key, subscription)),
+                Err(error) => log::error!("{error}"),
+            }
+        }
+    }
+
+    /// Stops receiving streams that nobody watches, and receives them again as soon as somebody does; see
+    /// [`LazyStreams`]. Returns whether the scene changed: what a stream sent before it was paused is old.
+    pub(crate) fn pause_streams(&mut self, is_watched: bool, stage: &mut SceneState) -> bool {
+        let Self { subscribed, names, lazy } = self;
+        let may_pause = |key: &Key| {
+            let is_replaced = |name: &String| stage.is_replaced_by_newest(name, key.1);
+            subscribed.get(key).is_some_and(|subscription| !subscription.is_latched())
+                && names.get(key).is_some_and(|names| names.iter().all(is_replaced))
+        };
+        let orders = lazy.update(is_watched, Instant::now(), may_pause);
+        for (keys, is_paused) in [(&orders.pause, true), (&orders.resume, false)] {
+            for (key, subscription) in keys.iter().filter_map(|key| Some((key, subscribed.get(key)?))) {
+                log::debug!(
+                    "{}: {}",
+                    key.0,
+                    if is_paused { "not received while nobody watches" } else { "received again" }
+                );
+                subscription.set_paused(is_paused);
+            }
+        }
+        for (key, name) in
+            orders.pause.iter().flat_map(|key| names.get(key).into_iter().flatten().map(move |n| (key, n)))
+        {
+            stage.forget_topic(name, key.1);
+        }
+        !orders.pause.is_empty()
+    }
+
+    /// How long pictures wait at most for streams that are received again; `None` if they need not wait.
+    pub(crate) fn awaited(&mut self, now: Instant) -> Option<Duration> {
+        self.lazy.waits(now)
+    }
+
+    /// Whether a topic, by its name in the config, is not received because nobody watches.
+    pub(crate) fn is_paused(&self, topic: &str) -> bool {
+        let is_it = |(_, names): &(&Key, &Vec<String>)| names.iter().any(|name| name == topic);
+        self.names.iter().filter(is_it).any(|((whole, _), _)| self.lazy.is_paused(whole))
+    }
+
+    /// The config's names of a topic.
+    fn names(&self, topic: &Arc<str>, kind: MessageKind) -> &[String] {
+        self.names.get(&(Arc::clone(topic), kind)).map(Vec::as_slice).unwrap_or_default()
+    }
+
+    /// Who publishes a topic of this type at present, by its name in the config; none where it is not subscribed to.
+    pub(crate) fn source(&self, name: &str, kind: MessageKind) -> Option<Source> {
+        let has_name = |key: &&Key| key.1 == kind && self.names(&key.0, kind).iter().any(|known| known == name);
+        let key = self.names.keys().find(has_name)?;
+        let publishing = self.subscribed.get(key)?.publishing();
+        Some(Source { topic: key.0.to_string(), publishing })
+    }
+
+    /// Applies an event to the stage, if it is one that changes the scene: a message, transforms, a parameter, a
+    /// publisher that left, time that jumped back. `now` is ROS time.
+    pub(crate) fn apply(&mut self, event: NodeEvent, stage: &mut SceneState, now: Time) {
+        match event {
+            NodeEvent::Message { topic, message, received, .. } => {
+                self.lazy.note_message(&(Arc::clone(&topic), message.kind()), received);
+                for name in self.names(&topic, message.kind()) {
+                    stage.take_received(name, &message, Some(received), now);
+                }
+            }
+            NodeEvent::Transforms { message, is_static, authority, .. } => {
+                stage.take_transforms(&message, is_static, &authority);
+            }
+            NodeEvent::Parameter { name, text } => stage.take_parameter(&name, text.as_ref(), now),
+            NodeEvent::PublisherLeft { topic } => {
+                for name in MessageKind::ALL.iter().flat_map(|kind| self.names(&topic, *kind)) {
+                    stage.publisher_left(name);
+                }
+            }
+            NodeEvent::TimeJumpedBack { .. } => stage.reset(),
+        }
+    }
+}
